@@ -132,7 +132,7 @@ def _refuse_links(folder: Path, names: Iterable[str]) -> None:
         inside.add(folder)
     for place in sorted(inside):
         if place.is_symlink():
-            reason = "it is a link to another folder; name the folder that is meant with -o"
+            reason = "it is a link to another folder; give the folder itself with -o"
             raise OSError(errno.ELOOP, reason, str(place))
 
 

@@ -43,7 +43,7 @@ def _plot(name: str) -> Plot:
         if "state" not in dataset:
             return RunFigures(dataset, start, end).draw(name)[0]
         if start is not None or end is not None:
-            raise ViewError("expected no start and end with a sweep")
+            raise ViewError("expected no start or end for a sweep, which has no time window")
         return SweepFigures(dataset).draw(name)[0]
 
     kinds = {"a run": RUN_FIGURES, "a sweep": SWEEP_FIGURES}

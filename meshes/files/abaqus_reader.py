@@ -84,7 +84,7 @@ def read_inp(path: Path) -> GroupedLines:
     except OSError as error:
         raise MeshFileError(f"a readable file ({error.strerror})") from None
     except ValueError as error:
-        raise MeshFileError(f"an .inp file, text ({error})") from None
+        raise MeshFileError(f"an .inp file in plain text ({error})") from None
     content = _Content()
     for card in _cards(text):
         try:
@@ -92,7 +92,7 @@ def read_inp(path: Path) -> GroupedLines:
         except MeshFileError:
             raise
         except UNSOUND:
-            raise MeshFileError(f"an .inp file with sound data under *{card.keyword}") from None
+            raise MeshFileError(f"an .inp file with valid data under *{card.keyword}") from None
     return _grouped(content)
 
 
@@ -102,14 +102,14 @@ def _cards(text: str) -> Iterator[_Card]:
     for line in lines:
         if not line.startswith("*"):
             if card is None:
-                raise MeshFileError("an .inp file, beginning with a keyword such as *NODE")
+                raise MeshFileError("an .inp file that begins with a keyword such as *NODE")
             card.rows.append([part.strip() for part in line.rstrip().rstrip(",").split(",")])
             continue
         parts = [line.rstrip()]
         while parts[-1].endswith(","):
             following = next(lines, None)
             if following is None:
-                raise MeshFileError("a data line after the comma at the end of the file")
+                raise MeshFileError("another line after the last one, which ends with a comma")
             parts.append(following.rstrip())
         line = "".join(parts)
         if card is not None:
@@ -149,9 +149,11 @@ def _read(card: _Card, content: _Content) -> None:
         case "ROTARY INERTIA":
             content.masses.append(("inertia", card.needs("ELSET"), float(card.rows[0][-1])))
         case "INSTANCE" if card.rows:
-            raise MeshFileError("a part that its *INSTANCE neither moves nor turns")
+            raise MeshFileError("an *INSTANCE without translation and rotation of its part")
         case keyword if keyword in CHANGES_THE_MESH:
-            raise MeshFileError(f"an .inp file without *{keyword}, written out in full")
+            raise MeshFileError(
+                f"an .inp file without *{keyword}, with all nodes and elements listed"
+            )
 
 
 def _read_nodes(card: _Card, content: _Content) -> None:
@@ -160,7 +162,8 @@ def _read_nodes(card: _Card, content: _Content) -> None:
     for number, *coordinates in card.rows:
         if int(number) in content.points:
             raise MeshFileError(
-                f"each node once; there are two numbers {number} (one part only, please)"
+                f"each node once; node number {number} is defined twice"
+                " (only one part per file can be read)"
             )
         xyz = [float(value or 0.0) for value in coordinates[:3]]
         content.points[int(number)] = xyz + [0.0] * (3 - len(xyz))
@@ -180,7 +183,7 @@ def _read_elements(card: _Card, content: _Content) -> None:
     elif STRAIGHT.fullmatch(kind):
         for number, first, second, *_ in rows:
             if number in content.lines:
-                raise MeshFileError(f"each element once; there are two numbers {number}")
+                raise MeshFileError(f"each element once; element number {number} is defined twice")
             content.lines[number] = [first, second]
     else:
         raise MeshFileError(f"lines only, found {len(rows)} cells of type {kind}")
@@ -223,7 +226,9 @@ def _members(card: _Card, sets: Mapping[str, list[int]]) -> list[int]:
         elif value in sets:
             members += sets[value]
         else:
-            raise MeshFileError(f"sets made of numbers and earlier sets; {value!r} is neither")
+            raise MeshFileError(
+                f"sets that consist of numbers and earlier sets; {value!r} is neither"
+            )
     return members
 
 
@@ -235,7 +240,7 @@ def _grouped(content: _Content) -> GroupedLines:
     missing = {n for ends in content.lines.values() for n in ends} - set(node)
     missing |= set(content.point_elements.values()) - set(node)
     if missing:
-        raise MeshFileError(f"nodes for all elements; there is no node {min(missing)}")
+        raise MeshFileError(f"all nodes of the elements; node {min(missing)} is not defined")
     elements = {k: v for k, v in content.element_sets.items() if not OWN_SETS.fullmatch(k)}
     return GroupedLines(
         points=in_plane(np.array([*content.points.values()])),
@@ -260,7 +265,7 @@ def _mass_data(content: _Content, node: Mapping[int, int]) -> dict[str, FloatArr
         values = data.setdefault(name, np.zeros(len(node)))
         for element in content.element_sets.get(elset, []):
             if element not in content.point_elements:
-                raise MeshFileError(f"masses of point elements; {element} is none")
+                raise MeshFileError(f"masses on point elements only; element {element} is not one")
             values[node[content.point_elements[element]]] += value
     return data
 

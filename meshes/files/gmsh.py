@@ -120,14 +120,16 @@ def _check_head(path: Path) -> None:
     for name, dimensions in blocks.items():
         if len(dimensions) > 1:
             kinds = " and ".join(("points", "curves", "surfaces", "volumes")[d] for d in dimensions)
-            raise MeshFileError(f"one physical group a name; {kinds} share the name {name!r}")
+            raise MeshFileError(
+                f"one physical group for each name; {kinds} share the name {name!r}"
+            )
 
 
 def _check_numbers(line: bytes) -> None:
     """Refuse a line of nodes or elements with whole numbers that are too large."""
     words = line.split()
     if any(word.isdigit() and int(word) > LARGEST_NUMBER for word in words):
-        raise MeshFileError(f"numbers of nodes and elements up to {LARGEST_NUMBER}")
+        raise MeshFileError(f"node and element numbers of at most {LARGEST_NUMBER}")
 
 
 def _is_member(mesh: meshio.Mesh, block: int, name: str, tag: int) -> Any:
@@ -182,10 +184,12 @@ def write_msh(path: Path, mesh: GroupedLines) -> None:
     both = sorted(set(mesh.node_groups) & set(mesh.line_groups))
     both += sorted(set(mesh.node_data) & set(mesh.line_data))
     if both:
-        raise MeshFileError(f"for .msh, other names on nodes than on lines; both have {both[0]!r}")
+        raise MeshFileError(f"for .msh, different names for nodes and lines; both have {both[0]!r}")
     for name in [*mesh.node_groups, *mesh.line_groups]:
         if '"' in name or "\\" in name or not name.isprintable() or VALUE.fullmatch(name):
-            raise MeshFileError(f"for .msh, names without quotes and numbers, not {name!r}")
+            raise MeshFileError(
+                f"for .msh, names without quotes that are not numbers, not {name!r}"
+            )
     groups = (
         dict(mesh.node_groups) | _value_groups(mesh.node_data),
         dict(mesh.line_groups) | _value_groups(mesh.line_data),

@@ -90,7 +90,7 @@ def in_plane(points: FloatArray) -> FloatArray:
         raise MeshFileError("a mesh of nodes with two or three coordinates")
     if not np.isfinite(points).all():
         bad = int((~np.isfinite(points)).any(axis=1).argmax()) + 1
-        raise MeshFileError(f"finite coordinates; those of node {bad} are not")
+        raise MeshFileError(f"finite coordinates; the coordinates of node {bad} are not finite")
     if points.shape[1] == 3:
         size = np.ptp(points[:, :2], axis=0).max()
         away = np.abs(points[:, 2] - points[0, 2])

@@ -42,7 +42,7 @@ def read_line_mesh(path: str | PathLike[str]) -> GroupedLines:
     if len(mesh.lines) > MOST_LINES:
         raise MeshFileError(f"at most {MOST_LINES} lines; it has {len(mesh.lines)}")
     if not (mesh.lines.min() >= 0 and mesh.lines.max() < len(mesh.points)):
-        raise MeshFileError("nodes for all lines; some are missing")
+        raise MeshFileError("all nodes of the lines; some nodes are not defined")
     return mesh
 
 

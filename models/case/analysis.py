@@ -171,7 +171,7 @@ class March(Table):
             below, above = (int(ratio) * self.time_step, (int(ratio) + 1) * self.time_step)
             expected = (
                 f"a whole number of time steps of {self.time_step!r} s:"
-                f" {below:.9g} or {above:.9g}, not {ratio:.9g} of them"
+                f" {below:.9g} s or {above:.9g} s, not {ratio:.9g} time steps"
             )
             yield Inconsistency("record_step", expected, ("time_step",))
         for key in ("duration", "record_step"):

@@ -125,10 +125,10 @@ class Mistuning(Table):
             listed, spread = getattr(self, name), getattr(self, f"{name}_spread")
             key = f"mistuning.{name}"
             if listed and len(listed) != blades:
-                expected = f"{blades} factors, one a blade, not {len(listed)}"
+                expected = f"{blades} factors, one for each blade, not {len(listed)}"
                 yield Inconsistency(key, expected, ("blades",))
             if listed and spread:
-                expected = f"either factors or bladed_disk.mistuning.{name}_spread"
+                expected = f"either factors or bladed_disk.mistuning.{name}_spread, not both"
                 yield Inconsistency(key, expected, (f"mistuning.{name}_spread",))
             elif spread > MOST_SPREAD or not np.all(self.factors(name, blades) > 0.0):
                 yield Inconsistency(f"{key}_spread", f"at most {MOST_SPREAD:g}", ())
@@ -228,7 +228,7 @@ class BladedDisk(Table):
         if self.mesh is not None:
             for name, field in type(self).model_fields.items():
                 if name != "mesh" and getattr(self, name) != field.default:
-                    yield Inconsistency(name, "to be left out beside bladed_disk.mesh", ("mesh",))
+                    yield Inconsistency(name, "no such key beside bladed_disk.mesh", ("mesh",))
             return
         if self.disk_radius >= self.tip_radius:
             expected = f"less than bladed_disk.tip_radius = {self.tip_radius!r}"
@@ -238,7 +238,7 @@ class BladedDisk(Table):
         if self.blades * sector > MOST:
             expected = f"at most {MOST} elements on bladed_disk.blades = {self.blades} blades"
             if self.shrouds:
-                expected += f", those of shrouds counted: {self.blades * sector}"
+                expected += f", including those of shrouds, not {self.blades * sector}"
             yield Inconsistency("elements_per_blade", expected, ("blades", "shrouds"))
         if self.elements_per_blade <= len(self.cut_radii):
             expected = f"at least {len(self.cut_radii) + 1}, for shrouds and masses along the blade"
@@ -270,13 +270,15 @@ class BladedDisk(Table):
             yield Inconsistency("shrouds", expected, ("disk_radius", "tip_radius"))
         for one, other in combinations(self.shrouds, 2):
             if one.radius == other.radius and len({*one.cuts, *other.cuts}) < self.blades:
-                yield Inconsistency("shrouds", "one shroud at a radius between two blades", ())
+                yield Inconsistency(
+                    "shrouds", "at most one shroud at each radius between two blades", ()
+                )
         if not all(mass.radius == 0.0 or root <= mass.radius <= tip for mass in self.point_masses):
             expected = f"radii of 0 or from disk_radius = {root!r} to tip_radius = {tip!r}"
             yield Inconsistency("point_masses", expected, ("disk_radius", "tip_radius"))
         if any(mass.radius == 0.0 and mass.blades is not None for mass in self.point_masses):
             yield Inconsistency(
-                "point_masses", "no blades for a mass at radius = 0, the centre", ()
+                "point_masses", "no list of blades for a mass at radius = 0, the centre", ()
             )
         radii = [ring.radius for ring in self.disk_rings]
         if not all(radius < root for radius in radii) or len(set(radii)) < len(radii):
@@ -284,8 +286,10 @@ class BladedDisk(Table):
             yield Inconsistency("disk_rings", expected, ("disk_radius",))
         hub = sum(mass.mass for mass in self.point_masses if mass.radius == 0.0)
         if self.disk_kind == "rim" and not hub > 0.0:
-            expected = 'a mass at radius = 0, which bladed_disk.disk_kind = "rim" does not give'
+            expected = (
+                'a mass at radius = 0: with bladed_disk.disk_kind = "rim" the centre has none'
+            )
             yield Inconsistency("point_masses", expected, ("disk_kind",))
         if radii and not self.disk_kind.startswith("spokes"):
-            expected = 'none, or a bladed_disk.disk_kind with spokes, such as "spokes-and-rim"'
+            expected = 'no rings, or a bladed_disk.disk_kind with spokes, such as "spokes-and-rim"'
             yield Inconsistency("disk_rings", expected, ("disk_kind",))

@@ -110,17 +110,17 @@ class Case(Table):
         for key in ("tip_velocity", "tip_displacement"):
             rows = getattr(self.initial, key)
             if rows is not None and len(rows) != self.blades:
-                expected = f"{self.blades} rows, one a blade, not {len(rows)}"
+                expected = f"{self.blades} rows, one for each blade, not {len(rows)}"
                 others = ("bladed_disk.blades", "bladed_disk.mesh.tips", "sketch")
                 yield Inconsistency(f"initial.{key}", expected, others)
         yield from self._unknown_materials()
         if self.shaft.damping_frame == "static" and self.rotation.effects != "full":
-            expected = '"rotating", or rotation.effects = "full": it takes Coriolis forces'
+            expected = '"rotating", or rotation.effects = "full" (Coriolis forces)'
             yield Inconsistency("shaft.damping_frame", expected, ("rotation.effects",))
         if self.sketch is not None:
             for name, field in BladedDisk.model_fields.items():
                 if getattr(self.bladed_disk, name) != field.default:
-                    expected = "to be left out beside [sketch]"
+                    expected = "no such key beside [sketch]"
                     yield Inconsistency(f"bladed_disk.{name}", expected, ("sketch",))
 
     def _unknown_materials(self) -> Iterator[Inconsistency]:

@@ -56,7 +56,9 @@ class SpringSupport(Table):
         """Yield an error for a support without stiffness and damping."""
         if not (self.radial or self.tangential or self.radial_damping or self.tangential_damping):
             others = ("tangential", "radial_damping", "tangential_damping")
-            yield Inconsistency("radial", f"more than 0 here or in {', '.join(others)}", others)
+            yield Inconsistency(
+                "radial", f"more than 0 for this key or for {', '.join(others)}", others
+            )
 
 
 class Strut(BeamSection):
@@ -77,7 +79,7 @@ class Strut(BeamSection):
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error for a strut that points inward."""
         if not abs(self.inclination) < TURN / 4.0:
-            expected = "less than a quarter turn either way: struts run outward"
+            expected = "less than a quarter turn in either direction: struts point outward"
             yield Inconsistency("inclination", expected, ())
 
 
@@ -168,7 +170,7 @@ class Casing(Table):
         if (smallest := self.clearance_profile.smallest) < 0.0:
             expected = (
                 f"lobes that leave a gap: with casing.clearance = {self.clearance!r} the smallest"
-                f" would be {smallest:.6g} m"
+                f" gap would be {smallest:.6g} m"
             )
             yield Inconsistency("clearance_lobes", expected, ("clearance",))
         if not (thinnest := self.thickness_profile.smallest) > 0.0:
@@ -183,8 +185,9 @@ class Casing(Table):
             ahead = np.mod(following.start - arc.start, TURN) if len(arcs) > 1 else TURN
             if arc.end - arc.start > ahead + SAME_ANGLE:
                 expected = (
-                    f"arcs that do not overlap: from {arc.start:.6g} rad, one ends at"
-                    f" {arc.end:.6g} rad, beyond the start of the next at {following.start:.6g} rad"
+                    f"arcs that do not overlap; the arc from {arc.start:.6g} rad to"
+                    f" {arc.end:.6g} rad overlaps the next one, which starts at"
+                    f" {following.start:.6g} rad"
                 )
                 yield Inconsistency("stiffened_arcs", expected)
                 break

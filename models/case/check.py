@@ -72,7 +72,7 @@ def _expected(details: ErrorDetails, path: Path) -> str:
     if kind == "literal_error":
         return str(context["expected"]).replace("'", '"')
     if kind == "missing":
-        return f"a value of {path[-1]}"
+        return f"a value for {path[-1]}"
     if kind in TABLE_ERRORS:
         return f"a table, [{_dotted(path)}]"
     return FIXED_PHRASES.get(kind, details["msg"])
@@ -109,7 +109,9 @@ def _known_key(location: Path, path: Path) -> str:
     name, table = str(path[-1]), path[:-1]
     kinds = [f'"{kind}"' for kind, load in EXCITATIONS.items() if name in load.model_fields]
     if path[0] == "excitation" and kinds:
-        return f'a key of excitation.type = "{location[1]}"; this one is of {" and ".join(kinds)}'
+        return (
+            f'a key of excitation.type = "{location[1]}"; this key belongs to {" and ".join(kinds)}'
+        )
     known = _known_keys()
     names = tuple(part for part in table if isinstance(part, str))  # without numbers of rows
     siblings = [key[-1] for key in known if key[:-1] == names]

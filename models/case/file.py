@@ -115,7 +115,7 @@ def override_values(overrides: Iterable[str]) -> dict[str, Any]:
     for override in overrides:
         key, equals, text = (part.strip() for part in override.partition("="))
         if not equals or not re.fullmatch(r"[\w-]+(\.[\w-]+)*", key, re.ASCII):
-            expected = "KEY=VALUE with a dotted key, march.speed=1.2"
+            expected = "KEY=VALUE with a dotted key, such as march.speed=1.2"
             raise CaseError([Fault(file=f"{SET} {override}", expected=expected)])
         try:
             [(_, values[key])] = tomllib.loads(f"value = {text}").items()

@@ -162,7 +162,9 @@ class MeshTable(Table):
         if name not in mesh.node_groups:
             raise CaseError([self.fault(key, self._one_of("nodes", mesh.node_groups))])
         if not len(mesh.node_groups[name]):
-            expected = f"a group with nodes that lines lead to; that of {self.file_name} has none"
+            expected = (
+                f"a group of nodes on lines; in {self.file_name} none of its nodes is on a line"
+            )
             raise CaseError([self.fault(key, expected)])
         return np.unique(mesh.node_groups[name])
 
@@ -196,8 +198,8 @@ class MeshTable(Table):
             x, y = (mesh.points[bare[0]] * self.metres).tolist()
             yield self.fault(
                 "tips",
-                f"a line to every node of the group; {len(bare)} of {len(tips)} in {self.file_name}"
-                f" {'have' if len(bare) > 1 else 'has'} none, first that at ({x:.4g}, {y:.4g}) m",
+                f"every node of the group on a line; of {len(tips)} nodes in {self.file_name}"
+                f" {len(bare)} are on no line, the first at ({x:.4g}, {y:.4g}) m",
             )
 
     def _one_of(self, kind: str, groups: Mapping[str, IntArray]) -> str:

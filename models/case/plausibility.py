@@ -69,7 +69,7 @@ def case_hints(case: Case) -> tuple[str, ...]:
     """Return warnings for a case, one line each."""
     hints = [
         f"unusual {fault.key} = {fault.value!r}: expected {fault.expected};"
-        ' text may carry a unit, "10 mm"'
+        ' a value may be text with a unit, such as "10 mm"'
         for fault in unusual_values(case)
     ]
     load, duration = case.excitation, case.march.duration

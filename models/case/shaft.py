@@ -30,7 +30,9 @@ class Rotation(Table):
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error for a cold clearance without rotation effects, where tips do not grow."""
         if self.effects == "none" and self.clearance == "cold":
-            expected = '"hot", or rotation.effects = "centrifugal" or "full", with which tips grow'
+            expected = (
+                '"hot", or rotation.effects = "centrifugal" or "full": only then do tips grow'
+            )
             yield Inconsistency("clearance", expected, ("effects",))
 
 
@@ -84,10 +86,10 @@ class Shaft(Table):
             if "stiffness" in self.model_fields_set:
                 given.insert(0, "stiffness")
             if given:
-                expected = f"to be left out beside shaft.{given[0]}"
+                expected = f"no such key beside shaft.{given[0]}"
                 yield Inconsistency("suspension_frequency", expected, tuple(given))
         if self.damping_frame == "static" and len(set(self.dampings)) > 1:
-            expected = 'shaft.damping, or shaft.damping_frame = "rotating"'
+            expected = 'the value of shaft.damping, or shaft.damping_frame = "rotating"'
             yield Inconsistency("damping_y", expected, ("damping", "damping_frame"))
 
     @property

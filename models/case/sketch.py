@@ -105,12 +105,12 @@ def _name_faults(sketch: SketchTable) -> Faults:
     for kind, named in (("node", sketch.nodes), ("member", sketch.members), ("set", sketch.sets)):
         for name, times in Counter(one.name for one in named).items():
             if times > 1:
-                yield f"{kind} {name!r}", f"one of that name, not {times}"
+                yield f"{kind} {name!r}", f"only one {kind} of that name, not {times}"
     if not sketch.members:
         yield "members", "one or more"
     for member in sketch.members:
         if (member.section is None) == (not member.stations):
-            yield f"member {member.name!r}", "either a section or stations"
+            yield f"member {member.name!r}", "either a section or stations, not both"
     for name in NEEDED_SETS:
         if not sketch.node_sets.get(name):
             yield "sets", f'the set "{name}"'
@@ -132,7 +132,7 @@ def _reference_faults(sketch: SketchTable) -> Faults:
                 connected.add(name)
     for node in sketch.nodes:
         if node.name not in connected:
-            yield f"node {node.name!r}", "a member, a link or a spring at it"
+            yield f"node {node.name!r}", "a member, a link or a spring at this node"
 
 
 def _sector_faults(sketch: SketchTable) -> Faults:
@@ -144,7 +144,7 @@ def _sector_faults(sketch: SketchTable) -> Faults:
         if len(set(chosen)) < len(chosen) or not all(0 <= s < sketch.sectors for s in chosen):
             yield place, f"sectors from 0 to {sketch.sectors - 1}, each once"
         if sketch.is_shared(*part.references):
-            yield place, "no sectors: its nodes are shared, so that it is there once"
+            yield place, "no list of sectors: all its nodes are shared, so it exists only once"
     for edit in sketch.edits:
         if edit.sector >= sketch.sectors:
             yield f"edit of sector {edit.sector}", f"a sector from 0 to {sketch.sectors - 1}"
@@ -165,19 +165,19 @@ def _edit_faults(sketch: SketchTable) -> Faults:
         elif edit.member is not None and edit.member not in members:
             yield place, f"a member of the sketch, not {edit.member!r}"
         elif edit.node is not None and edit.at is None:
-            yield place, f"where node {edit.node!r} is to be"
+            yield place, f"the new position of node {edit.node!r}"
         part = f"node {edit.node!r}" if edit.node is not None else f"member {edit.member!r}"
         place = f"edit of {part} in sector {edit.sector}"
         seen[edit.sector, part] += 1
         if seen[edit.sector, part] == 2:
-            yield place, "one edit of a part in a sector, with all that differs"
+            yield place, "one edit for each part and sector, with all its differences"
         member = members.get(edit.member or "")
         references = member.references if member else [edit.node] if edit.node else []
         if references and sketch.is_shared(*references) and edit.sector != 0:
-            yield place, "sector 0, which shared parts belong to"
+            yield place, "sector 0: shared parts belong to it"
         if member is not None and member.sectors is not None and edit.sector not in member.sectors:
             existing = ", ".join(map(str, member.sectors)) or "none"
-            yield place, f"a sector that has it ({existing})"
+            yield place, f"a sector with this part ({existing})"
 
 
 def turned(point: tuple[float, float], angle: float) -> FloatArray:

@@ -35,11 +35,11 @@ def standing_obstacles(modal: ModalStage, *, damped: bool) -> tuple[str, ...]:
     shaft, casing = modal.case.shaft, modal.casing
     obstacles = []
     if not casing.structure.is_cyclic:
-        obstacles.append("the casing is not the same all round")
+        obstacles.append("the casing is not axisymmetric")
     if shaft.anisotropy != 0.0 and not shaft.clamped:
-        obstacles.append("the shaft springs that stand still differ")
+        obstacles.append("the stationary shaft springs are unequal")
     if damped and (casing.dampers.shape[0] or (any(shaft.dampings) and not shaft.clamped)):
-        obstacles.append("with --damped there are dampers")
+        obstacles.append("--damped includes dampers at points")
     return tuple(obstacles)
 
 
@@ -89,7 +89,7 @@ def coupled_waves(
         harmonics = harmonics[kept]
         rotor_waves, casing_waves = rotor_waves[kept], casing_waves[kept]
     if not (rotor_waves.any() and casing_waves.any()):
-        raise ValueError(f"{modes}: expected modes of both bodies that springs couple")
+        raise ValueError(f"{modes}: expected modes of both bodies that can be coupled by springs")
     if not physical:
         rotor_waves = rotor_waves / np.linalg.norm(rotor_waves, axis=(0, 1))
         casing_waves = casing_waves / np.linalg.norm(casing_waves, axis=(0, 1))

@@ -56,7 +56,7 @@ def case_beam_model(case: Case) -> BeamModel:
         reach = float(model.tip_radius - model.tip_recess[tight])
         outside = reach > model.tip_radius + case.casing.clearance
         expected = (
-            f"tips inside the casing: that of blade {tight}, at radius {reach:.6g} m, "
+            f"tips inside the casing: the tip of blade {tight}, at radius {reach:.6g} m, "
             + ("is outside" if outside else "reaches into its lobes")
             + f" by {-smallest_gap[tight]:.3g} m where the casing is narrowest"
         )
@@ -130,7 +130,9 @@ def lowest_frequency(disk: BladedDiskModel, frequencies: Iterable[float]) -> flo
     structure, lowest = disk.structure, float(min(frequencies))
     largest_square = np.max(structure.stiffness.diagonal() / structure.mass.diagonal())
     if not lowest > np.sqrt(LOST * np.finfo(np.float64).eps * largest_square):
-        raise FloatingPointError("the lowest frequency of the bladed disk is lost in rounding")
+        raise FloatingPointError(
+            "the lowest frequency of the bladed disk is below the rounding error"
+        )
     return lowest
 
 
@@ -160,5 +162,5 @@ def numbers_within_reach(case: Case) -> Iterator[None]:
             warnings.simplefilter("error", la.LinAlgWarning)
             yield
     except (ArithmeticError, ValueError, la.LinAlgError, la.LinAlgWarning) as error:
-        expected = f"sizes, material and springs within reach of double precision ({error})"
+        expected = f"sizes, material and springs that double precision can represent ({error})"
         raise CaseError([*unusual_values(case)] or [Fault(expected=expected)]) from None

@@ -177,20 +177,24 @@ def _sets(model: BeamModel, key: str) -> Iterator[Fault]:
     if model.centre in model.tips:
         yield Fault(key=key, expected='a centre that is not in the set "tips"')
     elif len(tips) > 1 and not (np.all(steps > 0.0) and abs(steps.sum() - 2.0 * np.pi) < 1e-6):
-        expected = 'the set "tips" counter-clockwise, each tip at an angle of its own'
+        expected = 'the set "tips" in counter-clockwise order, each tip at a different angle'
         yield Fault(key=key, expected=expected)
 
 
 def _links(model: BeamModel, key: str) -> Iterator[Fault]:
     led = model.links.led
     for node in np.flatnonzero(np.bincount(led, minlength=1) > 1):
-        yield Fault(key=key, expected=f"one leader for {_node(model, int(node))}, not several")
+        yield Fault(
+            key=key, expected=f"one leader for {_node(model, int(node))}, not several leaders"
+        )
     for node in np.intersect1d(led, model.links.leader):
-        expected = f"a leader that is not tied itself; {_node(model, int(node))} is"
+        expected = f"a leader that is not itself tied to another node; {_node(model, int(node))} is"
         yield Fault(key=key, expected=expected)
     for name in ("tips", "centre"):
         for node in np.intersect1d(led, model.mesh.node_sets[name])[:1]:
-            expected = f'a set "{name}" of nodes that are not tied; {_node(model, int(node))} is'
+            expected = (
+                f'a set "{name}" of nodes that are not tied; {_node(model, int(node))} is tied'
+            )
             yield Fault(key=key, expected=expected)
 
 
@@ -219,7 +223,7 @@ def _doubled(model: BeamModel, key: str) -> Iterator[Fault]:
         line = again[0]
         names = dict.fromkeys([str(parts[first[number.ravel()[line]]]), str(parts[line])])
         between = " and ".join(_node(model, int(node)) for node in ends[line])
-        expected = f"one beam between two nodes; {' and '.join(map(repr, names))} lie on each other"
+        expected = f"one beam between two nodes; {' and '.join(map(repr, names))} coincide"
         yield Fault(key=key, expected=f"{expected} between {between}")
 
 

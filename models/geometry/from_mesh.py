@@ -214,16 +214,16 @@ def _double_parts(mesh: GroupedLines) -> Iterator[str]:
     if len(pairs):
         x, y = mesh.points[pairs[0, 0]].tolist()
         yield (
-            f"one node at each place; {len(pairs)} pairs lie on each other, first at ({x:g}, {y:g})"
-            ": merge them in the mesher"
+            f"one node at each place; {len(pairs)} pairs of nodes coincide, the first at"
+            f" ({x:g}, {y:g}): merge them in the mesh generator"
         )
         return
     lines, times = np.unique(np.sort(mesh.lines[mesh.is_beam], axis=1), axis=0, return_counts=True)
     loops, twice = lines[lines[:, 0] == lines[:, 1]], lines[times > 1]
-    for what, faulty in (("lines with a length", loops), ("each line once", twice)):
+    for what, faulty in (("no lines of zero length", loops), ("each line only once", twice)):
         if len(faulty):
             x, y = mesh.points[faulty[0, 0]].tolist()
-            yield f"{what}; {len(faulty)} are not so, first at ({x:g}, {y:g})"
+            yield f"{what}; {len(faulty)} violate this, the first at ({x:g}, {y:g})"
 
 
 def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> LineProperties:
@@ -255,21 +255,21 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
     if twice:
         groups = [k for k in table.sections if twice[0] in mesh.line_groups[k]]
         both = " and ".join(map(repr, groups))
-        expected = f"one section a line; {both} share {len(twice)} of the lines"
+        expected = f"one section for each line; {both} have {len(twice)} lines in common"
         raise CaseError([table.fault("sections", expected)])
     thin = np.flatnonzero((np.abs(changes) >= 2.0 * values).any(axis=0) & (values > 0).all(axis=0))
     if len(thin):
         quantity = int(np.argmax(np.abs(changes[:, thin[0]]) / values[:, thin[0]]))
         name, change = CHANGES[quantity], changes[quantity, thin[0]]
-        expected = f"sections above zero all along lines; line {thin[0]} has {name} {change:g}"
+        expected = f"positive sections along all lines; line {thin[0]} has {name} {change:g}"
         raise CaseError([table.fault("file", expected)])
     bare = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)).all(axis=0))
     if len(bare):
         groups = [k for k, lines in mesh.line_groups.items() if np.isin(bare, lines).any()]
         named = f", in {', '.join(map(repr, groups))}" if groups else ", in no group"
         expected = (
-            f"a section for all lines; {len(bare)} of {len(mesh.lines)} have none{named} (what a"
-            ' file says itself counts, in SI, where unit is "m")'
+            f"a section for all lines; {len(bare)} of {len(mesh.lines)} have none{named} (sections"
+            ' in the file itself are in SI units and are used only if unit is "m")'
         )
         raise CaseError([table.fault("sections", expected)])
     names = (*QUANTITIES, *CHANGES)
@@ -284,7 +284,9 @@ def _hung(table: MeshTable, mesh: GroupedLines) -> dict[str, Any]:
         raise CaseError([table.fault("file", str(error))]) from None
     for name, count in (("point masses", len(masses.node)), ("springs", len(joints.node))):
         if count and table.metres != 1.0:
-            expected = f'"m" for a file with {name}, which count in SI; {table.file_name} has some'
+            expected = (
+                f'"m" for a file with {name}, which are in SI units, such as {table.file_name}'
+            )
             raise CaseError([table.fault("unit", expected)])
     return {"masses": masses, "springs": joints, "links": rigid_links(mesh)}
 

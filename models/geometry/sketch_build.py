@@ -219,7 +219,7 @@ class _Drawing:
         points = np.array(given)
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         if not steps.min() > SHORTEST * np.abs(points).max():
-            expected = "a member with length: two points in a row of it are alike"
+            expected = "different consecutive points of the member; two of them coincide"
             key = f"sketch: member {member.name!r} in sector {sector}"
             raise CaseError([Fault(key=key, expected=expected)])
         return points_along(points, member.elements)

@@ -99,7 +99,7 @@ class _Blade:
             reached = (np.hypot(*points.T) - self._root) / self._span
             reached[0], reached[-1] = 0.0, 1.0
             if np.any(np.diff(reached) <= 0.0):
-                expected = "a line that leads outward all the way from root to tip"
+                expected = "a centre line whose radius increases all the way from root to tip"
                 raise CaseError([Fault(key="bladed_disk.centre_line", expected=expected)])
             smooth = CubicSpline(reached, turned - turned[-1])  # the tip at angle zero
             self._angle = lambda span: float(smooth(span))

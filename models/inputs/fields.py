@@ -116,7 +116,7 @@ def _checked(phrase: str, sign: Sign, convert: Callable[[str], float]) -> Before
 
 
 _SPEED_PHRASE = (
-    "a number, counting multiples of the reference frequency, or text in rpm, Hz or rad/s such as "
+    "a number (a multiple of the reference frequency) or text in rpm, Hz or rad/s such as "
     '"2500 rpm"'
 )
 
@@ -193,8 +193,8 @@ _Velocity = Annotated[float, quantity("m/s", "any")]
 DisplacementPair = Annotated[tuple[_Coordinate, _Coordinate], _items("two displacements in m", 2)]
 VelocityPair = Annotated[tuple[_Velocity, _Velocity], _items("two velocities in m/s", 2)]
 DisplacementRows = Annotated[
-    tuple[DisplacementPair, ...], _items("rows of two displacements in m, one row a blade")
+    tuple[DisplacementPair, ...], _items("rows of two displacements in m, one row for each blade")
 ]
 VelocityRows = Annotated[
-    tuple[VelocityPair, ...], _items("rows of two velocities in m/s, one row a blade")
+    tuple[VelocityPair, ...], _items("rows of two velocities in m/s, one row for each blade")
 ]

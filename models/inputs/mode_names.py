@@ -128,7 +128,7 @@ def _instead(name: ModeName, modes: NamedModes, radial: dict[int, IntArray]) -> 
     families = list(dict.fromkeys(modes.family))
     body = "casing" if name.on_casing else "bladed disk"
     if name.family is None and not radial:
-        return f"{name}: the stage has no cyclic symmetry, name families of the casing"
+        return f"{name}: the stage has no cyclic symmetry; name modes of the casing by family"
     if name.family not in (None, EVERY, *families):
         near = get_close_matches(str(name.family), families, n=1)
         hint = f", did you mean {near[0]}?" if near else ""

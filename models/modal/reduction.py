@@ -59,7 +59,7 @@ def craig_bampton(
     internal = structure.size - len(boundary)
     if fixed_interface_modes > internal:
         raise ValueError(
-            f"{fixed_interface_modes} fixed-interface modes asked for, but the bladed disk has "
+            f"{fixed_interface_modes} fixed-interface modes requested, but the bladed disk has "
             f"{internal} internal degrees of freedom"
         )
     if structure.is_cyclic:

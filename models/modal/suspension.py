@@ -85,10 +85,11 @@ def _within_reach(case: Case, required: float, stiffness: float) -> str:
         low, high = (_suspension(_on_springs(case, float(each))) for each in (soft, stiff))
         if high / low > 1.0 + 2.0 * AGREE:
             return (
-                f"at most {low:.4g} Hz or at least {high:.4g} Hz: between them the mode with one"
-                " nodal diameter belongs to another family, whatever the springs are; other blades"
-                " or another disk move these limits, and shaft.stiffness takes any springs"
+                f"at most {low:.4g} Hz or at least {high:.4g} Hz: for any springs that"
+                " give a frequency in between, the mode with one nodal diameter belongs to another"
+                " family. Other blades or another disk change these limits; shaft.stiffness accepts"
+                " any springs"
             )
         return "a frequency above the rounding error"
     nearest = frequencies.min() if above == 0 else frequencies.max()
-    return f"a frequency that springs can give the suspension, {nearest:.4g} Hz is the nearest"
+    return f"a frequency that the suspension can have; the nearest is {nearest:.4g} Hz"

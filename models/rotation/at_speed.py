@@ -145,8 +145,8 @@ def turning_disk(case: Case, at_rest: BladedDiskModel, reference: float) -> Turn
         highest = lowest_critical_speed(matrices)
         if abs(omega) >= highest:
             expected = (
-                f"less than {highest / reference:.6g}, the critical speed from which on Coriolis"
-                ' forces alone hold the bladed disk (rotation.effects = "full")'
+                f"less than {highest / reference:.6g}, the critical speed; above it only Coriolis"
+                ' forces (rotation.effects = "full") stabilise the bladed disk'
             )
             raise CaseError([case_fault(case, "march.speed", expected)])
     disk = replace(at_rest, structure=matrices.at_speed(omega, effects))

@@ -61,7 +61,7 @@ class Material(Table):
         """Yield an error if two materials have the same name."""
         names = [one.name for one in self.named]
         if len(set(names)) < len(names):
-            yield Inconsistency("named", "a name of its own for each material", ())
+            yield Inconsistency("named", "a different name for each material", ())
 
     @property
     def lowest_yield_strength(self) -> float | None:
@@ -144,7 +144,7 @@ class Section(Rectangle[float]):
     ) -> None:
         if material is not None:
             if young_modulus is not None or density is not None:
-                expected = "either material, or young_modulus and density"
+                expected = "either material, or young_modulus and density, not both"
                 raise CaseError([Fault(key="section.material", expected=expected)])
             young_modulus, density = material.young_modulus, material.density
         elif young_modulus is None or density is None:

@@ -100,7 +100,7 @@ class Arc(Table):
     start: Angle
     """Angle from the x axis at which it begins [rad]."""
     end: Angle
-    """Angle at which it ends, at most a turn further on [rad]."""
+    """Angle at which it ends, at most one turn after `start` [rad]."""
     thickness: Length | None = None
     """Size in the plane [m]."""
     width: Length | None = None
@@ -113,7 +113,7 @@ class Arc(Table):
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error if the arc has no length or is longer than a full turn."""
         if not 0.0 < self.end - self.start <= TURN:
-            expected = f"more than start = {self.start:.6g} rad and at most a turn further on"
+            expected = f"more than start = {self.start:.6g} rad and at most one turn after it"
             yield Inconsistency("end", expected, ("start",))
 
     def share(self, low: FloatArray, high: FloatArray) -> FloatArray:

@@ -75,8 +75,8 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
         # The largest omega^2 is convex in the stiffness: below its chord the step is short enough.
         share = (step**-2 - alone**-2) / (limit**-2 - alone**-2)
         expected = (
-            f"less than {share * case.coupling.stiffness:.4g} N/m, which march.time_step ="
-            f" {step:.6g} s can follow (or a time step less than {limit:.6g} s)"
+            f"less than {share * case.coupling.stiffness:.4g} N/m, the most that march.time_step ="
+            f" {step:.6g} s resolves (or a time step less than {limit:.6g} s)"
         )
         yield case_fault(case, "coupling.stiffness", expected)
     elif not step < limit:
@@ -89,10 +89,15 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
     element = 2.0 * np.pi / case.casing.elements
     if not abs(stage.speed) * step < element:
         fastest = element / step / stage.reference_frequency
-        expected = f"less than {fastest:.6g}, at which a tip passes a casing element every step"
+        expected = (
+            f"less than {fastest:.6g}, at which a tip passes one casing element in every step"
+        )
         speed = case.march.speed
         if speed.kind == "normalised":
-            expected += f'; a number counts reference frequencies, "{speed.given:g} rpm" turns'
+            expected += (
+                "; a number is a multiple of the reference frequency,"
+                f' text such as "{speed.given:g} rpm" is absolute'
+            )
         yield case_fault(case, "march.speed", expected)
 
 
@@ -109,7 +114,7 @@ def _load_faults(stage: Stage) -> Iterator[Fault]:
     loads = excitation_loads(stage)
     felt = [load.take(kept.rotor, kept.casing) for load in loads]
     if loads and not any(load.rotor.any() or load.casing.any() for load in felt):
-        expected = f"a load on modes that reduction.modes = {case.reduction.modes!r} keeps"
+        expected = f"a load on modes kept by reduction.modes = {case.reduction.modes!r}"
         yield case_fault(case, "excitation.type", expected)
 
 
@@ -121,8 +126,8 @@ def _start_faults(stage: Stage) -> Iterator[Fault]:
     for blade, (radial, _) in enumerate(rows):
         if radial > clearance[blade]:
             expected = (
-                f"tips inside the casing: blade {blade} starts {radial:.6g} m outward, with a"
-                f" casing.clearance of {clearance[blade]:.6g} m"
+                f"tips inside the casing: blade {blade} starts {radial:.6g} m outward, but its"
+                f" clearance is {clearance[blade]:.6g} m"
             )
             yield case_fault(case, "initial.tip_displacement", expected)
             break

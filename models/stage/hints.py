@@ -36,8 +36,8 @@ def _too_soft(stage: Stage) -> Iterator[str]:
     hertz = stage.reference_frequency / (2.0 * np.pi)
     if hertz < LOWEST_FREQUENCY:
         yield (
-            f"the reference frequency is {hertz:.3g} Hz, the unit of speeds: check that dimensions,"
-            " material and springs are in SI units, or text with a unit"
+            f"the reference frequency, the unit of speeds, is {hertz:.3g} Hz: check that"
+            " dimensions, material and springs are in SI units or are text with a unit"
         )
 
 
@@ -65,7 +65,7 @@ def _fed_whirl(stage: Stage) -> Iterator[str]:
         yield (
             "internal damping destabilises the bladed disk above its critical speed: growth rate"
             f' {growth:.3g} 1/s; shaft.damping with damping_frame = "static" stabilises it,'
-            " bladewhirl stability prints the least damping"
+            " bladewhirl stability prints the damping needed"
         )
 
 
@@ -80,6 +80,6 @@ def _free_ends(model: BeamModel) -> Iterator[str]:
         x, y = np.round(points[ends[0]], 9) + 0.0  # no rounding, no -0
         free = "1 free end" if len(ends) == 1 else f"{len(ends)} free ends"
         yield (
-            f"{free} at the radius of the {len(model.tips)} tips not in their set, first at"
-            f" ({x:.4g}, {y:.4g}) m: contact is not checked there"
+            f"{free} at the radius of the {len(model.tips)} tips but not in their set, the first at"
+            f" ({x:.4g}, {y:.4g}) m: contact is not computed there"
         )

@@ -70,7 +70,10 @@ def _springs(
     """
     here = coupled.among(*(np.intersect1d(*pair) for pair in zip(kept, chosen, strict=True)))
     if not here.size:
-        expected = f"modes that springs couple and reduction.modes = {case.reduction.modes!r} keeps"
+        expected = (
+            "modes that are coupled by springs and are also kept by reduction.modes ="
+            f" {case.reduction.modes!r}"
+        )
         raise CaseError([case_fault(case, "coupling.modes", expected)])
     entries = coupled.take(here)
     if case.coupling.amplitude != "physical":

@@ -53,7 +53,7 @@ def radial_mode(stage: Stage, k: int) -> int:
         & (np.abs(cosine) > 1e-6 * np.linalg.norm(wall, axis=0))  # not the sine of the pair
     )
     if not positions.size:
-        expected = "a nodal diameter of which the casing has a radial mode"
+        expected = "a nodal diameter for which the casing has a radial mode"
         raise CaseError([case_fault(stage.case, "excitation.nodal_diameter", expected)])
     return int(positions[0])
 

@@ -290,7 +290,7 @@ def _check_clearance(case: Case, recess: FloatArray) -> None:
     if not smallest_gap.min() > 0.0:
         blade = int(smallest_gap.argmin())
         expected = (
-            f"room for the growth of the tips at march.speed: that of blade {blade} is"
+            f"room for the growth of the tips at march.speed: the tip of blade {blade} would be"
             f" {-smallest_gap[blade]:.3g} m beyond the casing where it is narrowest"
         )
         raise CaseError([case_fault(case, "casing.clearance", expected)])
@@ -318,12 +318,14 @@ def _check_reduction(case: Case, disk: BladedDiskModel) -> None:
     internal = disk.structure.size - boundary
     key, requested = "reduction.fixed_interface_modes", case.reduction.fixed_interface_modes
     if requested > internal:
-        expected = f"at most {internal}, the internal degrees of freedom of the bladed disk"
+        expected = (
+            f"at most {internal}, the number of internal degrees of freedom of the bladed disk"
+        )
         raise CaseError([case_fault(case, key, expected)])
     if disk.structure.size * (boundary + requested) > MOST_ENTRIES:
         expected = (
             f"a bladed disk of fewer degrees of freedom than {disk.structure.size}, or fewer "
-            f"fixed-interface modes: at most {MOST_ENTRIES:g} entries in the modes' shapes"
+            f"fixed-interface modes: at most {MOST_ENTRIES:g} entries in the matrix of mode shapes"
         )
         raise CaseError([Fault(key="bladed_disk", expected=expected)])
     nodal = 4 * case.casing.elements

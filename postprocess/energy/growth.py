@@ -59,7 +59,7 @@ def amplitude_growth(
     windows = growth_windows(dataset, energy)
     regime = classify(dataset, energy)
     if windows is None or regime.growth is None:
-        raise ViewError("too short a history to judge growth, or at rest")
+        raise ViewError("the history is too short for a growth rate, or nothing moves")
     rate, error = regime.growth.rate, regime.growth.error
     middle = windows.begin + windows.length / 2
     late = middle[windows.late :]

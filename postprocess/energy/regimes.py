@@ -42,11 +42,11 @@ CRITERION: Mapping[RegimeName, str] = {
     f"windows) grows by more than {CERTAINTY:g} standard errors of the fitted rate (corrected for "
     "the correlation of neighbouring windows), without "
     f"slowing (rate of the second half, plus {CERTAINTY:g} standard errors, at least "
-    f"{STEADINESS:g} of that of the first), ends at {RISE:g} times or more of any window before, "
-    f"and takes up at least {CLOSING:.0%} of the clearance, or its ripple (the motion about the "
-    "mean place in each window) grows so, with windows of two periods or more, to "
-    f"{RIPPLE_RISE:g} times or more of any in the middle third and {RIPPLE_SHARE:.0%} or more of "
-    "the amplitude",
+    f"{STEADINESS:g} times the rate of the first), ends at {RISE:g} times the amplitude of any "
+    f"earlier window or more, and the motion takes up at least {CLOSING:.0%} of the clearance; or "
+    "the ripple (the motion about the mean position in each window) grows in the same way, in "
+    f"windows of at least two periods, to at least {RIPPLE_RISE:g} times its value in the middle "
+    f"third and at least {RIPPLE_SHARE:.0%} of the amplitude",
     "no-contact": "no tip ever touched",
     "damped": "no contact in the last tenth of the time",
     "sustained": "the rest",

@@ -63,11 +63,11 @@ def works(dataset: xr.Dataset) -> Works:
 
 LEDGER = {
     "load": "load",
-    "closing": "normal forces, tips that close in",
-    "passing": "normal forces, wall that passes",
+    "closing": "normal forces, closing tips",
+    "passing": "normal forces, passing wall",
     "normal": "normal forces",
     "friction": "friction",
-    "springs": "springs that stand still",
+    "springs": "stationary springs",
     "damping": "damping",
 }
 """Works of the balance and their names; `normal` is used where a result lacks its two parts."""
@@ -152,7 +152,7 @@ def leading_source(dataset: xr.Dataset) -> str:
     energy, lost, most = float(dataset["energy"][-1]), balance["damping"], supplied[name]
     if dataset["rotor_frequency"].values.min() < 0.0 and energy < 0.0 and lost > 2.0 * most:
         return (
-            "damping of the bladed disk feeds whirl above its critical speed and takes"
-            f" {lost:.3g} J in rotating axes"
+            "damping of the bladed disk drives its whirl above the critical speed; in rotating axes"
+            f" it removes {lost:.3g} J"
         )
     return f"most energy came from {SOURCES[name]}, {most:.3g} J" if most > 0.0 else ""

@@ -82,8 +82,9 @@ def sampling_hint(dataset: xr.Dataset, records: IntArray) -> str | None:
         return None
     window = 2 * np.pi / speed * len(records) / FRAMES_PER_REVOLUTION
     return (
-        f"{len(records)} frames over {revolutions:.1f} revolutions are {rate:.2g} a revolution; "
-        f"for a smooth turn choose a window of at most {window:.3g} s, or more frames"
+        f"{len(records)} frames over {revolutions:.1f} revolutions are only {rate:.2g} a"
+        f" revolution; for a smooth rotation choose a window of at most {window:.3g} s,"
+        " or more frames"
     )
 
 

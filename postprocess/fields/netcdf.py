@@ -112,7 +112,9 @@ def open_file(
             )
         declared, size = sum(variable.nbytes for variable in stored.values()), file.stat().st_size
         if declared > max(ROOM, DENSEST * size):
-            raise ValueError(f"it declares {declared:.3g} bytes of data in a file of {size:.3g}")
+            raise ValueError(
+                f"it declares {declared:.3g} bytes of data in a file of {size:.3g} bytes"
+            )
         dataset = stored.isel({TIME: slice(complete_records(stored.attrs))}, missing_dims="ignore")
         for dimension in map(str, dataset.dims):
             if dimension in dataset.coords and dataset[dimension].dims == (dimension,):
@@ -192,10 +194,10 @@ def value_fault(dataset: xr.Dataset) -> str:
             return f"{name!r} to be {expected}"
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
     if not np.any(ends[:, 0] != ends[:, 1], axis=-1).all():
-        return "'rotor_line' to join different places"
+        return "'rotor_line' to connect different points"
     angle = dataset["casing_angle"].values
     if not (np.all(np.diff(angle) > 0.0) and angle[-1] - angle[0] < 2.0 * np.pi):
-        return "'casing_angle' to rise within one turn"
+        return "'casing_angle' to increase within one turn"
     return ""
 
 

@@ -152,8 +152,8 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
     made_by = dataset.attrs.get("format", 1)
     if made_by > RESULT_FORMAT:
         raise ResultError(
-            f"{name}: expected a result of format {RESULT_FORMAT} or older, this one is of "
-            f"{made_by}: it takes a newer bladewhirl"
+            f"{name}: expected a result of format {RESULT_FORMAT} or older, found format "
+            f"{made_by}; a newer bladewhirl reads it"
         )
     for key, variable in {**HISTORY, **STATIC}.items():
         if variable.since > 1 or OPTIONAL_DIMENSIONS.intersection(variable.dimensions):
@@ -172,7 +172,7 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
     if fault := value_fault(dataset):
         raise ResultError(f"{name}: expected {fault}")
     if not dataset.sizes["time"]:
-        raise ResultError(f"{name}: expected at least one record, the run left none")
+        raise ResultError(f"{name}: expected at least one record, found none")
     if not (np.diff(dataset[TIME].values) > 0.0).all():
         raise ResultError(f"{name}: expected 'time' to increase, the file was changed or damaged")
 

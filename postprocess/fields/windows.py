@@ -73,7 +73,7 @@ def evenly_spaced(dataset: xr.Dataset, fewest: int) -> tuple[xr.Dataset, float]:
     if dataset.sizes["time"] < fewest:
         raise ViewError(
             f"a spectrum needs {fewest} equally spaced records or more, "
-            f"the window holds {dataset.sizes['time']}"
+            f"the window contains {dataset.sizes['time']}"
         )
     return dataset, step
 

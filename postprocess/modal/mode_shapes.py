@@ -226,7 +226,7 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
     names = {"bladed-disk": "the bladed disk, rotating frame", "casing": "the casing"}
     set_title(figure, data.attrs["case"], f"Modes of {names[body]}; {TURNS}")
     note = (
-        "Drawn exaggerated; percents of the largest displacement, and of the kinetic energy in k."
+        "Exaggerated. Percentages: share of the largest displacement, of the kinetic energy in k."
     )
     legends_below(figure, Group(entries_of(panels[0]), note))
     return figure

@@ -213,7 +213,7 @@ def _coordinates(phase: FloatArray, modes: int, wave: str) -> tuple[FloatArray, 
         still = np.zeros((len(phase), modes - 1))
         return np.column_stack([cos, still]), np.column_stack([-sin, still])
     if modes != 2:
-        raise ValueError(f"a single mode stands; it has no {wave} wave")
+        raise ValueError(f"a single mode is a standing wave; it has no {wave} wave")
     sense = 1.0 if wave == "forward" else -1.0
     return np.column_stack([cos, sense * sin]), np.column_stack([-sin, sense * cos])
 

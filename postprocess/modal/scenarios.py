@@ -20,7 +20,9 @@ from bladewhirl.postprocess.plotting.titles import set_title
 DRAWN_CLEARANCE = 0.16
 """Drawn clearance, as a share of the tip radius."""
 
-SCHEMATIC = "Schematic: clearance and displacements exaggerated alike. Right: the mode's own wave."
+SCHEMATIC = (
+    "Schematic: clearance and displacements are enlarged by one factor. Right: the mode's own wave."
+)
 
 ZONE = np.radians(40.0)
 """Half of the angle over which blades are drawn in contact [rad]."""

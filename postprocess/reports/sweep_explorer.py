@@ -52,8 +52,8 @@ MAP_CAPTION = (
 POINTS_CAPTION = (
     "Every point of the sweep: largest displacement of the shaft [mm] over the swept key, coloured "
     "and shaped by regime. Point at one for its numbers, growth rates ± "
-    f"{CERTAINTY:g} standard errors; click a regime's name to hide it. An end at the displacement "
-    "limit bounds what a divergent point shows."
+    f"{CERTAINTY:g} standard errors; click a regime's name to hide it. The displacement "
+    "limit, at which divergent marches end, bounds their values."
 )
 
 
@@ -212,7 +212,7 @@ def _texts(points: xr.Dataset) -> Any:
         ]
         if done:
             rate, error = float(point["growth_rate"]), float(point["growth_error"])
-            growth = f"{rate_text(rate, error)} 1/s" if np.isfinite(rate) else "not to be judged"
+            growth = f"{rate_text(rate, error)} 1/s" if np.isfinite(rate) else "not determined"
             lines += [
                 f"largest shaft displacement {MILLI * float(point['shaft_radius_max']):.4g} mm",
                 f"growth rate {growth}",

@@ -79,7 +79,7 @@ class RunFigures:
         if whirls.sizes["time"] < FEWEST_SPANS:
             raise ViewError(
                 f"the whirl over time needs {FEWEST_SPANS} spans of {PERIODS:g} periods of ω₁;"
-                f" the window is {1e3 * whirls.attrs['span']:.3g} ms long"
+                f" a span is {1e3 * whirls.attrs['span']:.3g} ms"
             )
         return whirls
 

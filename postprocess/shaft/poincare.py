@@ -48,8 +48,8 @@ def poincare_map(
     first, last = np.ceil(turned[0] - 1e-9), np.floor(turned[1] + 1e-9)
     if speed == 0 or last < first or len(time) < 2:
         raise ViewError(
-            f"a Poincaré map needs a revolution or more, the rotor makes {np.ptp(turned):.3g} in "
-            f"{window_label(orbit)}"
+            f"a Poincaré map needs one revolution or more; the rotor makes {np.ptp(turned):.3g} "
+            f"revolutions in {window_label(orbit)}"
         )
     instants = np.clip(2 * np.pi * np.arange(first, last + 1) / speed, time[0], time[-1])
     place, velocity = orbit[frame].values, orbit[f"{frame}_velocity"].values

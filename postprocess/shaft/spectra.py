@@ -198,8 +198,9 @@ def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
     )
     if resolution > needed:
         raise ViewError(
-            f"{2e3 * np.pi / resolution:.3g} ms resolve {_hertz(resolution):.3g} Hz, a spectrum"
-            f" needs {2e3 * np.pi / needed:.3g} ms for {_hertz(needed):.3g} Hz"
+            f"a window of {2e3 * np.pi / resolution:.3g} ms resolves only"
+            f" {_hertz(resolution):.3g} Hz; a spectrum needs {_hertz(needed):.3g} Hz,"
+            f" that is, a window of {2e3 * np.pi / needed:.3g} ms"
         )
     return spectrum.sel(frequency=slice(-edge, edge)).assign(modal_line=lines)
 

@@ -185,7 +185,7 @@ def open_sweep(path: str | Path) -> xr.Dataset:
 def _fault(dataset: xr.Dataset) -> str:
     """Why it is no sweep that this version reads; empty if it is one."""
     if "over" not in dataset.attrs or "state" not in dataset:
-        return "it has no state of its points"
+        return "it has no states of its points"
     for name in ("title", "criterion", "window"):
         if name not in dataset.attrs:
             return f"it has no {name!r}"
@@ -193,26 +193,28 @@ def _fault(dataset: xr.Dataset) -> str:
         return fault
     made_by = dataset.attrs.get("format", 1)
     if made_by > SWEEP_FORMAT:
-        return f"of format {SWEEP_FORMAT} or older, this one is of {made_by}: take a newer version"
+        return (
+            f"of format {SWEEP_FORMAT} or older, found format {made_by}; a newer version reads it"
+        )
     for name, variable in SWEEP.items():
         if name not in dataset:
             if variable.since <= made_by:
                 return f"it has no {name!r}"
             continue
         if dataset[name].dims != (*swept(dataset), *variable.dimensions):
-            return f"{name!r} to be over its points"
+            return f"with {name!r} over its points"
         # Only names are looked at now; numbers are when they are read.
         if variable.labels and (expected := expectation(dataset[name].values, variable)):
-            return f"{name!r} to be {expected}"
+            return f"with {name!r} as {expected}"
     for name in (*swept(dataset), "frequency"):
         values = dataset[name].values if name in dataset else np.zeros(0)
         if values.dtype.kind != "f" or not values.size or not np.isfinite(values).all():
-            return f"finite numbers along {name!r}"
+            return f"with finite numbers along {name!r}"
     for name, labels in ((LINE, [*MODE_LINES]), (GROUP, groups_of(dataset.sizes[GROUP] - 2))):
         if name not in dataset or dataset[name].values.tolist() != [*labels]:
-            return f"its own names along {name!r}"
+            return f"with its names along {name!r}"
     if np.any(np.diff(dataset["frequency"].values) <= 0.0):
-        return "ascending numbers along 'frequency'"
+        return "with ascending numbers along 'frequency'"
     return _changed(dataset, made_by)
 
 
@@ -223,7 +225,7 @@ def _changed(dataset: xr.Dataset, made_by: int) -> str:
     point = changed_point(
         lambda name, rows: dataset[name][rows].values, dataset["state"].shape, coordinates
     )
-    return "" if point is None else f"but point {point} is not as it was written: it was changed"
+    return "" if point is None else f"but point {point} was changed after it was written"
 
 
 def swept(dataset: xr.Dataset) -> list[str]:

@@ -76,8 +76,9 @@ def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
     missing = [name for name in names if name not in dataset]
     if missing:
         raise ViewError(
-            f"{', '.join(missing)}: not in this sweep, which is of format"
-            f" {dataset.attrs.get('format', 1)} (now it is {SWEEP_FORMAT}); sweep anew to have them"
+            f"{', '.join(missing)}: not in this sweep, which was written in format"
+            f" {dataset.attrs.get('format', 1)}; the current format is {SWEEP_FORMAT}. Run the"
+            " sweep again to get the missing variables"
         )
     if not (dataset["state"] == "done").any():
         raise ViewError("no point of the sweep is done: there is nothing to draw")

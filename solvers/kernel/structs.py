@@ -18,7 +18,7 @@ try:
     from bladewhirl.solvers.kernel._kernel import lib as lib
 except ImportError as error:
     raise UserError(
-        f"the compiled march is not there ({error}); in a checkout `pip install -e .` builds it"
+        f"the compiled march is missing ({error}); in a checkout `pip install -e .` builds it"
     ) from None
 
 _ARRAYS = {

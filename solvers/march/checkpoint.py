@@ -48,7 +48,7 @@ def state_from(begin: Any, arrays: dict[str, Any]) -> Any:
     """
     shapes = {name: np.shape(value) for name, value in state_arrays(begin).items()}
     if shapes != {name: np.shape(value) for name, value in arrays.items()}:
-        raise ValueError("arrays of another scheme or stage")
+        raise ValueError("its arrays belong to another scheme or stage")
     return _filled(begin, arrays, "")
 
 

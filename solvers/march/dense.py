@@ -245,6 +245,6 @@ def _check_penalty(problem: ContactProblem, time_step: float) -> None:
     limit = (SHARE_OF_STIFFEST / time_step) ** 2 / (tips + wall)
     if problem.penalty_stiffness > limit:
         raise ValueError(
-            f"penalty stiffness {problem.penalty_stiffness:.3g} N/m is above {limit:.3g} N/m, which"
-            f" a time step of {time_step:.3g} s resolves; take a smaller one of either"
+            f"penalty stiffness {problem.penalty_stiffness:.3g} N/m is above {limit:.3g} N/m,"
+            f" the most that a time step of {time_step:.3g} s resolves; reduce either of them"
         )

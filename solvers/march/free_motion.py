@@ -25,9 +25,9 @@ FREE_TURNS = 10.0
 
 RULE = (
     "damped: the loads have ended, no tip has touched for at least half of the time marched and"
-    f" {FREE_TURNS:g} revolutions, and the energy left, which nothing but damping changes, cannot"
-    f" close more than {CLOSING:.0%} of the smallest gap at rest; looked at about every"
-    f" {CHUNK_STEPS} steps; such a march has end_reason damped and ends at end_time"
+    f" {FREE_TURNS:g} revolutions, and the remaining energy, which only damping changes, cannot"
+    f" close more than {CLOSING:.0%} of the smallest gap at rest; this is checked about every"
+    f" {CHUNK_STEPS} steps; such a march has the end_reason damped and ends at end_time"
 )
 """The rule in words, as it is written with every sweep that follows it."""
 
@@ -56,7 +56,7 @@ class FreeMotion:
         if math.isinf(since):
             raise ValueError("a load never ends")
         if problem.springs is not None or rotor.anisotropy or rotor.circulation:
-            raise ValueError("springs or dampers that stand still may drive the rotor")
+            raise ValueError("stationary springs or dampers may drive the rotor")
         if min(rotor.frequency.min(), casing.frequency.min()) <= 0.0:
             raise ValueError("a mode has no stiffness")
         compliance = _compliance(rotor.tip_radial, rotor.frequency)

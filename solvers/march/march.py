@@ -173,5 +173,5 @@ def check_time_step(problem: ContactProblem, time_step: float) -> None:
     if not time_step < limit:
         raise ValueError(
             f"time step {time_step:.3g} s is at or above the critical step {limit:.3g} s = "
-            "2/omega_max; take a smaller one, fewer casing elements or fixed-interface modes"
+            "2/omega_max; use a smaller step, fewer casing elements or fewer fixed-interface modes"
         )

@@ -111,7 +111,7 @@ class Harmonics:
         fitted = self.basis[:, column] * own + partner * other
         if not np.abs(fitted - rows).max(initial=0.0) <= FIT * np.abs(rows).max(initial=0.0):
             raise ValueError(
-                "modes carry DFT columns that their displacements do not follow; give column -1 "
+                "the DFT columns of some modes do not match their displacements; give column -1 "
                 "to modes without cyclic symmetry"
             )
         return own, other

@@ -62,7 +62,7 @@ def mode_scenario(*, shaft: complex, rotor: complex, casing: complex) -> Scenari
     if abs(shaft) <= SMALLEST * max(abs(rotor), abs(casing)):
         raise ValueError("the shaft does not move in this mode: it has no contact scenario")
     if abs(closing) <= SMALLEST * max(abs(rotor), abs(casing)):
-        raise ValueError("rotor and casing move alike: the clearance does not change")
+        raise ValueError("rotor and casing move by the same amount: the clearance does not change")
     lead = np.angle(shaft / closing)
     return Scenario(lead=float(lead), steadiness=1.0)
 

@@ -32,19 +32,22 @@ def campbell(
     case: CaseFile,
     speeds: Annotated[
         Span,
-        span_option("--speeds", 'Speeds of the diagrams: times ω₁, or "2000 rpm:9000 rpm".'),
+        span_option("--speeds", 'Speeds of the diagrams: multiples of ω₁, or "2000 rpm:9000 rpm".'),
     ] = SPEEDS,
     operating: Annotated[
         Span,
-        span_option("--operating", 'Operating range to shade: times ω₁, or "40 Hz:60 Hz".'),
+        span_option("--operating", 'Operating range to shade: multiples of ω₁, or "40 Hz:60 Hz".'),
     ] = OPERATING,
     families: Annotated[
-        int, typer.Option(help="Families of the bladed disk, the suspension pair apart.", min=1)
+        int,
+        typer.Option(
+            help="Number of families of the bladed disk, without the suspension pair.", min=1
+        ),
     ] = 5,
     output: CaseFolder = None,
     html: Annotated[
         Path | None,
-        typer.Option(help="Interactive page of both diagrams to write, FILE.html.", metavar="FILE"),
+        typer.Option(help="Write both diagrams as an interactive page, FILE.html.", metavar="FILE"),
     ] = None,
     overwrite: Replace = False,
     json: AsJson = False,

@@ -49,7 +49,7 @@ def convergence(
         typer.Option(
             parser=several("--time-steps", in_si("s"), "times"),
             metavar="STEP,STEP,...",
-            help="Time steps, s or with a unit; 4, 2, 1 and 1/2 times the case's if none.",
+            help="Time steps in s or with a unit; by default 4, 2, 1 and 1/2 times the case's.",
         ),
     ] = None,
     modes: Annotated[
@@ -57,7 +57,7 @@ def convergence(
         typer.Option(
             parser=several("--modes", int, "whole numbers"),
             metavar="COUNT,COUNT,...",
-            help="Numbers of fixed-interface modes; 2 to 6 a blade if none.",
+            help="Numbers of fixed-interface modes; by default 2 to 6 per blade.",
         ),
     ] = None,
     output: CaseFolder = None,

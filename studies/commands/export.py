@@ -24,18 +24,21 @@ VTK = "vtk"
 
 def export(
     directory: RunFolder,
-    frames: Annotated[int, typer.Option(min=1, help="Instants, evenly spread.")] = 300,
+    frames: Annotated[int, typer.Option(min=1, help="Number of instants, evenly spaced.")] = 300,
     start: Start = None,
     end: End = None,
     surface: Annotated[
-        bool, typer.Option("--surface", help="Boxes of true thickness and width, not lines.")
+        bool,
+        typer.Option("--surface", help="Write boxes of true thickness and width instead of lines."),
     ] = False,
     rotating: Rotating = False,
     exaggeration: Annotated[
         float | None,
-        typer.Option(help="Factor on displacement and clearance of warp; chosen by default."),
+        typer.Option(
+            help="Factor on displacement and clearance in the field warp; automatic by default."
+        ),
     ] = None,
-    output: Annotated[Path | None, output_option(f"Folder; DIR/{VTK} if none.")] = None,
+    output: Annotated[Path | None, output_option(f"Folder to write; by default DIR/{VTK}.")] = None,
     overwrite: Replace = False,
 ) -> None:
     """Write a series for ParaView: run its view.py, or open series.pvd and Warp By Vector.

@@ -22,7 +22,9 @@ def mesh(
     source: Annotated[
         Path, typer.Argument(help="Case file, or a mesh file: .msh of Gmsh, .vtu, .inp of Abaqus.")
     ],
-    output: Annotated[Path | None, output_option("Write it: .vtu, .msh or .inp.", "FILE")] = None,
+    output: Annotated[
+        Path | None, output_option("Mesh file to write: .vtu, .msh or .inp.", "FILE")
+    ] = None,
     overrides: Changes = None,
     force: Force = False,
 ) -> None:
@@ -48,7 +50,7 @@ def mesh(
         raise UserError(f"{output}: expected {error}") from None
     missing = left_out(output, lines)
     if missing:
-        typer.echo(f"{output} does not hold {', '.join(missing)}; .vtu and .msh do.", err=True)
+        typer.echo(f"{output} does not contain {', '.join(missing)}; .vtu and .msh do.", err=True)
     typer.echo(f"Wrote {output}.")
 
 

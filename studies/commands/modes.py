@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def modes(
     case: CaseFile,
     count: Annotated[
-        int, typer.Option(help="Number of the lowest modes of each body.", min=1)
+        int, typer.Option(help="Number of modes of each body, from the lowest on.", min=1)
     ] = 60,
     json: AsJson = False,
     output: Annotated[Path | None, output_option("Folder to make for pictures and films.")] = None,
@@ -28,8 +28,8 @@ def modes(
         typer.Option(
             metavar="NAMES",
             help='Modes to picture: "1F:0,1F:1,suspension,casing:1F:2"; without ":k", of all nodal'
-            " diameters. Where blades differ, every mode of that name. By default k = 0, 1, ... and"
-            " the highest of 1F, the suspension, and the lowest of the casing.",
+            " diameters. Where blades differ, every mode of that name is drawn. By default 1F with"
+            " k = 0, 1, ... and the highest k, the suspension, and the lowest modes of the casing.",
         ),
     ] = None,
     animate: Annotated[
@@ -45,7 +45,7 @@ def modes(
             " contact feeds: backward on the bladed disk, forward on the casing."
         ),
     ] = None,
-    films: Annotated[bool, typer.Option(help="Films, as GIF and VTK series.")] = True,
+    films: Annotated[bool, typer.Option(help="Write films, as GIF and as VTK series.")] = True,
     overwrite: Replace = False,
     overrides: Changes = None,
 ) -> None:
@@ -63,7 +63,7 @@ def modes(
     unused = {"--shapes": shapes, "--animate": animate, "--wave": wave}
     for name, value in unused.items():
         if output is None and value is not None:
-            raise UserError(f"{name}: for pictures; expected a folder for them, -o DIR")
+            raise UserError(f"{name}: expected a folder for the pictures, -o DIR")
     stage = study.stage_of_file(case, overrides, "modes", "centrifugal", "full")
     if output is not None:
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)

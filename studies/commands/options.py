@@ -144,8 +144,10 @@ def parse_span(option: str, text: str, *, unit: str = "", counted: bool = False)
         count = int(last)
     except ValueError:
         form = "START:STOP" + (":COUNT" if counted else "")
-        units = f"numbers [{unit}] or with a unit" if unit else 'numbers or such as "2500 rpm"'
-        raise UserError(f"{option} {text}: expected {form}, ends {units}") from None
+        units = (
+            f"numbers in {unit} or have a unit" if unit else 'numbers or text such as "2500 rpm"'
+        )
+        raise UserError(f"{option} {text}: expected {form}, with ends that are {units}") from None
     if not 2 <= count <= MOST_POINTS:
         raise UserError(f"{option} {text}: expected a COUNT from 2 to {MOST_POINTS}")
     for end, other in ((start, stop), (stop, start)):
@@ -178,9 +180,12 @@ Changes = Annotated[
     typer.Option("--set", metavar="KEY=VALUE", help="Change the case: march.speed=1.2."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="Write into a folder that exists.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Write into an existing folder.")]
 Replace = Annotated[
-    bool, typer.Option("--overwrite", help="Replace what is there, also if it is not bladewhirl's.")
+    bool,
+    typer.Option(
+        "--overwrite", help="Replace existing files, also if bladewhirl did not write them."
+    ),
 ]
 Force = Annotated[bool, typer.Option("--force", "--overwrite", help="Overwrite an existing file.")]
 Start = Annotated[
@@ -189,17 +194,24 @@ Start = Annotated[
         "--from",
         parser=time_of("--from"),
         metavar="TIME",
-        help='Start of the window: seconds, or "0.8 ms"; of the run if none.',
+        help='Start of the window in seconds, or such as "0.8 ms"; by default that of the run.',
     ),
 ]
 End = Annotated[
     float | None,
-    typer.Option("--to", parser=time_of("--to"), metavar="TIME", help="End of the window."),
+    typer.Option(
+        "--to",
+        parser=time_of("--to"),
+        metavar="TIME",
+        help="End of the window; by default that of the run.",
+    ),
 ]
 Rotating = Annotated[
     bool, typer.Option("--rotating", help="Show the series as seen from the rotor.")
 ]
-Workers = Annotated[int | None, typer.Option(help="Local processes; one a core if none.", min=1)]
+Workers = Annotated[
+    int | None, typer.Option(help="Number of local processes; by default one per core.", min=1)
+]
 Scheduler = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS", help="An existing dask scheduler, tls://host:8786."),
@@ -229,4 +241,6 @@ def claim_output(target: Path, *, named: bool, overwrite: bool) -> None:
 def refuse_both(scheduler: str | None, workers: int | None) -> None:
     """Refuse a scheduler together with a number of local workers."""
     if scheduler is not None and workers is not None:
-        raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
+        raise UserError(
+            "--scheduler, --workers: expected only one; a scheduler has its own workers"
+        )

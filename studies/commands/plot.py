@@ -53,7 +53,7 @@ def plot(
     end: End = None,
     output: Annotated[
         Path | None,
-        output_option(f"Folder for the figures; DIR/{PLOTS} if none."),
+        output_option(f"Folder for the figures; by default DIR/{PLOTS}."),
     ] = None,
     overwrite: Replace = False,
 ) -> None:
@@ -77,9 +77,13 @@ def plot(
             raise UserError(f"{name}: expected {REPLACED[name]}, which replaces it")
     if unknown:
         kind = "a sweep has" if of_sweep else "a run has"
-        raise UserError(f"{', '.join(unknown)}: {kind} {', '.join(figure_names)}; or {ALL}")
+        raise UserError(
+            f"{', '.join(unknown)}: {kind} the figures {', '.join(figure_names)}; or {ALL}"
+        )
     if of_sweep and (start is not None or end is not None):
-        raise UserError(f"{directory}: expected no --from and --to with a sweep")
+        raise UserError(
+            f"{directory}: expected no --from or --to for a sweep, which has no time window"
+        )
     folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
     with _opened(directory, start, end) as figures:
         for name in figure_names if ALL in names else dict.fromkeys(names):

@@ -42,14 +42,14 @@ def render(
         bool,
         typer.Option(
             "--sheet",
-            help="Many stills in one PNG: each --time, or --frames, by default of the revolution"
-            " with the strongest contact.",
+            help="Several stills in one PNG: one for each --time, or --frames of them, by default"
+            " over the revolution with the strongest contact.",
         ),
     ] = False,
     page: Annotated[
         bool,
         typer.Option(
-            "--html", help="An animation to zoom and to point at, for any browser, offline."
+            "--html", help="An interactive animation for any browser, which works offline."
         ),
     ] = False,
     output: Annotated[
@@ -60,7 +60,8 @@ def render(
         ),
     ] = None,
     frames: Annotated[
-        int | None, typer.Option(min=2, help="Pictures of an animation (120) or a sheet (9).")
+        int | None,
+        typer.Option(min=2, help="Number of pictures of an animation (120) or a sheet (9)."),
     ] = None,
     start: Start = None,
     end: End = None,
@@ -69,13 +70,15 @@ def render(
         typer.Option(
             parser=time_of("--time"),
             metavar="TIME",
-            help="Instant of a still, any number; by default that of the largest force, normal and"
-            " friction, over a record step.",
+            help="Instant of a still; may be repeated. By default that of the largest contact force"
+            " (normal and friction), averaged over a record step.",
         ),
     ] = None,
     exaggeration: Annotated[
         float | None,
-        typer.Option(help="Factor on displacements and clearance; 1 is true; chosen by default."),
+        typer.Option(
+            help="Factor on displacements and clearance; 1: true to scale; automatic by default."
+        ),
     ] = None,
     frame: Annotated[
         FrameOfView, typer.Option(help="Axes in which the picture is drawn.")
@@ -168,8 +171,12 @@ def _check_options(kinds: set[str], times: list[float], window: Mapping[str, obj
     """
     moving, still = kinds & {"gif", "mp4", "html"}, kinds & {"png", "sheet"}
     if times and not still:
-        raise UserError("--time: not for what is to be drawn; an animation has --from and --to")
+        raise UserError(
+            "--time: expected for a still or a sheet only; an animation has --from and --to"
+        )
     unused = not moving and ("sheet" not in kinds or bool(times))
     for name, value in window.items():
         if unused and value is not None:
-            raise UserError(f"{name}: not for what is to be drawn; a still has --time")
+            raise UserError(
+                f"{name}: expected for an animation or a sheet only; a still has --time"
+            )

@@ -14,7 +14,9 @@ def report(
     directory: Annotated[
         Path, typer.Argument(metavar="DIR", help="Folder of a run or a sweep, finished or not.")
     ],
-    output: Annotated[Path | None, output_option("File; DIR/report.html if none.", "FILE")] = None,
+    output: Annotated[
+        Path | None, output_option("File to write; by default DIR/report.html.", "FILE")
+    ] = None,
     overwrite: Replace = False,
 ) -> None:
     """Write a report as one HTML file that any browser shows without a network.

@@ -24,7 +24,11 @@ FOLDER = Path("reproduction")
 def reproduce(
     claims: Annotated[
         list[int] | None,
-        typer.Argument(metavar="CLAIM", help="Numbers of claims; all if none.", show_default=False),
+        typer.Argument(
+            metavar="CLAIM",
+            help="Numbers of the claims to judge; by default all.",
+            show_default=False,
+        ),
     ] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="Marches of 2.5 s, coarse sweeps, no repeats.")
@@ -41,7 +45,9 @@ def reproduce(
     overrides: Annotated[
         list[str] | None,
         typer.Option(
-            "--set", metavar="KEY=VALUE", help="Change all cases alike: casing.wall.thickness=8e-3."
+            "--set",
+            metavar="KEY=VALUE",
+            help="Change a key in all cases: casing.wall.thickness=8e-3.",
         ),
     ] = None,
     repeats: Annotated[

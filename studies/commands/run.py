@@ -30,16 +30,16 @@ RUNS = Path("runs")
 
 def run(
     case: Annotated[
-        Path | None, typer.Argument(help="Case file; none with --resume.", show_default=False)
+        Path | None, typer.Argument(help="Case file; not with --resume.", show_default=False)
     ] = None,
     output: Annotated[
         Path | None,
-        output_option("Folder to make; runs/NAME of the case if none.", "DIR"),
+        output_option("Folder to make; by default runs/NAME of the case.", "DIR"),
     ] = None,
     overrides: Changes = None,
     overwrite: Overwrite = False,
     frames: Annotated[
-        int, typer.Option(help="Frames of the ParaView series; 0 for no series.")
+        int, typer.Option(help="Number of frames of the ParaView series; 0 for no series.")
     ] = 300,
     start: Start = None,
     end: End = None,
@@ -48,7 +48,7 @@ def run(
         Path | None,
         typer.Option(
             metavar="DIR",
-            help="Go on with the run in this folder; --set march.duration=6 makes it longer.",
+            help="Continue the run in this folder; --set march.duration=6 makes it longer.",
         ),
     ] = None,
     json: AsJson = False,

@@ -52,8 +52,8 @@ PROPERTIES = (
     Column("suspension_spring_share", "suspension, strain energy in the springs [%]", ".3g", 100.0),
     Column("imbalance.unbalance", "imbalance [kg m]", ".4g"),
     Column("imbalance.force", "its force at this speed [N]", ".5g"),
-    Column("imbalance.closing", "its static answer, share of the clearance [%]", ".3g", 100.0),
-    Column("distortion.static_displacement", "static answer of the loaded mode [mm]", ".4g", 1e3),
+    Column("imbalance.closing", "its static response, share of the clearance [%]", ".3g", 100.0),
+    Column("distortion.static_displacement", "static response of the loaded mode [mm]", ".4g", 1e3),
     Column("reduction.modes", "modes of the reduced model", "d"),
     Column("reduction.boundary", "its boundary", "d"),
     Column("reduction.fixed_interface_modes", "its fixed-interface modes", "d"),
@@ -83,7 +83,7 @@ def show(
     ] = False,
     output: Annotated[
         Path | None,
-        output_option("File of the drawing; the case's name.png if none."),
+        output_option("File of the drawing; by default the name of the case with .png."),
     ] = None,
     overwrite: Replace = False,
 ) -> None:
@@ -102,7 +102,7 @@ def show(
     from bladewhirl.studies.runs.properties import MARCHES, stage_properties
 
     if output is not None and not png:
-        raise UserError("--output: not without --png, which draws")
+        raise UserError("--output: expected with --png only, which draws the stage")
     values = overrides or []
     checked = read_case(case, values)
     with faults_from(case, values):

@@ -51,7 +51,7 @@ def stability(
         Span,
         span_option(
             "--speeds",
-            'Speeds of the chart: times ω₁, or "2000 rpm:9000 rpm:600".',
+            'Speeds of the chart: multiples of ω₁, or "2000 rpm:9000 rpm:600".',
             counted=True,
         ),
     ] = SPEEDS,
@@ -64,7 +64,7 @@ def stability(
         typer.Option(
             parser=stiffness_of("--line"),
             metavar="STIFFNESS",
-            help="Stiffness [N/m] along which eigenvalues are drawn.",
+            help="Stiffness [N/m] for which eigenvalues are drawn over speed.",
         ),
     ] = 500.0,
     modes: Annotated[
@@ -74,16 +74,19 @@ def stability(
             ' "casing:1,1F:1,2F:1,suspension"; without ":k", of all nodal diameters.'
         ),
     ] = "six",
-    damped: Annotated[bool, typer.Option("--damped", help="With the case's damping.")] = False,
+    damped: Annotated[
+        bool, typer.Option("--damped", help="Include the damping of the case.")
+    ] = False,
     no_pi: Annotated[
-        bool, typer.Option("--no-pi", help="Without the factor π of Eq. (8), as in Eq. (9).")
+        bool, typer.Option("--no-pi", help="Leave out the factor π of Eq. (8), as in Eq. (9).")
     ] = False,
     physical: Annotated[
-        bool, typer.Option("--physical", help="With the modes' own amplitudes, not one for all.")
+        bool,
+        typer.Option("--physical", help="Use the amplitude of each mode instead of one for all."),
     ] = False,
     output: CaseFolder = None,
     films: Annotated[
-        bool, typer.Option(help="Also the divergent mode as VTK series and GIF.")
+        bool, typer.Option(help="Also write the divergent mode as VTK series and GIF.")
     ] = True,
     overwrite: Replace = False,
     json: AsJson = False,
@@ -164,5 +167,5 @@ def _cause(document: dict[str, Any]) -> dict[str, str]:
         return {"cause": "two of its waves have merged; it grows without damping"}
     if document["rotor_growth_rate"] <= 0.0:
         return {}
-    limit = ", which no bearing stops" if document["holding_damping"] is None else ""
+    limit = ", which no bearing damping stabilises" if document["holding_damping"] is None else ""
     return {"cause": f"internal damping of its forward wave{limit}"}

@@ -31,16 +31,16 @@ SHOWN_FAILURES = 10
 
 def sweep(
     case: Annotated[
-        Path | None, typer.Argument(help="Case file; none with --resume.", show_default=False)
+        Path | None, typer.Argument(help="Case file; not with --resume.", show_default=False)
     ] = None,
     over: Annotated[
         list[str] | None,
         typer.Option(
             "--over",
             metavar="KEY=VALUES",
-            help="A number of the case and what it runs over: march.speed=0.95:2:0.005"
+            help="A numeric key of the case and its values: march.speed=0.95:2:0.005"
             " (start:stop:step, the stop included) or contact.friction=0.05,0.1; units as in the"
-            ' case file, "casing.clearance=0.5 mm,1 mm". Several: all combinations.',
+            ' case file, "casing.clearance=0.5 mm,1 mm". Several --over: all combinations.',
         ),
     ] = None,
     output: Annotated[Path | None, output_option("Folder to make.", "DIR")] = None,
@@ -54,15 +54,15 @@ def sweep(
         Literal["damped"] | None,
         typer.Option(
             "--stop-when",
-            help="End a march early when its answer is known: damped, free motion that has too"
-            " little energy left to touch again.",
+            help="End a march early. damped: when its motion is free of contact and has too little"
+            " energy left for another one.",
         ),
     ] = None,
     resume: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Finish the sweep in this folder.")
     ] = None,
     yes: Annotated[
-        bool, typer.Option("--yes", help="Run more than 100,000 points, or 1e9 steps of one.")
+        bool, typer.Option("--yes", help="Allow more than 100,000 points or long marches.")
     ] = False,
     json: AsJson = False,
 ) -> None:
@@ -91,7 +91,7 @@ def sweep(
             new_sweep |= {"--set": overrides, "--histories": histories, "--stop-when": stop_when}
             unused = ", ".join(name for name, value in new_sweep.items() if value)
             if unused:
-                raise UserError(f"--resume {resume}: expected no {unused}; its plan has them")
+                raise UserError(f"--resume {resume}: expected no {unused}, which its plan defines")
             result = resume_sweep(resume, scheduler=scheduler, workers=workers, watch=watch)
         elif case is None or not over or output is None:
             raise UserError("sweep: expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR")
@@ -100,7 +100,7 @@ def sweep(
             for override in overrides or []:
                 key = override.partition("=")[0].strip()
                 if key in values:
-                    raise UserError(f"--over {key}, --set {override}: expected one of them")
+                    raise UserError(f"--over {key}, --set {override}: expected only one of them")
             result = run_sweep(
                 read_case(case, overrides or []),
                 values,

@@ -22,7 +22,10 @@ from bladewhirl.studies.commands.output import emit, facts
 def veering(
     case: CaseFile,
     families: Annotated[
-        int, typer.Option(help="Families of the first diagram, the suspension pair apart.", min=1)
+        int,
+        typer.Option(
+            help="Number of families in the first diagram, without the suspension pair.", min=1
+        ),
     ] = 12,
     stiffnesses: Annotated[
         Span | None,

@@ -23,15 +23,13 @@ def verify(
             show_default=False,
         ),
     ] = None,
-    full: Annotated[
-        bool, typer.Option("--full", help="With the cases that take long, too.")
-    ] = False,
+    full: Annotated[bool, typer.Option("--full", help="Include the cases that take long.")] = False,
     json: AsJson = False,
     markdown: Annotated[
         bool, typer.Option("--markdown", help="Print the table as Markdown.")
     ] = False,
     html: Annotated[
-        Path | None, typer.Option("--html", metavar="FILE", help="Write the table as a page too.")
+        Path | None, typer.Option("--html", metavar="FILE", help="Also write the table as a page.")
     ] = None,
 ) -> None:
     """Compute cases with known results and compare, to check this installation.

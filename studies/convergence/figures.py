@@ -70,8 +70,8 @@ def plot_modes(data: xr.Dataset) -> Figure:
     axes = figure.add_subplot()
     kept, regime = data["kept"].values, data["regime"].values
     lines = (
-        ("distance", "orbit, from the most modes", COLOURS["rotor"]),
-        ("impulse_error", "contact impulse, likewise", COLOURS["contact"]),
+        ("distance", "orbit, against most modes", COLOURS["rotor"]),
+        ("impulse_error", "contact impulse, against most modes", COLOURS["contact"]),
         ("frequency_error", "frequencies 1F to 5F", COLOURS["k = 0"]),
     )
     for name, label, colour in lines:

@@ -32,7 +32,10 @@ UNITS = {
     "friction_work": ("J", "work of the friction forces since the start"),
     "penetration": ("m", "deepest penetration of any tip"),
     "ledger": ("1", "largest mismatch of energy and work, over the largest term"),
-    "distance": ("1", "root mean square of the tips' distance, over theirs in the first scheme"),
+    "distance": (
+        "1",
+        "difference from the tips' displacements of the first scheme, over these, both rms",
+    ),
     "step_cost": ("s", "time of computing a step"),
 }
 

@@ -143,7 +143,7 @@ def default_modes(case: Case) -> list[int]:
     if len(counts) < 2:
         expected = (
             f"at least {SECTORS[1] * case.blades} inner degrees of freedom for the default numbers"
-            f" of modes, it has {inner}; use more elements, or give the numbers by --modes"
+            f" of modes, not {inner}; use more elements, or give the numbers by --modes"
         )
         raise CaseError([Fault(key="bladed_disk", expected=expected)])
     return counts

@@ -146,7 +146,7 @@ def _multiples(name: str, ends: Interval, reference: float) -> tuple[float, floa
     label = f"campbell: {name} {ends!r}"
     first, last = (speed_of(end, label).multiple(reference) for end in ends)
     if not 0.0 <= first < last:
-        raise UserError(f"{label}: expected zero or more, and the second above the first")
+        raise UserError(f"{label}: expected two speeds of zero or more, the second above the first")
     return first, last
 
 

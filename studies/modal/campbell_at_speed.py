@@ -132,7 +132,7 @@ def dataset_at_speed(
                 plane,
                 np.where(rates > REAL * omegas, rates, 0.0),
                 "1/s",
-                "growth without damping, of merged waves",
+                "growth rate of merged waves without damping",
             ),
             "tip_growth": quantity("line_speed", growth, "m", "growth of the tips"),
             **_speeds("critical", disk, names, chosen, omegas[-1], reference),
@@ -204,7 +204,10 @@ def _speeds(
                 rows.append((speed, k, names[k][rank], share))
     rows.sort()
     speeds = np.array([row[0] for row in rows])
-    name = {"critical": "critical speed", "engine_order": "speed met by the engine order k"}[kind]
+    name = {
+        "critical": "critical speed",
+        "engine_order": "speed at which the frequency equals the engine order k",
+    }[kind]
     share_name = "share of the strain energy in the shaft springs"
     return {
         f"{kind}_speed": quantity(kind, speeds / reference, "1", f"normalised {name}"),

@@ -170,8 +170,8 @@ def couple(
     if chart and obstacles:
         options = "--speed and --kappa" if one_each else "--speed, --kappa and --physical"
         raise UserError(
-            "stability: expected constant coefficients in some frame, for a chart; here"
-            f" {', '.join(obstacles)}: {options} give one point"
+            "stability: expected constant coefficients in some frame for a chart, but"
+            f" {', '.join(obstacles)}; {options} compute a single point"
         )
     effects = modal.case.rotation.effects
     if effects != "none" and (obstacles or not one_each):
@@ -185,7 +185,8 @@ def couple(
     if not (physical or one_each):
         raise UserError(
             "stability: expected --physical (in Python physical=True) where blades differ or"
-            " the casing is uneven: one amplitude for all needs one nodal diameter for each mode"
+            " the casing is uneven; by default all modes get the same amplitude, which requires"
+            " that each mode has a single nodal diameter"
         )
     try:
         equations = coupled_waves(modal, modes=modes, damped=damped, physical=physical)
@@ -252,5 +253,7 @@ def _chosen(all_modes: StageModes, text: str) -> StageModes:
     if not coupled.size:
         families = dict.fromkeys(name.split()[0] for name in all_modes.modes.name)
         names = ", ".join(["six", "all", *families])
-        raise UserError(f"--modes {text}: expected modes that springs couple, of {names}")
+        raise UserError(
+            f"--modes {text}: expected modes that can be coupled by springs, from {names}"
+        )
     return all_modes.take(coupled)

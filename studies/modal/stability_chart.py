@@ -124,7 +124,7 @@ def truncation(complete: xr.Dataset, few: xr.Dataset) -> xr.Dataset:
         )
         for label, data in (("all", complete), ("few", few))
     ]
-    return xr.concat(parts, dim="zone").assign_attrs(title="what truncation hides")
+    return xr.concat(parts, dim="zone").assign_attrs(title="unstable zones that the six modes hide")
 
 
 def spectrum_along(system: EvenSystem, omegas: FloatArray, kappa: float) -> xr.Dataset:

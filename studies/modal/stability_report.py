@@ -73,7 +73,7 @@ ROTOR_ALONE = (
     Column("rotor_growth_rate", "growth rate, bladed disk alone [1/s]", ".4g"),
     Column("rotor_nodal_diameter", "its nodal diameter", "d"),
     Column("cause", "its cause"),
-    Column("holding_damping", "damping of two static bearings to stop it [N s/m]", ".4g"),
+    Column("holding_damping", "damping of two static bearings that stops it [N s/m]", ".4g"),
 )
 """Values of a point, its divergent mode, a chart and the bladed disk alone."""
 

@@ -228,7 +228,7 @@ def course_at_high_speed(motion: Motion, long: Motion, usual: Motion) -> Measure
 def motion_over_coupling(*motions: Motion) -> Measures:
     """Return spreads of whirl over ω₁ and of energy shares [points], and contact sides."""
     if not all(motion.touched for motion in motions):
-        raise NotTestableError("without contact there is no side of it")
+        raise NotTestableError("without contact there is no side of contact")
     rates = [motion.late_whirl("rotating").rate / motion.reference for motion in motions]
     shares = np.array([list(motion.share(*motion.late).values()) for motion in motions])
     sides = [motion.scenario for motion in motions]

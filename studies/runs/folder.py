@@ -60,7 +60,7 @@ def check_free(directory: Path, *, overwrite: bool) -> None:
             pass
     except OSError as error:
         raise UserError(
-            f"{directory}: cannot be made or written: {existing} takes no files ({error.strerror})"
+            f"{directory}: cannot be made or written: no files can be written into {existing} ({error.strerror})"
         ) from None
 
 

@@ -38,7 +38,7 @@ class Window:
         start, end = self.start or 0.0, duration if self.end is None else self.end
         if self.frames and not 0.0 <= start <= min(end, duration):
             raise UserError(
-                f"--from {start:g} --to {end:g}: expected a window in order within the"
+                f"--from {start:g} --to {end:g}: expected a start before the end, both within the"
                 f" {duration:g} s of the run"
             )
 

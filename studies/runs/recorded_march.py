@@ -208,7 +208,7 @@ def state_at(prepared: Prepared, begin: Checkpoint) -> Any:
     steps = int(begin.state["step"])
     if steps > prepared.timing.steps + 1:
         reached = (steps - 1) * prepared.timing.time_step
-        raise UserError(f"march.duration: expected {reached:.6g} s, which is marched, or more")
+        raise UserError(f"march.duration: expected at least {reached:.6g} s, the time already marched")
     try:
         return state_from(prepared.scheme.init(), begin.state)
     except ValueError as error:
@@ -224,7 +224,7 @@ def check_room(directory: Path, needed: int) -> None:
     free = shutil.disk_usage(folder.nearest_existing(directory)).free
     if free < needed + SPARE_BYTES:
         raise UserError(
-            f"{directory}: expected {(needed + SPARE_BYTES) / 1e6:.0f} MB of room on the disk, "
+            f"{directory}: expected {(needed + SPARE_BYTES) / 1e6:.0f} MB of free space on the disk, "
             f"found {free / 1e6:.0f} MB"
         )
 

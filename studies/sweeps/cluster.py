@@ -63,11 +63,11 @@ def march_on_cluster(
             try:
                 outcome = future.result()
             except KilledWorker:  # after as many workers as the scheduler allows
-                outcome = Failure(reason="the workers died that marched this point")
+                outcome = Failure(reason="the workers that marched this point died")
             except (ImportError, AttributeError) as error:  # those of a march become failures
                 raise UserError(
-                    f"workers: expected bladewhirl {version()} there, too; its code could not be"
-                    f" loaded ({error})"
+                    f"workers: expected bladewhirl {version()} on the workers, too; its code could"
+                    f" not be loaded ({error})"
                 ) from None
             finally:
                 future.release()

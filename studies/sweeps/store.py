@@ -130,7 +130,9 @@ class Store(AbstractContextManager["Store"]):
             digest = None
         if digest != plan:
             self._h5.close()
-            raise UserError(f"{path}: expected the dataset of the plan beside it, found another's")
+            raise UserError(
+                f"{path}: expected the dataset of the plan beside it, found that of another plan"
+            )
         names = (*(axis.name for axis in grid.axes), "frequency")
         self._coordinates = [self._h5[name][()] for name in names]
         changed = changed_point(

@@ -57,7 +57,9 @@ def march_points(
         dead: list[Point] = []
         yield from _in_flight(work, iter([point]), 1, dead)
         if dead:
-            reason = "the worker died every time it marched this point, alone too"
+            reason = (
+                "the worker died every time it marched this point, also when it marched no other"
+            )
             yield point.number, Failure(reason=reason)
 
 

@@ -237,8 +237,8 @@ def test_initial_rows_take_units_and_arrays() -> None:
         ("initial.centre_velocity", [1.0], "initial.centre_velocity = [1.0]"),
         ("initial.centre_velocity", 3, "initial.centre_velocity = 3"),
         ("initial.centre_displacement", [0.0, "1 s"], 'initial.centre_displacement[1] = "1 s"'),
-        ("initial.tip_velocity", [[0.0, 0.0]] * 21, "22 rows, one a blade, not 21"),
-        ("initial.tip_velocity", [], "22 rows, one a blade, not 0"),
+        ("initial.tip_velocity", [[0.0, 0.0]] * 21, "22 rows, one for each blade, not 21"),
+        ("initial.tip_velocity", [], "22 rows, one for each blade, not 0"),
         ("initial.tip_velocity", [[0.0] * 2] * 21 + [[0.0]], "initial.tip_velocity[21] = [0.0]"),
         ("initial.tip_velocity", [0.0] * 22, "initial.tip_velocity[0] = 0.0"),
         (
@@ -259,7 +259,11 @@ def test_initial_rows_of_a_wrong_shape(key: str, value: object, place: str) -> N
         ({"bladed_disk": {"disk_radius": 0.5}}, "bladed_disk.disk_radius = 0.5", "less than"),
         ({"bladed_disk": {"tip_radius": "2 cm"}}, "bladed_disk.disk_radius = 0.05", "= 0.02"),
         ({"march": {"record_step": 1e-7}}, "march.record_step = 1e-7", "at least march.time_step"),
-        ({"march": {"record_step": 1.5e-6}}, "march.record_step", "1e-06 or 2e-06, not 1.5 of"),
+        (
+            {"march": {"record_step": 1.5e-6}},
+            "march.record_step",
+            "1e-06 s or 2e-06 s, not 1.5 time steps",
+        ),
         ({"march": {"time_step": 1e-29}}, "march.duration = 3.0", "steps"),
         ({"march": {"time_step": 1e-31}}, "march.time_step = 1e-31", "(too small)"),
         (
@@ -299,7 +303,7 @@ def test_initial_rows_of_a_wrong_shape(key: str, value: object, place: str) -> N
                 }
             },
             "bladed_disk.elements_per_blade = 3",
-            "those of shrouds counted: 154000",
+            "including those of shrouds, not 154000",
         ),
     ],
 )

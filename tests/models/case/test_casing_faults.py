@@ -29,7 +29,10 @@ TURN = [{"angle": 0, "thickness": 0.01}, {"angle": "1 turn", "thickness": 0.02}]
             {"stiffened_arcs": [{"start": 1.0, "end": 2.0}, {"start": 1.5, "end": 3.0}]},
             "arcs that do not overlap",
         ),
-        ({"springs": [{"angle": 0.0}]}, "more than 0 here or in tangential, radial_damping"),
+        (
+            {"springs": [{"angle": 0.0}]},
+            "more than 0 for this key or for tangential, radial_damping",
+        ),
         ({"struts": [{"angle": 0.0}]}, "casing.struts[0].length"),
         (
             {"struts": [{"angle": 0.0, "length": 1.0, "inclination": "90 deg"}]},

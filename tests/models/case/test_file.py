@@ -271,7 +271,7 @@ def test_all_faults_of_a_file_at_once(tmp_path: Path) -> None:
         ('"\\u001b[1m\\n" = 1', '"\\u001b[1m\\n" = 1: expected a known key'),
         (
             'excitation = { type = "imbalance", shape = "half-sine" }',
-            'expected a key of excitation.type = "imbalance"; this one is of "casing-distortion"',
+            'a key of excitation.type = "imbalance"; this key belongs to "casing-distortion"',
         ),
         ("excitation.ramp = 1", 'excitation.type: expected "casing-distortion" or "imbalance"'),
         ('excitation.type = "imbalanc"', 'excitation.type = "imbalanc": expected'),

@@ -66,7 +66,7 @@ def test_a_stage_far_too_soft() -> None:
     soft = stage(*SMALL, "material.young_modulus=210e3")
     hertz = soft.reference_frequency / (2.0 * np.pi)
     assert hertz < 1.0
-    assert f"the reference frequency is {hertz:.3g} Hz" in stage_hints(soft)[1]
+    assert f"the unit of speeds, is {hertz:.3g} Hz" in stage_hints(soft)[1]
     assert stage_hints(stage(*SMALL)) == ()
 
 
@@ -91,7 +91,7 @@ def test_free_blade_ends_outside_the_set_of_tips(tips: int, ends: float, free: i
     assert len(lines) == (free > 0)
     if free:
         assert lines[0].startswith(
-            "2 free ends at the radius of the 3 tips not in their set, first"
+            "2 free ends at the radius of the 3 tips but not in their set, the first"
         )
         assert "(-0.4045, -0.2939) m" in lines[0]
 

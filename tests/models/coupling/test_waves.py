@@ -216,7 +216,7 @@ def test_the_command_looks_at_one_point(tmp_path: Path) -> None:
     assert len(document["eigenvalues"]) == 12
     assert document["growth_rate"] == pytest.approx(max(v[0] for v in document["eigenvalues"]))
     for arguments, said in (
-        (["--physical"], "--speed, --kappa and --physical give one point"),
+        (["--physical"], "--speed, --kappa and --physical compute a single point"),
         (point[:-1], "expected --physical"),
         ([*point, "-o", str(tmp_path / "none")], "is drawn where each mode has one"),
         ([*point, "--modes", "1F:77"], "--modes 1F:77: "),

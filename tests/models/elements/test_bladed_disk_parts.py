@@ -243,21 +243,24 @@ def test_random_mistuning_comes_from_its_seed() -> None:
 BAD: list[tuple[dict[str, Any], str]] = [
     ({"shrouds": [{"radius": 0.6}]}, r"shrouds = .* radii above bladed_disk.disk_radius = 0.05"),
     ({"shrouds": [{"radius": 0.4, "cuts": [6]}]}, "blades from 0 to 5, each once"),
-    ({"shrouds": [{"radius": 0.4}, {"radius": 0.4, "cuts": [1]}]}, "one shroud at a radius"),
+    ({"shrouds": [{"radius": 0.4}, {"radius": 0.4, "cuts": [1]}]}, "one shroud at each radius"),
     ({"point_masses": [{"radius": 0.01, "mass": 1.0}]}, "radii of 0 or from disk_radius"),
     ({"disk_rings": [{"radius": 0.05}]}, "different radii below bladed_disk.disk_radius"),
     ({"disk_rings": [{"radius": 0.02}], "disk_kind": "rigid"}, "a bladed_disk.disk_kind with"),
     ({"taper": [{"material": "x"}]}, r'materials of material.named \(none\), not "x"'),
     ({"centre_line": [{"span": 0.5, "angle": 0.1}]}, "ascending spans that end with span = 1"),
     ({"mistuning": {"mass": [1.0] * 6, "mass_spread": 0.1}}, "either factors or"),
-    ({"mistuning": {"length": [1.01] * 6}}, "that of blade 0, at radius 0.5045 m, is outside by"),
+    (
+        {"mistuning": {"length": [1.01] * 6}},
+        "the tip of blade 0, at radius 0.5045 m, is outside by",
+    ),
     (
         {"elements_per_blade": 1, "shrouds": [{"radius": 0.4}]},
         "elements_per_blade = 1: expected at least 2",
     ),
     (
         {"centre_line": [{"span": 0.9, "angle": 1.5}, {"span": 1.0, "angle": -1.5}]},
-        "centre_line: expected a line that leads outward all the way",
+        "centre_line: expected a centre line whose radius increases",
     ),
 ]
 

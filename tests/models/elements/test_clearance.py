@@ -80,4 +80,4 @@ def test_a_tip_that_starts_inside_a_lobe_is_a_fault() -> None:
     tight = {"lobes": 1, "amplitude": 3e-4, "phase": "180 deg"}
     given = case_from(outward | {"casing": {"clearance_lobes": [tight]}})
     [fault] = march_faults(build_stage(given))
-    assert "blade 0 starts 0.0008 m outward, with a casing.clearance of 0.0007 m" in str(fault)
+    assert "blade 0 starts 0.0008 m outward, but its clearance is 0.0007 m" in str(fault)

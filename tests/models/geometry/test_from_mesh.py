@@ -251,8 +251,8 @@ BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
         lambda lines: replace(lines, points=np.vstack([lines.points, [[0.0, 0.4]]]), node_groups={
             **lines.node_groups, "tips": np.append(lines.node_groups["tips"], len(lines.points))}),
         "",
-        'mesh.tips = "tips": expected a line to every node of the group; 1 of 4 in a.vtu has none,'
-        " first that at (0, 0.4) m",
+        'mesh.tips = "tips": expected every node of the group on a line; of 4 nodes in a.vtu'
+        " 1 are on no line, the first at (0, 0.4) m",
     ),
     (same, ', unit = "cm"', "mesh.sections: expected a section for all lines; 12 of 12 have none"),
     (
@@ -260,12 +260,12 @@ BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
         "",
         "mesh.sections: expected a section for all lines; 12 of 12 have none, in 'blades', 'spok",
     ),
-    (doubled, "", "expected one node at each place; 1 pairs lie on each other, first at (0.05, 0)"),
+    (doubled, "", "one node at each place; 1 pairs of nodes coincide, the first at (0.05, 0)"),
     (
         lambda lines: replace(lines, lines=np.vstack([lines.lines, lines.lines[:1, ::-1]]),
                               line_data={k: np.append(v, 1.0) for k, v in lines.line_data.items()}),
         "",
-        "expected each line once; 1 are not so, first at (0.05, 0)",
+        "expected each line only once; 1 violate this, the first at (0.05, 0)",
     ),
     (
         lambda lines: replace(lines, points=1e3 * lines.points),
@@ -281,12 +281,12 @@ BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
         lambda lines: replace(lines, lines=lines.lines[:-6], line_groups={},
                               line_data={k: v[:-6] for k, v in lines.line_data.items()}),
         "",
-        'mesh.centre = "centre": expected a group with nodes that lines lead to; that of a.vtu has',
+        'mesh.centre = "centre": expected a group of nodes on lines; in a.vtu none of its',
     ),
     (
         lambda lines: replace(lines, node_data={"mass": np.full(len(lines.points), 0.1)}),
         f', unit = "cm", sections = {{ blades = {SECTION}, spokes = {SECTION}, rim = {SECTION} }}',
-        'mesh.unit = "cm": expected "m" for a file with point masses, which count in SI; a.vtu has',
+        'mesh.unit = "cm": expected "m" for a file with point masses, which are in SI units, such',
     ),
     (
         lambda lines: replace(lines, line_data={"spring_radial": np.full(12, -1.0)}),
@@ -322,7 +322,7 @@ def test_other_keys_beside_a_mesh_are_refused(tmp_path: Path) -> None:
     write_line_mesh(tmp_path / "a.vtu", grouped_lines(papers()))
     path = tmp_path / "case.toml"
     path.write_text(TOML.format("") + "\nbladed_disk.blades = 12")
-    expected = "bladed_disk.blades = 12: expected to be left out beside bladed_disk.mesh"
+    expected = "bladed_disk.blades = 12: expected no such key beside bladed_disk.mesh"
     assert fault(read_case, path) == f"{path}: {expected}"
 
 
@@ -382,4 +382,4 @@ def test_sections_that_fall_below_zero_along_a_line(tmp_path: Path) -> None:
     change[20] = -2.5 * lines.line_data["thickness"][20]
     broken = replace(lines, line_data={**lines.line_data, "thickness_change": change})
     line = fault(through, tmp_path / "a.vtu", broken)
-    assert "above zero all along lines; line 20 has thickness_chan" in line
+    assert "positive sections along all lines; line 20 has thickness_chan" in line

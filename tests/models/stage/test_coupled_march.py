@@ -187,7 +187,10 @@ def test_the_critical_step_is_that_of_the_coupled_bodies(modes: str) -> None:
     ("overrides", "expected"),
     [
         (("coupling.modes=suspention",), "did you mean suspension?"),
-        (("coupling.modes=2F", "reduction.modes=six"), "modes that springs couple and reduction"),
+        (
+            ("coupling.modes=2F", "reduction.modes=six"),
+            "modes that are coupled by springs and are also kept",
+        ),
         (("shaft.clamped=true",), "coupling.modes"),
         (("march.time_step=1e-5", "coupling.stiffness=1e13"), "less than the critical step"),
     ],

@@ -114,8 +114,8 @@ def test_faults_of_the_march_come_together() -> None:
     [
         (
             {"reduction.fixed_interface_modes": 683},
-            "reduction.fixed_interface_modes = 683: expected at most 682, the internal degrees of"
-            " freedom of the bladed disk",
+            "reduction.fixed_interface_modes = 683: expected at most 682, the number of internal"
+            " degrees of freedom of the bladed disk",
         ),
         ({"casing.elements": 99_999}, "casing.elements = 99999: expected at most 5590 elements"),
         ({"material.young_modulus": 1e30}, "material.young_modulus = 1e30: expected 1e+09 to "),

@@ -60,5 +60,5 @@ def test_it_is_the_growth_of_the_regime_and_says_so() -> None:
 
 
 def test_a_short_history_has_none() -> None:
-    with pytest.raises(ViewError, match="too short a history"):
+    with pytest.raises(ViewError, match="too short for a growth rate"):
         amplitude_growth(synthetic.synthetic_result(blades=6, records=40))

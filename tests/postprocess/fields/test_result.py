@@ -68,7 +68,10 @@ class TestOpenResult:
             (lambda r: r.transpose(), r"'rotor_displacement' over \(time, rotor_mode\), found"),
             (lambda r: r.isel(time=slice(0)), "expected at least one record"),
             (lambda r: r.assign_coords(time=r["time"].values[::-1]), "'time' to increase"),
-            (lambda r: r.assign(rotor_line=0 * r["rotor_line"]), "'rotor_line' to join different"),
+            (
+                lambda r: r.assign(rotor_line=0 * r["rotor_line"]),
+                "'rotor_line' to connect different",
+            ),
             (lambda r: r.assign_coords(casing_angle=0 * r["casing_angle"]), "within one turn"),
             (lambda r: r.assign_attrs(format=RESULT_FORMAT + 1), "of format .* newer"),
         ],

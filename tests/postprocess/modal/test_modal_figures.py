@@ -171,7 +171,9 @@ def test_a_mode_in_time_keeps_its_size_and_holds_nothing_that_a_mode_has_not(
 
 
 def test_a_single_mode_does_not_travel() -> None:
-    with pytest.raises(ValueError, match="a single mode stands; it has no forward wave"):
+    with pytest.raises(
+        ValueError, match="a single mode is a standing wave; it has no forward wave"
+    ):
         moving("bladed-disk", "1F", 0, "forward")
 
 

@@ -54,5 +54,5 @@ def test_runs_and_sweeps_are_distinguished(tmp_path: Path) -> None:
         assert "rotating frame" in bw.plot.whirl(sweep).axes[0].get_ylabel()
         with pytest.raises(ViewError, match="figure 'orbit': expected one of frequency-map"):
             bw.plot.orbit(sweep)
-        with pytest.raises(ViewError, match="no start and end with a sweep"):
+        with pytest.raises(ViewError, match="no start or end for a sweep"):
             bw.plot.whirl(sweep, start=0.1)

@@ -38,7 +38,7 @@ def test_the_largest_source_is_named_in_the_reason(result: xr.Dataset) -> None:
     assert leading_source(still) == ""
     still["rotor_frequency"][:2] *= -1.0
     still["energy"] -= 2.0 * float(still["energy"].max())
-    assert leading_source(still).startswith("damping of the bladed disk feeds whirl")
+    assert leading_source(still).startswith("damping of the bladed disk drives its whirl")
 
 
 def test_the_casing_moves_most_where_and_when_it_does(result: xr.Dataset) -> None:

@@ -50,7 +50,7 @@ class TestPoincareMap:
 
     def test_without_a_revolution_there_is_no_map(self) -> None:
         orbit = synchronous()
-        with pytest.raises(ViewError, match=r"a revolution or more.* 0\.115"):
+        with pytest.raises(ViewError, match=r"one revolution or more.* 0\.115"):
             poincare_map(orbit.isel(time=slice(5, 15)))
-        with pytest.raises(ViewError, match="a revolution or more"):
+        with pytest.raises(ViewError, match="one revolution or more"):
             poincare_map(synchronous(speed=0.0))

@@ -249,8 +249,8 @@ def test_a_sweep_without_points_says_so(none: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["orbit"], "orbit: a sweep has frequency-map, shaft-radius, regimes"),
-        (["regimes", "--from", "0.1"], "expected no --from and --to with a sweep"),
+        (["orbit"], "orbit: a sweep has the figures frequency-map, shaft-radius, regimes"),
+        (["regimes", "--from", "0.1"], "expected no --from or --to for a sweep"),
     ],
 )
 def test_what_a_sweep_has_not_is_said_in_one_line(

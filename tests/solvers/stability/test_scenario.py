@@ -118,12 +118,12 @@ def test_size_and_unit_do_not_matter(size: float, lead: float, kind: str) -> Non
         assert found.lead == pytest.approx(np.pi * lead)
     with pytest.raises(ValueError, match="shaft does not move"):
         mode_scenario(shaft=1e-10 * size, rotor=size, casing=0.0)
-    with pytest.raises(ValueError, match="move alike"):
+    with pytest.raises(ValueError, match="move by the same amount"):
         mode_scenario(shaft=size, rotor=size, casing=(1.0 + 1e-10) * size)
 
 
 def test_modes_without_a_scenario_are_refused() -> None:
     with pytest.raises(ValueError, match="shaft does not move"):
         mode_scenario(shaft=0.0, rotor=1.0, casing=0.0)
-    with pytest.raises(ValueError, match="move alike"):
+    with pytest.raises(ValueError, match="move by the same amount"):
         mode_scenario(shaft=1.0, rotor=1.0, casing=1.0)

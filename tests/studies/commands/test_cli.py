@@ -53,7 +53,7 @@ def test_numbers_beyond_double_precision_are_one_line(tmp_path: Path, value: str
     assert (done.exit_code, done.stdout) == (2, "")
     [line] = done.stderr.splitlines()
     place = f"--set: {value.replace('=', ' = ')}: expected 1e+09 to 1e+12 Pa for a solid"
-    within = f"{path}: expected sizes, material and springs within reach of double precision"
+    within = f"{path}: expected sizes, material and springs that double precision can represent"
     assert line.startswith(place if "modulus" in value else within)
     assert [*tmp_path.iterdir()] == [path]
 

@@ -99,7 +99,7 @@ def test_data_that_a_format_cannot_store_are_listed(tmp_path: Path) -> None:
     done = RUNNER.invoke(app, ["mesh", str(case), "-o", str(tmp_path / "a.inp")])
     assert done.exit_code == 0
     left_out = "spring_radial, spring_tangential, spring_rotation, rigid"
-    assert done.stderr == f"{tmp_path / 'a.inp'} does not hold {left_out}; .vtu and .msh do.\n"
+    assert done.stderr == f"{tmp_path / 'a.inp'} does not contain {left_out}; .vtu and .msh do.\n"
     assert len(read_line_mesh(tmp_path / "a.inp").lines) == 6
 
 

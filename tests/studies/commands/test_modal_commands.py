@@ -180,12 +180,12 @@ def test_veering_as_one_document() -> None:
     }
 
 
-NO_SPEEDS = ': expected START:STOP, ends numbers or such as "2500 rpm"'
+NO_SPEEDS = ': expected START:STOP, with ends that are numbers or text such as "2500 rpm"'
 NOT_ASCENDING = "expected a START of zero or more and a STOP above it"
 
 A_FAMILY = "expected a family of the bladed disk: 1F, suspension, 2F, 3F, 4F, 5F, 6F, 7F, 8F, 9F"
 BAD_INPUT = {
-    "modes --animate 1F:1": "--animate: for pictures; expected a folder for them, -o DIR",
+    "modes --animate 1F:1": "--animate: expected a folder for the pictures, -o DIR",
     "modes -o new --animate suspensoin": f"--animate suspensoin: {A_FAMILY}"
     " (did you mean suspension?)",
     "modes -o new --shapes casing:suspension": "--shapes casing:suspension: expected a"

@@ -64,7 +64,7 @@ def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["waterfall", "orbit", "bode"], "waterfall, bode: a run has orbit, whirl, "),
+        (["waterfall", "orbit", "bode"], "waterfall, bode: a run has the figures orbit, whirl, "),
         (
             ["orbit", "--from", "0.3", "--to", "0.1"],
             "window [0.3, 0.1] s: expected a start",
@@ -85,7 +85,7 @@ def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) ->
     still = made(tmp_path / "still", 0.0)
     result = plot(still, "all")
     assert result.exit_code == 0, result.stderr
-    assert result.stderr.startswith("state-space left out: a Poincaré map needs a revolution")
+    assert result.stderr.startswith("state-space left out: a Poincaré map needs one revolution")
     assert len(list((still / "plots").iterdir())) == 3 * (len(RUN_FIGURES) - 2) + 1
     assert plot(still, "state-space").exit_code == 2
 

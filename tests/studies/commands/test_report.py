@@ -90,7 +90,7 @@ def test_all_figures_are_inside(page: Parsed) -> None:
     assert set(page.pictures) == drawn
     assert set(page.pictures.values()) == {f"data:image/png;base64,{PICTURE}"}
     assert base64.b64decode(report_page._as_png(Figure())).startswith(b"\x89PNG")
-    assert "Not drawn: too short a history to judge growth, or at rest." in page.words
+    assert "Not drawn: the history is too short for a growth rate, or nothing moves." in page.words
 
 
 def test_numbers_are_those_of_the_run(page: Parsed) -> None:

@@ -197,7 +197,7 @@ def test_a_window_of_the_run_seen_from_the_rotor(path: Path) -> None:
         (["--frames", "-1"], "--frames -1: expected 0 or more"),
         (
             ["--from", "20 ms"],
-            "--from 0.02 --to 0.01: expected a window in order within",
+            "--from 0.02 --to 0.01: expected a start before the end, both within",
         ),
     ],
 )
@@ -263,8 +263,8 @@ def test_where_nothing_can_be_written(tmp_path: Path) -> None:
     out = tmp_path / "file" / "deep" / "out"
     with pytest.raises(UserError) as error:
         bw.run(quick(), out)
-    reason = f"cannot be made or written: {tmp_path / 'file'} takes no files (Not a directory)"
-    assert [*error.value.lines] == [f"{out}: {reason}"]
+    reason = f"no files can be written into {tmp_path / 'file'} (Not a directory)"
+    assert [*error.value.lines] == [f"{out}: cannot be made or written: {reason}"]
 
 
 def test_a_disk_without_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -273,11 +273,11 @@ def test_a_disk_without_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=free.pop()))
     monkeypatch.setattr("bladewhirl.studies.runs.recorded_march.FLUSH_TIME", 0.0)
     long = quick(**{"march.duration": 100.0})
-    with pytest.raises(UserError, match="MB of room on the disk, found 10 MB"):
+    with pytest.raises(UserError, match="MB of free space on the disk, found 10 MB"):
         bw.run(long, tmp_path / "deep" / "out")
     assert not [*tmp_path.iterdir()]
     free[:] = [10**6, *[10**12] * 3]
-    with pytest.raises(UserError, match="expected 4 MB of room on the disk, found 1 MB"):
+    with pytest.raises(UserError, match="expected 4 MB of free space on the disk, found 1 MB"):
         bw.run(long, tmp_path / "out")
     with xr.open_dataset(tmp_path / "out" / "result.nc") as result:
         assert result.attrs["end_reason"] == "unfinished"

@@ -161,15 +161,18 @@ def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
         (["--speed", "1"], "--speed, --kappa: expected both"),
         (["--speed", "1e300", "--kappa", "1"], "--speed 1e300: expected multiples of"),
         (["--speeds", "1:2"], "--speeds 1:2: expected START:STOP:COUNT"),
-        (["--modes", "casing:1F:1"], "expected modes that springs couple, of six, all, casing, 1F"),
+        (
+            ["--modes", "casing:1F:1"],
+            "expected modes that can be coupled by springs, from six, all, casing, 1F",
+        ),
         (["--set", "shaft.clamped=true"], "--modes six: the stage has no suspension pair"),
         (
             ["--damped", "--set", "shaft.damping=10"],
-            "here with --damped there are dampers: --speed and --kappa give one",
+            "but --damped includes dampers at points; --speed and --kappa compute",
         ),
         (
             ["--set", 'casing.springs=[{ angle = 0.0, radial = "1 MN/m" }]'],
-            "here the casing is not the same all round: --speed, --kappa and --physical give one",
+            "but the casing is not axisymmetric; --speed, --kappa and --physical compute",
         ),
     ],
 )

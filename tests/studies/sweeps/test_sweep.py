@@ -161,10 +161,10 @@ def test_failed_points_are_reported_and_the_others_done(
         ([], "expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR"),
         (["--resume", "x", "--over", "a=1,2"], "--resume x: expected no --over"),
         (["--resume", "x"], "expected the plan of a sweep"),
-        (["--workers", "1", "--scheduler", "tcp://x:1"], "expected one of them"),
+        (["--workers", "1", "--scheduler", "tcp://x:1"], "expected only one"),
         (
             [IMBALANCE, "--over", "march.speed=1,2", "--set", "march.speed=3", "-o", "x"],
-            "--over march.speed, --set march.speed=3: expected one of them",
+            "--over march.speed, --set march.speed=3: expected only one of them",
         ),
         (
             [IMBALANCE, "--over", "march.duration=0.01,1e5", "-o", "x"],
