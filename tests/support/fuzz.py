@@ -22,9 +22,10 @@ import sys
 import tempfile
 import traceback
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest import mock
 
 import h5py
 import numpy as np
@@ -50,18 +51,7 @@ VALUES: tuple[Any, ...] = (
     *(0.0, -0.0, 0.5, -1.5, 1e-300, 5e-324, 1e-9, 1e9, 1e299, 1.7e308, -1e308),
     *(float("nan"), float("inf"), -float("inf")),
     *("", "a", "1 mm", "120 mm", "-3 mm", "1e400 mm", "2500 rpm", "nan Hz", "inf", "1 kg", "m"),
-    *(
-        "all",
-        "six",
-        "free",
-        "1F:1",
-        "casing:99",
-        "none",
-        "imbalance",
-        "harmonic",
-        "\x00",
-        "ü\u202e",
-    ),
+    *("all six free 1F:1 casing:99 none imbalance harmonic \x00 ü\u202e".split(" ")),
     *([], {}, [1], ["a"], [[0.0, 1.0]], [{}], {"a": 1}, {"width": "120 mm"}, [[[]]]),
 )
 
@@ -78,16 +68,11 @@ WORDS = (
 """Arguments of options."""
 
 MODAL = (
-    *(
-        "show",
-        "show --case",
-        "modes --json --count 9",
-        "mesh",
-        "mesh -o out.vtu",
-        "mesh -o out.inp",
-    ),
-    *("campbell --json", "veering --json", "stability --json --speed 1.1 --kappa 300"),
-    *("stability --json --speeds 0.9:1.2:3 --kappas 0:300:2", "sweep --over march.speed=1,2 --dry"),
+    *("show", "show --case", "modes --json --count 9", "mesh", "mesh -o out.vtu"),
+    *("mesh -o out.inp", "campbell --json", "veering --json"),
+    "stability --json --speed 1.1 --kappa 300",
+    "stability --json --speeds 0.9:1.2:3 --kappas 0:300:2",
+    "sweep --over march.speed=1,2 --dry",
 )
 """Commands on a case."""
 
@@ -102,12 +87,6 @@ READING = (
 
 SWEEP = ("plot sweep", "plot sweep frequency-map", "report sweep", "plot sweep regimes")
 """Commands on a sweep."""
-
-
-class Input(NamedTuple):
-    """One command, to be given in a folder that has been prepared for it."""
-
-    arguments: list[str]
 
 
 class Finding(NamedTuple):
@@ -131,20 +110,10 @@ class Makers:
         files = sorted((ROOT / "examples").glob("*.toml"))
         self._tables = [_small(read_case(file).model_dump(exclude_none=True)) for file in files]
         self._tables.append(small().model_dump(exclude_none=True))
-        self._tables.append(read_case(ROOT / "tests/data/sketch_stage.toml").model_dump())
-        self._tables = [_without_none(tables) for tables in self._tables]
+        self._tables.append(
+            read_case(ROOT / "tests/data/sketch_stage.toml").model_dump(exclude_none=True)
+        )
         self._keys = sorted({key for tables in self._tables for key in _keys(tables)})
-
-    @property
-    def kinds(self) -> dict[str, Callable[[random.Random, Path], Input]]:
-        """Makers by kind: each prepares a folder and gives the command."""
-        return {
-            "case": self.case,
-            "mesh": self.mesh,
-            "result": self.result,
-            "sweep": self.sweep,
-            "options": self.options,
-        }
 
     def prepare(self, kind: str) -> None:
         """Make what inputs of a kind begin with, and load what their commands need."""
@@ -166,7 +135,7 @@ class Makers:
                 command, *rest = words.replace(" run", " used").split()
                 call([command, *(["case.toml"] if words in MODAL else []), *rest])
 
-    def case(self, chance: random.Random, folder: Path) -> Input:
+    def case(self, chance: random.Random, folder: Path) -> list[str]:
         """A case with other values, or other bytes."""
         tables = json.loads(json.dumps(chance.choice(self._tables)))
         own = sorted(_keys(tables))
@@ -179,9 +148,9 @@ class Makers:
         (folder / "case.toml").write_bytes(text)
         command, *rest = words.split()
         march = ["--set", SHORT] if command == "run" and chance.random() < 0.8 else []
-        return Input([command, "case.toml", *rest, *march])
+        return [command, "case.toml", *rest, *march]
 
-    def mesh(self, chance: random.Random, folder: Path) -> Input:
+    def mesh(self, chance: random.Random, folder: Path) -> list[str]:
         """A mesh file with other bytes, looked at, written, or named by a case."""
         files = [f for f in sorted((self._base / "meshes").iterdir()) if f.suffix in WRITERS]
         source = chance.choice(files)
@@ -190,12 +159,12 @@ class Makers:
         (folder / f"disk{suffix}").write_bytes(content)
         if chance.random() < 0.6:
             out = chance.choice(([], ["-o", f"out{chance.choice(tuple(WRITERS))}"]))
-            return Input(["mesh", f"disk{suffix}", *out])
+            return ["mesh", f"disk{suffix}", *out]
         table = f'bladed_disk.mesh = {{ file = "disk{suffix}", tips = "tips" }}\n'
         (folder / "case.toml").write_text(table + chance.choice(("", "casing.elements = 12\n")))
-        return Input([chance.choice(("show", "modes")), "case.toml", "--json"])
+        return [chance.choice(("show", "modes")), "case.toml", "--json"]
 
-    def result(self, chance: random.Random, folder: Path) -> Input:
+    def result(self, chance: random.Random, folder: Path) -> list[str]:
         """A run with other bytes or values in its files, looked at."""
         shutil.copytree(self._base / "run", folder / "run")
         names = ("result.nc",) * 8 + ("checkpoint.npz", "case.toml", "summary.json")
@@ -204,18 +173,15 @@ class Makers:
             edit(file, chance)
         else:
             file.write_bytes(mutated(file.read_bytes(), chance))
-        return Input(chance.choice(READING).split())
+        return chance.choice(READING).split()
 
-    def sweep(self, chance: random.Random, folder: Path) -> Input:
+    def sweep(self, chance: random.Random, folder: Path) -> list[str]:
         """A sweep with other bytes or values in its files, looked at or gone on with."""
         shutil.copytree(self._base / "sweep", folder / "sweep")
         failures = [{"point": 1, "march.speed": 1.1, "reason": "why"}]
         (folder / "sweep" / "failures.json").write_text(json.dumps(failures))
-        file = (
-            folder
-            / "sweep"
-            / chance.choice(("sweep.nc", "sweep.nc", "sweep.json", "failures.json"))
-        )
+        names = ("sweep.nc", "sweep.nc", "sweep.json", "failures.json")
+        file = folder / "sweep" / chance.choice(names)
         if file.suffix == ".nc" and chance.random() < 0.6:
             edit(file, chance)
         elif file.suffix == ".json" and chance.random() < 0.6:
@@ -224,12 +190,11 @@ class Makers:
             file.write_text(json.dumps(document))
         else:
             file.write_bytes(mutated(file.read_bytes(), chance))
-        words = (
-            (*SWEEP, "sweep --resume sweep --workers 1 --yes") if file.suffix == ".json" else SWEEP
-        )
-        return Input(chance.choice(words).split())
+        resume = ["sweep --resume sweep --workers 1 --yes"] if file.suffix == ".json" else []
+        words = (*SWEEP, *resume)
+        return chance.choice(words).split()
 
-    def options(self, chance: random.Random, folder: Path) -> Input:
+    def options(self, chance: random.Random, folder: Path) -> list[str]:
         """A command with words that fit none of its options, or all."""
         import typer.main
 
@@ -251,7 +216,7 @@ class Makers:
             given += ["--set", SHORT]
         if name == "new":
             given = [word for word in given if not word.startswith("/")]
-        return Input(given)
+        return given
 
 
 def _small(tables: dict[str, Any]) -> dict[str, Any]:
@@ -262,12 +227,6 @@ def _small(tables: dict[str, Any]) -> dict[str, Any]:
     tables["reduction"]["fixed_interface_modes"] = 10
     tables["march"] |= {"duration": 4e-4}
     return tables
-
-
-def _without_none(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _without_none(item) for key, item in value.items() if item is not None}
-    return [_without_none(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def _keys(tables: dict[str, Any], prefix: str = "") -> Iterator[str]:
@@ -343,18 +302,7 @@ def mutated(content: bytes, chance: random.Random) -> bytes:
 
 def edit(file: Path, chance: random.Random) -> None:
     """Give a netCDF file another attribute, another value, or another shape of an array."""
-    words: tuple[Any, ...] = (
-        "fast",
-        "",
-        float("nan"),
-        float("inf"),
-        -1,
-        0,
-        999,
-        1e300,
-        b"\xff",
-        [],
-    )
+    words: tuple[Any, ...] = ("fast", "", np.nan, np.inf, -1, 0, 999, 1e300, b"\xff", [])
     with h5py.File(file, "r+") as h5:
         names = sorted(name for name in h5 if isinstance(h5[name], h5py.Dataset))
         if chance.random() < 0.5:
@@ -384,22 +332,21 @@ def edit(file: Path, chance: random.Random) -> None:
 
 def call(arguments: list[str]) -> None:
     """Give a command in this process, output and end aside."""
-    argv, sys.argv = sys.argv, ["bladewhirl", *arguments]
-    out = io.TextIOWrapper(io.BytesIO()), io.TextIOWrapper(io.BytesIO())
-    try:
-        with contextlib.redirect_stdout(out[0]), contextlib.redirect_stderr(out[1]):
-            main()
-    except SystemExit:
-        pass
-    finally:
-        sys.argv = argv
+    out, err = (io.TextIOWrapper(io.BytesIO()) for _ in range(2))
+    with (
+        mock.patch.object(sys, "argv", ["bladewhirl", *arguments]),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+        contextlib.suppress(SystemExit),
+    ):
+        main()
 
 
-def attempt(given: Input, folder: Path) -> tuple[int, str, str]:
+def attempt(arguments: list[str], folder: Path) -> tuple[int, str, str]:
     """Give a command in a process of its own: exit code, fault (empty if none), its words."""
     child = os.fork()
     if child == 0:
-        _child(given, folder)
+        _child(arguments, folder)
     signal.signal(signal.SIGALRM, lambda *_: os.killpg(child, signal.SIGKILL))
     signal.alarm(20 * SECONDS)
     _, status = os.waitpid(child, 0)
@@ -409,10 +356,10 @@ def attempt(given: Input, folder: Path) -> tuple[int, str, str]:
     out = (folder / ".out").read_text(errors="replace")
     told = (folder / ".err").read_text(errors="replace")
     code = os.waitstatus_to_exitcode(status)
-    return code, _fault(code, out, told, given), told
+    return code, _fault(code, out, told, arguments), told
 
 
-def _child(given: Input, folder: Path) -> None:
+def _child(arguments: list[str], folder: Path) -> None:
     """The process that gives a command; never returns."""
     code = 70
     try:
@@ -428,7 +375,7 @@ def _child(given: Input, folder: Path) -> None:
         for stream, name in ((1, ".out"), (2, ".err")):
             os.dup2(os.open(name, os.O_CREAT | os.O_WRONLY | os.O_TRUNC), stream)
         warnings.simplefilter("error")
-        sys.argv = ["bladewhirl", *given.arguments]
+        sys.argv = ["bladewhirl", *arguments]
         main()
         code = 0
     except SystemExit as left:
@@ -441,7 +388,7 @@ def _child(given: Input, folder: Path) -> None:
     os._exit(code)
 
 
-def _fault(code: int, out: str, told: str, given: Input) -> str:
+def _fault(code: int, out: str, told: str, arguments: list[str]) -> str:
     """Why a command did not end well; empty if it did."""
     if code == -signal.SIGKILL and "Large stage: " in told:
         return ""  # it said before it began what it takes
@@ -455,14 +402,14 @@ def _fault(code: int, out: str, told: str, given: Input) -> str:
         return f"exit code {code}"
     if code and not told.strip():
         return f"exit code {code} without a word"
-    if code == 0 and "--json" in given.arguments:
+    if code == 0 and "--json" in arguments:
         try:
             json.loads(out, parse_constant=_refuse)
         except ValueError as error:
             return f"no JSON: {error}"
-    elif code == 0 and given.arguments[0] != "new" and "--case" not in given.arguments:
+    elif code == 0 and arguments[0] != "new" and "--case" not in arguments:
         number = re.search(r"(?<![\w:/.-])[-+]?(nan|inf|infinity)(?![\w:/=-])", out, re.IGNORECASE)
-        if number and number[0] not in given.arguments:  # a folder may have any name
+        if number and number[0] not in arguments:  # a folder may have any name
             return f"a number that is none: {number[0]}"
     return ""
 
@@ -475,7 +422,7 @@ def fuzz(kind: str, first: int, count: int, keep: Path | None = None) -> list[Fi
     """Try inputs of a kind; what went wrong.
 
     Args:
-        kind: of `Makers.kinds`.
+        kind: name of a method of `Makers`.
         first: number of the first input.
         count: of inputs.
         keep: folder for what offended; none when None.
@@ -487,13 +434,13 @@ def fuzz(kind: str, first: int, count: int, keep: Path | None = None) -> list[Fi
         for number in range(first, first + count):
             folder = Path(place) / "input"
             folder.mkdir()
-            given = makers.kinds[kind](random.Random(f"{kind} {number}"), folder)
-            code, fault, told = attempt(given, folder)
+            arguments = getattr(makers, kind)(random.Random(f"{kind} {number}"), folder)
+            code, fault, told = attempt(arguments, folder)
             answered += code == 0
             if fault:
                 last = "\n".join(told.splitlines()[-6:])
-                found.append(Finding(number, given.arguments, fault, last))
-                print(f"{kind} {number}: {given.arguments}: {fault}\n{last}\n", flush=True)
+                found.append(Finding(number, arguments, fault, last))
+                print(f"{kind} {number}: {arguments}: {fault}\n{last}\n", flush=True)
                 if keep is not None:
                     shutil.copytree(folder, keep / f"{kind}_{number}", symlinks=True)
             shutil.rmtree(folder)
