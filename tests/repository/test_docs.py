@@ -1,11 +1,10 @@
 """docs/: code blocks run, and reference pages tell of all that there is."""
 
 import re
-from pathlib import Path
 
 import pytest
 import reference
-from blocks import Session, blocks
+from blocks import blocks
 from places import ROOT
 from verified import REFINEMENTS
 
@@ -25,29 +24,6 @@ def test_blocks_that_run_are_on_pages_that_the_site_executes() -> None:
     running = {name for name, text in PAGES.items() if any(block.runs for block in blocks(text))}
     executed = {name for name, text in PAGES.items() if text.startswith("---\nexecuted: true\n")}
     assert running == executed
-
-
-def test_a_block_that_is_not_run_says_why() -> None:
-    left_out = [
-        block for text in PAGES.values() for block in blocks(text) if block.mark == "not run"
-    ]
-    assert left_out
-    assert all(len(block.argument) > 10 for block in left_out)
-
-
-def test_what_a_block_prints_and_writes(tmp_path: Path) -> None:
-    text = (
-        "<!-- file: a.txt -->\n```toml\nx = 1\n```\n"
-        "```python\ny = 2\nprint(y)\n```\n"
-        "```python\nprint(y + 1)\n```\n"
-        "```console\nbladewhirl --version  # says which\n```\n"
-        "<!-- not run: no reason -->\n```python\n1 / 0\n```\n"
-    )
-    session = Session(tmp_path)
-    printed = [session.run(block) for block in blocks(text) if block.runs]
-    assert printed[:3] == ["", "2\n", "3\n"]
-    assert printed[3].startswith("bladewhirl ")
-    assert (tmp_path / "a.txt").read_text() == "x = 1\n"
 
 
 def test_every_key_of_the_template_is_in_the_reference() -> None:

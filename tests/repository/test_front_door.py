@@ -58,11 +58,6 @@ def test_nothing_is_loaded_before_it_is_used() -> None:
     assert case.isdisjoint({"_cffi_backend", "xarray", "matplotlib", "pyvista", "skfem"})
 
 
-def test_an_unknown_name_is_told() -> None:
-    with pytest.raises(AttributeError, match="runn"):
-        bw.runn  # type: ignore[attr-defined]  # noqa: B018
-
-
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
 def test_documents_use_the_front_door(document: Path) -> None:
     assert not re.search(r"(from|import) bladewhirl\.", document.read_text(encoding="utf-8"))

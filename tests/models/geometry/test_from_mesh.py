@@ -21,7 +21,7 @@ from scipy.spatial import KDTree
 from stages import steel
 
 from bladewhirl.meshes.files.groups import GroupedLines
-from bladewhirl.meshes.files.registry import WRITERS, left_out, read_line_mesh, write_line_mesh
+from bladewhirl.meshes.files.registry import WRITERS, left_out, write_line_mesh
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.bladed_disk import BladedDisk as BladedDiskTable
 from bladewhirl.models.case.case import Case
@@ -334,15 +334,6 @@ def test_what_a_file_says_of_some_lines_is_completed_by_the_material(tmp_path: P
     found = through(tmp_path / "a.vtu", replace(lines, line_data=data)).properties
     assert set(found.density) == {7800.0}
     assert found.young_modulus.tolist() == [7e10] * 220 + [2.1e11] * 44
-
-
-def test_the_example_is_what_its_geometry_says() -> None:
-    """The mesh was made of the .geo beside it: as many curves, lines and groups."""
-    mesh = read_line_mesh(EXAMPLE.with_suffix(".msh"))
-    geometry = EXAMPLE.with_suffix(".geo").read_text()
-    for name in (*mesh.node_groups, *mesh.line_groups):
-        assert f'("{name}")' in geometry
-    assert "gmsh -1 examples/shrouded_fan.geo -o examples/shrouded_fan.msh" in geometry
 
 
 def test_the_template_shows_a_mapping_on_one_line(tmp_path: Path) -> None:

@@ -20,7 +20,6 @@ from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.kinematics import casing_rows, combine, rotate, turn
 from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
 from bladewhirl.postprocess.modal.mode_shapes import (
-    mode_title,
     plot_mode_shapes,
     plot_travelling_wave,
 )
@@ -136,12 +135,6 @@ def test_a_travelling_wave_is_followed_by_its_filled_crest() -> None:
         )
         angles.append(np.degrees(np.arctan2(y, x)))
     np.testing.assert_allclose(np.diff(angles), 15.0, atol=1e-6)  # 90 degrees of phase, k = 2
-
-
-def test_a_mixed_mode_is_not_called_by_a_nodal_diameter() -> None:
-    assert mode_title("1F", 0, purity=0.2) == "1F, mixed k"
-    assert mode_title("1F", -1) == "1F"
-    assert mode_title("1F", 0, purity=0.9) == "1F, k = 0"
 
 
 def test_a_standing_wave_keeps_its_nodes() -> None:

@@ -130,19 +130,6 @@ def test_faults_of_the_target(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, n
     assert not [*tmp_path.iterdir()]
 
 
-@pytest.mark.parametrize("command", ["show", "mesh"])
-def test_a_bad_mapping_is_one_line_and_nothing_is_written(tmp_path: Path, command: str) -> None:
-    case = tmp_path / "case.toml"
-    mesh = EXAMPLES / "shrouded_fan.msh"
-    case.write_text(f'[bladed_disk.mesh]\nfile = "{mesh}"\nunit = "mm"\ncentre = "hub"')
-    output = [] if command == "show" else ["-o", tmp_path / "out.vtu"]
-    assert fault(command, case, *output) == (
-        f'{case}: bladed_disk.mesh.tips = "tips": expected a group of nodes of shrouded_fan.msh: '
-        '"hub", "blade tips"'
-    )
-    assert [*tmp_path.iterdir()] == [case]
-
-
 def test_a_sweep_keeps_its_mesh_and_varies_its_sections(tmp_path: Path) -> None:
     elsewhere, begun = tmp_path / "in", tmp_path / "sweep"
     elsewhere.mkdir()

@@ -10,7 +10,7 @@ import synthetic_result as synthetic
 import xarray as xr
 from typer.testing import CliRunner, Result
 
-from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES
+from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.studies.commands.cli import app
 
 
@@ -29,11 +29,6 @@ def made(folder: Path, speed: float) -> Path:
     result = synthetic.synthetic_result(shaft_radius=1.2e-3, speed=speed, records=1001)
     result.to_netcdf(folder / "result.nc", engine="h5netcdf")
     return folder
-
-
-def test_the_help_names_every_figure() -> None:
-    shown = plot("--help").stdout
-    assert all(f"{name}:" in shown for name in (*RUN_FIGURES, *SWEEP_FIGURES))
 
 
 @pytest.mark.usefixtures("pictures_unsaved")

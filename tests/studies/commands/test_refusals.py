@@ -32,12 +32,3 @@ def test_a_file_that_is_not_listed_stays(
     assert refused.stderr.splitlines()[-1].endswith("--overwrite replaces it)")
     assert theirs.read_text() == "precious"
     assert [path for path in folder.rglob("*") if path.is_file()] == [theirs]
-
-
-@pytest.mark.parametrize("command", ["export", "render"])
-def test_more_frames_than_records(run: Path, tmp_path: Path, command: str) -> None:
-    arguments = ["--frames", str(10**20), "--from", "0.1", "--to", "0.103"]
-    target = tmp_path / ("page.html" if command == "render" else "series")
-    done = RUNNER.invoke(app, [command, str(run), *arguments, "-o", str(target)])
-    assert done.exit_code == 0, done.stderr
-    assert ": 4 " in done.stdout

@@ -7,7 +7,6 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
-import bladewhirl as bw
 from bladewhirl.studies.commands.cli import app
 
 RUNNER = CliRunner()
@@ -99,15 +98,3 @@ def test_options_of_the_view(run: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert view.pop("progress")
     look = {"exaggeration": 5.0, "frame": "static", "colour": "gap", "orbit": True}
     assert view == {"time": 0.1, **look}
-
-
-@pytest.mark.parametrize(
-    ("name", "options"),
-    [("film.gif", {"time": 0.1}), ("still.png", {"time": 0.1, "start": 0.0}), ("film.avi", {})],
-)
-def test_from_python_bad_input_is_refused(
-    run: Path, tmp_path: Path, name: str, options: dict[str, float]
-) -> None:
-    with pytest.raises(bw.ViewError, match=name):
-        bw.render(run, tmp_path / name, **options)  # type: ignore[arg-type]
-    assert list(tmp_path.iterdir()) == []

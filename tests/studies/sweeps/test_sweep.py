@@ -239,12 +239,6 @@ def test_a_sweep_of_another_version_is_not_mixed(
         read_plan(swept)
 
 
-def test_a_scheduler_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sweep_cluster, "PATIENCE", 1.0)
-    with pytest.raises(UserError, match="expected the address of a dask scheduler"):
-        run_sweep(CASE, OVER, tmp_path / "new", scheduler="tls://127.0.0.1:9")
-
-
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "127.0.0.1:9"])
 def test_a_scheduler_without_encryption_has_to_be_allowed(
     monkeypatch: pytest.MonkeyPatch, address: str
