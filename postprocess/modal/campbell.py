@@ -155,7 +155,7 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
 
     Args:
         data: from `campbell`; only its `drawn_part` is drawn.
-        frame: of the observer.
+        frame: frame of the observer.
     """
     count, data = np.count_nonzero(in_diagram(data)), drawn_part(data)
     figure = new_figure(width=FULL_WIDTH, height=0.105)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from bladewhirl.postprocess.pictures.scene import StageScene
 
 SET_COLOURS = ("#ffffff", "#20262e", "#f0e442", "#cc79a7", "#56b4e9", "#009e73")
-"""Colours of the dots at the nodes of the sets, used cyclically."""
+"""Colours of the dots at the nodes of the sets, in order."""
 
 DOT = 0.011  #: radius of the dots of the first set, relative to the picture; others are smaller
 

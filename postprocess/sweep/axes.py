@@ -17,17 +17,17 @@ WIDE_RANGE = 50.0
 """Ratio of the largest to the smallest value of a key from which its axis is logarithmic."""
 
 MOST_TICKS = 12
-"""Ticks at swept values on an axis as wide as a page; for more than twice as many values
-matplotlib chooses the ticks."""
+"""Largest number of ticks at swept values on an axis as wide as a page; for more than twice this
+number of values matplotlib chooses the ticks."""
 
 
 def in_handy_units(data: xr.Dataset) -> xr.Dataset:
-    """Convert the values of swept keys to readable units, speeds to multiples of the reference
-    frequency.
+    """Convert the values of swept keys to convenient units, and speeds to multiples of the
+    reference frequency.
 
     Args:
-        data: swept keys, coordinates with a `long_name`, in SI units; attribute `reference_hz`
-            where all points share it.
+        data: Dataset with swept keys in SI units, as coordinates with a `long_name`, and the
+            attribute `reference_hz` if all points have the same reference frequency.
     """
     handy = {}
     reference = 2 * np.pi * float(data.attrs.get("reference_hz", np.nan))
@@ -46,13 +46,13 @@ def in_handy_units(data: xr.Dataset) -> xr.Dataset:
 def key_axis(
     axes: Axes, data: xr.Dataset, *, of_y: bool = False, key: str = "", share: float = 1.0
 ) -> None:
-    """Label an axis with a swept key over the cells of all its values, with ticks at the values if
-    they are few, and make it logarithmic for a wide range.
+    """Label an axis with a swept key and let it cover the cells of all values, with ticks at the
+    values if they are few; a wide range gets a logarithmic scale.
 
     Args:
         axes: the panel.
-        data: with the key.
-        of_y: the vertical axis.
+        data: Dataset with the key.
+        of_y: whether the key is on the vertical axis.
         key: name of the key; the abscissa of the figure by default.
         share: width of the axis, relative to a page.
     """
@@ -74,11 +74,11 @@ def key_axis(
 
 
 def rpm_on_top(data: xr.Dataset, *panels: Axes) -> None:
-    """Put speeds in rpm on top of panels along the speed.
+    """Add an axis in rpm on top of panels whose abscissa is the speed.
 
     Args:
-        data: that is drawn, from `in_handy_units`.
-        panels: the upper ones of a figure.
+        data: the drawn Dataset, from `in_handy_units`.
+        panels: uppermost panels of a figure.
     """
     key = data[str(data.attrs["along"])]
     if key_label(key) == SPEED and "reference_hz" in data.attrs:
@@ -92,7 +92,8 @@ def key_edges(one: xr.Dataset) -> Array:
 
 
 def edges_of(place: Array) -> Array:
-    """Borders of cells around ascending values, (values + 1,), on the scale of their axis."""
+    """Return the borders of cells around ascending values, (values + 1,), midway on the scale of
+    their axis."""
     return cell_edges(place, logarithmic=is_wide(place))
 
 
@@ -102,7 +103,7 @@ def is_wide(values: Array) -> bool:
 
 
 def key_words(name: str) -> str:
-    """A key of a case as words."""
+    """Return the name of a key of a case as words."""
     return name.replace(".", " ").replace("_", " ")
 
 
@@ -116,13 +117,14 @@ def key_label(values: xr.DataArray) -> str:
 
 
 def linear_threshold(rate: Array, error: Array) -> float | None:
-    """Return the power of ten up to which a scale of growth rates is linear; None if all of it is.
+    """Return the power of ten up to which a scale of growth rates is linear; None for a linear
+    scale.
 
-    Median rate and uncertainty are below it, so that noise is not spread over decades.
+    The medians of rate and uncertainty are below it, so that noise is not spread over decades.
 
     Args:
-        rate: nan where there is none, (...) [1/s].
-        error: standard error of each, (...) [1/s].
+        rate: growth rates, nan where there is none, (...) [1/s].
+        error: standard error of each rate, (...) [1/s].
     """
     usual = max(np.nanmedian(np.abs(rate)), CERTAINTY * np.nanmedian(error), 1e-12)
     threshold = float(10.0 ** np.ceil(np.log10(usual)))

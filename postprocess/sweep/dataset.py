@@ -1,8 +1,9 @@
 """Datasets of sweeps: their content for every point, and how to open them.
 
-The dimensions before all others are the swept keys, march.speed as march_speed. Names are kept as
-numbers with their meanings beside them (CF conventions), so that a point is written in place;
-`open_sweep` turns them into text.
+The swept keys are the first dimensions of every variable; march.speed is called march_speed.
+Results that are words, such as the regime, are stored as integer codes with a list of their
+meanings (CF conventions), so that each point has a fixed size and can be written in place;
+`open_sweep` turns the codes into text.
 """
 
 from __future__ import annotations
@@ -27,26 +28,29 @@ from bladewhirl.postprocess.fields.netcdf import (
 from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT, index_values
 
 SWEEP_NAME = "sweep.nc"
-"""The dataset's file in the folder of a sweep."""
+"""Name of the dataset's file in the folder of a sweep."""
 
 MISSING, DONE, FAILED = 0, 1, 2
-"""`state` of a point."""
+"""Codes of the variable `state` of a point."""
 
 CHECKED_BYTES = 2**28
-"""Size of a dataset up to which opening it looks at the checksums of all points: it reads all."""
+"""Size of a dataset [bytes] up to which all checksums are verified when it is opened, which reads
+all data."""
 
 BLOCK = 64
-"""Points whose checksums are looked at together."""
+"""Number of points whose checksums are verified together."""
 
 WINDOW_SHARE = 0.5
-"""Share of the shortest march, at whose end spectra and mean energies are taken of each one; the
-transient is before. Of a march that ends early it is at most that share of what there is."""
+"""Length of the time window for spectra and mean energies, as a share of the shortest march; the
+window is at the end of every march, after the transient. In a march that ended early the window is
+at most this share of its records."""
 
 
 LINE, GROUP, SAMPLE, SECTION = "mode", "energy_group", "sample", "section"
 
 SECTIONS = 64
-"""Points of a Poincaré map, and local maxima, kept of a march at most: the last ones."""
+"""Largest number of points of a Poincaré map, and of local maxima, stored for a march: the last
+ones."""
 
 MODE_LINES: Mapping[str, tuple[str, str | None]] = {
     "suspension": ("rotor", "suspension"),
@@ -54,21 +58,21 @@ MODE_LINES: Mapping[str, tuple[str, str | None]] = {
     "2F k=1": ("rotor", "2F"),
     "casing k=1": ("casing", None),
 }
-"""Modes of one nodal diameter, which the shaft moves with: body, and family unless any will do."""
+"""Modes with one nodal diameter, which can move the shaft: body, and family if only one is used."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
     """Sizes of the data of each point, the same for all points of a sweep."""
 
-    frequency: Array  #: of the spectra [Hz], whole multiples of 1 / window, (frequencies,)
-    samples: int  #: of the decimated histories
-    nodal_diameters: int  #: of the first blade family, 0 to this less one
+    frequency: Array  #: of the spectra [Hz], integer multiples of 1 / window, (frequencies,)
+    samples: int  #: number of samples of the decimated histories
+    nodal_diameters: int  #: number of nodal diameters of the first blade family, from 0
     blades: int
 
     @property
     def window(self) -> float:
-        """Time at the end of each march that spectra and mean energies are over [s]."""
+        """Length of the time window at the end of each march for spectra and mean energies [s]."""
         return float(1.0 / (self.frequency[1] - self.frequency[0]))
 
     @property
@@ -107,7 +111,7 @@ def groups_of(nodal_diameters: int) -> tuple[str, ...]:
 
 
 def flag(variable: str, meaning: str) -> int:
-    """Return the code of a name."""
+    """Return the integer code of a meaning of a variable."""
     return SWEEP[variable].labels.index(meaning)
 
 
@@ -115,7 +119,7 @@ def checksum(numbers: Mapping[str, Array], coordinates: Iterable[Array]) -> int:
     """Return the CRC-32 of the data of a point and of the values of the swept keys.
 
     Args:
-        numbers: of the point, by name.
+        numbers: arrays of the point, by name.
         coordinates: values of every swept key, and frequencies.
     """
     crc = 0
@@ -130,12 +134,13 @@ def checksum(numbers: Mapping[str, Array], coordinates: Iterable[Array]) -> int:
 def changed_point(
     read: Callable[[str, slice], Array], shape: tuple[int, ...], coordinates: Iterable[Array]
 ) -> int | None:
-    """The first point done whose numbers are not those that the sweep wrote; None if all are.
+    """Return the first finished point whose data differ from those written by the sweep; None if
+    there is none.
 
     Args:
-        read: gives rows of a variable along the first swept key.
+        read: function that returns rows of a variable along the first swept key.
         shape: numbers of values of the swept keys.
-        coordinates: as of `checksum`.
+        coordinates: as for `checksum`.
     """
     width, given = prod(shape[1:]), list(coordinates)
     for first in range(0, shape[0], max(1, BLOCK // width)):
@@ -150,16 +155,18 @@ def changed_point(
 
 
 def open_sweep(path: str | Path) -> xr.Dataset:
-    """Open the dataset of a sweep, by its file or folder; arrays are read on use.
+    """Open the dataset of a sweep, by its file or folder; arrays are read when used.
 
-    What is a name is text. `speed_ratio`, the speed over the reference frequency, is a coordinate
-    of the points, and a swept value given with a unit one along its key, such as `march_speed_rpm`.
-    What is read is not kept, so that going through the histories of many points takes the memory
-    of one. Up to `CHECKED_BYTES` all numbers are compared with their checksums. Close it, or use
+    Results that are words are returned as text. The coordinate `speed_ratio` of the points is the
+    speed divided by the reference frequency. If swept values have a unit in the case, they are also
+    a coordinate along their key, such as `march_speed_rpm`. Arrays are not cached, so that reading
+    the histories of many points one after another takes the memory of one point. In a dataset of up
+    to `CHECKED_BYTES` all points are compared with their checksums. Close the dataset, or use
     ``with``.
 
     Raises:
-        ResultError: nothing there, not a sweep that this version reads, or one that was changed.
+        ResultError: the file does not exist, is not a sweep that this version reads, or was
+            changed.
     """
     dataset, file = open_file(path, SWEEP_NAME, "a sweep", gaps=True, cache=False)
     fault = _fault(dataset)
@@ -183,7 +190,7 @@ def open_sweep(path: str | Path) -> xr.Dataset:
 
 
 def _fault(dataset: xr.Dataset) -> str:
-    """Why it is no sweep that this version reads; empty if it is one."""
+    """Return why a dataset is not a sweep that this version reads; empty if it is one."""
     if "over" not in dataset.attrs or "state" not in dataset:
         return "it has no states of its points"
     for name in ("title", "criterion", "window"):
@@ -203,7 +210,7 @@ def _fault(dataset: xr.Dataset) -> str:
             continue
         if dataset[name].dims != (*swept(dataset), *variable.dimensions):
             return f"with {name!r} over its points"
-        # Only names are looked at now; numbers are when they are read.
+        # Only codes are checked now; numbers are checked when they are read.
         if variable.labels and (expected := expectation(dataset[name].values, variable)):
             return f"with {name!r} as {expected}"
     for name in (*swept(dataset), "frequency"):
@@ -229,5 +236,5 @@ def _changed(dataset: xr.Dataset, made_by: int) -> str:
 
 
 def swept(dataset: xr.Dataset) -> list[str]:
-    """Dimensions of the swept keys, in order."""
+    """Return the dimensions of the swept keys, in order."""
     return [str(dimension) for dimension in dataset["state"].dims]

@@ -24,18 +24,18 @@ from bladewhirl.postprocess.sweep.dataset import (
 from bladewhirl.solvers.march.schema import SWEEP
 
 Digest = dict[str, np.ndarray]
-"""Arrays of the shapes and dtypes that `Layout` and `SWEEP` give."""
+"""Arrays by name; `Layout` determines their shapes and `SWEEP` their dtypes."""
 
 
 def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> Digest:
     """Reduce a result to the data of a sweep.
 
-    A function of the result alone: no clock, no machine.
+    The data depend only on the result, not on time or machine.
 
     Args:
         dataset: a result.
         report: `complementarity_residual`, `dt_over_critical` and `steps` of the march.
-        layout: sizes; what the result does not fill is NaN.
+        layout: sizes; elements without a value are NaN.
     """
     time = dataset["time"].values
     orbit = shaft_orbit(dataset)
@@ -90,16 +90,16 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
 def magnitudes(motion: Complex, step: float, frequency: Array) -> Array:
     """Return the magnitude of the spectrum of a motion x + i y under a Hann window.
 
-    The frequencies need not be those of the length of the motion, so that runs of different length
-    share them.
+    The frequencies do not depend on the length of the motion, so that runs of different length have
+    the same frequencies.
 
     Args:
-        motion: evenly sampled, (samples,).
-        step: between samples [s].
-        frequency: evenly spaced, ascending [Hz], (frequencies,).
+        motion: equally spaced samples, (samples,).
+        step: time between samples [s].
+        frequency: equally spaced frequencies, ascending [Hz], (frequencies,).
 
     Returns:
-        (frequencies,), in the unit of the motion; NaN if there are too few samples.
+        magnitudes (frequencies,), in the unit of the motion; NaN if there are too few samples.
     """
     count = len(motion)
     if count < FEWEST_RECORDS:
@@ -109,7 +109,8 @@ def magnitudes(motion: Complex, step: float, frequency: Array) -> Array:
 
 
 def _late(dataset: xr.Dataset, orbit: xr.Dataset, layout: Layout) -> dict[str, object]:
-    """Measures of the late motion, arrays padded to their room."""
+    """Return the measures of the late motion; arrays are padded with NaN to their size in the
+    layout."""
     late = late_motion(dataset, orbit)
     section = late["section"].values[-SECTIONS:]
     return {
@@ -122,7 +123,7 @@ def _late(dataset: xr.Dataset, orbit: xr.Dataset, layout: Layout) -> dict[str, o
 
 
 def _groups(energies: xr.Dataset, layout: Layout) -> Array:
-    """Strain energy of each of the layout's groups [J], (time, groups)."""
+    """Return the strain energy of each group of the layout [J], (time, groups)."""
     family = np.full((energies.sizes["time"], layout.nodal_diameters), np.nan)
     diameters = energies["nodal_diameter"].values
     family[:, diameters] = energies["first_family"].values
@@ -134,7 +135,7 @@ def _mode_frequencies(dataset: xr.Dataset, way: str) -> Array:
 
     Args:
         dataset: a result.
-        way: that waves of the rotor travel with Coriolis forces.
+        way: direction of the waves on the rotor, used with Coriolis forces.
     """
     frequencies = []
     for body, family in MODE_LINES.values():
@@ -148,7 +149,7 @@ def _mode_frequencies(dataset: xr.Dataset, way: str) -> Array:
 
 
 def _thinned(time: Array, motion: Array, groups: Array, samples: int) -> dict[str, Array]:
-    """Return histories at equal intervals of records, at most as many as samples."""
+    """Return histories at equal intervals of records, with at most `samples` values."""
     spans = min(samples, len(time))
     first = np.arange(spans) * len(time) // spans
     counts = np.diff(first, append=len(time))
@@ -162,7 +163,7 @@ def _thinned(time: Array, motion: Array, groups: Array, samples: int) -> dict[st
 
 
 def _padded(values: Array, length: int) -> Array:
-    """Values with NaN after them up to a length along the first axis."""
+    """Return values padded with NaN to a length along the first axis."""
     out = np.full((length, *values.shape[1:]), np.nan)
     out[: len(values)] = values
     return out

@@ -19,9 +19,9 @@ from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.postprocess.sweep.axes import key_words, rpm_on_top
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
 
-MOST_LINES = 8  #: lines in a figure: more are not told apart
-MOST_ROWS = 4  #: lines in a figure that has a row of panels for each
-KEY_PARTS = 2  #: last parts of a key that name it: casing.clearance
+MOST_LINES = 8  #: largest number of lines in a figure: more cannot be distinguished
+MOST_ROWS = 4  #: largest number of lines in a figure with a row of panels for each line
+KEY_PARTS = 2  #: number of last parts of a key used as its name: casing.clearance
 
 REGIME_COLOURS: Mapping[str, str] = {
     "no-contact": COLOURS["rest"],
@@ -29,7 +29,7 @@ REGIME_COLOURS: Mapping[str, str] = {
     "sustained": COLOURS["k = 0"],
     "divergent": COLOURS["k = 1"],
 }
-"""In the order of danger."""
+"""Colours of the regimes, the least dangerous first."""
 
 REGIME_MARKS: Mapping[str, str] = {
     "no-contact": "_",
@@ -49,7 +49,7 @@ DASHES: Sequence[Any] = (
     (0, (1, 3)),
 )
 MARKS = ("o", "s", "D", "^", "v", "P", "X", "h")
-"""Dashes and marks of lines in turn."""
+"""Dashes and marks of the lines of a figure, in order."""
 
 MARK_SIZE = 3.5  #: [points]
 
@@ -59,7 +59,7 @@ class Line(NamedTuple):
 
     data: xr.Dataset
     colour: Any
-    label: str  #: values of the other keys; empty where there are none
+    label: str  #: values of the other keys; empty if there are none
     dash: Any
     mark: str
 
@@ -95,13 +95,13 @@ def lines_group(lines: Sequence[Line], *, dashed: bool = True, marked: bool = Tr
 
 
 def draw_marks(axes: Axes, line: Line, values: Array, *, filled: Any) -> None:
-    """Draw the marks of a line's points, some filled, the others open.
+    """Draw the marks of the points of a line, either filled or open.
 
     Args:
         axes: the panel.
-        line: that the points are of.
-        values: (points,).
-        filled: booleans, (points,).
+        line: line of the points.
+        values: ordinates, (points,).
+        filled: whether each mark is filled, (points,).
     """
     for subset, face in ((filled, line.colour), (~filled, "white")):
         axes.plot(
@@ -121,13 +121,13 @@ def open_mark(label: str) -> tuple[Line2D, str]:
 
 
 def label_figure(figure: Figure, data: xr.Dataset, *groups: Group, note: str = "") -> None:
-    """Add the title, legends and an axis in rpm to a figure of `lines_of` that is drawn otherwise.
+    """Add the title, legends and an axis in rpm to a figure that is complete except for these.
 
     Args:
         figure: the figure.
-        data: that is drawn.
+        data: the drawn Dataset.
         groups: legends from the top.
-        note: after the title.
+        note: text after the title.
     """
     rpm_on_top(data, figure.axes[0])
     title_figure(figure, data, note=note)
@@ -137,13 +137,14 @@ def label_figure(figure: Figure, data: xr.Dataset, *groups: Group, note: str = "
 def title_figure(
     figure: Figure, data: xr.Dataset, *, note: str = "", most: int = MOST_LINES, lines: int = 0
 ) -> None:
-    """Set the title of a figure: the quantity, and which keys its lines or panels belong to.
+    """Set the title of a figure: the quantity, and the keys whose values distinguish lines or
+    panels.
 
     Args:
         figure: the figure.
-        data: that is drawn.
-        note: after the quantity.
-        most: lines that the figure shows at most.
+        data: the drawn Dataset.
+        note: text after the quantity.
+        most: largest number of lines in the figure.
         lines: number of lines; those of `data` by default.
     """
     count = lines or data.sizes[LINE]

@@ -14,22 +14,22 @@ from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.quantities import main_key
 
 LEFT_BY_A_SWEEP = ("frequency-map", "shaft-radius", "regimes")
-"""Figures that a sweep leaves in its folder."""
+"""Figures that a sweep writes into its folder."""
 
 
 class SweepFigures:
     """Figures of a sweep over the speed if it is swept, otherwise over the first key."""
 
     def __init__(self, dataset: xr.Dataset) -> None:
-        """Look at a dataset from `open_sweep`, which must stay open."""
+        """Use a dataset from `open_sweep`, which must stay open."""
         self._sweep = dataset
 
     def draw(self, name: str) -> tuple[Figure, xr.Dataset]:
         """Draw one of `SWEEP_FIGURES` and return it with its data.
 
         Raises:
-            ViewError: there is no such figure, or it can't be had, such as one of a sweep without
-                a point that is done.
+            ViewError: the figure does not exist, or cannot be drawn for this sweep, such as a
+                figure of a sweep without finished points.
         """
         if name not in SWEEP_FIGURES:
             raise ViewError(f"figure {name!r}: expected one of {', '.join(SWEEP_FIGURES)}")
@@ -40,7 +40,7 @@ def leave_figures(directory: Path) -> dict[str, str]:
     """Write `LEFT_BY_A_SWEEP` into the folder of a sweep, as PNG and PDF with their data.
 
     Returns:
-        why each figure that could not be drawn is not there.
+        the figures that could not be drawn, with the reasons.
     """
     left_out = {}
     with open_sweep(directory) as dataset:

@@ -23,56 +23,57 @@ from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, line_values,
 from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
 
 MOST_COLUMNS = 1000
-"""Columns of a map at most: of more points, neighbours share one."""
+"""Largest number of columns of a map: with more points, neighbours share a column."""
 
 DECADES = 4.0
-"""Decades below the largest amplitude that a map shows."""
+"""Number of decades below the largest amplitude in a map."""
 
 MARGIN = 1.15
-"""How far a map goes beyond the outermost line of a rotor mode that it is to show."""
+"""Ratio of the largest frequency of a map to the outermost mode line that the map includes."""
 
 ENGINE_ORDERS = "engine orders"
 
 ORDERS = tuple(order for order in range(-4, 5) if order != 0)
-"""Engine orders that have lines; the zeroth is the axis."""
+"""Engine orders with lines; order zero is the axis."""
 
 LINES: Mapping[str, tuple[str, bool]] = {
     "suspension": (COLOURS["suspension"], True),
     "1F k=1": (COLOURS["k = 1"], True),
     "casing k=1": (COLOURS["casing"], False),
 }
-"""Modes that have lines in a map: colour, and whether the map is made to reach them."""
+"""Modes with lines in a map: colour, and whether the range of frequencies includes them."""
 
 MODE_DASHES: Mapping[str, Any] = {
     "suspension": LINE_DASHES["suspension"],
     "1F k=1": LINE_DASHES["1F"],
     "casing k=1": LINE_DASHES["casing"],
 }
-"""Of the lines of modes, as in spectra: told apart from the dots of engine orders."""
+"""Dashes of the lines of modes, as in spectra; engine orders are dotted."""
 
 OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
-"""Around white lines and letters, which stand on every colour of a map."""
+"""Outline of white lines and letters, to make them legible on every colour of a map."""
 
 INSIDE = 0.75
-"""Share of the axes' height within which the names of engine orders stay."""
+"""Share of the height of the axes that contains the names of engine orders."""
 
 LATE = 0.9
-"""Where on a line that doesn't leave the map its name is, as a share of its points."""
+"""Position of the name on a line that does not leave the map, as a share of its points."""
 
 
 def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Spectra of the shaft along a swept key, and the lines to draw over them.
+    """Return spectra of the shaft along a swept key, with the lines to draw over them.
 
     Args:
         dataset: from `open_sweep`.
-        key: dimension to go along.
+        key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key), of as many lines as are drawn: `amplitude` (..., frequency) [m];
-        `frequency` is in multiples of the reference frequency where all points share it, else in
-        Hz, forward positive. In the same unit, as seen in the rotating frame: `mode_line` (...,
-        mode, direction), waves on the casing being slowed by the speed, and `engine_order` (...,
-        order). Of more points than `MOST_COLUMNS` each column is the largest of neighbours.
+        over (line, key), for the lines that are drawn: `amplitude` (..., frequency) [m].
+        `frequency` is in multiples of the reference frequency if all points have the same one,
+        otherwise in Hz, forward positive. In the same unit and in the rotating frame: `mode_line`
+        (..., mode, direction), where the speed is subtracted for waves on the casing, and
+        `engine_order` (..., order). With more points than `MOST_COLUMNS` each column has the
+        largest amplitudes of some neighbours.
 
     Raises:
         ViewError: no point is done.
@@ -110,14 +111,15 @@ def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def _unit(points: xr.Dataset) -> tuple[float, str]:
-    """Frequency [Hz] that a map's are multiples of, and their unit."""
+    """Return the frequency [Hz] by which those of a map are divided, and the resulting unit."""
     reference = points["reference_frequency"].values / (2 * np.pi)
     known = reference[np.isfinite(reference)]
     return (float(known[0]), "1") if np.all(known == known[0]) else (1.0, "Hz")
 
 
 def _mode_lines(points: xr.Dataset) -> xr.DataArray:
-    """Frequencies [Hz] of `LINES` in the rotating frame, (line, key, mode, direction)."""
+    """Return the frequencies [Hz] of `LINES` in the rotating frame, (line, key, mode,
+    direction)."""
     ways = [points[name] for name in ("mode_frequency", "mode_forward_frequency")]
     frequencies = xr.concat(ways, "direction").sel(mode=list(LINES))
     speed = np.abs(points["rotation_speed"]) / (2 * np.pi)
@@ -129,7 +131,7 @@ def _mode_lines(points: xr.Dataset) -> xr.DataArray:
 
 
 def _reach(lines: xr.DataArray, available: float) -> float:
-    """Largest frequency that a map shows [Hz]."""
+    """Return the largest frequency of a map [Hz]."""
     names = [name for name, (_, reached) in LINES.items() if reached]
     outermost = np.nanmax(np.abs(lines.sel(mode=names).values), initial=0.0)
     return float(min(MARGIN * outermost, available)) if outermost > 0.0 else available
@@ -139,8 +141,8 @@ def _reach(lines: xr.DataArray, available: float) -> float:
 def plot_frequency_map(maps: xr.Dataset) -> Figure:
     """Draw maps from `frequency_map`: amplitude over the swept key and signed frequency.
 
-    Dotted lines are engine orders, dashed ones modes, of which the legend names those that are
-    seen. Points without a result are left white.
+    Dotted lines are engine orders, dashed lines are modes; the legend only contains the visible
+    modes. Points without a result are left white.
     """
     maps = in_handy_units(maps)
     amplitude = MILLI * maps["amplitude"].values
@@ -170,7 +172,7 @@ def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
     picture = draw_map(axes, edges, heights, amplitude, norm=decades(top, DECADES))
     limit = float(np.abs(heights).max())
     axes.set(xlim=edges[[0, -1]], ylim=(-limit, limit))
-    # Lines go on where a point has no result.
+    # Lines are not interrupted at points without a result.
     one = one.isel({key: np.flatnonzero(np.isfinite(one["engine_order"][:, 0].values))})
     place = one[key].values
     for name, (colour, _) in LINES.items():
@@ -192,7 +194,8 @@ def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
 
 
 def _draw_order(axes: Axes, place: Array, level: Array, order: int, limit: float) -> None:
-    """Line of an engine order, named on it near where it leaves the map, well inside its frame."""
+    """Draw the line of an engine order, with its name near the point where the line leaves the
+    map."""
     seen = np.flatnonzero(np.isfinite(level) & (np.abs(level) <= INSIDE * limit))
     if not seen.size:
         return

@@ -39,28 +39,28 @@ from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, in_order
 from bladewhirl.postprocess.sweep.regimes import HATCH, NOT_JUDGED, draw_regimes, regime_entries
 
 DIVERGING = "PuOr_r"
-"""Colours on both sides of zero: told apart by colour-blind readers."""
+"""Colour map of signed values, distinct for colour-blind readers."""
 
 CLEAR_RANGE = 30.0
-"""Ratio of the largest value to the median from which colours are logarithmic."""
+"""Ratio of the largest value to the median above which the colour scale is logarithmic."""
 
 CROSSED: Mapping[str, Any] = {"hatch": "xxx", "edgecolor": "#777777", "linewidth": 0.0}
 DOUBTFUL = "growth rate within two standard errors of zero"
 
 
 def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Regime, largest displacement [m] and growth rate [1/s] over two swept keys.
+    """Return regime, largest displacement [m] and growth rate [1/s] over two swept keys.
 
     Args:
-        dataset: from `open_sweep`, of two swept keys or more.
-        key: the horizontal one; the vertical one is the next in order, all others make lines.
+        dataset: from `open_sweep`, with two or more swept keys.
+        key: horizontal key; the vertical key is the next in order, and all others make lines.
 
     Returns:
         over (line, vertical key, key): `regime`, `shaft_radius_max`, `growth_rate` and its standard
         error `growth_error`; attributes `along` and `across`.
 
     Raises:
-        ViewError: one key only, or no point is done.
+        ViewError: the sweep has only one key, or no finished point.
     """
     others = [name for name in swept(dataset) if name != key]
     if not others:
@@ -79,8 +79,8 @@ def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
 def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     """Draw maps from `sweep_maps`, a row for each combination of further keys.
 
-    Growth rates within `CERTAINTY` standard errors of zero are crossed out. There is no map of the
-    growth rate where it can't be judged anywhere.
+    Growth rates within `CERTAINTY` standard errors of zero are crossed out. If the growth rate
+    cannot be judged at any point, its map is left out.
     """
     maps = in_handy_units(maps)
     shown, titles = chosen(maps.sizes[LINE], MOST_ROWS), line_values(maps)
@@ -120,7 +120,7 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
             label=label,
             location="top",
             aspect=30,
-            pad=0.02 + (0.14 / len(shown) if of_speed else 0.0),  # over its axis in rpm
+            pad=0.02 + (0.14 / len(shown) if of_speed else 0.0),  # above the axis in rpm
         )
     title_figure(figure, maps, most=MOST_ROWS)
     entries = regime_entries(maps["regime"].values)

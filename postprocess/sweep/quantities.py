@@ -1,7 +1,8 @@
 """Quantities of all points of a sweep, along one swept key: small arrays, read without histories.
 
-All are over (line, KEY) first. KEY is the swept key that is gone along, ascending; a line is a
-combination of the other swept keys, which are coordinates of it.
+The first dimensions of all quantities are (line, KEY). KEY is the swept key of the abscissa,
+ascending; a line is a combination of values of the other swept keys, which are coordinates of the
+line.
 """
 
 from __future__ import annotations
@@ -16,11 +17,12 @@ from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 
 LINE = "line"
-"""Dimension of the combinations of the other keys."""
+"""Name of the dimension of combinations of the other keys."""
 
 MOTION = 1e-3
-"""Share of the smallest clearance by which the shaft has to move (root mean square over the last
-third) before it has a whirl or a contact side: what is below is the rest of a decay, or rounding.
+"""Least motion of the shaft (root mean square over the last third) for which whirl and contact side
+are evaluated, as a share of the smallest clearance: smaller motions are the end of a decay, or
+rounding.
 """
 
 
@@ -34,7 +36,7 @@ def other_keys(data: xr.Dataset) -> list[xr.DataArray]:
     """Return the other swept keys, (line,) each.
 
     Args:
-        data: over (line, KEY).
+        data: Dataset over (line, KEY).
     """
     return [
         values
@@ -44,19 +46,19 @@ def other_keys(data: xr.Dataset) -> list[xr.DataArray]:
 
 
 def along(dataset: xr.Dataset, key: str, names: Sequence[str]) -> xr.Dataset:
-    """Some variables of a sweep along a key, loaded; where a point is not done they are NaN.
+    """Load some variables of a sweep along a key; they are NaN at unfinished points.
 
     Args:
         dataset: from `open_sweep`.
-        key: dimension to go along.
-        names: of variables.
+        key: swept key, as a dimension of the sweep.
+        names: names of variables.
 
     Returns:
-        the variables and `state` over (line, key, ...); attributes `along`, `case`, the title of
-        the swept case, and `reference_hz` where all points have the same reference frequency.
+        the variables and `state` over (line, key, ...); attributes `along`, the key; `case`, the
+        title of the swept case; and `reference_hz` if all points have the same reference frequency.
 
     Raises:
-        ViewError: no point is done, or the sweep is of a format that has not all of these.
+        ViewError: no point is finished, or the format of the sweep lacks one of the variables.
     """
     others = [name for name in swept(dataset) if name != key]
     data = as_lines(in_order(dataset, names), others)
@@ -68,10 +70,10 @@ def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
 
     Args:
         dataset: from `open_sweep`.
-        names: of variables.
+        names: names of variables.
 
     Raises:
-        ViewError: as of `along`.
+        ViewError: as for `along`.
     """
     missing = [name for name in names if name not in dataset]
     if missing:
@@ -97,11 +99,12 @@ def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
 
 
 def as_lines(data: xr.Dataset, keys: Sequence[str]) -> xr.Dataset:
-    """Put swept keys into the one dimension `LINE`, a combination of them each; one if none.
+    """Combine swept keys into the dimension `LINE`, with an element for each combination of their
+    values; a single element if there are no keys.
 
     Args:
         data: from `in_order`.
-        keys: that become coordinates of `LINE`.
+        keys: swept keys that become coordinates of `LINE`.
     """
     if not keys:
         return data.expand_dims(LINE)
@@ -112,11 +115,11 @@ def as_lines(data: xr.Dataset, keys: Sequence[str]) -> xr.Dataset:
 
 
 def shaft_radius(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Largest and final displacement of the shaft [m], and the smallest clearance (Fig. 24).
+    """Return largest and final displacement of the shaft [m], and the smallest clearance (Fig. 24).
 
     Args:
         dataset: from `open_sweep`.
-        key: dimension to go along.
+        key: swept key, as a dimension of the sweep.
 
     Returns:
         over (line, key): `shaft_radius_max`, `shaft_radius_final`, `regime`.
@@ -126,14 +129,15 @@ def shaft_radius(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def regimes(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Regime and growth rate with its standard error [1/s].
+    """Return regime and growth rate with its standard error [1/s].
 
     Args:
         dataset: from `open_sweep`.
-        key: dimension to go along.
+        key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key): `regime`, `growth_rate`, `growth_error`, nan where it can't be judged.
+        over (line, key): `regime`, `growth_rate`, `growth_error`, nan where growth cannot be
+        judged.
     """
     data = along(dataset, key, ["regime", "growth_rate", "growth_error"])
     return data.assign_attrs(
@@ -142,16 +146,17 @@ def regimes(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def whirls(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Whirl of the shaft over the last third, in both frames.
+    """Return the whirl of the shaft over the last third, in both frames.
 
     Args:
         dataset: from `open_sweep`.
-        key: dimension to go along.
+        key: swept key, as a dimension of the sweep.
 
     Returns:
         over (line, key): `frequency` (line, key, frame) [Hz], forward positive, and its `scatter`
-        [Hz], nan where the shaft moves less than `MOTION` of the clearance; `direction` (line, key,
-        frame), "forward", "backward" or "none", there "at rest"; `mode_frequency` [Hz].
+        [Hz]; `direction` (line, key, frame), "forward", "backward" or "none"; `mode_frequency`
+        [Hz]. Where the shaft moves less than `MOTION` of the clearance, frequency and scatter are
+        nan, and the direction is "at rest".
     """
     names = ["whirl_frequency", "whirl_scatter", "whirl_rotating", "whirl_static"]
     names += ["rotation_speed", "mode_frequency", *_MOVING]
@@ -178,16 +183,16 @@ def whirls(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def contact_sides(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Side of the contact over the last third: how far the shaft leads it.
+    """Return the angle by which the shaft leads the contact over the last third, and the scenario.
 
     Args:
         dataset: from `open_sweep`.
-        key: dimension to go along.
+        key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key): `shaft_lead` [rad] and `lead_steadiness`; `scenario`. Where no blade
-        touches in that time the scenario is "no-contact", where the shaft moves less than `MOTION`
-        of the clearance it is "at-rest"; the others are nan there.
+        over (line, key): `shaft_lead` [rad] and `lead_steadiness`; `scenario`. If no blade touches
+        in the last third, the scenario is "no-contact"; if the shaft moves less than `MOTION` of
+        the clearance, it is "at-rest". In both cases the other variables are nan.
     """
     names = ["shaft_lead", "lead_steadiness", "scenario", "late_contact_share", *_MOVING]
     data = along(dataset, key, names)
@@ -204,19 +209,20 @@ def contact_sides(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Poincaré sections and local maxima of the shaft's displacement in the last third.
+    """Return Poincaré sections and local maxima of the shaft's displacement in the last third.
 
-    A motion that repeats with every revolution has one section, one that repeats with every
-    second has two, a whirl out of step with the rotor lies in a band; a circle about the origin has
-    one radius in any case.
+    A motion that repeats with every revolution has one section, a motion that repeats with every
+    second revolution has two; the sections of a whirl that is not synchronous with the rotor fill a
+    band. A circle about the origin always has a single radius.
 
     Args:
         dataset: from `open_sweep`.
-        key: dimension to go along.
+        key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key, section) [m]: `section_x` and `section_y`, whenever blade 0 lies on +x, so
-        the same in both frames; `section_radius`; `radius_peak`. NaN behind the last.
+        over (line, key, section) [m]: `section_x` and `section_y`, the position whenever blade 0
+        lies on +x, which is therefore the same in both frames; `section_radius`; `radius_peak`. NaN
+        after the last section.
     """
     data = along(dataset, key, ["section_x", "section_y", "radius_peak"])
     radius = ((data["section_x"] ** 2 + data["section_y"] ** 2) ** 0.5).assign_attrs(units="m")
@@ -226,11 +232,11 @@ def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def cell_edges(values: Array, *, logarithmic: bool) -> Array:
-    """Borders of cells around values, midway between them, (values + 1,).
+    """Return the borders of cells around values, midway between them, (values + 1,).
 
     Args:
-        values: ascending, (values,); a single one gets a cell of unit width.
-        logarithmic: midway by ratio.
+        values: ascending, (values,); the cell of a single value has unit width.
+        logarithmic: whether midway means the geometric mean.
     """
     places = np.log(values) if logarithmic else np.asarray(values, dtype=np.float64)
     if len(places) == 1:

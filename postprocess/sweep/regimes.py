@@ -1,4 +1,4 @@
-"""Regime of each point of a sweep, and how fast the motion grows or decays."""
+"""Regime of each point of a sweep, and growth rate of the motion."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ from bladewhirl.postprocess.sweep.drawing import (
 NOT_JUDGED = "The marches are too short to judge growth: sustained is contact up to the end."
 
 MOST_MARKED = 24
-"""Columns, and rows, of cells up to which each has the mark of its regime."""
+"""Largest number of columns, and of rows, for which each cell has the mark of its regime."""
 
 HATCH = "//////"
-"""Of cells without a result."""
+"""Hatching of cells without a result."""
 
 Names = NDArray[np.str_]
 
@@ -42,7 +42,7 @@ Names = NDArray[np.str_]
 def plot_regimes(data: xr.Dataset) -> Figure:
     """Draw the regime of every point as a strip for each line, and below it the growth rate.
 
-    Bars reach to `CERTAINTY` standard errors. Points without a result are hatched.
+    Error bars show `CERTAINTY` standard errors. Points without a result are hatched.
 
     Args:
         data: from `quantities.regimes`.
@@ -70,13 +70,14 @@ def plot_regimes(data: xr.Dataset) -> Figure:
 
 
 def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
-    """Draw cells coloured by regime, with markers if they are few, hatched without data.
+    """Draw cells coloured by regime, with markers if there are few cells; cells without data are
+    hatched.
 
     Args:
-        axes: that the cells fill.
+        axes: the panel, which the cells fill.
         x: middles of the cells, (columns,).
-        y: the same, (rows,).
-        regime: names, (rows, columns).
+        y: middles of the cells, (rows,).
+        regime: names of the regimes, (rows, columns).
     """
     codes = np.full(regime.shape, -1)
     for number, name in enumerate(REGIME_COLOURS):
@@ -104,7 +105,7 @@ def regime_entries(regime: Names) -> list[tuple[Patch | tuple[Patch, Line2D], st
     """Return the legend entries: the regimes with their numbers of points.
 
     Args:
-        regime: names, of any shape.
+        regime: names of the regimes, of any shape.
     """
     entries: list[tuple[Patch | tuple[Patch, Line2D], str]] = []
     for name, colour in REGIME_COLOURS.items():

@@ -48,9 +48,9 @@ def two_columns(
 
     Args:
         data: over (line, key).
-        draw: draws both panels of a line; returns what is coloured.
+        draw: function that draws both panels of a line and returns the coloured mesh.
         coloured: number of the coloured column.
-        label: of its colours.
+        label: label of the colour scale.
     """
     data = in_handy_units(data)
     titles, shown = line_values(data), chosen(data.sizes[LINE], MOST_ROWS)
@@ -70,15 +70,16 @@ def two_columns(
 
 
 def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Share of the last third in contact of each blade, and how many blades are of each class.
+    """Return the share of the last third that each blade is in contact, and the number of blades of
+    each contact class.
 
     Args:
         dataset: from `open_sweep`.
-        key: dimension to go along.
+        key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key): `late_contact_share` (..., blade), nan for blades that a point has not;
-        `permanent` (99 % or more), `intermittent` and `free` (never), numbers of blades.
+        over (line, key): `late_contact_share` (..., blade), nan for blades that do not exist at a
+        point; `permanent` (99 % or more), `intermittent` and `free` (never), numbers of blades.
     """
     data = along(dataset, key, ["late_contact_share"])
     share = data["late_contact_share"]
@@ -126,7 +127,7 @@ def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
 
 
 def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
-    """Numbers of blades, stacked; a gap where a point has no result."""
+    """Draw the numbers of blades, stacked; a point without a result leaves a gap."""
     edges = key_edges(one)
     below = np.zeros(len(edges) - 1)
     for name, colour in CLASS_COLOURS.items():
@@ -150,15 +151,15 @@ def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
 
 
 def point_energies(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Mean strain energy [J] of the bladed disk over the window of the spectra.
+    """Return the mean strain energy [J] of the bladed disk over the time window of the spectra.
 
     Args:
         dataset: from `open_sweep`.
-        key: dimension to go along.
+        key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key): `suspension`; `first_family` (..., nodal_diameter); `rest`; `total`. A
-        nodal diameter that a point's stage has not is nan.
+        over (line, key): `suspension`; `first_family` (..., nodal_diameter); `rest`; `total`. The
+        energy is nan for a nodal diameter that the stage of a point does not have.
     """
     data = along(dataset, key, ["energy_mean"])
     energy = data["energy_mean"]

@@ -22,10 +22,10 @@ from bladewhirl.postprocess.sweep.drawing import (
 from bladewhirl.solvers.stability.scenario import STEADY
 
 WIDE = 1e3
-"""Ratio of the largest to the median displacement from which its axis is logarithmic."""
+"""Ratio of the largest to the median displacement above which the axis is logarithmic."""
 
 LEAST_WHIRL = 0.1
-"""Frequency that the axis of whirl reaches at least on both sides [Hz]: less is noise."""
+"""Smallest range of the axis of whirl on both sides of zero [Hz]: lower frequencies are noise."""
 
 SECTION_PARTS = {
     "section_x": "x once a revolution",
@@ -40,9 +40,10 @@ PARTS = {"shaft_radius_max": "largest", "shaft_radius_final": "at the end"}
 
 @styled
 def plot_shaft_radius(radius: xr.Dataset) -> Figure:
-    """Draw largest and final displacements in mm or µm, a line for each other combination.
+    """Draw largest and final displacements in mm or µm, with a line for each combination of the
+    other keys.
 
-    Divergent points are open: their march was ended, or the motion would have grown further.
+    Divergent points have open marks: their march was ended, or the motion would have grown further.
 
     Args:
         radius: from `quantities.shaft_radius`.
@@ -76,7 +77,7 @@ def plot_shaft_radius(radius: xr.Dataset) -> Figure:
 def plot_whirls(data: xr.Dataset) -> Figure:
     """Draw the whirl's frequency in both frames in Hz, forward upwards, with bars for its scatter.
 
-    Filled marks have a clear direction. A shaft that hardly moves has no mark.
+    Whirls with a clear direction have filled marks. Points whose shaft hardly moves have no mark.
 
     Args:
         data: from `quantities.whirls`.
@@ -107,10 +108,10 @@ def plot_whirls(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_contact_sides(data: xr.Dataset) -> Figure:
-    """Draw by how much the shaft leads the contact, and how steadily.
+    """Draw the angle by which the shaft leads the contact, and its steadiness.
 
-    Within 90 degrees, the grey band, contact is standard, outside it is inverted; open marks are
-    motions without a steady lead. Points at which nothing touches have no mark.
+    Contact is standard within 90 degrees, the grey band, and inverted outside; open marks are
+    motions without a steady lead. Points without contact have no mark.
 
     Args:
         data: from `quantities.contact_sides`.

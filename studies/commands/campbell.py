@@ -55,10 +55,10 @@ def campbell(
 ) -> None:
     """Find coincidence speeds and draw Campbell diagrams, in the rotating and the static frame.
 
-    Where k Ω = ω_casing + ω_rotor, Eq. (14), a wave that travels forward on the casing keeps pace
-    with one that travels backward on the rotor, and contact feeds both. The table has the speeds
-    inside --speeds; JSON has those of every nodal diameter and family. With --json or --html the
-    folder is made only if -o names one.
+    Where k Ω = ω_casing + ω_rotor, Eq. (14), a forward wave on the casing and a backward wave on
+    the rotor travel at the same speed in space, and contact feeds both. The table lists the
+    coincidence speeds inside --speeds; JSON lists all speeds, for every nodal diameter and family.
+    With --json or --html a folder is made only if -o names it.
     """
     from bladewhirl.postprocess.plotting.files import checked_target
     from bladewhirl.studies.modal import campbell as study

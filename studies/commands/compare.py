@@ -1,4 +1,4 @@
-"""`bladewhirl compare`: one case, every contact scheme."""
+"""`bladewhirl compare`: march one case with every contact scheme."""
 
 from __future__ import annotations
 
@@ -34,10 +34,11 @@ def compare(
 ) -> None:
     """March a case with every contact scheme, side by side.
 
-    Displacement, impulses, energy and cost of central differences with multipliers, of Moreau and
-    Jean's impacts with friction that sticks, and of a penalty: see march.scheme. Distance is that
-    of the tips from the first scheme. The last two cost fifty to a hundred times as much a step,
-    so take a short march: --set march.duration=0.05.
+    The schemes are central differences with multipliers, Moreau and Jean's impacts with sticking
+    friction, and a penalty: see march.scheme. Displacement, impulses, energy and cost are compared.
+    Distance is the distance of the tips from those of the first scheme. A step of the last two
+    schemes costs fifty to a hundred times as much as one of the first, so choose a short march:
+    --set march.duration=0.05.
     """
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.studies.convergence.schemes import compare_schemes, schemes_document

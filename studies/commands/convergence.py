@@ -30,7 +30,7 @@ COLUMNS = (
     Column("distance", "orbit [%]", ".3g", 100.0),
     Column("impulse_error", "impulse [%]", ".3g", 100.0),
 )
-"""The last two are differences from the finest march."""
+"""Columns of the table; the last two are differences from the finest march."""
 
 ORDERS = (
     Column("time_steps.free_until", "first contact [ms]", ".4g", 1e3),
@@ -39,7 +39,8 @@ ORDERS = (
     Column("time_steps.impulse_order", "order in the time step, contact impulse", ".3g"),
     Column("modes.motion_converged", "same regime with all numbers of modes (1: yes)", "d"),
 )
-"""An order is a dash with too few differences, or where these are not monotone."""
+"""Columns of the orders; an order is a dash if there are too few differences, or if they are not
+monotone."""
 
 
 def convergence(
@@ -68,9 +69,10 @@ def convergence(
 ) -> None:
     """Study how a march depends on its time step and on its modes.
 
-    The case is marched with several time steps, then with several numbers of fixed-interface
-    modes: differences of orbit and contact impulse, their order, and the kind of motion, as in
-    Section 4.2 of the paper. DIR gets figures with their data, convergence.json and the marches.
+    The case is marched with several time steps, then with several numbers of fixed-interface modes.
+    The output lists differences of orbit and contact impulse, their order, and the kind of motion,
+    as in Section 4.2 of the paper. Figures with their data, convergence.json and the marches are
+    written into DIR.
     """
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.studies.convergence.study import convergence as study

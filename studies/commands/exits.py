@@ -46,7 +46,7 @@ def robust_output() -> Iterator[None]:
             stream.reconfigure(errors="backslashreplace")
     try:
         yield
-    except OSError as error:  # from any file
+    except OSError as error:  # raised for any file
         _leave(error)
     finally:
         try:
@@ -56,7 +56,7 @@ def robust_output() -> Iterator[None]:
 
 
 def _leave(error: OSError) -> NoReturn:
-    """Print the error of the system and exit; drop the rest of standard output."""
+    """Print the error of the system and exit; the remaining standard output is dropped."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     if error.errno != errno.EPIPE:
         place = error.filename or "standard output"
@@ -66,7 +66,7 @@ def _leave(error: OSError) -> NoReturn:
 
 @contextmanager
 def interruptible(remedy: str) -> Iterator[None]:
-    """Print after Ctrl-C how to continue, in one line."""
+    """After Ctrl-C print one line on how to continue."""
     try:
         yield
     except KeyboardInterrupt:

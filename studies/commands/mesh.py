@@ -28,11 +28,11 @@ def mesh(
     overrides: Changes = None,
     force: Force = False,
 ) -> None:
-    r"""List the groups of a mesh, and write it in a format of choice.
+    r"""List the groups of a mesh, and write the mesh in another format.
 
     The mesh of a case is the undeformed bladed disk, in metres, with its sets as groups and its
-    sections, materials, masses, springs and links as data: \[bladed_disk.mesh] reads it back. A
-    mesh file is written unchanged, in its units.
+    sections, materials, masses, springs and links as data: the key \[bladed_disk.mesh] of a case
+    can read the written file. A mesh file is converted without changes, in its own units.
     """
     from bladewhirl.meshes.files.groups import MeshFileError
     from bladewhirl.meshes.files.registry import left_out, write_line_mesh

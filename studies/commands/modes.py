@@ -49,13 +49,14 @@ def modes(
     overwrite: Replace = False,
     overrides: Changes = None,
 ) -> None:
-    """List natural frequencies of the full bladed disk, its centre as in the case, and casing.
+    """List natural frequencies of the full bladed disk, with the centre as in the case, and of the
+    casing.
 
-    Normalised frequencies are multiples of the lowest one with a free centre, ω₁. Purity is the
-    share of a mode that its nodal diameter holds: 1 where blades are alike. With -o: mode shapes,
-    contact scenarios of the first k = 1 mode at the speed at which it coincides with the casing's,
-    and films with a picture of each travelling wave; with Coriolis forces of waves as they travel
-    at speed. With --json and no -o nothing is written.
+    Normalised frequencies are multiples of the lowest frequency with a free centre, ω₁. Purity is
+    the share of its nodal diameter in a mode: 1 if all blades are equal. With -o these are written:
+    mode shapes; contact scenarios of the first k = 1 mode at the speed where it coincides with the
+    k = 1 mode of the casing; and films, with a picture of each travelling wave. With Coriolis
+    forces they show the waves at the speed of the case. With --json and no -o nothing is written.
     """
     from bladewhirl.studies.modal import modes as study
     from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures

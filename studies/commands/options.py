@@ -23,16 +23,17 @@ MOST_POINTS = 100_000
 
 
 HIGH = 100.0
-"""Multiples of the reference frequency above which a speed beside one with a unit lacks its own."""
+"""Multiple of the reference frequency above which a speed without a unit, next to a speed with a
+unit, is taken as an error."""
 
 
 def parsed(option: str, read: Callable[[str], Any], expected: str) -> Callable[[str], Any]:
-    """Return the parser of an option, which names the option and what it expects in errors.
+    """Return the parser of an option; its errors name the option and the expected values.
 
     Args:
-        option: its name.
-        read: converts its text, or raises a ValueError.
-        expected: values of the option.
+        option: name of the option.
+        read: function that converts the text, or raises a ValueError.
+        expected: description of the valid values.
     """
 
     def parse(text: str) -> Any:
@@ -103,7 +104,7 @@ def _speed(text: str) -> Speed:
 class Span:
     """Evenly spaced values of an option "START:STOP" or "START:STOP:COUNT"."""
 
-    source: str  #: option and text, for errors
+    source: str  #: name and text of the option, for errors
     start: Speed | float
     stop: Speed | float
     count: int = 2
@@ -129,13 +130,13 @@ def parse_span(option: str, text: str, *, unit: str = "", counted: bool = False)
     """Convert the text of an option to a `Span`.
 
     Args:
-        option: its name, for errors.
-        text: "START:STOP", each an SI value or text with a unit.
+        option: name of the option, for errors.
+        text: "START:STOP"; each is a number in SI units or has a unit.
         unit: SI unit of the ends; speeds if empty.
-        counted: expect "START:STOP:COUNT".
+        counted: whether "START:STOP:COUNT" is expected.
 
     Raises:
-        UserError: another form.
+        UserError: the text has another form.
     """
     ends, _, last = text.rpartition(":") if counted else (text, "", "2")
     read: Callable[[str], Any] = in_si(unit) if unit else _speed
@@ -219,15 +220,16 @@ Scheduler = Annotated[
 
 
 def claim_output(target: Path, *, named: bool, overwrite: bool) -> None:
-    """Check that a file may be written, before anything is drawn.
+    """Check that a file may be written, before the work of drawing it.
 
     Args:
         target: the file.
-        named: named by the user; otherwise it belongs to a folder of the program and its manifest.
-        overwrite: replace an existing file, whoever wrote it.
+        named: whether the user named the file; otherwise it belongs to a folder of the program,
+            with a manifest.
+        overwrite: whether an existing file may be replaced even if bladewhirl did not write it.
 
     Raises:
-        UserError: it exists, and no manifest lists it.
+        UserError: the file exists, and no manifest lists it.
     """
     from bladewhirl.files import claim, claim_file
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def table(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], title: str = "") -> Table:
-    """Return a table with a line for each row, and the columns that have a heading."""
+    """Return a table with a line for each row; columns without a heading are left out."""
     from rich import box
     from rich.markup import escape
     from rich.table import Table
@@ -57,10 +57,11 @@ def emit(
     """Print one JSON document, or tables and lines; then the names of written files.
 
     Args:
-        document: what --json prints. NaN in it is a defect of the program.
-        parts: tables and lines that are printed instead without --json.
+        document: document printed with --json. It must not contain NaN.
+        parts: tables and lines printed without --json.
         json: whether --json is set.
-        written: files and folders, None if not written; named on standard error with --json.
+        written: files and folders, None for one that was not written; with --json their names are
+            printed on standard error.
     """
     from json import dumps
 

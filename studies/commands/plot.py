@@ -37,7 +37,7 @@ def plot(
         list[str] | None,
         typer.Argument(
             metavar="NAME",
-            # Brackets would be taken for markup.
+            # Rich would interpret brackets as markup.
             help="\n\n".join(
                 [
                     "Figures, or all. Of a run:",
@@ -57,9 +57,9 @@ def plot(
     ] = None,
     overwrite: Replace = False,
 ) -> None:
-    """Draw figures of a run or a sweep as PNG and PDF, with the data behind each as netCDF.
+    """Draw figures of a run or a sweep as PNG and PDF, with the data of each figure as netCDF.
 
-    Without a NAME the available figures are listed. Without a window, the spectrum and
+    Without a NAME the available figures are listed. Without a time window, spectrum and
     contact-classes of a run show the last third of the time.
     """
     from bladewhirl.models.inputs.errors import UserError
@@ -102,7 +102,7 @@ def plot(
 def _opened(
     directory: Path, start: float | None, end: float | None
 ) -> Iterator[RunFigures | SweepFigures]:
-    """Yield the figures of a run, or of a sweep; modules of the other kind are not loaded."""
+    """Yield the figures of a run, or of a sweep; only the modules for this kind are loaded."""
     if _is_sweep(directory):
         from bladewhirl.postprocess.sweep.dataset import open_sweep
         from bladewhirl.postprocess.sweep.figures import SweepFigures
@@ -118,7 +118,7 @@ def _opened(
 
 
 def _is_sweep(path: Path) -> bool:
-    """Return whether a folder is that of a sweep, or a file its dataset."""
+    """Return whether a path is the folder of a sweep, or the file of its dataset."""
     from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 
     return (path / SWEEP_NAME).is_file() if path.is_dir() else path.name == SWEEP_NAME

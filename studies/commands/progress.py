@@ -1,4 +1,5 @@
-"""Progress on standard error: a bar on a terminal, a line each tenth in a log."""
+"""Progress on standard error: a bar on a terminal, or in a log a line after each tenth of the
+work."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 LINES = 10
-"""Number of lines of a job in a log."""
+"""Number of lines in a log for a complete job."""
 
 RATE_PERIOD = 3600.0
 """Time over which the rate of progress is averaged [s]."""
@@ -39,7 +40,8 @@ class Update(Protocol):
 
 @cache
 def _console() -> Console:
-    """Return standard error; all bars share one console, so that they stand below each other."""
+    """Return the console of standard error; all bars use it, so that they appear below each
+    other."""
     from rich.console import Console
 
     return Console(stderr=True)
@@ -51,7 +53,8 @@ def progress_bar(label: str, *, lines: str = "") -> Iterator[Update]:
 
     Args:
         label: text before the bar.
-        lines: noun of the counted items, "points"; without a terminal, lines are written if set.
+        lines: noun of the counted items, such as "points"; if empty, nothing is written without a
+            terminal.
     """
     from rich import progress as bars
 

@@ -93,9 +93,10 @@ def render(
 ) -> None:
     """Draw a run as GIF, MP4, PNG or HTML, without a display.
 
-    Blades and casing have their true thickness; displacements and clearance are drawn larger by
-    one factor, so contact looks like contact exactly when there is contact. By default animations
-    show 120 pictures, close enough for a smooth turn, of the strongest contact.
+    Blades and casing have their true thickness; displacements and clearance are multiplied by one
+    factor, so bodies touch in the picture exactly when they touch in the run. By default an
+    animation has 120 pictures around the strongest contact, close enough in time for a smooth
+    rotation.
     """
     from bladewhirl.files import check_file
     from bladewhirl.postprocess.fields.kinematics import sampling_hint
@@ -164,10 +165,10 @@ def _targets(directory: Path, output: Path | None, kinds: list[str]) -> dict[str
 
 
 def _check_options(kinds: set[str], times: list[float], window: Mapping[str, object]) -> None:
-    """Refuse times or a window where nothing that is drawn uses them.
+    """Refuse times or a time window that no requested file uses.
 
     Raises:
-        UserError: naming the option.
+        UserError: an option is not used; the message names the option.
     """
     moving, still = kinds & {"gif", "mp4", "html"}, kinds & {"png", "sheet"}
     if times and not still:

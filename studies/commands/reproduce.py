@@ -61,8 +61,9 @@ def reproduce(
     """Judge the claims of the source paper from marches and sweeps.
 
     Each claim is compared with the paper by thresholds: it holds, holds partly, does not hold, or
-    can't be tested. Claims 1 to 15 are judged by the stage for modal work, the others by the two
-    contact cases. DIR keeps all marches, so an interrupted reproduction continues with them.
+    can't be tested. Claims 1 to 15 are judged with the stage of the paper's modal analysis, the
+    others with the two contact cases. All marches are kept in DIR, so that an interrupted
+    reproduction can use them again.
     """
     from rich.console import Console
 

@@ -1,4 +1,4 @@
-"""`bladewhirl show`: properties of a case, and the case in full."""
+"""`bladewhirl show`: properties of a case, and all keys of the case."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ NAMES = {
     "suspension": "suspension modes, reduced model",
     "distortion.frequency": "casing mode loaded",
 }
-"""Columns and names of frequencies and speeds."""
+"""Columns of frequencies and speeds, with their names."""
 
 MODES = (
     Column("nodal_diameter", "k", "d"),
@@ -68,7 +68,7 @@ PROPERTIES = (
     Column("records", "records", "d"),
     Column("result_bytes", "result.nc, about [MB]", ".3g", 1e-6),
 )
-"""Properties of a stage."""
+"""Columns of the properties of a stage."""
 
 
 def show(
@@ -87,7 +87,7 @@ def show(
     ] = None,
     overwrite: Replace = False,
 ) -> None:
-    """Print the properties of a case, and with --case every key of it.
+    """Print the properties of a case, and with --case all its keys.
 
     Properties are masses, lowest frequencies of the full model, the speed in rpm, the critical time
     step, the load of an imbalance, size and errors of the reduced model, and the size of a run.

@@ -1,4 +1,4 @@
-"""`bladewhirl stability`: at which speeds and coupling stiffnesses the stage is unstable."""
+"""`bladewhirl stability`: speeds and coupling stiffnesses at which the stage is unstable."""
 
 from __future__ import annotations
 
@@ -94,18 +94,20 @@ def stability(
 ) -> None:
     """Chart growth rates over speed and coupling stiffness, or compute one point.
 
-    Frame and bearings couple bladed disk and casing by springs of stiffness κ. A chart shows the
-    unstable zones, their borders by root finding, the eigenvalues along --line and, for
-    other modes than the six of the paper, what those six hide. One point (--speed and --kappa)
-    gives growth rate and eigenvalues and, with -o, the divergent mode in time. With --json and no
-    -o nothing is written. Where blades differ, growth rates are computed with dense matrices: this
-    takes --physical, "six" is 1F,suspension,casing:1 with all modes of these families, and a chart
-    has no borders of zones. Uneven casings, unequal bearings and, with --damped, dampers are
-    analysed at one point only, by the monodromy matrix of a turn.
+    Bladed disk and casing are coupled by springs of stiffness κ, which represent frame and
+    bearings. A chart shows the unstable zones, with borders by root finding, the eigenvalues along
+    --line and, for other modes than the six of the paper, the zones that are missing with those
+    six. One point (--speed and --kappa) gives growth rate and eigenvalues and, with -o, the
+    divergent mode in time. With --json and no -o nothing is written. If blades differ, growth rates
+    are computed with dense matrices: --physical is required, "six" means 1F,suspension,casing:1
+    with all modes of these families, and a chart has no borders of zones. With an uneven casing,
+    unequal bearings or, with --damped, dampers, only one point can be analysed, by the monodromy
+    matrix of a turn.
 
-    With rotation effects modes at rest are coupled by tension, softening and Coriolis forces, too;
-    "all" comes nearer to the waves at speed than "six". Past a critical speed, the growth of the
-    bladed disk alone by internal damping is listed, and the bearing damping that stabilises it.
+    With rotation effects the modes at rest are also coupled by tension, softening and Coriolis
+    forces; "all" represents the waves at speed more accurately than "six". Above a critical speed,
+    the growth rate of the uncoupled bladed disk by internal damping is listed, and the bearing
+    damping that stabilises it.
     """
     from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.modal import stability_report as study
@@ -158,7 +160,7 @@ def stability(
 
 
 def _cause(document: dict[str, Any]) -> dict[str, str]:
-    """Return why the bladed disk alone grows past a critical speed."""
+    """Return why the uncoupled bladed disk grows above a critical speed."""
     if document.get("critical_speed") is None:
         return {}
     if document["rotation_effects"] == "centrifugal":

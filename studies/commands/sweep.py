@@ -1,4 +1,4 @@
-"""`bladewhirl sweep`: march a case at many points, on all cores or a cluster."""
+"""`bladewhirl sweep`: march a case with many values of its keys, on all cores or a cluster."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 SHOWN_FAILURES = 10
-"""Largest number of failed points on the screen; failures.json lists all."""
+"""Largest number of failed points printed; failures.json lists all."""
 
 
 def sweep(
@@ -66,13 +66,13 @@ def sweep(
     ] = False,
     json: AsJson = False,
 ) -> None:
-    """March a case at every point of a range, or of several.
+    """March a case with every value of a key, or every combination of values of several keys.
 
-    DIR gets sweep.nc (netCDF, opens with xarray): spectra, energies, regimes and thinned
-    histories of every point over the swept keys; and figures, of which `bladewhirl plot DIR` draws
-    more: whirl, contacts, energies, bifurcations, maps over two keys. Points that fail are listed
-    in failures.json. A sweep that is interrupted or killed is finished by --resume DIR, with the
-    same bits.
+    Each combination is a point. These are written into DIR: sweep.nc (netCDF, opens with xarray),
+    with spectra, energies, regimes and decimated histories of every point over the swept keys; and
+    some figures. `bladewhirl plot DIR` draws more figures: whirl, contacts, energies, bifurcations,
+    maps over two keys. Failed points are listed in failures.json. --resume DIR finishes a sweep
+    that was interrupted or killed, with bitwise the same result.
     """
     from bladewhirl.models.case.file import read_case
     from bladewhirl.studies.sweeps.axes import parse_over

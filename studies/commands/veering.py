@@ -43,10 +43,11 @@ def veering(
 ) -> None:
     """Draw frequencies over nodal diameter and over the stiffness of the shaft.
 
-    Frequencies of the full bladed disk with a free and with a clamped centre over nodal diameter:
-    many families, and the first two with the suspension pair. Then the modes with one nodal
-    diameter over the stiffness of the shaft springs, where the suspension pair hands its character
-    from branch to branch. With --json and no -o nothing is written.
+    The first two diagrams show frequencies of the full bladed disk over nodal diameter, with a free
+    and with a clamped centre: many families, and the first two families with the suspension pair.
+    The third shows the modes with one nodal diameter over the stiffness of the shaft springs, where
+    the character of the suspension pair passes from branch to branch. With --json and no -o nothing
+    is written.
     """
     from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.modal import veering as study

@@ -1,4 +1,4 @@
-"""`bladewhirl verify`: compare computed with known results."""
+"""`bladewhirl verify`: compare computed results with known results."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from bladewhirl.studies.commands.options import AsJson
 from bladewhirl.studies.commands.progress import progress_bar
 
 FAILED = 1
-"""Exit code if a case is out of its tolerance."""
+"""Exit code if the error of a case exceeds its tolerance."""
 
 
 def verify(
@@ -32,10 +32,10 @@ def verify(
         Path | None, typer.Option("--html", metavar="FILE", help="Also write the table as a page.")
     ] = None,
 ) -> None:
-    """Compute cases with known results and compare, to check this installation.
+    """Compute cases with known results and compare the results, to check this installation.
 
     Each case has a source, a quantity, its reference, the computed value, its error and tolerance.
-    Exit code 1 if any case fails. All of them take some two minutes.
+    The exit code is 1 if any case fails. All cases take about two minutes.
     """
     from bladewhirl.models.inputs.errors import UserError, writing
     from bladewhirl.postprocess.plotting.files import checked_target

@@ -1,1 +1,1 @@
-"""Marches of one case with several time steps and numbers of modes."""
+"""Convergence studies: marches of one case with several time steps and numbers of modes."""

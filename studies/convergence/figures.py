@@ -33,10 +33,10 @@ SCHEME_LINES: tuple[tuple[str, Any], ...] = (
 
 @styled
 def plot_time_steps(data: xr.Dataset) -> Figure:
-    """Draw differences between a time step and the next finer, with their orders.
+    """Draw the differences between each time step and the next finer one, with their orders.
 
     Args:
-        data: over `time_step`, from `time_step_convergence`.
+        data: Dataset over `time_step`, from `time_step_convergence`.
     """
     figure = new_figure(height=0.078)
     axes = figure.add_subplot()
@@ -64,7 +64,7 @@ def plot_modes(data: xr.Dataset) -> Figure:
     """Draw distances from the march with the most modes, and the error of the frequencies.
 
     Args:
-        data: over `modes`, from `mode_convergence`.
+        data: Dataset over `modes`, from `mode_convergence`.
     """
     figure = new_figure(height=0.078)
     axes = figure.add_subplot()
@@ -83,7 +83,7 @@ def plot_modes(data: xr.Dataset) -> Figure:
 
 
 def _draw(axes: Axes, x: Array, error: Array, regime: Array, label: str, colour: str) -> None:
-    """Draw a line through errors above zero, with the marker of the regime at each."""
+    """Draw a line through the errors above zero; the marker of each is that of its regime."""
     positive = error > 0.0  # False for NaN
     if not positive.any():
         return
@@ -110,12 +110,13 @@ def _finish(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
     for name in dict.fromkeys(data["regime"].values):
         axes.plot([], [], REGIME_MARKERS[name], color=COLOURS["rest"], markersize=4, label=name)
     head(figure, data, f"{MILLI * data.attrs['end']:.4g} ms")
-    figure.legend(loc="outside lower center", ncols=1)  # the longest label takes a column's width
+    # the longest label needs the width of the column
+    figure.legend(loc="outside lower center", ncols=1)
 
 
 @styled
 def plot_schemes(data: xr.Dataset) -> Figure:
-    """Draw tips, impulse and energy over time for each scheme, with what a step costs.
+    """Draw tips, impulse and energy over time for each scheme, with the cost of a step.
 
     Args:
         data: from `schemes.compare_schemes`.

@@ -20,7 +20,7 @@ from bladewhirl.studies.runs.figures_folder import check_figure_folder
 from bladewhirl.studies.runs.prepare import Prepared, prepare_stage
 
 Progress = Callable[[int, int], None]
-"""Called with finished steps and all steps, of all schemes."""
+"""Called with the numbers of finished steps and of all steps, over all schemes."""
 
 WORKS = ("external_work", "normal_work", "friction_work", "coupling_work")
 
@@ -50,18 +50,18 @@ def compare_schemes(
     """March a case with every scheme.
 
     Args:
-        case: to march; its scheme is ignored.
-        directory: of a figure and its data; none if None.
-        overwrite: write into an existing folder.
-        progress: called with finished steps and all steps.
+        case: case to march; its scheme is ignored.
+        directory: folder for a figure and its data; nothing is written if None.
+        overwrite: whether to write into an existing folder.
+        progress: called with the numbers of finished steps and of all steps.
 
     Returns:
         Histories over (`scheme`, `time`), NaN where a march ended early, and numbers over `scheme`:
         see `UNITS`. Attributes `title`, `speed`, `reference_frequency`.
 
     Raises:
-        CaseError: faults of the case, also with one of the schemes.
-        UserError: the folder may not be used or written.
+        CaseError: all faults of the case, with any of the schemes.
+        UserError: the folder must not be used, or cannot be written.
     """
     from bladewhirl.postprocess.plotting.style import save_figure
     from bladewhirl.studies.convergence.figures import plot_schemes
@@ -79,7 +79,7 @@ def compare_schemes(
 
 
 def schemes_document(data: xr.Dataset) -> dict[str, Any]:
-    """Return the numbers of each scheme, the last value of histories; null where there is none."""
+    """Return the numbers of each scheme, and the last value of each history; null if missing."""
     return {
         "title": data.attrs["title"],
         "speed": data.attrs["speed"],
@@ -92,7 +92,8 @@ def schemes_document(data: xr.Dataset) -> dict[str, Any]:
 
 
 def _last_value(values: xr.DataArray) -> float | None:
-    """Return a number, or the last of a history (the largest tip displacement); None for NaN."""
+    """Return a number, or the last value of a history (of tips the largest displacement); None for
+    NaN."""
     if values.ndim:
         values = values.max() if values.name == "tip_displacement" else values.dropna("time")[-1]
     return float(values) if np.isfinite(values) else None

@@ -1,7 +1,8 @@
 """Convergence of time integration in its time step and its modes: Section 4.2 of the paper.
 
-Runs that differ in nothing else are compared with the finest: distance of the shaft's orbits (root
-mean square in rotating axes, over the radius of the finest), total normal impulse, regime.
+Runs that differ only in the time step, or only in the modes, are compared with the finest: distance
+of the shaft's orbits (root mean square in rotating axes, divided by the radius of the finest),
+total normal impulse, regime.
 """
 
 from __future__ import annotations
@@ -36,11 +37,11 @@ RUNS_NAME = "runs"
 """Name of the folder of the marches."""
 
 REFINEMENTS = (4.0, 2.0, 1.0, 0.5)
-"""Default time steps, relative to that of the case; those below the critical one of which the time
-between records is a multiple."""
+"""Default time steps, relative to that of the case. Only those below the critical time step are
+used, and the time between records must be a multiple of them."""
 
 SECTORS = (2, 3, 4, 5, 6)
-"""Default numbers of fixed-interface modes of a blade."""
+"""Default numbers of fixed-interface modes per blade."""
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 """Families with a frequency error in the paper."""
@@ -48,13 +49,13 @@ FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 
 @dataclass(frozen=True, kw_only=True)
 class Convergence:
-    """Results of a case over its time step and over its modes."""
+    """Results of a case for several time steps and for several numbers of modes."""
 
     time_steps: xr.Dataset  #: from `time_step_convergence`
     modes: xr.Dataset  #: from `mode_convergence`
 
     def as_json(self) -> dict[str, Any]:
-        """Return all numbers; null for those that don't exist."""
+        """Return all numbers; null for missing numbers."""
         return {name: _plain(getattr(self, name)) for name in ("time_steps", "modes")}
 
 
@@ -71,24 +72,24 @@ def convergence(
 ) -> Convergence:
     """Study how a march depends on its time step and on its modes.
 
-    The folder gets figures with their data, convergence.json and the marches, which are used again
-    by a study that continues or extends this one.
+    Figures with their data, convergence.json and the marches are written into the folder. A study
+    that continues or extends this one uses the marches again.
 
     Args:
-        case: to march.
-        directory: to make.
-        time_steps: [s], two or more, descending; `default_time_steps` if None.
-        modes: numbers of fixed-interface modes, two or more, ascending; `default_modes` if None.
-        overwrite: write into an existing folder.
-        scheduler: address of a dask scheduler; processes of this machine if None.
-        workers: number of processes of this machine; one a core if None, only this process
-            if 1.
-        progress: called with finished marches and all marches.
+        case: case to march.
+        directory: folder to make.
+        time_steps: two or more time steps [s], descending; `default_time_steps` if None.
+        modes: two or more numbers of fixed-interface modes, ascending; `default_modes` if None.
+        overwrite: whether to write into an existing folder.
+        scheduler: address of a dask scheduler; if None, processes of this machine march.
+        workers: number of processes of this machine; one per core if None; if 1, this process
+            marches.
+        progress: called with the numbers of finished marches and of all marches.
 
     Raises:
         CaseError: faults of the case.
-        UserError: a value that the case cannot have, a folder that may not be used or written, or
-            a failed march.
+        UserError: a value is invalid for the case, the folder must not be used or cannot be
+            written, or a march failed.
     """
     from bladewhirl.postprocess.plotting.style import save_figure
     from bladewhirl.studies.convergence.figures import plot_modes, plot_time_steps
@@ -116,7 +117,7 @@ def convergence(
 
 
 def default_time_steps(case: Case) -> list[float]:
-    """Return the default time steps, descending [s]: those of `REFINEMENTS` that can be marched.
+    """Return the default time steps, descending [s]: those of `REFINEMENTS` that are possible.
 
     Raises:
         CaseError: all errors that prevent time integration of the case.
@@ -135,7 +136,7 @@ def default_modes(case: Case) -> list[int]:
     """Return the default numbers of fixed-interface modes, ascending: `SECTORS` of each blade.
 
     Raises:
-        CaseError: the bladed disk has degrees of freedom for fewer than two of them.
+        CaseError: the bladed disk has too few degrees of freedom for at least two of these numbers.
     """
     stage = build_stage(case)
     inner = stage.disk.structure.size - sum(map(len, stage.boundary_sets.values()))
@@ -155,21 +156,22 @@ def time_step_convergence(
     """March a case with several time steps, see claim 16 (converged at 1e-6 s).
 
     Args:
-        case: with a `march.record_step` that is a multiple of each time step.
-        time_steps: [s], two or more, descending.
-        store: of the marches; missing ones are made on all cores.
-        progress: called with finished marches and all marches.
+        case: case with a `march.record_step` that is a multiple of each time step.
+        time_steps: two or more time steps [s], descending.
+        store: store of the marches; missing marches are made on all cores.
+        progress: called with the numbers of finished marches and of all marches.
 
     Returns:
-        Dataset over `time_step` [s]: `regime`; `radius_max` of the shaft [m]; `impulse` [N s],
-        normal, of all blades; `distance` of the orbit from that of the finest and `impulse_error`,
-        relative to the finest (both zero there, the latter NaN without contact); `step_distance`
-        and `step_impulse_error`, the same from the next finer (NaN at the finest), and
-        `free_step_distance`, that of the orbits up to the first contact of any run. Attributes
-        `free_until` [s], that time, and `displacement_order`, `impulse_order` and `free_order` of
-        the last three, see `observed_order`. Without contact the order is two, in contact one.
-        Where contacts make the motion chaotic, differences stop falling, and the order over the
-        complete march is near zero or NaN.
+        Dataset over `time_step` [s]: `regime`; `radius_max`, largest displacement of the shaft [m];
+        `impulse`, total normal impulse on all blades [N s]; `distance` of the orbit from that of
+        the finest time step, and `impulse_error` relative to it (both zero at the finest; the
+        latter NaN without contact); `step_distance` and `step_impulse_error`, the same relative to
+        the next finer time step (NaN at the finest); `free_step_distance`, the step distance of the
+        orbits up to the first contact of any run. Attributes: `free_until` [s], the time of this
+        first contact; `displacement_order`, `impulse_order` and `free_order`, the observed orders
+        of `step_distance`, `step_impulse_error` and `free_step_distance`, see `observed_order`. The
+        order is two without contact, and one in contact. If contacts make the motion chaotic,
+        differences stop decreasing, and the order over the complete march is near zero or NaN.
 
     Raises:
         UserError: a march failed.
@@ -192,20 +194,21 @@ def mode_convergence(
 ) -> xr.Dataset:
     """March a case with several numbers of fixed-interface modes, see claim 17.
 
-    The paper reports motion convergence: the kind of motion is the same from few modes on, while
-    displacements don't converge asymptotically.
+    The paper reports motion convergence: already with few modes the kind of motion no longer
+    changes, while displacements do not converge asymptotically.
 
     Args:
-        case: to march.
-        modes: numbers of fixed-interface modes, two or more, ascending.
-        store: of the marches; missing ones are made on all cores.
-        progress: called with finished marches and all marches.
+        case: case to march.
+        modes: two or more numbers of fixed-interface modes, ascending.
+        store: store of the marches; missing marches are made on all cores.
+        progress: called with the numbers of finished marches and of all marches.
 
     Returns:
-        Dataset over `modes`: the variables of `time_step_convergence`, the finest being that with
-        the most modes; `kept`, the number without cutting a pair in two; and `frequency_error`, the
-        largest relative one of the first five families of the reduced bladed disk (claim 5; NaN
-        without these families). Attribute `motion_converged`: 1 if all regimes are the same.
+        Dataset over `modes`: the variables of `time_step_convergence`, where the finest run is that
+        with the most modes; `kept`, the number of modes after a pair at the limit is completed; and
+        `frequency_error`, the largest relative error in the first five families of the reduced
+        bladed disk (claim 5; NaN without these families). Attribute `motion_converged`: 1 if all
+        regimes are the same.
 
     Raises:
         UserError: a march failed.
@@ -226,22 +229,23 @@ def mode_convergence(
 
 
 OFF_THE_LAW = 0.3
-"""Largest root mean square deviation of the logarithms of differences from a power law, a third."""
+"""Largest root mean square deviation of the logarithms of differences from a power law: a factor of
+about 4/3."""
 
 
 def observed_order(size: FloatArray, change: FloatArray) -> float:
     """Compute the order p with which results approach the limit of size zero.
 
-    An error C size^p makes neighbours differ by C (size_i^p - size_(i+1)^p), whatever the ratios
-    of the sizes; p is the least-squares fit of the logarithms of the changes to that.
+    With an error C size^p neighbouring results differ by C (size_i^p - size_(i+1)^p), for any
+    ratios of the sizes; p is a least-squares fit of this law to the logarithms of the changes.
 
     Args:
-        size: descending, such as time steps, (sizes,).
-        change: of the result from each size to the next, (sizes,); the last one is ignored.
+        size: sizes in descending order, such as time steps, (sizes,).
+        change: change of the result from each size to the next, (sizes,); the last one is ignored.
 
     Returns:
-        p, between -8 and 8; NaN with fewer than two changes above zero, if they rise and fall, or
-        if they deviate from that law by more than `OFF_THE_LAW`.
+        p, between -8 and 8; NaN if there are fewer than two changes above zero, if the changes are
+        not monotone, or if they deviate from the law by more than `OFF_THE_LAW`.
     """
     positive = change[:-1] > 0.0  # False for NaN
     if np.count_nonzero(positive) < 2:
@@ -266,7 +270,8 @@ def _compared(
     store: RunStore,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """March a case with each value of a key; compare over `refined` with the last, the finest."""
+    """March a case with each value of a key; return the comparison with the last run, the
+    finest."""
     cases = [with_values(case, {key: value}) for value in values]
     store.make(cases, progress)
     failures = [
@@ -307,7 +312,7 @@ def _compared(
 
 
 def _relative(difference: FloatArray, reference: float) -> FloatArray:
-    """Return absolute differences over a reference; NaN if that is zero."""
+    """Return absolute differences divided by a reference; NaN if the reference is zero."""
     return np.abs(difference) / reference if reference else np.full(len(difference), np.nan)
 
 

@@ -42,8 +42,8 @@ def campbell(
 ) -> xr.Dataset:
     """Compute speeds at which waves on bladed disk and casing coincide, Eq. (14), and their modes.
 
-    Over `coincidence`, ascending: normalised_speed (over the reference frequency), speed [rpm],
-    the frequency of both modes [Hz] and whether the speed lies in the operating range. A
+    Over `coincidence`, ascending: normalised_speed (divided by the reference frequency), speed
+    [rpm], the frequency of both modes [Hz] and whether the speed lies in the operating range. A
     coincidence is selected by family (of the bladed disk), casing_family and nodal_diameter::
 
         diagram = bladewhirl.campbell(case)
@@ -58,25 +58,25 @@ def campbell(
 
     - critical_family (of the branch at rest), critical_nodal_diameter and critical_spring_share,
       the share of the strain energy in the shaft springs;
-    - over `engine_order` the same for the speeds at which the frequency of a wave in the rotating
-      frame is k times that of rotation, so that a static force excites it;
+    - over `engine_order` the same variables for the speeds at which the frequency of a wave in the
+    rotating frame is k times the frequency of rotation, so that a static force excites the wave;
     - over `branch` and `line_speed` (normalised), branch_frequency in the rotating frame [Hz],
       positive backward, with branch_family, branch_nodal_diameter and branch_direction;
     - over `line_speed`, tip_growth [m];
-    - the attributes clearance_gone, the normalised speed at which the growth of the tips equals
-      the clearance, and waves_meet, from which on two waves of the bladed disk have merged and one
-      grows; nan if there is none.
+    - the attributes clearance_gone, the normalised speed at which the growth of the tips equals the
+    clearance, and waves_meet, the normalised speed above which two waves of the bladed disk have
+    merged and one of them grows; nan if there is no such speed.
 
     Args:
-        case_or_stage: a case, or a stage of it; the centre is free or clamped as in the case.
+        case_or_stage: a case, or its stage; the centre is free or clamped as in the case.
         families: number of families of the bladed disk, without the suspension pair.
         speeds: range of the diagrams, each a multiple of the reference frequency or text such as
             "2500 rpm".
         operating: operating range, in the same form.
 
     Raises:
-        CaseError: numbers from which finite elements can't be made.
-        UserError: not speeds, or not in order.
+        CaseError: finite elements cannot be computed with the numbers of the case.
+        UserError: a range does not consist of two speeds in ascending order.
     """
     stage = full_stage(case_or_stage)
     reference = stage.reference_frequency
@@ -167,7 +167,7 @@ CRITICAL_SPEEDS = (
     Column("rpm", "[rpm]", ".1f"),
     Column("spring_share", "strain energy in shaft springs [%]", ".3g", 100.0),
 )
-"""Columns of critical speeds and engine orders, whose variables have a prefix."""
+"""Columns of critical speeds and engine orders; their variables have a prefix."""
 
 
 def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
@@ -196,7 +196,7 @@ def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
 
 
 def draw_campbell(diagram: xr.Dataset, folder: Path, *, overwrite: bool = False) -> None:
-    """Draw both diagrams into a folder, with the part of the data that they show.
+    """Draw both diagrams into a folder, and save the data that they show.
 
     Raises:
         UserError: a file cannot be written, or exists and was not written by bladewhirl.

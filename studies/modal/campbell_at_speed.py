@@ -1,7 +1,7 @@
 """Campbell diagram of a bladed disk with rotation effects.
 
-Its frequencies depend on the speed, backward and forward waves differ, and a wave with zero
-frequency in the rotating frame makes a critical speed.
+Its frequencies depend on the speed, backward and forward waves differ, and a speed at which a wave
+has zero frequency in the rotating frame is a critical speed.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def disk_waves(stage: ModalStage, turning: TurningDisk) -> dict[int, Waves]:
     """Return the waves of each nodal diameter of the bladed disk.
 
     Raises:
-        UserError: its sectors differ.
+        UserError: the sectors of the bladed disk differ.
     """
     structure = turning.matrices.structure
     if not structure.is_cyclic or structure.layout is None:
@@ -63,9 +63,9 @@ def meetings(
     Args:
         disk: waves of the bladed disk by nodal diameter.
         rotor: selected modes of the bladed disk, one of each pair.
-        casing: those of the casing.
+        casing: modes of the casing.
         names: families by nodal diameter.
-        highest: speed [rad/s].
+        highest: highest speed [rad/s].
     """
     rows = []
     for mode in np.flatnonzero(casing.nodal_diameter > 0).tolist():
@@ -94,8 +94,8 @@ def dataset_at_speed(
     """Compute branches, critical speeds, engine orders and growth, see `campbell`.
 
     Args:
-        stage: with the case and the reference frequency.
-        turning: its bladed disk.
+        stage: stage with the case and the reference frequency.
+        turning: bladed disk of the stage.
         disk: waves of the bladed disk by nodal diameter.
         names: families by nodal diameter, lowest first.
         chosen: families in the diagram.
@@ -154,15 +154,15 @@ def dataset_at_speed(
 
 
 def _first_meeting(disk: Mapping[int, Waves], line: FloatArray, growing: BoolArray) -> float:
-    """Compute the lowest speed from which on two waves of the bladed disk merge and grow [rad/s].
+    """Compute the lowest speed at which two waves of the bladed disk merge and one grows [rad/s].
 
     Args:
         disk: waves of the bladed disk by nodal diameter.
         line: speeds [rad/s].
-        growing: whether a wave grows at each of them.
+        growing: whether a wave grows at each speed.
 
     Returns:
-        The speed to a relative 1e-6; nan where no wave grows.
+        The speed with a relative accuracy of 1e-6; nan if no wave grows.
     """
 
     def merged(omega: float) -> bool:
@@ -188,7 +188,8 @@ def _speeds(
     highest: float,
     reference: float,
 ) -> dict[str, tuple[Any, ...]]:
-    """Return critical speeds or those of engine orders, ascending, with nodal diameter, family."""
+    """Return critical speeds, or speeds of engine orders, ascending, with nodal diameter and
+    family."""
     rows = []
     for k, waves_of_k in disk.items():
         if kind == "engine_order" and k == 0:

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 class Column:
     """Value of a row or a document: its variable, its key in JSON, its heading and format."""
 
-    key: str  #: in JSON; dots separate keys of nested tables
-    heading: str = ""  #: with the unit; empty if the value is in JSON only
+    key: str  #: key in JSON; dots separate keys of nested tables
+    heading: str = ""  #: heading with the unit; empty if the value is in JSON only
     form: str = ""  #: format specification of a number, such as ".4g"
     scale: float = 1.0  #: factor from the SI value to the unit of the heading
-    variable: str = ""  #: of the Dataset, if its name is not the key
+    variable: str = ""  #: variable of the Dataset, if its name is not the key
 
     def value(self, row: Mapping[str, Any]) -> Any:
         """Return the value in a row; None if it is missing."""
@@ -28,7 +28,8 @@ class Column:
         return value
 
     def text(self, row: Mapping[str, Any]) -> str:
-        """Return the text of a row's cell; a missing value is a dash, a flag "yes" or nothing."""
+        """Return the text of a cell of a row: a dash for a missing value, "yes" or nothing for a
+        flag."""
         return self._text(self.value(row))
 
     def _text(self, value: Any) -> str:
@@ -46,18 +47,18 @@ class Column:
 
 
 def texts(document: Mapping[str, Any], columns: Sequence[Column]) -> dict[str, str]:
-    """Return the texts of values by heading; those that a document lacks are left out."""
+    """Return the texts of values by heading; values that the document lacks are left out."""
     present = [column for column in columns if column.value(document) is not None]
     return {column.heading: column.text(document) for column in present}
 
 
 def rows_of(data: xr.Dataset, columns: Sequence[Column], prefix: str = "") -> list[dict[str, Any]]:
-    """Return variables over one dimension as rows; what is missing (NaN) is None.
+    """Return variables over one dimension as rows; missing values (NaN) are None.
 
     Args:
-        data: with the variables.
-        columns: of the rows.
-        prefix: of the names of the variables.
+        data: Dataset with the variables.
+        columns: columns of the rows.
+        prefix: prefix of the names of the variables.
     """
     names = [f"{prefix}{column.variable or column.key}" for column in columns]
     values = zip(*(data[name].values.tolist() for name in names), strict=True)

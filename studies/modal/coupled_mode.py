@@ -19,13 +19,14 @@ from bladewhirl.studies.modal.columns import quantity
 from bladewhirl.studies.modal.coupled_system import EvenSystem
 
 RECORDS_PER_TURN = 48
-"""Twice the number of a smooth animation."""
+"""Number of records in a turn: twice that of a smooth animation."""
 
 GROWTHS = 2.5
-"""Logarithm of the growth over the shown motion, ..."""
+"""Logarithm of the growth of the amplitude over the motion shown, if the numbers of turns
+permit."""
 
 FEWEST_TURNS, MOST_TURNS = 3, 40
-"""... within these numbers of turns of the rotor."""
+"""Smallest and largest number of turns of the rotor in the motion shown."""
 
 
 def fastest_mode(system: EvenSystem, omega: float, kappa: float) -> CoupledMode:
@@ -34,7 +35,7 @@ def fastest_mode(system: EvenSystem, omega: float, kappa: float) -> CoupledMode:
 
 
 def divergent_motion(system: EvenSystem, omega: float, kappa: float) -> CoupledMotion:
-    """Compute the motion of the fastest growing coupled mode, until it closes the clearance."""
+    """Compute the motion of the fastest growing coupled mode, until the clearance is closed."""
     mode = fastest_mode(system, omega, kappa)
     return coupled_motion(
         mode,
@@ -74,7 +75,7 @@ def motion_dataset(motion: CoupledMotion, *, reference: float) -> xr.Dataset:
     """Return phases and amplitudes of the motion of a coupled mode.
 
     Args:
-        motion: of the coupled mode.
+        motion: motion of the coupled mode.
         reference: frequency by which speeds are normalised [rad/s].
     """
     moves = motion.nodal_diameter == 1  # only such waves move the shaft

@@ -41,10 +41,10 @@ def draw_coupled_mode(
     Args:
         system: the coupled modes.
         omega: speed [rad/s].
-        kappa: spring stiffness [N/m], at which a mode grows.
-        folder: of the figures; created if missing.
-        films: also write a VTK series and a GIF.
-        overwrite: replace existing files, whoever wrote them.
+        kappa: spring stiffness [N/m] at which a mode grows.
+        folder: folder of the figures; made if it does not exist.
+        films: whether to write also a VTK series and a GIF.
+        overwrite: whether to replace existing files even if bladewhirl did not write them.
 
     Raises:
         UserError: a file cannot be written, or exists and was not written by bladewhirl.

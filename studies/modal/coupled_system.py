@@ -1,8 +1,9 @@
 """Coupled modes of a stage for a stability study.
 
-If each mode has one nodal diameter, nodal diameters decouple, and the equations have constant
-coefficients in the frame at half speed: `EvenSystem`. Otherwise waves mix, with constant
-coefficients in rotating axes or, if no frame has them, periodic: `System`. `couple` decides.
+If each mode has one nodal diameter, the equations of different nodal diameters are uncoupled, and
+have constant coefficients in the frame that turns at half speed: `EvenSystem`. Otherwise waves of
+different nodal diameters are coupled; the coefficients are constant in rotating axes or, if in no
+frame, periodic: `System`. `couple` chooses between the two.
 """
 
 from __future__ import annotations
@@ -33,9 +34,9 @@ class System:
 
     modes: CouplingModes | CoupledEquations  #: chosen modes
     with_pi: bool  #: whether the factor pi of Eq. (8) is kept
-    damped: bool
+    damped: bool  #: whether the damping of the case is included
     physical: bool
-    reference: float  #: frequency that speeds are multiples of [rad/s]
+    reference: float  #: reference frequency by which speeds are normalised [rad/s]
     case: str = ""  #: title of the case
 
     def spectrum(self, omega: float, kappa: float) -> ComplexArray:
@@ -52,7 +53,7 @@ class System:
     ) -> FloatArray:
         """Compute growth rates [1/s] over speeds [rad/s] and stiffnesses [N/m], (kappa, omega).
 
-        They are exactly zero where undamped pairs don't grow.
+        Growth rates are exactly zero where undamped modes do not grow.
         """
         return growth_rate(
             self.modes,
@@ -83,9 +84,10 @@ class EvenSystem(System):
     """Coupled modes that have one nodal diameter each."""
 
     modes: CouplingModes  #: chosen modes
-    stage: StageModes  #: the same, with finite elements
+    stage: StageModes  #: chosen modes, with finite elements
     all_modes: StageModes  #: all modes that couple, with physical amplitudes
-    rotation: RotationMatrices | None = None  #: of the bladed disk; None without its effects
+    #: matrices of the bladed disk; None without rotation effects
+    rotation: RotationMatrices | None = None
 
     @property
     def six(self) -> CouplingModes:
@@ -104,13 +106,14 @@ class EvenSystem(System):
         return super().options() | ({} if effects == "none" else {"rotation_effects": effects})
 
     def rotor_alone(self, omega: float) -> dict[str, Any]:
-        """Compute the stability of the bladed disk alone at a speed [rad/s].
+        """Compute the stability of the uncoupled bladed disk at a speed [rad/s].
 
         Returns:
-            Empty without rotation effects; otherwise critical_speed (normalised), from which on
-            K_Omega is indefinite, rotor_growth_rate [1/s] and its nodal diameter and, if it is
-            positive, holding_damping [N s/m] of each of two static bearings that stabilise it
-            (None if bearings cannot); waves_met, whether it grows without damping, too.
+            Empty without rotation effects. Otherwise critical_speed (normalised), above which
+            K_Omega is indefinite; rotor_growth_rate [1/s] and its nodal diameter; if the rate is
+            positive, holding_damping [N s/m], the damping of each of two static bearings that
+            stabilises the disk (None if bearings cannot); and waves_met, whether the disk also
+            grows without damping.
         """
         if self.rotation is None:
             return {}
@@ -135,7 +138,7 @@ class EvenSystem(System):
         }
 
     def of_diameter(self, k: int) -> EvenSystem:
-        """Return the system of the modes of one nodal diameter."""
+        """Return the system of the modes with nodal diameter k."""
         part = self.stage.take(np.flatnonzero(self.modes.nodal_diameter == k))
         return replace(self, stage=part, modes=part.modes)
 
@@ -154,14 +157,16 @@ def couple(
     Args:
         modal: finite element models with all their modes.
         modes: "six", "all" or names as in `reduction.modes`.
-        damped: with the damping of the case.
-        with_pi: keep the factor pi of Eq. (8).
-        physical: with the amplitudes of the modes instead of one for all.
-        chart: for more than one point, which needs a frame with constant coefficients.
+        damped: whether the damping of the case is included.
+        with_pi: whether the factor pi of Eq. (8) is kept.
+        physical: whether each mode has its own amplitude; otherwise all have the same.
+        chart: whether more than one point is computed, which needs a frame with constant
+            coefficients.
 
     Raises:
-        UserError: modes that the stage does not have or springs don't couple, one amplitude for
-            modes of more than one nodal diameter, or a chart of a periodic system.
+        UserError: the stage does not have the modes, springs do not couple them, one amplitude is
+            used for modes with several nodal diameters, or a chart of a periodic system is
+            requested.
     """
     one_each = modal.casing.structure.is_cyclic and not np.any(
         modal.disk.blade_columns(modal.disk_modes.column) < 0
@@ -207,10 +212,10 @@ def couple_even(
 ) -> EvenSystem:
     """Couple modes of a stage with cyclic symmetry; see `couple`.
 
-    With rotation effects the matrices at speed are projected on the modes at rest.
+    With rotation effects the matrices at speed are projected onto the modes at rest.
     """
     case, rotation = modal.case, None
-    if case.rotation.effects == "centrifugal":  # its modes are those at the case's speed
+    if case.rotation.effects == "centrifugal":  # such modes are those at the case's speed
         effects = case.rotation.model_copy(update={"effects": "none"})
         at_rest = modal_stage(case.model_copy(update={"rotation": effects}))
         modal = replace(at_rest, case=case)

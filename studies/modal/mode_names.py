@@ -22,9 +22,11 @@ class ChosenMode:
     family: str
     nodal_diameter: int
     numbers: IntArray
-    """Of the body's modes: one, the cosine and sine of a pair, or waves in both directions."""
+    """Numbers among the modes of the body: a single mode, the cosine and sine modes of a pair, or
+    waves in both directions."""
     rank: int = 0
-    """From 1 if several modes have the same name, as with unequal sectors; 0 for the only one."""
+    """Number from 1 if several modes have the same name, as with unequal sectors; 0 if the name is
+    unique."""
 
     @property
     def name(self) -> str:
@@ -35,15 +37,15 @@ class ChosenMode:
 
     @property
     def stem(self) -> str:
-        """Stem of the names of its files."""
+        """Stem of the names of the mode's files."""
         return self.name.replace(":", "-") + (f"-{self.rank}" if self.rank else "")
 
 
 def choose_modes(stage: ModalStage, option: str, text: str) -> list[ChosenMode]:
     """Return the modes of a list of names.
 
-    A name without nodal diameter means all nodal diameters of its family, and a name of several
-    modes, as with unequal sectors, means all of them.
+    A name without nodal diameter means all nodal diameters of the family. A name that several modes
+    have, as with unequal sectors, means all of these modes.
 
     Args:
         stage: finite element models with their modes.
@@ -51,7 +53,7 @@ def choose_modes(stage: ModalStage, option: str, text: str) -> list[ChosenMode]:
         text: names, separated by commas.
 
     Raises:
-        UserError: an unknown family, or a nodal diameter that the family does not have.
+        UserError: a family is unknown, or does not have the nodal diameter.
     """
     return [mode for name in text.split(",") for mode in _named(stage, option, name.strip())]
 
@@ -63,10 +65,10 @@ def family_of(
 
     Args:
         stage: finite element models with their modes.
-        body: of the family.
+        body: body of the family.
         family: name of the family.
-        diameters: nodal diameters; those without such a mode are skipped.
-        every: all modes with the same name, instead of the lowest.
+        diameters: nodal diameters; those without a mode of the family are skipped.
+        every: whether to return all modes with the same name, instead of the lowest.
     """
     modes, chosen = modes_of(stage, body), []
     for k in diameters:

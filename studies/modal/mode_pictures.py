@@ -40,7 +40,7 @@ PANELS = 6
 
 @dataclass(frozen=True, kw_only=True)
 class PicturePlan:
-    """Valid modes to picture and to film."""
+    """Modes to draw and to film, after validation."""
 
     shapes: list[ChosenMode]
     films: list[tuple[ChosenMode, Wave]]
@@ -53,12 +53,12 @@ def plan_pictures(
 
     Args:
         stage: finite element models with their modes.
-        shapes: names of the modes to picture; the lowest if None.
-        animate: names of the modes to film, none if empty; 1F:1 and the suspension if None.
-        wave: shown by films; the one that contact amplifies if None.
+        shapes: names of the modes to draw; the lowest if None.
+        animate: names of the modes to film, no films if empty; 1F:1 and the suspension if None.
+        wave: wave shown by films; the wave that contact amplifies if None.
 
     Raises:
-        UserError: a mode or wave that does not exist.
+        UserError: a mode or wave does not exist.
     """
     if wave is not None and wave not in get_args(Wave):
         raise UserError(f"--wave {wave}: expected one of {', '.join(get_args(Wave))}")
@@ -91,7 +91,8 @@ def draw_modes(
 
 
 def _lowest(stage: ModalStage) -> list[ChosenMode]:
-    """Return the default modes to picture: of 1F, the suspension pair, the casing's lowest."""
+    """Return the default modes to draw: some of 1F, the suspension pair, the lowest of the
+    casing."""
     highest = int(modes_of(stage, "bladed-disk").nodal_diameter.max())
     disk = family_of(stage, "bladed-disk", "suspension", [1])
     first = [*range(min(PANELS - 1 - len(disk), highest)), highest]
@@ -145,7 +146,8 @@ def _shapes(stage: ModalStage, modes: list[ChosenMode]) -> Drawn:
 
 
 def _scenarios(stage: ModalStage) -> Drawn:
-    """Yield both contact scenarios, if a 1F pair moves the shaft and meets a mode of the casing."""
+    """Yield both contact scenarios, if a 1F pair moves the shaft and coincides with a mode of the
+    casing."""
     if stage.case.shaft.clamped:
         return
     for name, share in CASING_SHARES.items():

@@ -47,7 +47,7 @@ COLUMNS = (
     Column("spring_share", "springs [%]", ".1f", 100.0),
 )
 DIRECTIONS = (Column("direction", "rotating"), Column("direction_static", "static"))
-"""Columns of a mode; the directions of waves with rotation effects."""
+"""Columns of the directions of waves, with rotation effects."""
 
 
 def full_stage(case_or_stage: Case | Stage | ModalStage) -> ModalStage:
@@ -65,7 +65,7 @@ def speed_of(value: Any, label: str) -> Speed:
         label: name of the argument, for errors.
 
     Raises:
-        UserError: another value.
+        UserError: the value is not a speed.
     """
     try:
         return Speed(value)
@@ -79,13 +79,13 @@ def speed_of(value: Any, label: str) -> Speed:
 def stage_of_file(
     file: Path, overrides: list[str] | None, what: str, *known: Effects
 ) -> ModalStage:
-    """Return the models and modes of a case file.
+    """Return the finite element models and modes of a case file.
 
     Args:
-        file: the case.
+        file: the case file.
         overrides: "KEY=VALUE" as in --set.
-        what: name of the analysis, for errors.
-        known: rotation effects that the analysis supports.
+        what: description of the analysis, for errors.
+        known: rotation effects supported by the analysis.
 
     Raises:
         CaseError: all faults of the case, naming the file or --set.
@@ -100,29 +100,29 @@ def stage_of_file(
 def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
     """Compute natural modes of the full bladed disk, with free and clamped centre, and the casing.
 
-    Over `mode`: frequency [Hz], normalised_frequency (over the lowest of the bladed disk with a
-    free centre), purity (share of its nodal diameter in the mode) and spring_share (of the strain
-    energy). A mode is selected by any of its coordinates body, centre, family, nodal_diameter and
-    number::
+    Over `mode`: frequency [Hz], normalised_frequency (divided by the lowest frequency of the bladed
+    disk with a free centre), purity (share of its nodal diameter in the mode) and spring_share
+    (share of the shaft springs in the strain energy). A mode is selected by any of its coordinates
+    body, centre, family, nodal_diameter and number::
 
         modes = bladewhirl.modes(case)
         modes.frequency.sel(body="bladed-disk", centre="free", family="1F", nodal_diameter=1)
 
-    gives two frequencies where blades are alike: both of a pair, the cosine first, as `pattern`
-    says (cosine, sine or single). `direction` and `direction_static` are the directions of waves
-    in the rotating and in the static frame at the case's speed: backward, forward or standing.
-    With Coriolis forces the two waves of a pair differ in frequency, and `pattern` is wave or
-    single. `modes.reset_index("mode")` can be saved to a file.
+    If all blades are equal, this returns two frequencies: those of the cosine and the sine mode of
+    a pair. `pattern` is cosine, sine or single. `direction` and `direction_static` are the
+    directions of waves in the rotating and in the static frame at the case's speed: backward,
+    forward or standing. With Coriolis forces the two waves of a pair differ in frequency, and
+    `pattern` is wave or single. `modes.reset_index("mode")` can be saved to a file.
 
     Args:
-        case_or_stage: a case, or a stage of it.
+        case_or_stage: a case, or its stage.
 
     Returns:
         The modes of each body, ascending. Attributes: `centre`, free or clamped as in the case, and
         `reference_frequency_hz`, by which frequencies are normalised.
 
     Raises:
-        CaseError: numbers from which finite elements can't be made.
+        CaseError: finite elements cannot be computed with the numbers of the case.
     """
     stage = full_stage(case_or_stage)
     lists = (
@@ -193,8 +193,8 @@ def _directions_of_pairs(
 ) -> tuple[tuple[Direction, ...], tuple[Direction, ...]]:
     """Return the directions of the waves of standing modes, in the rotating and the static frame.
 
-    Both modes of a degenerate pair together make a backward and a forward wave in the body's own
-    frame: the cosine stands for the one, the sine for the other.
+    The two modes of a degenerate pair combine to a backward and a forward wave in the frame of the
+    body: the backward wave is listed with the cosine mode, the forward wave with the sine mode.
     """
     sign = np.array([{"cosine": 1.0, "sine": -1.0}.get(name, 0.0) for name in pattern])
     rotation = np.where(sign == 0.0, 0.0, modes.nodal_diameter * omega)

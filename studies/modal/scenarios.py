@@ -24,49 +24,51 @@ from bladewhirl.solvers.stability.scenario import (
 from bladewhirl.studies.modal.columns import quantity
 
 TIMES, ANGLES = 97, 1440
-"""Number of instants of one turn, and of angles around the casing."""
+"""Number of instants in one turn, and of angles around the casing."""
 
 SHAFT = 1
 """Nodal diameter of the modes that move the shaft."""
 
 HIGHEST = 2.0
-"""Upper limit of the speed, relative to the sum of both frequencies."""
+"""Upper limit of the coincidence speed, relative to the sum of both frequencies."""
 
 CASING_SHARES = {"standard": 0.5, "inverted": 2.0}
-"""Radial motion of the casing over that of the tips, for the pictures of both scenarios."""
+"""Ratio of the radial motion of the casing to that of the tips, for the pictures of both
+scenarios."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class WhirlingModes:
     """A k = 1 mode of the rotor and one of the casing in coincidence, at the onset of contact."""
 
-    name: str  #: of the rotor's mode
+    name: str  #: name of the rotor's mode
     shaft: float  #: displacement of the centre [m]
     rotor: float  #: radial amplitude of the tips, positive on the side of +x [m]
     casing: float  #: radial amplitude of the casing [m]
-    frequency: float  #: of the rotor's mode [rad/s]
-    speed: float  #: at which the modes coincide [rad/s]
-    clearance: float  #: at rest [m]
+    frequency: float  #: frequency of the rotor's mode [rad/s]
+    speed: float  #: speed at which the modes coincide [rad/s]
+    clearance: float  #: clearance at rest [m]
 
     @property
     def scenario(self) -> Scenario:
-        """Place of contact relative to the shaft's displacement."""
+        """Position of contact relative to the shaft's displacement."""
         return mode_scenario(shaft=self.shaft, rotor=self.rotor, casing=self.casing)
 
 
 def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F") -> WhirlingModes:
-    """Combine a k = 1 mode of the bladed disk and the lowest of the casing at the onset of contact.
+    """Combine a k = 1 mode of the bladed disk and the lowest k = 1 mode of the casing at the onset
+    of contact.
 
     With Coriolis forces the mode is the backward wave at the speed of coincidence.
 
     Args:
         stage: finite element models with their modes.
-        casing_share: radial motion of the casing over that of the tips; not 1, where they move
-            alike and never touch.
-        family: of the bladed disk's mode.
+        casing_share: ratio of the radial motion of the casing to that of the tips; not 1, because
+            casing and tips would move together and never touch.
+        family: family of the bladed disk's mode.
 
     Raises:
-        UserError: the stage has no such mode, or with Coriolis forces no coincidence speed.
+        UserError: the stage has no such mode or, with Coriolis forces, no coincidence speed.
     """
     disk_modes, casing_modes = stage.disk_modes, stage.casing_modes
     on_disk = disk_modes.find(family, SHAFT)
@@ -134,7 +136,7 @@ def scenario_dataset(modes: WhirlingModes, *, reference: float) -> xr.Dataset:
     clearance is searched around the casing.
 
     Args:
-        modes: in coincidence.
+        modes: modes in coincidence.
         reference: frequency by which speeds are normalised [rad/s].
     """
     time = 2.0 * np.pi / modes.speed * np.linspace(0.0, 1.0, TIMES)

@@ -44,17 +44,18 @@ def stability(
     each mode has one nodal diameter, the borders of unstable zones and the coincidence speeds.
 
     Args:
-        case_or_stage: a case, or what `build_stage` or `modal_stage` made of it.
-        speed: in multiples of the reference frequency, or one as text such as "2500 rpm".
+        case_or_stage: a case, or its stage from `build_stage` or `modal_stage`.
+        speed: speeds in multiples of the reference frequency, or one speed as text such as "2500
+            rpm".
         kappa: stiffness of the springs [N/m].
         modes: "six" as in the paper, "all", or names such as "casing:1,1F:1,suspension".
-        damped: with the case's damping.
-        with_pi: keep the factor pi of Eq. (8).
-        physical: with the modes' own amplitudes instead of one for each.
-        progress: called with the finished points and all points.
+        damped: whether the damping of the case is included.
+        with_pi: whether the factor pi of Eq. (8) is kept.
+        physical: whether each mode has its own amplitude; otherwise all have the same.
+        progress: called with the numbers of finished points and of all points.
 
     Raises:
-        UserError: see `couple`; not a speed.
+        UserError: as for `couple`, or the speed is invalid.
     """
     chart = not (isinstance(speed, str) or np.ndim(speed) == 0) or np.ndim(kappa) > 0
     system = couple(
@@ -75,9 +76,9 @@ def stability(
 def stability_point(system: System, omega: float, kappa: float) -> xr.Dataset:
     """Compute growth rate, eigenvalues, fastest growing mode and its scenario at a point.
 
-    Where each mode has one nodal diameter, growth_rate_floquet is the growth rate of the monodromy
-    matrix of the periodic system, an independent check of the autonomous form. It is absent at
-    rest, which has no period, and so near rest that a period can't be integrated.
+    If each mode has one nodal diameter, growth_rate_floquet is the growth rate from the monodromy
+    matrix of the periodic system, an independent check of the autonomous form. It is missing at
+    rest, where there is no period, and near rest, where the period is too long to be integrated.
 
     Args:
         system: the coupled modes.
@@ -85,7 +86,7 @@ def stability_point(system: System, omega: float, kappa: float) -> xr.Dataset:
         kappa: spring stiffness [N/m].
 
     Raises:
-        UserError: exponents that cannot be computed.
+        UserError: the Floquet exponents cannot be computed.
     """
     try:
         spectrum = system.spectrum(omega, kappa)
@@ -112,7 +113,7 @@ def stability_point(system: System, omega: float, kappa: float) -> xr.Dataset:
 
 
 def _even_point(system: EvenSystem, omega: float, kappa: float) -> dict[str, Any]:
-    """Return variables of a point that only modes with one nodal diameter each have."""
+    """Return the variables of a point that exist only if each mode has one nodal diameter."""
     variables: dict[str, Any] = {}
     modes = system.modes
     with suppress(ArithmeticError):  # ZeroDivisionError at rest

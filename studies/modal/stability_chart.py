@@ -23,7 +23,8 @@ BORDER_STIFFNESSES = 61
 """Number of stiffnesses at which the borders of zones are computed."""
 
 LINE_SPEEDS, ZONE_SPEEDS = 1201, 21
-"""Number of speeds along a line of constant stiffness, and of more inside each of its zones."""
+"""Number of speeds along a line of constant stiffness, and of additional speeds inside each
+zone."""
 
 MULTIPLES = {"units": "1", "long_name": "speed in multiples of reference_frequency"}
 GROWTH = {"units": "1/s", "long_name": "largest real part of the spectrum"}
@@ -39,7 +40,7 @@ def stability_chart(
         system: the coupled modes.
         omegas: speeds [rad/s], ascending.
         kappas: spring stiffnesses [N/m], ascending.
-        progress: called with the finished points and all points.
+        progress: called with the numbers of finished points and of all points.
     """
     growth = system.growth(omegas, kappas, progress)
     data = _ranges(system, omegas, kappas)
@@ -58,11 +59,11 @@ def stability_chart(
 def zones(
     system: System, modes: CouplingModes, omegas: FloatArray, kappas: FloatArray
 ) -> xr.Dataset:
-    """Compute the borders of unstable zones, and the coincidence speeds where they start.
+    """Compute the borders of unstable zones, and the coincidence speeds at which the zones start.
 
     Args:
-        system: with the options.
-        modes: coupled modes, those of the system or a part.
+        system: system with the options.
+        modes: all coupled modes of the system, or some of them.
         omegas: speeds [rad/s], ascending.
         kappas: spring stiffnesses [N/m], ascending.
     """
@@ -117,7 +118,7 @@ def _ranges(system: System, omegas: FloatArray, kappas: FloatArray) -> xr.Datase
 
 
 def truncation(complete: xr.Dataset, few: xr.Dataset) -> xr.Dataset:
-    """Return zones of all modes and of a few of them, labelled "all" or "few" by `zone_of`."""
+    """Return the zones of all modes and of a few modes, labelled "all" or "few" by `zone_of`."""
     parts = [
         data[[str(name) for name in data.data_vars if str(name).startswith("zone_")]].assign(
             zone_of=("zone", np.full(data.sizes["zone"], label))
@@ -167,7 +168,7 @@ def _branch_names(modes: CouplingModes, omega: float, spectrum: ComplexArray) ->
     Args:
         modes: the coupled modes.
         omega: speed [rad/s].
-        spectrum: eigenvalues there, (branches,).
+        spectrum: eigenvalues at this speed, (branches,).
     """
     alone, names = [], []
     for entry in range(modes.entries):

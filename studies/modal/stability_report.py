@@ -29,7 +29,7 @@ BORDERS = (
     Column("upper", "to [ω₁]", ".4f"),
     Column("growth"),
 )
-"""Columns of a zone with a list of values in JSON, one at each stiffness."""
+"""Columns of a zone whose value in JSON is a list, with an entry for each stiffness."""
 
 ZONES = (
     Column("casing", "casing"),
@@ -43,7 +43,7 @@ COINCIDENCES = (
     Column("rotor", variable="coincidence_rotor"),
     Column("speed", variable="coincidence"),
 )
-"""Columns of zones, whose variables have the prefix "zone_", and of coincidences."""
+"""Columns of zones, whose variables have the prefix "zone_", and columns of coincidences."""
 
 POINT = (
     Column("speed", "speed [ω₁]", ".6g"),
@@ -75,7 +75,7 @@ ROTOR_ALONE = (
     Column("cause", "its cause"),
     Column("holding_damping", "damping of two static bearings that stops it [N s/m]", ".4g"),
 )
-"""Values of a point, its divergent mode, a chart and the bladed disk alone."""
+"""Columns of a point, its divergent mode, a chart and the uncoupled bladed disk."""
 
 
 def point_report(
@@ -87,12 +87,12 @@ def point_report(
         system: the coupled modes.
         omega: speed [rad/s].
         kappa: spring stiffness [N/m].
-        folder: of the figures of the divergent mode; no figures if None.
-        films: also write a VTK series and a GIF.
+        folder: folder of the figures of the divergent mode; no figures if None.
+        films: whether to write also a VTK series and a GIF.
         overwrite: replace existing files, whoever wrote them.
 
     Raises:
-        UserError: there is no divergent mode to draw, or it cannot be written.
+        UserError: there is no divergent mode to draw, or the figures cannot be written.
     """
     data = stability_point(system, omega, kappa)
     names = ("speed", "speed_rad_per_s", "kappa", "growth_rate", "unstable")
@@ -139,10 +139,10 @@ def chart_report(
         system: the coupled modes.
         omegas: speeds [rad/s], ascending.
         kappas: spring stiffnesses [N/m], ascending.
-        folder: of figures and data; none if None.
+        folder: folder of figures and data; nothing is drawn if None.
         line: stiffness along which eigenvalues are drawn [N/m].
         overwrite: replace existing files, whoever wrote them.
-        progress: called with the finished points and all points.
+        progress: called with the numbers of finished points and of all points.
     """
     chart = stability_chart(system, omegas, kappas, progress)
     if folder is not None:

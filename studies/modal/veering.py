@@ -21,16 +21,17 @@ from bladewhirl.studies.modal.modes import full_stage, modes
 from bladewhirl.studies.runs.figures_folder import save_figures
 
 STIFFNESSES, DECADES = 241, 3
-"""Number of stiffnesses of the shaft, and decades on either side of the case's stiffness."""
+"""Number of stiffnesses of the shaft, and number of decades on either side of the case's
+stiffness."""
 
 BRANCHES = 5
-"""Number of modes over the stiffness of the shaft."""
+"""Number of modes drawn over the stiffness of the shaft."""
 
 CLOSE_UP = 2
-"""Number of families of the second diagram, which shows the suspension pair between them."""
+"""Number of families of the second diagram, which also shows the suspension pair."""
 
 MODE_LEVELS = ("centre", "family", "nodal_diameter")
-"""Index of the modes."""
+"""Coordinates that select a mode."""
 
 
 def veering(
@@ -41,9 +42,9 @@ def veering(
 ) -> xr.Dataset:
     """Compute frequencies over nodal diameter, with free and clamped centre, and shaft stiffness.
 
-    Over `mode`, of the bladed disk and once per pair: frequency [Hz], normalised_frequency
-    (over the reference frequency), purity and spring_share. A mode is selected by centre, family
-    and nodal_diameter::
+    Over `mode`, for the bladed disk and once per pair: frequency [Hz], normalised_frequency
+    (divided by the reference frequency), purity and spring_share. A mode is selected by centre,
+    family and nodal_diameter::
 
         diagrams = bladewhirl.veering(case)
         diagrams.frequency.sel(centre="clamped", family="1F", nodal_diameter=1)
@@ -57,14 +58,14 @@ def veering(
     `shaft_veering` draw it.
 
     Args:
-        case_or_stage: a case, or a stage of it.
+        case_or_stage: a case, or its stage.
         families: number of families of the bladed disk, without the suspension pair.
-        stiffnesses: of each shaft spring [N/m], ascending, (stiffness,); by default those of
-            `spring_stiffnesses`.
+        stiffnesses: stiffnesses of each shaft spring [N/m], ascending, (stiffness,); by default
+            from `spring_stiffnesses`.
 
     Raises:
-        UserError: a stage without cyclic symmetry, whose modes with one nodal diameter are not
-            separate.
+        UserError: the stage has no cyclic symmetry, so that modes with one nodal diameter cannot be
+            separated.
     """
     stage = full_stage(case_or_stage)
     families = min(families, stage.disk_modes.count)
@@ -134,7 +135,8 @@ def clamping_shifts(diagrams: xr.Dataset) -> dict[int, float]:
         diagrams: from `veering`.
     """
     frequency = diagrams["frequency"].to_series()
-    # Past a critical speed both waves of a pair may go backward: their order tells them apart.
+    # Above a critical speed both waves of a pair may travel backward: they are distinguished by
+    # their order.
     order = frequency.groupby(level=frequency.index.names).cumcount().rename("order")
     ordered = frequency.to_frame().set_index(order, append=True)["frequency"]
     centres = ordered.unstack("centre")
@@ -154,7 +156,8 @@ def suspension_frequency(diagrams: xr.Dataset) -> float | None:
 
 
 def spring_stiffnesses(case: Case, interval: tuple[float, float] | None) -> FloatArray:
-    """Return stiffnesses of the shaft [N/m], evenly spread over decades, (stiffnesses,)."""
+    """Return stiffnesses of the shaft springs [N/m], equally spaced on a logarithmic scale,
+    (stiffnesses,)."""
     stiffness = case.shaft.stiffness
     first, last = interval or (stiffness * 10.0**-DECADES, stiffness * 10.0**DECADES)
     return np.geomspace(first, last, STIFFNESSES)
@@ -165,8 +168,8 @@ def draw_veering(diagrams: xr.Dataset, folder: Path, *, overwrite: bool = False)
 
     Args:
         diagrams: from `veering`.
-        folder: of the figures.
-        overwrite: replace existing files, whoever wrote them.
+        folder: folder of the figures.
+        overwrite: whether to replace existing files even if bladewhirl did not write them.
 
     Raises:
         UserError: a file cannot be written, or exists and was not written by bladewhirl.
@@ -209,7 +212,7 @@ def _over_shaft(stage: ModalStage, springs: FloatArray) -> ShaftVeering:
 
     mass, stiffness = block(structure.mass), block(structure.stiffness - structure.springs)
     centre = np.zeros(len(mass), dtype=np.complex128)
-    centre[-1] = 1.0  # the centre's whirl stands last, see `SectorLayout.basis`
+    centre[-1] = 1.0  # the whirl of the centre is the last coordinate, see `SectorLayout.basis`
     options: dict[str, Any] = {"springs": springs, "branches": min(BRANCHES, len(mass) - 1)}
     if structure.gyroscopic is None:
         return shaft_veering(stiffness, mass, centre, **options)
