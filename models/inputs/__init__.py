@@ -1,1 +1,1 @@
-"""Words of the user and answers to them: quantities with units, tables, names of modes, errors."""
+"""Parsing and validation of user input: quantities with units, tables, names of modes, errors."""

@@ -1,4 +1,4 @@
-"""Errors that a user can put right, a line a fault; values in TOML as they show them."""
+"""Errors in user input, reported in one line each, and conversion of values to TOML."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from pathlib import Path
 
 
 def toml_value(value: object) -> str:
-    """A value in TOML; floats at full precision, tables inline.
+    """Return a value as TOML, with floats at full precision and tables inline.
 
     Raises:
-        TypeError: TOML has no such value, or it has and a case has not.
+        TypeError: the type does not occur in cases.
     """
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        # TOML wants DEL escaped, JSON does not; else their basic strings agree.
+        # Basic strings of TOML and JSON are equal, except that TOML requires DEL to be escaped.
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
     if isinstance(value, int):
         return str(value)
@@ -40,17 +40,17 @@ def toml_value(value: object) -> str:
 
 
 def toml_key(name: object) -> str:
-    """A key, quoted where TOML needs it."""
+    """Return a key as TOML, in quotes if needed."""
     text = str(name)
     return text if re.fullmatch(r"[A-Za-z0-9_-]+", text) else toml_value(text)
 
 
 LONGEST_VALUE = 60
-"""Characters of a value that a fault shows."""
+"""Largest number of characters of a value in an error message."""
 
 
 class UserError(Exception):
-    """A request that cannot be met; the command line prints `lines`, no traceback."""
+    """A request that cannot be fulfilled; the command line prints `lines` without a traceback."""
 
     def __str__(self) -> str:
         """Return one line per fault."""
@@ -58,7 +58,7 @@ class UserError(Exception):
 
     @property
     def lines(self) -> list[str]:
-        """One line per argument, each a fault."""
+        """Text of each fault on one line; each argument of the exception is a fault."""
         return [" ".join(str(fault).split()) for fault in self.args]
 
 
@@ -70,20 +70,20 @@ class Hint(UserWarning):
 class Fault:
     """One fault of a case."""
 
-    file: str = ""  #: the case file, or "--set"; empty for a case made in Python
-    key: str = ""  #: dotted as in the file; empty for the file as a whole
-    value: object = None  #: as in the file; None if there is none
-    expected: str  #: completes "expected ..."
+    file: str = ""  #: path of the case file, or "--set"; empty for a case made in Python
+    key: str = ""  #: dotted key as in the file; empty if the fault is of the entire file
+    value: object = None  #: value of the key as in the file; None if there is no value
+    expected: str  #: text that completes "expected ..."
 
     def __str__(self) -> str:
-        """The fault on one line."""
+        """Return the fault on one line."""
         place = self.key if self.value is None else f"{self.key} = {shown(self.value)}"
         parts = (self.file, place, f"expected {self.expected}")
         return " ".join(": ".join(part for part in parts if part).splitlines())
 
 
 class CaseError(UserError):
-    """A case with one or more faults."""
+    """Error of a case with one or more faults."""
 
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(faults)
@@ -91,13 +91,13 @@ class CaseError(UserError):
 
     @property
     def lines(self) -> list[str]:
-        """One line per fault."""
+        """Text of each fault on one line."""
         return [str(fault) for fault in self.faults]
 
 
 @contextmanager
 def faults_in(file: str) -> Iterator[None]:
-    """Name ``file`` in faults raised inside that name none."""
+    """Add the name ``file`` to faults raised inside without the name of a file."""
     try:
         yield
     except CaseError as error:
@@ -107,10 +107,10 @@ def faults_in(file: str) -> Iterator[None]:
 
 @contextmanager
 def writing(target: Path) -> Iterator[None]:
-    """Make what the system refuses to write a fault of the user's.
+    """Turn errors of the operating system while writing into errors for the user.
 
     Raises:
-        UserError: naming the file or folder and the reason.
+        UserError: a file or folder cannot be written; the error names it and the reason.
     """
     try:
         yield
@@ -121,7 +121,7 @@ def writing(target: Path) -> Iterator[None]:
 
 
 def shown(value: object) -> str:
-    """A value as TOML would have it, cut to one short line."""
+    """Return a value as TOML, shortened to one line of at most `LONGEST_VALUE` characters."""
     try:
         text = toml_value(value)
     except (TypeError, ValueError):  # a date, or an integer too long to print

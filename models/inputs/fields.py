@@ -1,6 +1,7 @@
-"""Types of the case file's keys: numbers in SI or text with a unit, counts, speeds, rows.
+"""Types of the keys of a case: numbers in SI units or text with a unit, counts, speeds, rows.
 
-Each says what it expected in one phrase, by a pydantic error of type `EXPECTED`.
+For an invalid value, each type raises a pydantic error of type `EXPECTED` with a phrase that states
+the expected value.
 """
 
 from __future__ import annotations
@@ -23,13 +24,13 @@ from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.inputs.units import LARGEST, TURN_PER_S, Speed, finite, rotation, to_si
 
 EXPECTED = "expected"
-"""Type of the errors raised here; their context contains the phrase under the same name."""
+"""Type of the errors raised here, and the key of the phrase in their context."""
 
 SMALLEST = 1.0 / LARGEST
-"""Smallest quantity above zero: squares and ratios of smaller ones leave double precision."""
+"""Smallest quantity above zero; squares and ratios of smaller ones exceed double precision."""
 
 MOST = 100_000
-"""Largest count of blades, elements, modes: beyond it a case is a slip of the pen."""
+"""Largest number of blades, elements or modes; a larger one is assumed to be a typing error."""
 
 Sign = Literal["positive", "not negative", "any"]
 
@@ -57,17 +58,17 @@ _EXAMPLES = {
     "rad": "30 deg",
     "Hz": "50 Hz",
 }
-"""Text with a unit, by SI unit."""
+"""Example of text with a unit, for each SI unit."""
 
 
 def expectation(phrase: str, reason: object = "") -> PydanticCustomError:
-    """Return the error that states the expected value and, in brackets, the reason."""
+    """Return the error that states the expected value and, in parentheses, the reason."""
     phrase = f"{phrase} ({reason})" if reason else phrase
     return PydanticCustomError(EXPECTED, "expected {expected}", {"expected": phrase})
 
 
 def quantity(unit: str, sign: Sign = "positive") -> BeforeValidator:
-    """A number in ``unit``, or text with another unit of the same dimension."""
+    """Return a validator of numbers in ``unit``, or of text with a unit of the same dimension."""
     phrase = f'{_NUMBERS[sign]} in {unit}, or text with a unit such as "{_EXAMPLES[unit]}"'
 
     def convert(text: str) -> float:
@@ -77,7 +78,7 @@ def quantity(unit: str, sign: Sign = "positive") -> BeforeValidator:
 
 
 def number(sign: Sign) -> BeforeValidator:
-    """A number without dimension."""
+    """Return a validator of numbers without a unit."""
 
     def refuse(text: str) -> float:
         raise ValueError("it has no unit")
@@ -86,7 +87,7 @@ def number(sign: Sign) -> BeforeValidator:
 
 
 def count(least: int) -> BeforeValidator:
-    """A whole number from ``least`` to `MOST`."""
+    """Return a validator of integers from ``least`` to `MOST`."""
     phrase = f"a whole number from {least} to {MOST}"
 
     def validate(value: Any) -> int:
@@ -146,15 +147,15 @@ def _items(phrase: str, length: int | None = None) -> BeforeValidator:
 
 
 def rows(phrase: str) -> BeforeValidator:
-    """An array of tables, one a row; ``phrase`` completes "rows of"."""
+    """Return a validator of an array of tables; ``phrase`` completes "rows of" in messages."""
     return _items(f"rows of {phrase}")
 
 
 def positive(key: str, value: object, unit: str) -> float:
-    """A positive number in ``unit``, of a number or of text with a unit.
+    """Convert a number, or text with a unit, to a positive number in ``unit``.
 
     Raises:
-        CaseError: it is none; the fault names ``key``.
+        CaseError: the value is not valid; the error names ``key``.
     """
     try:
         return _positive(unit).validate_python(value)

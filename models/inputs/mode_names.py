@@ -2,8 +2,9 @@
 
 A name selects modes of the bladed disk (FAMILY or FAMILY:k) or of the casing (casing:FAMILY or
 casing:FAMILY:k). Without ":k" it selects all nodal diameters; * is any family. "casing:k" is the
-lowest radial casing mode with k nodal diameters, rigid or flexible. This mode is coupled by the
-springs between the bodies; "casing" selects it for every k. Degenerate pairs are never split.
+lowest radial casing mode with k nodal diameters, rigid or flexible, which the springs between the
+bodies couple; "casing" selects this mode for every k. Both modes of a degenerate pair are always
+selected together.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from bladewhirl.models.inputs.fields import expectation
 ALL, SIX = "all", "six"
 
 SIX_MODES = "1F:1,suspension:1,casing:1"
-"""The paper's truncated space: Eqs (4)-(9)."""
+"""Modes of the truncated space of the paper, Eqs (4)-(9)."""
 
 EVERY = "*"
 
@@ -35,11 +36,11 @@ _NAME = re.compile(
 
 @dataclass(frozen=True, kw_only=True)
 class ModeName:
-    """Modes of one family, of one nodal diameter or of all."""
+    """Name of the modes of one family with one or with all nodal diameters."""
 
     on_casing: bool
-    family: str | None  #: None: the lowest radial mode of each nodal diameter, on the casing
-    nodal_diameter: int | None
+    family: str | None  #: family; None is the lowest radial casing mode of each nodal diameter
+    nodal_diameter: int | None  #: nodal diameter; None is all
 
     def __str__(self) -> str:
         """Return the name as written in a case."""
@@ -49,10 +50,10 @@ class ModeName:
 
 @dataclass(frozen=True, kw_only=True)
 class NamedModes:
-    """Modes of one body, to choose from."""
+    """Families and nodal diameters of the modes of one body, for selection by name."""
 
-    family: tuple[str, ...]  #: (modes,)
-    nodal_diameter: IntArray  #: (modes,)
+    family: tuple[str, ...]  #: family of each mode, (modes,)
+    nodal_diameter: IntArray  #: nodal diameter of each mode, (modes,)
 
     def numbers(self, name: ModeName) -> IntArray:
         """Return the numbers of the modes with a name, ascending."""
@@ -63,16 +64,16 @@ class NamedModes:
 
 
 def parse_mode_names(text: str) -> tuple[ModeName, ...]:
-    """Names in a list with commas.
+    """Return the mode names in a comma-separated list.
 
     Raises:
-        ValueError: a word that is no name.
+        ValueError: an entry is not a mode name.
     """
     return tuple(_parsed(word.strip()) for word in text.split(","))
 
 
 def mode_choice(value: Any) -> str:
-    """Check the text of a choice, as a validator of a case's key."""
+    """Validate the text that selects modes, as the value of a key of a case."""
     phrase = '"all", "six" or modes by name such as "1F:1, suspension, casing:1"'
     if not isinstance(value, str):
         raise expectation(phrase)
@@ -90,13 +91,13 @@ def chosen_modes(
     """Return the numbers of the selected modes of bladed disk and casing, ascending.
 
     Args:
-        choice: as in a case.
+        choice: text that selects modes, as in a case.
         rotor: modes of the bladed disk.
         casing: modes of the casing.
-        radial: lowest radial casing modes by nodal diameter; none without cyclic symmetry.
+        radial: lowest radial casing modes by nodal diameter; empty without cyclic symmetry.
 
     Raises:
-        ValueError: a name of modes that the stage does not have.
+        ValueError: the stage has no modes with a name.
     """
     if choice == ALL:
         return np.arange(len(rotor.family)), np.arange(len(casing.family))

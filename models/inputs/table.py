@@ -1,4 +1,4 @@
-"""Base class of the tables of a case: frozen, closed to unknown keys, checked for consistency."""
+"""Base class of the tables of a case: immutable, without unknown keys, checked for consistency."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 INCONSISTENT = "inconsistent"
-"""Type of the errors raised here; their context holds the fields of an `Inconsistency`."""
+"""Type of the errors raised here; their context contains the fields of an `Inconsistency`."""
 
 
 class Inconsistency(NamedTuple):
-    """Contradiction between values that are valid one by one; keys are relative to the table."""
+    """Contradiction between values that are valid by themselves; keys are relative to the table."""
 
-    key: str  #: the key to report
-    expected: str  #: completes "expected ..."
-    others: tuple[str, ...] = ()  #: the keys that it contradicts
-    value: object = None  #: shown instead of the key's value
-    place: str = ""  #: part of the table without a key, shown instead of a key
+    key: str  #: key to report
+    expected: str  #: text that completes "expected ..."
+    others: tuple[str, ...] = ()  #: keys whose values contradict the value of `key`
+    value: object = None  #: value to show, if it is not the value of `key`
+    place: str = ""  #: name of a part of the table that has no key, shown in place of a key
 
 
 class Table(BaseModel):

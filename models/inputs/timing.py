@@ -7,29 +7,30 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class Timing:
-    """Steps of a march; records are a whole number of steps apart."""
+    """Steps of a march; the time between records is a multiple of the time step."""
 
-    time_step: float  #: [s]
-    duration: float  #: [s]; zero leaves the record at t = 0 alone
+    time_step: float  #: time step [s]
+    duration: float  #: simulated time [s]; if zero, only the state at t = 0 is recorded
     record_step: float  #: time between records [s]
 
     @property
     def record_every(self) -> int:
-        """Steps between records."""
+        """Number of steps between records."""
         return round(self.record_step / self.time_step)
 
     @property
     def steps(self) -> int:
-        """Steps of the whole march."""
+        """Number of steps of the march."""
         return round(self.duration / self.time_step)
 
     @property
     def whole_steps(self) -> int:
-        """Step of the last record that is a whole number of records from the start."""
+        """Number of steps up to the last regular record, without the extra record at the end."""
         return self.steps - self.steps % self.record_every
 
     @property
     def records(self) -> int:
-        """Records of the whole march: at the start, at whole record steps and at the end."""
+        """Number of records of the march: at the start, at multiples of `record_step`, at the
+        end."""
         whole, rest = divmod(self.steps, self.record_every)
         return 1 + whole + (rest > 0)

@@ -1,4 +1,4 @@
-"""Text with units to SI floats, through pint: "1 mm", "210 GPa", "2500 rpm"."""
+"""Conversion of text with units to SI floats with pint: "1 mm", "210 GPa", "2500 rpm"."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, Literal, SupportsFloat
 if TYPE_CHECKING:
     import pint
 
-# Only this much syntax reaches pint: its evaluator would also work out "9**9**9 m".
+# Only text that matches this syntax is passed to pint, which would also evaluate "9**9**9 m".
 _EXPONENT = r"-?(?:[1-9](?:\.[0-9])?|0\.[1-9])"
 _FACTOR = rf"[^\W\d_][^\W\d]*(?:(?:\*\*|\^)?{_EXPONENT})?"
 _TEXT = re.compile(
@@ -37,7 +37,8 @@ def to_si(text: str, unit: str) -> float:
     Powers may be written m2, m^2, m**2 or m².
 
     Raises:
-        ValueError: no number and unit, an unknown unit, another dimension, too large a number.
+        ValueError: the text is not a number with a unit, the unit is unknown or of another
+            dimension, or the number is too large.
     """
     simple = _prefixed(text, unit)
     if simple is not None:
@@ -50,13 +51,13 @@ def to_si(text: str, unit: str) -> float:
 
 
 def rotation(text: str, unit: Literal["rad/s", "turn/s"]) -> float:
-    """Convert "2500 rpm", "50 Hz" (turns per second) or "314 rad/s".
+    """Convert text such as "2500 rpm", "50 Hz" (turns per second) or "314 rad/s" to ``unit``.
 
-    pint takes Hz for 1/s and so for rad/s. Here Hz counts turns, and a bare 1/s, which could mean
-    either, is refused.
+    In pint, Hz is 1/s and therefore equal to rad/s. Here Hz means turns per second, and 1/s is an
+    error, because it could mean either.
 
     Raises:
-        ValueError: as `to_si`.
+        ValueError: the text is not valid, see `to_si`.
     """
     quantity = _parse(text)
     if any(name.endswith("hertz") for name, _ in quantity.unit_items()):
@@ -71,14 +72,15 @@ _SCALED = re.compile(r"(m|s|g|N|Pa|Hz)\b")
 
 
 def handy_unit(amount: float, unit: str) -> tuple[str, float]:
-    """Return the unit in which an amount reads well, and how many of it are one SI unit.
+    """Return a unit with a suitable prefix for an amount, and the number of these in one SI unit.
 
-    Large units are used from 1 on, the unit itself and its thousandth from 0.1 on: 300 MPa, 0.5 mm,
-    0.2 s. Lengths are in metres from 1 m on. Lengths and times have no large units.
+    Prefixes above one (k, M, G) are used if the number is at least 1, the unit itself and smaller
+    prefixes if it is at least 0.1: 300 MPa, 0.5 mm, 0.2 s. Lengths are in metres from 1 m on.
+    Lengths and times have no prefixes above one.
 
     Args:
-        amount: zero or positive, in the SI unit.
-        unit: the SI unit. Others than of length, time, mass, force, stress or frequency stay.
+        amount: amount in the SI unit, zero or positive.
+        unit: SI unit. Only units of length, time, mass, force, stress and frequency get a prefix.
     """
     if unit.startswith("kg"):
         name, scale = handy_unit(1e3 * amount, unit.removeprefix("k"))
@@ -92,24 +94,25 @@ def handy_unit(amount: float, unit: str) -> tuple[str, float]:
 
 
 def handy(value: float, unit: str, digits: int = 6) -> str:
-    """Return an SI value with the unit that suits its size, "500 mm"; a case can contain it."""
+    """Return an SI value as text with a unit of suitable prefix, "500 mm", as valid in a case."""
     name, scale = handy_unit(abs(value), unit)
     return f"{scale * value:.{digits}g} {name}"
 
 
 @dataclass(frozen=True)
 class Speed:
-    """A speed of rotation as the user gave it; positive, zero or negative.
+    """A speed of rotation as the user wrote it: positive, zero or negative.
 
-    A number counts multiples of a reference frequency; text carries rpm, Hz (turns per second) or
-    rad/s and is kept, so that a case is written out as it was read.
+    A number is a multiple of a reference frequency. Text has a unit: rpm, Hz (turns per second) or
+    rad/s; it is stored so that a case is written as it was read.
 
     Raises:
-        ValueError: not a finite number, or text that `rotation` refuses.
+        ValueError: the value is not a finite number, or text that is not valid for `rotation`.
     """
 
-    given: float | str  #: multiples of the reference frequency, or text with a unit
-    value: float = field(init=False, repr=False, compare=False)  #: multiples, or [rad/s]
+    given: float | str  #: multiple of the reference frequency, or text with a unit
+    value: float = field(init=False, repr=False, compare=False)
+    """Multiple of the reference frequency, or speed [rad/s], see `kind`."""
 
     def __post_init__(self) -> None:
         if isinstance(self.given, str):
@@ -122,7 +125,7 @@ class Speed:
         object.__setattr__(self, "value", value)
 
     def __str__(self) -> str:
-        """For people: "1.05 x reference frequency", "2500 rpm"."""
+        """Return text such as "1.05 x reference frequency" or "2500 rpm"."""
         given = self.given
         return given if isinstance(given, str) else f"{given:g} x reference frequency"
 
@@ -132,23 +135,23 @@ class Speed:
         return RAD_PER_S if isinstance(self.given, str) else "normalised"
 
     def rad_per_s(self, reference: float) -> float:
-        """Angular speed [rad/s]; a number is a multiple of the ``reference`` frequency [rad/s]."""
+        """Return the angular speed [rad/s] for a ``reference`` frequency [rad/s]."""
         return self.value if self.kind == RAD_PER_S else self.value * reference
 
     def multiple(self, reference: float) -> float:
-        """Normalised speed, that is over the ``reference`` frequency [rad/s]."""
+        """Return the speed as a multiple of a ``reference`` frequency [rad/s]."""
         return self.value / reference if self.kind == RAD_PER_S else self.value
 
 
 LARGEST = 1e30
-"""Upper bound of all numbers: SI quantities are far smaller, and products stay finite."""
+"""Largest accepted number; SI quantities are far smaller, and products of numbers remain finite."""
 
 
 def finite(number: SupportsFloat) -> float:
-    """A finite float of a size that quantities have.
+    """Convert a number to a finite float.
 
     Raises:
-        ValueError: not a number, infinite, or larger than `LARGEST`.
+        ValueError: the number is NaN, infinite, or larger than `LARGEST`.
     """
     try:
         value = float(number)
@@ -162,7 +165,7 @@ def finite(number: SupportsFloat) -> float:
 
 
 def _prefixed(text: str, unit: str) -> Decimal | None:
-    """A number in a unit that is ``unit`` or differs by a prefix; None where pint is needed."""
+    """Convert text whose unit is ``unit``, possibly with a prefix; None if pint is needed."""
     match = _TEXT.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None or not match["unit"].endswith(unit):
         return None

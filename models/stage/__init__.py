@@ -1,1 +1,1 @@
-"""The reduced stage with its loads, as the contact problem that is marched."""
+"""The reduced stage with its loads, and the contact problem for time integration."""

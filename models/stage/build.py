@@ -1,4 +1,4 @@
-"""Contact problem of a stage, with all faults that only show at this point."""
+"""Make the contact problem of a stage, and report all faults that depend on the built stage."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ from bladewhirl.models.stage.stage import Stage
 
 
 def contact_problem(stage: Stage) -> ContactProblem:
-    """The contact problem of a stage.
+    """Return the contact problem of a stage.
 
     Raises:
-        CaseError: all faults of `march_faults`, or loads beyond the largest float.
+        CaseError: time integration is not possible; the error lists all faults of `march_faults`.
+            Also if loads exceed the range of floating-point numbers.
     """
     faults = list(march_faults(stage))
     if faults:
@@ -50,12 +51,12 @@ def contact_problem(stage: Stage) -> ContactProblem:
 
 
 def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:
-    """Bladed disk and casing in the modes of `reduction.modes`."""
+    """Return bladed disk and casing in the modes of `reduction.modes`."""
     return stage.rotor.take(stage.kept.rotor), stage.reduced_casing.take(stage.kept.casing)
 
 
 def march_faults(stage: Stage) -> Iterator[Fault]:
-    """Errors that prevent time integration."""
+    """Yield all faults that prevent time integration."""
     yield from chain(
         _mode_faults(stage),
         time_step_faults(stage),
@@ -65,14 +66,15 @@ def march_faults(stage: Stage) -> Iterator[Fault]:
 
 
 def time_step_faults(stage: Stage) -> Iterator[Fault]:
-    """A time step above the stability limit, or in which a tip skips casing elements."""
+    """Yield faults if the time step is not below the stability limit, or so long that a tip moves
+    by an element of the casing or more in a step."""
     case, step = stage.case, stage.case.march.time_step
     with numbers_within_reach(case):
         bodies = marched_bodies(stage)
         limit = critical_time_step(*bodies, stage.kept.springs)
         alone = critical_time_step(*bodies, None)
     if limit <= step < alone:
-        # The largest omega^2 is convex in the stiffness: below its chord the step is short enough.
+        # The largest omega^2 is a convex function of the stiffness, so it is below its chord.
         share = (step**-2 - alone**-2) / (limit**-2 - alone**-2)
         expected = (
             f"less than {share * case.coupling.stiffness:.4g} N/m, the most that march.time_step ="
@@ -102,14 +104,14 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
 
 
 def _mode_faults(stage: Stage) -> Iterator[Fault]:
-    """Yield a body without modes: results contain the motion of both."""
+    """Yield a fault if a body has no modes, because results contain the motion of both bodies."""
     if not len(stage.kept.rotor) or not len(stage.kept.casing):
         expected = "modes of the bladed disk and of the casing"
         yield case_fault(stage.case, "reduction.modes", expected)
 
 
 def _load_faults(stage: Stage) -> Iterator[Fault]:
-    """Yield a load orthogonal to all selected modes."""
+    """Yield a fault if the load is orthogonal to all selected modes."""
     case, kept = stage.case, stage.kept
     loads = excitation_loads(stage)
     felt = [load.take(kept.rotor, kept.casing) for load in loads]
@@ -119,7 +121,8 @@ def _load_faults(stage: Stage) -> Iterator[Fault]:
 
 
 def _start_faults(stage: Stage) -> Iterator[Fault]:
-    """Yield tips that start inside the casing and displacements that start beyond their limit."""
+    """Yield faults for tips that start inside the casing, and for initial displacements above the
+    limit."""
     case, rows = stage.case, stage.case.initial.tip_displacement or ()
     rotor = stage.rotor
     clearance = case.casing.clearance_profile.value(rotor.tip_angle) + rotor.tip_recess

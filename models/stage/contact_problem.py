@@ -1,8 +1,9 @@
-"""Arrays that define a contact march: two reduced bodies, loads, a contact law, a start.
+"""Arrays that define a contact problem: two reduced bodies, loads, contact law, initial state.
 
-The rotor lives in its rotating frame, the casing in the static one. Both are mass-normalised
-modal models; their rows tell how the tips, the centre and the casing's nodes move. The bodies may
-come from any structure: with sectors the DFT columns of their modes let the march use it.
+The rotor is described in its rotating frame, the casing in the static frame. Both are
+mass-normalised modal models; matrices give the motion of the tips, of the centre and of the nodes
+of the casing for unit modal coordinates. The bodies may be any structures. If they have cyclic
+symmetry, the DFT columns of their modes let the time integration use it.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.elements.cyclic import evenly_spaced
 
 NEVER = np.inf
-"""End of a load that stays on."""
+"""End time of a load that does not end."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,25 +28,27 @@ class ReducedRotor:
     """A bladed disk in modal coordinates, rotating frame."""
 
     frequency: FloatArray
-    """Frequency [rad/s], (modes,); negative where spin softening makes its square negative, see
+    """Frequency [rad/s], (modes,); negative if spin softening makes its square negative, see
     `stiffness`."""
-    damping_ratio: FloatArray  #: (modes,)
+    damping_ratio: FloatArray  #: damping ratio of each mode, (modes,)
     tip_radial: FloatArray  #: radial displacement of each tip [kg^-1/2], (tips, modes)
-    tip_tangential: FloatArray  #: the same towards +theta
-    centre: FloatArray  #: x and y of the centre node [kg^-1/2], (2, modes); zero when clamped
-    tip_angle: FloatArray  #: of each tip from +x [rad], (tips,)
-    tip_radius: float  #: that the clearance counts from [m]
-    tip_recess: FloatArray  #: how much nearer to the centre each tip ends at rest [m], (tips,)
+    tip_tangential: FloatArray  #: displacement of each tip towards +theta [kg^-1/2], (tips, modes)
+    centre: FloatArray  #: x and y of the centre node [kg^-1/2], (2, modes); zero if clamped
+    tip_angle: FloatArray  #: angle of each tip from +x [rad], (tips,)
+    tip_radius: float  #: radius from which the clearance is measured [m]
+    tip_recess: FloatArray  #: `tip_radius` minus the radius of each tip [m], (tips,)
     column: IntArray  #: DFT column of each mode over the tips, (modes,); -1 without symmetry
-    dampers: FloatArray  #: rows G of the damping G^T G at points [s^-1/2], (dampers, modes)
+    dampers: FloatArray
+    """Rows G of the damping matrix G^T G of point dampers [s^-1/2], (dampers, modes)."""
     anisotropy: float = 0.0
-    """Half the difference of the fixed springs under the centre, x less y [N/m]."""
+    """Half the difference of the static springs at the centre: along x minus along y [N/m]."""
     by_velocity: FloatArray | None = None
-    """Coriolis forces 2 Omega G and non-modal damping [1/s], (modes, modes); None without Coriolis
-    forces. With it, dampers respond to contact within the step."""
+    """Matrix of the Coriolis forces 2 Omega G and of the damping that does not follow from
+    `damping_ratio` and `dampers` [1/s], (modes, modes); None without Coriolis forces. If it is
+    given, dampers respond to contact within the step."""
     circulation: float = 0.0
-    """Strength of the fixed dampers under the centre times the speed [N/m]: in rotating axes a
-    displacement (x, y) gives a force of it times (y, -x)."""
+    """Damping in the static frame at the centre times the speed [N/m]: in rotating axes a
+    displacement (x, y) causes the force `circulation` times (y, -x)."""
 
     @property
     def stiffness(self) -> FloatArray:
@@ -54,7 +57,8 @@ class ReducedRotor:
 
     @property
     def damping(self) -> FloatArray:
-        """All forces by velocity, Coriolis among them [1/s], (modes, modes)."""
+        """Matrix of all forces due to velocities, including Coriolis forces [1/s], (modes,
+        modes)."""
         by_ratio = np.diag(2.0 * self.damping_ratio * np.abs(self.frequency))
         coupled = 0.0 if self.by_velocity is None else self.by_velocity
         return np.asarray(by_ratio + self.dampers.T @ self.dampers + coupled)
@@ -67,13 +71,16 @@ class ReducedRotor:
 
     @property
     def whirl_stiffness(self) -> float:
-        """Most that the anisotropy adds to any squared frequency [1/s^2]."""
+        """Upper bound of the increase of squared frequencies by the anisotropy [1/s^2]."""
         largest = np.linalg.eigvalsh(self.centre @ self.centre.T).max()
         return float(abs(self.anisotropy) * largest)
 
     @property
     def by_harmonics(self) -> bool:
-        """Whether a march proceeds by harmonics; with few modes dense products are faster."""
+        """Whether time integration treats one harmonic after another.
+
+        This needs symmetry; with few modes dense products are faster.
+        """
         tips = len(self.tip_angle)
         return (
             3 <= tips < len(self.column)
@@ -82,7 +89,7 @@ class ReducedRotor:
         )
 
     def take(self, modes: IntArray) -> ReducedRotor:
-        """Keep some of the modes."""
+        """Return the rotor with some of the modes."""
         return replace(
             self,
             frequency=self.frequency[modes],
@@ -98,12 +105,11 @@ class ReducedRotor:
         )
 
     def turning_force(self, displacement: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Forces on the modes due to `by_velocity` and, by displacement, to dampers in the static
-        frame.
+        """Return the modal forces due to `by_velocity` and due to `circulation`, (modes,).
 
         Args:
-            displacement: of the modes, (modes,).
-            velocity: theirs.
+            displacement: modal displacements, (modes,).
+            velocity: modal velocities, (modes,).
         """
         force = -self.circulation_stiffness @ displacement
         return force if self.by_velocity is None else force - self.by_velocity @ velocity
@@ -113,13 +119,14 @@ class ReducedRotor:
 class ReducedCasing:
     """A casing in modal coordinates, static frame."""
 
-    frequency: FloatArray  #: [rad/s], (modes,)
-    damping_ratio: FloatArray  #: (modes,)
+    frequency: FloatArray  #: natural frequency [rad/s], (modes,)
+    damping_ratio: FloatArray  #: damping ratio of each mode, (modes,)
     nodal: FloatArray  #: w, dw/ds, u, du/ds of each node [kg^-1/2], (nodes, 4, modes)
-    clearance: FloatArray  #: clearance and its slope along s at each node [m, 1], (nodes, 2)
-    radius: float  #: [m]
+    clearance: FloatArray  #: clearance and its derivative by s at each node [m, 1], (nodes, 2)
+    radius: float  #: radius of the ring [m]
     column: IntArray  #: DFT column of each mode over the nodes, (modes,); -1 without symmetry
-    dampers: FloatArray  #: rows G of the damping G^T G at points [s^-1/2], (dampers, modes)
+    dampers: FloatArray
+    """Rows G of the damping matrix G^T G of point dampers [s^-1/2], (dampers, modes)."""
 
     @property
     def element_length(self) -> float:
@@ -128,11 +135,14 @@ class ReducedCasing:
 
     @property
     def by_harmonics(self) -> bool:
-        """Whether a march proceeds by harmonics; with few modes dense products are faster."""
+        """Whether time integration treats one harmonic after another.
+
+        This needs symmetry; with few modes dense products are faster.
+        """
         return len(self.column) > len(self.nodal) and bool(np.all(self.column >= 0))
 
     def take(self, modes: IntArray) -> ReducedCasing:
-        """Keep some of the modes."""
+        """Return the casing with some of the modes."""
         return replace(
             self,
             frequency=self.frequency[modes],
@@ -145,17 +155,17 @@ class ReducedCasing:
 
 @dataclass(frozen=True, kw_only=True)
 class Load:
-    """A force pattern times cos(frequency t + phase), from a half-cosine ramp to an end."""
+    """A force pattern times cos(frequency t + phase), with a half-cosine ramp and an end."""
 
     rotor: FloatArray  #: modal force [N kg^-1/2], (rotor modes,)
     casing: FloatArray  #: modal force [N kg^-1/2], (casing modes,)
     end: float = NEVER  #: the load is zero from this time on [s]
     ramp: float = 0.0  #: length of the half-cosine ramp from zero [s]
-    frequency: float = 0.0  #: [rad/s]
-    phase: float = 0.0  #: [rad]
+    frequency: float = 0.0  #: frequency of the cosine [rad/s]
+    phase: float = 0.0  #: phase of the cosine [rad]
 
     def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> Load:
-        """The load on some of the modes: its projection on them."""
+        """Return the load on some of the modes, which is its projection on them."""
         return replace(self, rotor=self.rotor[rotor_modes], casing=self.casing[casing_modes])
 
 
@@ -163,13 +173,14 @@ class Load:
 class Start:
     """Displacement and velocity at t = 0, modal coordinates."""
 
-    rotor: FloatArray  #: [kg^1/2 m], (rotor modes,)
-    rotor_velocity: FloatArray  #: [kg^1/2 m/s]
-    casing: FloatArray  #: (casing modes,)
-    casing_velocity: FloatArray
+    rotor: FloatArray  #: modal displacements of the rotor [kg^1/2 m], (rotor modes,)
+    rotor_velocity: FloatArray  #: modal velocities of the rotor [kg^1/2 m/s], (rotor modes,)
+    casing: FloatArray  #: modal displacements of the casing [kg^1/2 m], (casing modes,)
+    casing_velocity: FloatArray  #: modal velocities of the casing [kg^1/2 m/s], (casing modes,)
 
     def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> Start:
-        """The start in some of the modes: its mass-orthogonal projection on them."""
+        """Return the start in some of the modes, which is its mass-orthogonal projection on
+        them."""
         return Start(
             rotor=self.rotor[rotor_modes],
             rotor_velocity=self.rotor_velocity[rotor_modes],
@@ -180,35 +191,36 @@ class Start:
 
 @dataclass(frozen=True, kw_only=True)
 class ContactProblem:
-    """Everything that decides a march but its time step."""
+    """All data of a march except its time steps and its scheme."""
 
     rotor: ReducedRotor
     casing: ReducedCasing
-    speed: float  #: Omega, counter-clockwise [rad/s]
-    friction: float  #: Coulomb coefficient
-    sliding: Literal["permanent", "signed"]
+    speed: float  #: speed of rotation Omega, counter-clockwise [rad/s]
+    friction: float  #: Coulomb friction coefficient
+    sliding: Literal["permanent", "signed"]  #: see `contact.sliding` of a case
     tip_rotation: bool  #: whether the angle of a tip follows u_t / R
-    displacement_limit: float  #: limit of small displacements [m]
+    displacement_limit: float  #: displacement at which a march ends as divergent [m]
     loads: tuple[Load, ...]
     start: Start
-    springs: CouplingSprings | None = None  #: between the bodies
-    restitution: float = 0.0  #: e of the scheme "moreau-jean"
-    penalty_stiffness: float = 1e9  #: of the scheme "penalty" [N/m]
-    stick_speed: float = 0.01  #: of the scheme "penalty": below it friction grows with it [m/s]
+    springs: CouplingSprings | None = None  #: springs between the bodies
+    restitution: float = 0.0  #: restitution coefficient e of the scheme "moreau-jean"
+    penalty_stiffness: float = 1e9  #: contact stiffness of the scheme "penalty" [N/m]
+    stick_speed: float = 0.01
+    """Sliding speed below which friction of the scheme "penalty" is proportional to it [m/s]."""
 
     @property
     def critical_time_step(self) -> float:
-        """Stability limit of central differences [s]."""
+        """Stability limit of the time step for central differences [s]."""
         return critical_time_step(self.rotor, self.casing, self.springs)
 
     def spring_stiffness(self, angle: ArrayLike) -> FloatArray:
-        """K* of the springs between the bodies and of the static springs of the shaft [1/s^2].
+        """Return the stiffness K* of the coupling springs and of unequal static shaft springs.
 
         Args:
-            angle: Omega t [rad], any shape (...).
+            angle: angle of the rotor Omega t [rad], any shape (...).
 
         Returns:
-            (..., n, n) over the modes of rotor and casing.
+            matrices over the n modes of rotor and casing [1/s^2], (..., n, n).
         """
         rotor, angle = len(self.rotor.frequency), np.asarray(angle, dtype=np.float64)
         stiffness = np.zeros((*angle.shape, *(rotor + len(self.casing.frequency),) * 2))
@@ -224,10 +236,11 @@ class ContactProblem:
 def critical_time_step(
     rotor: ReducedRotor, casing: ReducedCasing, springs: CouplingSprings | None
 ) -> float:
-    """2 / omega_max of both bodies as coupled, the stability limit of central differences [s].
+    """Return the stability limit of the time step for central differences, 2 / omega_max [s].
 
-    With Coriolis forces, of eigenvalue i g of M^-1 G, the limit is k dt^2 <= 2 + 2 sqrt(1 +
-    (Omega g dt)^2): never lower, and higher by nothing that matters.
+    omega_max is the highest frequency of both bodies with their coupling springs. With Coriolis
+    forces, where i g is an eigenvalue of M^-1 G, the limit is k dt^2 <= 2 + 2 sqrt(1 +
+    (Omega g dt)^2). It is never lower, and only slightly higher.
     """
     highest = max(np.abs(rotor.frequency).max(initial=0.0), casing.frequency.max(initial=0.0))
     if springs is not None:
@@ -236,7 +249,7 @@ def critical_time_step(
 
 
 def at_rest(rotor: ReducedRotor, casing: ReducedCasing) -> Start:
-    """Start without displacement or velocity."""
+    """Return a start without displacement and velocity."""
     still_rotor, still_casing = np.zeros(len(rotor.frequency)), np.zeros(len(casing.frequency))
     return Start(
         rotor=still_rotor,

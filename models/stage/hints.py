@@ -1,4 +1,4 @@
-"""Warnings about unlikely stages."""
+"""Warnings about valid but implausible stages."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.stage.stage import Stage
 
 LOWEST_FREQUENCY = 1.0
-"""Lowest plausible reference frequency [Hz]; a lower one comes from a wrong unit."""
+"""Lowest plausible reference frequency [Hz]; a lower one is usually due to a wrong unit."""
 
 TIP_SHARE = 0.9
-"""Radius over that of the innermost tip above which a free end may be a tip."""
+"""Radius, relative to that of the innermost tip, from which on a free end is reported as a possible
+tip."""
 
 
 def stage_hints(stage: Stage) -> tuple[str, ...]:
-    """Return the warnings for a stage, one line each, those of the case first."""
+    """Return the warnings for a stage, one line each; the warnings for its case come first."""
     return (
         *case_hints(stage.case),
         *_too_soft(stage),
@@ -29,7 +30,7 @@ def stage_hints(stage: Stage) -> tuple[str, ...]:
 
 
 COALESCED = 1e-6
-"""Undamped growth rate over the speed above which it is not rounding."""
+"""Ratio of an undamped growth rate to the speed above which the growth is not a rounding error."""
 
 
 def _too_soft(stage: Stage) -> Iterator[str]:
@@ -42,7 +43,7 @@ def _too_soft(stage: Stage) -> Iterator[str]:
 
 
 def _fed_whirl(stage: Stage) -> Iterator[str]:
-    """Yield growing whirl due to internal damping, and the remedy."""
+    """Yield a warning with the remedy if whirl grows without contact."""
     rotor = stage.rotor
     if not rotor.frequency.min() < 0.0:
         return
@@ -70,7 +71,7 @@ def _fed_whirl(stage: Stage) -> Iterator[str]:
 
 
 def _free_ends(model: BeamModel) -> Iterator[str]:
-    """Yield free ends at the radius of the tips that are not in their set."""
+    """Yield a warning about free ends at the radius of the tips that are not in the set of tips."""
     points = model.mesh.points
     joined = np.bincount(model.joints.ravel(), minlength=len(points))
     ends = np.setdiff1d(np.flatnonzero(joined == 1), [*model.tips, model.centre, *model.links.led])

@@ -1,4 +1,4 @@
-"""The modes that a march of a stage has, and the springs that couple them."""
+"""Selection of the modes for time integration, and of the springs between them."""
 
 from __future__ import annotations
 
@@ -17,23 +17,24 @@ from bladewhirl.models.inputs.mode_names import NamedModes, chosen_modes
 
 @dataclass(frozen=True, kw_only=True)
 class KeptModes:
-    """Modes that a march has, by their numbers among all modes of a stage, ascending."""
+    """Numbers of the selected modes among all modes of a stage, ascending, and their springs."""
 
-    rotor: IntArray  #: (rotor modes kept,)
-    casing: IntArray  #: (casing modes kept,)
-    springs: CouplingSprings | None  #: between modes kept; None without stiffness
+    rotor: IntArray  #: modes of the bladed disk, (rotor modes kept,)
+    casing: IntArray  #: modes of the casing, (casing modes kept,)
+    springs: CouplingSprings | None  #: springs between selected modes; None without stiffness
 
 
 def kept_modes(case: Case, rotor: RadialModes, casing: RadialModes) -> KeptModes:
-    """Return the modes of `reduction.modes` and the springs of `coupling`.
+    """Return the modes selected by `reduction.modes` and the springs selected by `coupling`.
 
     Args:
         case: the case.
-        rotor: the bladed disk's modes, all of them.
-        casing: the casing's modes, all of them.
+        rotor: all modes of the bladed disk.
+        casing: all modes of the casing.
 
     Raises:
-        CaseError: the stage does not have them, or springs that have nothing to couple.
+        CaseError: the stage does not have the selected modes, or there are no modes that the
+            springs can couple.
     """
     coupled = None
     if rotor.is_cyclic and casing.is_cyclic:
@@ -63,10 +64,16 @@ def _springs(
     kept: tuple[IntArray, IntArray],
     chosen: tuple[IntArray, IntArray],
 ) -> CouplingSprings:
-    """Return the springs between selected modes, numbered among these.
+    """Return the springs between the modes that are both kept and chosen.
+
+    Args:
+        case: case with the stiffness of the springs.
+        coupled: all modes that springs may couple.
+        kept: numbers of the modes of `reduction.modes`, of bladed disk and casing.
+        chosen: numbers of the modes of `coupling.modes`, of bladed disk and casing.
 
     Raises:
-        CaseError: there are none.
+        CaseError: there are no such modes.
     """
     here = coupled.among(*(np.intersect1d(*pair) for pair in zip(kept, chosen, strict=True)))
     if not here.size:

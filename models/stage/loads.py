@@ -1,7 +1,7 @@
-"""Loads and start of a march in modes, from the case's excitation and initial values.
+"""Loads and initial state in modal coordinates, from the excitation and initial values of a case.
 
-Rotor loads are in rotating axes, which lie on the static ones at t = 0; casing loads in static
-axes.
+Loads on the rotor are in rotating axes, which coincide with the static axes at t = 0. Loads on the
+casing are in static axes.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from bladewhirl.models.stage.contact_problem import Load, ReducedRotor, Start
 from bladewhirl.models.stage.stage import Stage
 
 X, Y = range(2)
-"""Axes of the centre."""
+"""Positions of x and y in the motion of the centre."""
 
 
 def excitation_loads(stage: Stage) -> tuple[Load, ...]:
-    """Loads of the case's excitation; none where it is zero.
+    """Return the loads of the excitation of a case; none if the excitation is zero.
 
     Raises:
-        CaseError: the casing has no radial mode of the nodal diameter asked for.
+        CaseError: the casing has no radial mode of the required nodal diameter.
     """
     load = stage.case.excitation
     if isinstance(load, CasingDistortion):
@@ -39,10 +39,10 @@ def excitation_loads(stage: Stage) -> tuple[Load, ...]:
 
 
 def radial_mode(stage: Stage, k: int) -> int:
-    """Number of the lowest radial casing mode w = +cos k theta.
+    """Return the number of the lowest radial casing mode w = +cos k theta.
 
     Raises:
-        CaseError: there is none.
+        CaseError: there is no such mode.
     """
     modes, nodal = stage.casing_modes, stage.reduced_casing.nodal
     wall = nodal[:, W]
@@ -50,7 +50,7 @@ def radial_mode(stage: Stage, k: int) -> int:
     positions = np.flatnonzero(
         (modes.nodal_diameter == k)
         & is_radial(wall, nodal[:, U])
-        & (np.abs(cosine) > 1e-6 * np.linalg.norm(wall, axis=0))  # not the sine of the pair
+        & (np.abs(cosine) > 1e-6 * np.linalg.norm(wall, axis=0))  # not the sine mode of the pair
     )
     if not positions.size:
         expected = "a nodal diameter for which the casing has a radial mode"
@@ -59,15 +59,16 @@ def radial_mode(stage: Stage, k: int) -> int:
 
 
 def unbalance(stage: Stage) -> float:
-    """Unbalance m e of an imbalance [kg m].
+    """Return the unbalance m e of an imbalance [kg m].
 
-    Where ``clearance_speed`` is given, the static answer to m e Omega^2 at that speed just brings
-    a tip to the casing where its clearance is smallest. Where the centre stands on two equal
-    springs and all blades are of one length, that force is stiffness times clearance at rest; with
-    rotation effects tips also bend, and the stiffness is that at the speed given.
+    If ``clearance_speed`` is given, the unbalance is such that the static response to m e Omega^2
+    at that speed just brings a tip to the casing where the clearance is smallest. With two equal
+    springs at the centre and blades of equal length, this force is the stiffness times the
+    clearance at rest. With rotation effects, the tips also bend, and the stiffness is the one at
+    that speed.
 
     Raises:
-        ValueError: the case's excitation is no imbalance.
+        ValueError: the excitation of the case is not an imbalance.
     """
     load = stage.case.excitation
     if not isinstance(load, Imbalance):
@@ -79,11 +80,14 @@ def unbalance(stage: Stage) -> float:
 
 
 def closing_unbalance(stage: Stage, speed: float) -> float:
-    """Unbalance whose static answer just brings a tip to the casing [kg m]; infinite if none does.
+    """Return the unbalance whose static response just brings a tip to the casing [kg m].
 
     Args:
-        stage: see `unbalance`.
-        speed: [rad/s].
+        stage: the stage.
+        speed: speed of rotation [rad/s].
+
+    Returns:
+        the unbalance, infinite if no unbalance brings a tip to the casing.
     """
     rotor = stage.rotor
     if stage.turning is None:
@@ -99,18 +103,18 @@ def closing_unbalance(stage: Stage, speed: float) -> float:
 
 
 def imbalance_force(stage: Stage) -> float:
-    """Force m e Omega^2 of an imbalance, along blade 0 [N]."""
+    """Return the force m e Omega^2 of an imbalance, along x of the rotating frame [N]."""
     return unbalance(stage) * stage.speed**2
 
 
 def initial_state(stage: Stage) -> Start:
-    """Start of a march from the case's initial displacements and velocities.
+    """Return the initial state from the initial displacements and velocities of a case.
 
-    They are those of tips and centre in rotating axes, velocities as seen in these axes (the
-    transport velocity Omega x r is no part of them). Between tips and centre the bladed disk
-    starts in its static shape: in Craig-Bampton coordinates the boundary is as given and every
-    fixed-interface coordinate is zero. Of all fields with these boundary values it is the one of
-    least strain energy. The casing starts at rest.
+    The case gives displacements and velocities of tips and centre in rotating axes; the velocities
+    are relative to these axes, without the transport velocity Omega x r. Between tips and centre,
+    the bladed disk has its static shape: in Craig-Bampton coordinates every fixed-interface
+    coordinate is zero. This is the field with the least strain energy for these values at tips and
+    centre. The casing starts at rest.
     """
     initial, rotor = stage.case.initial, stage.rotor
     still = np.zeros(len(stage.reduced_casing.frequency))
@@ -131,14 +135,15 @@ def boundary_values(
     tips: tuple[tuple[float, float], ...] | None,
     centre: tuple[float, float],
 ) -> FloatArray:
-    """Values of tips (radial, tangential; zero when None) and centre, one after the other."""
+    """Return the values of the boundary DoF in one array: radial values of all tips, tangential
+    values of all tips (zero if None), and x and y of the centre, (2 blades + 2,)."""
     blades = len(stage.rotor.tip_angle)
     radial, tangential = np.array(tips or [(0.0, 0.0)] * blades).T
     return np.concatenate([radial, tangential, centre])
 
 
 def _static_shape(rotor: ReducedRotor, values: FloatArray) -> FloatArray:
-    """Return the modal coordinates of least strain energy for a displacement of the boundary."""
+    """Return the modal coordinates of least strain energy for given values at tips and centre."""
     rows = np.vstack([rotor.tip_radial, rotor.tip_tangential, rotor.centre])
     free = np.any(rows != 0.0, axis=1)  # a clamped centre has no coordinates
     flexible = rows[free] / rotor.stiffness
@@ -154,7 +159,7 @@ def _distortion(stage: Stage, load: CasingDistortion) -> tuple[Load, ...]:
         return ()
     if load.shape == "rectangular":
         return (Load(rotor=still, casing=pattern, end=load.duration),)
-    half_turn = np.pi / load.duration  # sin(pi t / T) is a cosine, a quarter turn late
+    half_turn = np.pi / load.duration  # sin(pi t / T) is a cosine with the phase -pi / 2
     return (
         Load(
             rotor=still,
@@ -167,11 +172,11 @@ def _distortion(stage: Stage, load: CasingDistortion) -> tuple[Load, ...]:
 
 
 def _harmonic(stage: Stage, load: Harmonic) -> tuple[Load, ...]:
-    """A force along x of a frame.
+    """Return the loads of a harmonic force along x of a frame.
 
     A force F cos(omega t) along the static x axis is F cos(omega t) (cos Omega t, -sin Omega t) in
-    rotating axes: in each axis two cosines of half the size, with Omega + omega and Omega - omega,
-    those along y a quarter turn ahead.
+    rotating axes. Along each rotating axis this is the sum of two cosines of amplitude F / 2 with
+    the frequencies Omega + omega and Omega - omega; along y their phase is pi / 2.
     """
     omega = 2.0 * np.pi * load.frequency
     if load.frame == "rotating":

@@ -1,12 +1,13 @@
-"""The bladed disk reduced to its tips, its centre and fixed-interface modes, as plain matrices.
+"""Matrices of the bladed disk reduced to its tips, its centre and fixed-interface modes.
 
-M q'' + D q' + K q = f in rotating axes; with rotation effects K is that at speed, and Coriolis
-forces G q' may join. The basis is found with the stiffness at speed: with Coriolis forces the
-first N frequencies of Table 1 are then within 6e-5 of the full model's at 1.05 and 4e-4
-at 2.5; on the basis at rest they are within 1e-4 and 1.2e-3.
+The equation of motion in rotating axes is M q'' + D q' + K q = f. With rotation effects K is the
+stiffness at speed; Coriolis forces add the term G q'. The reduced basis is computed with the
+stiffness at speed. With Coriolis forces, the first N frequencies of Table 1 then differ from those
+of the full model by at most 6e-5 at the speed 1.05 and 4e-4 at 2.5; with a basis at rest the
+differences are 1e-4 and 1.2e-3.
 
-The march has the modes of these matrices; whoever builds a solver, an observer or a circuit of
-their own wants the matrices, and degrees of freedom by name.
+Time integration uses the modes of these matrices. The matrices themselves, with named degrees of
+freedom, are for users who write their own solvers, observers or controllers.
 """
 
 from __future__ import annotations
@@ -29,26 +30,31 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class ReducedDisk:
-    """Craig-Bampton model of a bladed disk: displacements of tips and centre, modes inside.
+    """Craig-Bampton model of a bladed disk with named coordinates.
 
-    The coordinates q are displacements [m] of the boundary and amplitudes [kg^1/2 m] of
-    mass-normalised fixed-interface modes. Shaft springs are in the stiffness; of springs that stand
-    still and differ, their mean is.
+    The coordinates q are displacements [m] of tips and centre, and amplitudes [kg^1/2 m] of
+    mass-normalised fixed-interface modes. The stiffness includes the shaft springs. Unequal springs
+    in the static frame are included with the mean of both stiffnesses.
     """
 
-    names: tuple[str, ...]  #: "tip 3 radial", "centre x", "fixed-interface 12", (size,)
-    mass: FloatArray  #: [kg] among displacements, (size, size)
-    stiffness: FloatArray  #: [N/m] among displacements, (size, size)
+    names: tuple[str, ...]
+    """Names of the coordinates: "tip 3 radial", "centre x", "fixed-interface 12", (size,)."""
+    mass: FloatArray  #: mass matrix, [kg] between displacements, (size, size)
+    stiffness: FloatArray  #: stiffness matrix, [N/m] between displacements, (size, size)
     damping: FloatArray
-    """Modal damping and the shaft's dampers [N s/m], (size, size). With Coriolis forces it is that
-    of the modes at rest; it turns with the disk and can feed waves past their critical speed."""
+    """Damping matrix of modal damping and shaft dampers, [N s/m] between displacements,
+    (size, size). With Coriolis forces, the modal damping is that of the modes at rest. It rotates
+    with the disk and can destabilise waves above their critical speed."""
     gyroscopic: FloatArray | None
-    """Coriolis forces by velocity, skew [N s/m], (size, size); None where they don't count."""
-    basis: FloatArray  #: free degrees of freedom of the finite element model, (full size, size)
-    disk: BladedDiskModel  #: the finite element model
+    """Skew matrix of the Coriolis forces, [N s/m] between displacements, (size, size); None without
+    Coriolis forces."""
+    basis: FloatArray
+    """Matrix from the coordinates to the free DoF of the finite element model, (full size, size).
+    """
+    disk: BladedDiskModel  #: finite element model
 
     def __repr__(self) -> str:
-        """Numbers of coordinates."""
+        """Return the number of coordinates of each kind."""
         kinds: dict[str, int] = {}
         for name in self.names:
             kind = name.split()[0]
@@ -58,15 +64,16 @@ class ReducedDisk:
 
     @property
     def frequencies(self) -> FloatArray:
-        """Natural frequencies [rad/s], ascending, of waves where Coriolis forces count, (size,)."""
+        """Natural frequencies in ascending order [rad/s], (size,); with Coriolis forces these are
+        the frequencies of waves."""
         if self.gyroscopic is not None:
             w = gyroscopic_frequencies(self.mass, self.stiffness, self.gyroscopic)
-            return np.sort(np.abs(w.real))[::2]  # each is there with both signs
+            return np.sort(np.abs(w.real))[::2]  # each occurs with both signs
         squares = la.eigvalsh(self.stiffness, self.mass)
         return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
 
     def position(self, name: str) -> int:
-        """Position of a coordinate.
+        """Return the position of the coordinate with a name.
 
         Raises:
             ValueError: there is no such coordinate.
@@ -74,15 +81,19 @@ class ReducedDisk:
         return self.names.index(name)
 
     def expand(self, coordinates: FloatArray) -> FloatArray:
-        """Displacements x, y [m] and rotation [rad] of every node, (nodes, 3, m), rotating axes.
+        """Return x and y displacements [m] and rotation [rad] of every node in rotating axes.
 
         Args:
-            coordinates: q, (size, m); a node is a row of `disk.mesh.points`.
+            coordinates: columns of coordinates q, (size, m).
+
+        Returns:
+            motion of the nodes in the order of `disk.mesh.points`, (nodes, 3, m).
         """
         return self.disk.cartesian(self.basis @ coordinates)
 
     def to_xarray(self) -> xr.Dataset:
-        """Mass, stiffness and damping over the names of the coordinates, `row` and `column`."""
+        """Return all matrices as a dataset with the names of the coordinates along `row` and
+        `column`."""
         import xarray as xr
 
         matrices = {"mass": "kg", "stiffness": "N/m", "damping": "N s/m"}
@@ -105,13 +116,13 @@ class ReducedDisk:
 def reduced_disk(
     case: Case, disk: BladedDiskModel, reduction: ReducedModes, sets: dict[str, IntArray]
 ) -> ReducedDisk:
-    """Matrices of a reduced bladed disk.
+    """Return the matrices of a reduced bladed disk.
 
     Args:
-        case: for its damping.
+        case: case with the damping.
         disk: finite element model.
-        reduction: which coordinates are kept.
-        sets: the boundary, as `boundary_sets` names it, in the order of `reduction.boundary`.
+        reduction: reduction with the boundary and the number of fixed-interface modes.
+        sets: boundary DoF by name from `boundary_sets`, in the order of `reduction.boundary`.
     """
     structure, boundary = disk.structure, reduction.boundary
     basis = craig_bampton_basis(structure, boundary, reduction.kept)

@@ -38,43 +38,45 @@ from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
 from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies
 
 FULL_FREQUENCIES = 7
-"""Frequencies of the full model computed per nodal diameter: five families, the suspension pair,
-and one more."""
+"""Number of frequencies of the full model computed per nodal diameter: five families, the
+suspension pair, and one more."""
 
 ROUNDING = 1e-11
-"""Share of a damping matrix's largest entry below which one is rounding."""
+"""Share of the largest entry of a damping matrix below which an entry is set to zero."""
 
 MOST_ENTRIES = 5e8
-"""Largest number of entries (4 GB) in the shapes of a reduced model's modes."""
+"""Largest number of entries in the mode shapes of a reduced model (4 GB)."""
 
 
 SHOWN_FAMILIES = ("suspension", "1F", "2F", "3F", "4F", "5F")
-"""Families of the bladed disk that a stage shows of itself."""
+"""Families of the bladed disk in the printed form of a stage."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Stage:
-    """A bladed disk and a casing: in full, reduced, and with their modes named."""
+    """A bladed disk and a casing: full models, reduced models and modes with their families."""
 
     case: Case
     disk: BladedDiskModel
     casing: CasingModel
-    disk_frequencies: Frequencies  #: of the full bladed disk, as supported in the case
-    reference_frequency: float  #: lowest of the full bladed disk with a free centre [rad/s]
-    reduction: ReducedModes  #: of the bladed disk
-    disk_family: tuple[str, ...]  #: of each of its modes
+    disk_frequencies: Frequencies
+    """Lowest natural frequencies of the full bladed disk, supported as in the case [rad/s]."""
+    reference_frequency: float
+    """Lowest natural frequency of the full bladed disk with a free centre [rad/s]."""
+    reduction: ReducedModes  #: modes of the reduced bladed disk
+    disk_family: tuple[str, ...]  #: family of each mode of the reduced bladed disk
     frequency_error: dict[str, float]
-    """Largest relative one of the reduction, by family; with Coriolis forces on equal sectors of
-    the waves."""
-    casing_modes: Modes  #: all of them; the casing is not reduced
-    casing_family: tuple[str, ...]
-    rotor: ReducedRotor  #: in all modes
-    reduced_casing: ReducedCasing  #: in all modes
-    kept: KeptModes  #: which of them a march has
-    turning: TurningDisk | None  #: the bladed disk at speed; None without rotation effects
+    """Largest relative frequency error of the reduction, by family. With Coriolis forces and equal
+    sectors, these are errors of the frequencies of waves."""
+    casing_modes: Modes  #: all modes of the casing, which is not reduced
+    casing_family: tuple[str, ...]  #: family of each mode of the casing
+    rotor: ReducedRotor  #: the bladed disk in all modes of `reduction`
+    reduced_casing: ReducedCasing  #: the casing in all its modes
+    kept: KeptModes  #: the modes selected for time integration
+    turning: TurningDisk | None  #: bladed disk at speed; None without rotation effects
 
     def __repr__(self) -> str:
-        """The stage on one screen: bodies, symmetry, reduction, families, what a march has."""
+        """Return a summary: bodies, symmetry, reduction, families, modes for time integration."""
         sets = [f"{len(dofs)} {name}" for name, dofs in self.boundary_sets.items() if len(dofs)]
         reduced = " + ".join([*sets, f"{self.reduction.kept} fixed-interface"]).replace("_", " ")
         hertz, kept = self.reference_frequency / (2.0 * np.pi), self.kept
@@ -95,7 +97,7 @@ class Stage:
         return "\n  ".join([f'Stage "{self.case.title}"', *rows])
 
     def _family(self, name: str) -> str:
-        """Frequencies of a family, reduced, and how far from the full model's they are."""
+        """Return the range of reduced frequencies of a family, with their error, as text."""
         here = np.array(self.disk_family) == name
         hertz = self.reduction.modes.frequency[here] / (2.0 * np.pi)
         low, high = f"{hertz.min():.4g}", f"{hertz.max():.4g}"
@@ -107,7 +109,7 @@ class Stage:
 
     @cached_property
     def reduced(self) -> ReducedDisk:
-        """The reduced bladed disk as matrices with named degrees of freedom."""
+        """Matrices of the reduced bladed disk with named degrees of freedom."""
         return reduced_disk(self.case, self.disk, self.reduction, self.boundary_sets)
 
     @property
@@ -117,12 +119,12 @@ class Stage:
 
     @property
     def displacement_limit(self) -> float:
-        """Displacement at which a march ends [m]: a blade's length unless the case gives it."""
+        """Displacement at which a march ends [m]; by default the length of a blade."""
         return self.case.march.displacement_limit or self.disk.model.blade_length
 
     @property
     def symmetry(self) -> dict[str, str]:
-        """Symmetry of each body and the resulting method."""
+        """Symmetry of each body and the method for its modes and reduction, in words."""
         return {
             "bladed_disk": self.disk.structure.symmetry,
             "casing": self.casing.structure.symmetry,
@@ -130,12 +132,12 @@ class Stage:
 
     @property
     def boundary_sets(self) -> dict[str, IntArray]:
-        """Names and numbers of the degrees of freedom of the reduced bladed disk."""
+        """Numbers of the boundary degrees of freedom of the bladed disk, by name."""
         return boundary_sets(self.disk)
 
     @property
     def arrays(self) -> StageArrays:
-        """Description of the stage for a result, by the modes that a march has."""
+        """Arrays of the stage for a result, with the modes selected for time integration."""
         modes = self.reduction.modes.take(self.kept.rotor)
         family = tuple(self.disk_family[mode] for mode in self.kept.rotor)
         arrays = stage_arrays(
@@ -157,9 +159,10 @@ def build_stage(case: Case) -> Stage:
     """Build the stage of a case.
 
     Raises:
-        CaseError: more fixed-interface modes than internal degrees of freedom, a stage too large,
-            modes to keep that it does not have, a suspension that no springs bring about, or
-            numbers that finite elements can't be made of.
+        CaseError: there are more fixed-interface modes than internal degrees of freedom, the stage
+            is too large for the memory, selected modes do not exist, no springs give the
+            suspension frequency, or values are too extreme for finite elements in double
+            precision.
     """
     case = with_sized_shaft(case)
     with numbers_within_reach(case):
@@ -180,7 +183,7 @@ def build_stage(case: Case) -> Stage:
             case.reduction.fixed_interface_modes,
             tip,
         )
-        lowest_frequency(disk, np.abs(reduction.modes.frequency))  # not lost in the reduction
+        lowest_frequency(disk, np.abs(reduction.modes.frequency))  # check against rounding
         casing_modes = structure_modes(casing.structure, wall)
         disk_family = mode_families(disk.structure, reduction.modes, tip, "bladed-disk")
         casing_family = mode_families(casing.structure, casing_modes, wall, "casing")
@@ -213,7 +216,7 @@ def build_stage(case: Case) -> Stage:
 
 
 def boundary_sets(disk: BladedDiskModel) -> dict[str, IntArray]:
-    """Degrees of freedom of a bladed disk that the casing and the shaft act on, by name."""
+    """Return the degrees of freedom on which casing and shaft act, by name."""
     return {
         "tip_radial": disk.tip_radial,
         "tip_tangential": disk.tip_tangential,
@@ -222,10 +225,10 @@ def boundary_sets(disk: BladedDiskModel) -> dict[str, IntArray]:
 
 
 def _reference_frequency(case: Case, disk: BladedDiskModel, full: Frequencies) -> float:
-    """Lowest frequency of the full bladed disk with a free centre [rad/s].
+    """Return the lowest natural frequency of the full bladed disk with a free centre [rad/s].
 
     Raises:
-        FloatingPointError: it is lost in rounding.
+        FloatingPointError: the frequency is lost in rounding.
     """
     if case.shaft.clamped:
         free = case_bladed_disk(case, clamped=False)
@@ -236,7 +239,8 @@ def _reference_frequency(case: Case, disk: BladedDiskModel, full: Frequencies) -
 def _reduced_rotor(
     case: Case, disk: BladedDiskModel, modes: Modes, turning: TurningDisk | None
 ) -> ReducedRotor:
-    """The bladed disk in its modes; a cold clearance is what growth leaves of it."""
+    """Return the bladed disk in its modes; a cold clearance is reduced by the growth of the
+    tips."""
     recess = tip_recess(case, disk, turning)
     if turning is not None:
         _check_clearance(case, recess)
@@ -265,9 +269,10 @@ def _reduced_rotor(
 
 
 def _by_velocity(case: Case, disk: BladedDiskModel, modes: Modes) -> FloatArray | None:
-    """Return Coriolis forces and damping of the modes at rest, on modes at speed, (modes, modes).
+    """Return the matrix of Coriolis forces and damping on the modes at speed, (modes, modes).
 
-    None where Coriolis forces don't count; damping is then that of the modes themselves.
+    The damping is the modal damping of the structure at rest. Without Coriolis forces, None is
+    returned, and the modal damping is that of the modes at speed.
     """
     structure, shapes = disk.structure, modes.shapes
     if structure.gyroscopic is None:
@@ -281,10 +286,10 @@ def _by_velocity(case: Case, disk: BladedDiskModel, modes: Modes) -> FloatArray 
 
 
 def _check_clearance(case: Case, recess: FloatArray) -> None:
-    """Refuse tips that have grown into the casing.
+    """Check that no tip touches the casing due to its growth.
 
     Raises:
-        CaseError: by how much.
+        CaseError: a tip touches the casing; the error names the blade and the overlap.
     """
     smallest_gap = case.casing.clearance_profile.smallest + recess
     if not smallest_gap.min() > 0.0:
@@ -309,10 +314,11 @@ def _reduced_casing(case: Case, casing: CasingModel, modes: Modes) -> ReducedCas
 
 
 def _check_reduction(case: Case, disk: BladedDiskModel) -> None:
-    """Refuse what can't be reduced.
+    """Check that the bladed disk can be reduced as the case requires.
 
     Raises:
-        CaseError: more modes than internal degrees of freedom, or too large a model.
+        CaseError: there are more fixed-interface modes than internal degrees of freedom, or the
+            model is too large.
     """
     boundary = sum(map(len, boundary_sets(disk).values()))
     internal = disk.structure.size - boundary

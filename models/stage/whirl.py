@@ -1,4 +1,4 @@
-"""Frequencies of the waves that the modes of a reduced rotor make up with Coriolis forces."""
+"""Frequencies of the waves of a reduced rotor with Coriolis forces."""
 
 from __future__ import annotations
 
@@ -12,25 +12,27 @@ from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.stage.contact_problem import ReducedRotor
 
 STANDS = 1e-6
-"""Relative excess of one direction that is rounding in a standing motion."""
+"""Relative difference between both directions up to which a motion counts as standing."""
 
 
 def wave_frequencies(rotor: ReducedRotor, nodal_diameter: IntArray, sense: float) -> FloatArray:
-    """Frequencies of the backward and forward wave of each mode.
+    """Return the frequencies of the backward and the forward wave of each mode.
 
-    The pairs of modes of one nodal diameter, ascending, go with its waves of each way by rank:
-    branches do not cross. Without symmetry a pair goes with the two motions of which it holds
-    most, if these turn against each other. What stands, as all does without Coriolis forces, has
-    one frequency both ways.
+    With symmetry, the pairs of modes of one nodal diameter and its waves in each direction are
+    assigned to each other by rank, because branches do not cross. Without symmetry, a pair is
+    assigned to the two motions in which it has the largest share, if these travel in opposite
+    directions. A standing motion has the same frequency in both rows; without Coriolis forces this
+    holds for all modes.
 
     Args:
-        rotor: its modes.
-        nodal_diameter: of each mode, (modes,).
-        sense: any number of the sign of the speed.
+        rotor: reduced rotor with its modes.
+        nodal_diameter: nodal diameter of each mode, (modes,).
+        sense: a number with the sign of the speed.
 
     Returns:
-        in the rotating frame [rad/s], (2, modes): positive where the wave travels the way of its
-        row; a forward wave past its critical speed is negative.
+        frequencies of the backward and of the forward waves in the rotating frame [rad/s],
+        (2, modes). A frequency is negative if the wave travels in the other direction, as a forward
+        wave does past its critical speed.
     """
     frequencies = np.stack([rotor.frequency, rotor.frequency])
     if rotor.by_velocity is None:
@@ -45,7 +47,7 @@ def wave_frequencies(rotor: ReducedRotor, nodal_diameter: IntArray, sense: float
     for block in members if symmetric else [np.arange(len(rotor.column))]:
         stiffness, gyroscopic = np.diag(rotor.stiffness[block]), coriolis[np.ix_(block, block)]
         found_w, fields = gyroscopic_eigen(np.eye(len(block)), stiffness, gyroscopic)
-        w, vectors = found_w[: len(block)].real, fields[:, : len(block)]  # the others: conjugate
+        w, vectors = found_w[: len(block)].real, fields[:, : len(block)]  # others are conjugate
         mode, motion = linear_sum_assignment(np.abs(vectors) ** 2, maximize=True)
         mode = block[mode]
         way = _ways(rotor, nodal_diameter[mode], rotor.tip_radial[:, block] @ vectors[:, motion])
@@ -54,7 +56,7 @@ def wave_frequencies(rotor: ReducedRotor, nodal_diameter: IntArray, sense: float
     for modes in members:
         ascending = modes[np.argsort(rotor.frequency[modes], kind="stable")]
         ranked = [ascending] if symmetric else np.split(ascending, range(2, len(ascending), 2))
-        for some in ranked:  # a complete nodal diameter; without symmetry, pairs if any
+        for some in ranked:  # all modes of a nodal diameter; without symmetry, two modes at a time
             both, half = np.sort(signed[some]), len(some) // 2
             if both.all() and (
                 len({*rotor.column[some]}) == 2 if symmetric else both[0] < 0.0 < both[-1]
@@ -67,12 +69,12 @@ def wave_frequencies(rotor: ReducedRotor, nodal_diameter: IntArray, sense: float
 def wave_errors(
     rotor: ReducedRotor, nodal_diameter: IntArray, family: tuple[str, ...], turning: TurningDisk
 ) -> dict[str, float]:
-    """Largest relative error of the frequencies of each family's waves, both ways.
+    """Return the largest relative frequency error of the waves of each family, in both directions.
 
     Args:
-        rotor: the reduced bladed disk, of equal sectors.
-        nodal_diameter: of each mode, (modes,).
-        family: of each mode, (modes,).
+        rotor: the reduced bladed disk, with equal sectors.
+        nodal_diameter: nodal diameter of each mode, (modes,).
+        family: family of each mode, (modes,).
         turning: the full bladed disk at speed, with Coriolis forces.
     """
     layout = turning.disk.structure.layout
@@ -93,12 +95,12 @@ def wave_errors(
 
 
 def _ways(rotor: ReducedRotor, nodal_diameter: IntArray, tips: ComplexArray) -> FloatArray:
-    """Return 1 for motions p exp(i w t) against the numbering of the blades, -1 along it, 0 if
-    standing.
+    """Return 1 for motions p exp(i w t) that travel against the numbering of the blades, -1 along
+    it, and 0 for standing motions, (motions,).
 
     Args:
-        rotor: with the places of the tips.
-        nodal_diameter: of each motion, (motions,).
+        rotor: reduced rotor with the angles of the tips.
+        nodal_diameter: nodal diameter of each motion, (motions,).
         tips: p at the tips, (tips, motions).
     """
     turn = np.exp(1j * np.outer(nodal_diameter, rotor.tip_angle))
