@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import answer
 from places import EXAMPLES
 from stages import SMALL, stage, steel
-from typer.testing import CliRunner
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case, with_values
@@ -16,9 +16,6 @@ from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.studies.commands.cli import app
-
-RUNNER = CliRunner()
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
@@ -125,6 +122,5 @@ def path(tmp_path: Path) -> Path:
 
 
 def test_commands_print_hints_and_continue(path: Path) -> None:
-    done = RUNNER.invoke(app, ["show", str(path), "--set", "casing.clearance=0.06"])
-    assert done.exit_code == 0
+    done = answer("show", path, "--set", "casing.clearance=0.06")
     assert "Hint: unusual casing.clearance = 0.06: expected 5e-07 to 0.05 m" in done.stderr

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from command_line import answer
 from stages import oracle
-from typer.testing import CliRunner
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.check import case_from
@@ -21,7 +21,6 @@ from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.loads import unbalance
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.studies.commands.cli import app
 
 WAYS = ("backward", "forward")
 THIN = oracle("rotation")["stages"]["0.01"]
@@ -130,9 +129,7 @@ def listed_modes(case: Case, folder: Path, *options: str) -> dict[str, Any]:
     """What `bladewhirl modes --json` says."""
     file = folder / "case.toml"
     file.write_text(dumps_case(case), encoding="utf-8")
-    done = CliRunner().invoke(app, ["modes", str(file), "--json", *options])
-    assert done.exit_code == 0, done.output
-    found: dict[str, Any] = json.loads(done.stdout)
+    found: dict[str, Any] = json.loads(answer("modes", file, "--json", *options).stdout)
     return found
 
 

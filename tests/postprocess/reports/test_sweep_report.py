@@ -8,15 +8,14 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from command_line import answer
 from report_pages import Parsed
 from synthetic_sweep import synthetic_sweep
-from typer.testing import CliRunner
 
 import bladewhirl as bw
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.reports import page as report_page
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
-from bladewhirl.studies.commands.cli import app
 
 REFERENCE = 75.0  # rad/s
 SPEEDS = (1.0, 1.2, 1.4, 1.6)
@@ -41,8 +40,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def page(folder: Path) -> Parsed:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report_page, "_as_png", lambda figure: "AAAA")
-        done = CliRunner().invoke(app, ["report", str(folder)])
-    assert (done.exit_code, done.stdout) == (0, f"Wrote {folder / 'report.html'}.\n"), done.stderr
+        done = answer("report", folder)
+    assert done.stdout == f"Wrote {folder / 'report.html'}.\n"
     return Parsed((folder / "report.html").read_text(encoding="utf-8"))
 
 

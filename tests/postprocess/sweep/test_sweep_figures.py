@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from command_line import answer, refusal
 from synthetic_result import synthetic_result
 from synthetic_sweep import synthetic_sweep
-from typer.testing import CliRunner, Result
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
@@ -26,7 +26,6 @@ from bladewhirl.postprocess.sweep.quantities import (
     whirls,
 )
 from bladewhirl.postprocess.sweep.rows import blade_contacts, point_energies
-from bladewhirl.studies.commands.cli import app
 
 REFERENCE = 75.0  # rad/s
 WHIRL = -70.0 / (2 * np.pi)  # Hz in rotating axes
@@ -62,10 +61,6 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def none(tmp_path: Path) -> Path:
     """Two points, both failed."""
     return synthetic_sweep(tmp_path / "none", {"march.speed": (1.0, 2.0)}, [None, None])
-
-
-def plot(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(app, ["plot", *map(str, arguments)])
 
 
 def test_points_are_put_in_order(one: Path) -> None:
@@ -225,8 +220,7 @@ def test_a_third_key_makes_rows_of_maps(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_all_figures_come_with_their_data(one: Path, tmp_path: Path) -> None:
-    result = plot(one, "all", "-o", tmp_path)
-    assert result.exit_code == 0, result.stderr
+    result = answer("plot", one, "all", "-o", tmp_path)
     told = {line.split(" left out")[0] for line in result.stderr.splitlines()}
     drawn = set(SWEEP_FIGURES) - told
     assert told == {"maps"}
@@ -242,8 +236,8 @@ def test_a_sweep_without_points_says_so(none: Path) -> None:
         for name in ("regimes", "maps"):
             with pytest.raises(ViewError, match=r"no point of the sweep is done|two swept keys"):
                 SweepFigures(sweep).draw(name)
-    assert plot(none, "regimes").exit_code == 2
-    assert plot(none, "all").exit_code == 0
+    refusal("plot", none, "regimes")
+    answer("plot", none, "all")
 
 
 @pytest.mark.parametrize(
@@ -256,7 +250,4 @@ def test_a_sweep_without_points_says_so(none: Path) -> None:
 def test_what_a_sweep_has_not_is_said_in_one_line(
     one: Path, arguments: list[str], complaint: str
 ) -> None:
-    result = plot(one, *arguments)
-    assert result.exit_code == 2
-    assert complaint in result.stderr
-    assert result.stderr.count("\n") == 1
+    assert complaint in refusal("plot", one, *arguments)

@@ -8,10 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import refusal
 from small_run import COMMAND
-from typer.testing import CliRunner
-
-from bladewhirl.studies.commands.cli import app
 
 
 def bladewhirl(*arguments: str, output: str = os.devnull) -> subprocess.CompletedProcess[str]:
@@ -35,6 +33,5 @@ def test_full_standard_output() -> None:
 
 def test_a_pipe_is_no_case(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "case.toml")
-    ended = CliRunner().invoke(app, ["show", str(tmp_path / "case.toml")])
-    assert ended.exit_code == 2
-    assert ended.stderr.endswith("expected a readable file (it is not a regular file)\n")
+    line = refusal("show", tmp_path / "case.toml")
+    assert line.endswith("expected a readable file (it is not a regular file)")

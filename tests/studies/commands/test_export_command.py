@@ -4,17 +4,12 @@ from pathlib import Path
 
 import pytest
 import pyvista
-from typer.testing import CliRunner
-
-from bladewhirl.studies.commands.cli import app
-
-RUNNER = CliRunner()
+from command_line import answer
 
 
 def test_a_window_as_lines(run: Path) -> None:
     arguments = ["--frames", "5", "--from", "100 ms", "--to", "0.2"]
-    done = RUNNER.invoke(app, ["export", str(run), *arguments])
-    assert done.exit_code == 0, done.stderr
+    done = answer("export", run, *arguments)
     assert "5 instants from 0.1 s to 0.2 s" in done.stdout
     assert "a revolution" in done.stderr  # too few for a smooth turn
     reader = pyvista.PVDReader(run / "vtk" / "series.pvd")
@@ -24,10 +19,7 @@ def test_a_window_as_lines(run: Path) -> None:
 
 def test_surfaces_in_a_named_folder(run: Path, tmp_path: Path) -> None:
     target = tmp_path / "deep" / "machine"
-    done = RUNNER.invoke(
-        app, ["export", str(run / "result.nc"), "--surface", "--frames", "2", "-o", str(target)]
-    )
-    assert done.exit_code == 0, done.stderr
+    answer("export", run / "result.nc", "--surface", "--frames", "2", "-o", target)
     rotor, casing, contact, _ = pyvista.PVDReader(target / "series.pvd").read()
     assert rotor.area > 0
     assert casing.area > 0

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from command_line import answer, refusal
 from places import EXAMPLES
 from stages import steel
 from typer.testing import CliRunner
@@ -26,23 +27,12 @@ RUNNER = CliRunner()
 
 
 def bladewhirl(*arguments: object) -> str:
-    done = RUNNER.invoke(app, [*map(str, arguments)])
-    assert done.exit_code == 0, done.output
-    return " ".join(done.stdout.split())
+    return " ".join(answer(*arguments).stdout.split())
 
 
 def derived(*arguments: object) -> dict[str, Any]:
-    done = RUNNER.invoke(app, [*map(str, arguments)])
-    assert done.exit_code == 0, done.output
-    computed: dict[str, Any] = json.loads(done.stdout)["derived"]
+    computed: dict[str, Any] = json.loads(answer(*arguments).stdout)["derived"]
     return computed
-
-
-def fault(*arguments: object) -> str:
-    done = RUNNER.invoke(app, [*map(str, arguments)])
-    assert (done.exit_code, done.stdout) == (2, "")
-    [line] = done.stderr.splitlines()
-    return line
 
 
 @pytest.mark.parametrize("suffix", [*WRITERS])
@@ -96,8 +86,7 @@ def test_data_that_a_format_cannot_store_are_listed(tmp_path: Path) -> None:
     sketch.set("tips", "tip")
     case = tmp_path / "case.toml"
     case.write_text(dumps_case(Case(sketch=sketch.table)))
-    done = RUNNER.invoke(app, ["mesh", str(case), "-o", str(tmp_path / "a.inp")])
-    assert done.exit_code == 0
+    done = answer("mesh", case, "-o", tmp_path / "a.inp")
     left_out = "spring_radial, spring_tangential, spring_rotation, rigid"
     assert done.stderr == f"{tmp_path / 'a.inp'} does not contain {left_out}; .vtu and .msh do.\n"
     assert len(read_line_mesh(tmp_path / "a.inp").lines) == 6
@@ -116,7 +105,7 @@ def test_faults_of_the_source(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "bad.msh").write_text("nonsense")
-    assert fault("mesh", *arguments, "-o", "out.vtu").startswith(expected)
+    assert refusal("mesh", *arguments, "-o", "out.vtu").startswith(expected)
     assert [*tmp_path.iterdir()] == [tmp_path / "bad.msh"]
 
 

@@ -8,14 +8,9 @@ import numpy as np
 import pytest
 import synthetic_result as synthetic
 import xarray as xr
-from typer.testing import CliRunner, Result
+from command_line import answer, refusal
 
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
-from bladewhirl.studies.commands.cli import app
-
-
-def plot(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(app, ["plot", *map(str, arguments)])
 
 
 @pytest.fixture
@@ -33,8 +28,7 @@ def made(folder: Path, speed: float) -> Path:
 
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_figures_come_with_their_data(directory: Path) -> None:
-    result = plot(directory, "state-space", "spectrum")
-    assert result.exit_code == 0, result.stderr
+    answer("plot", directory, "state-space", "spectrum")
     expected = {f"{n}.{end}" for n in ("state-space", "spectrum") for end in ("png", "pdf", "nc")}
     assert {path.name for path in (directory / "plots").iterdir()} == expected | {"manifest.json"}
     with xr.open_dataset(directory / "plots" / "state-space.nc", engine="h5netcdf") as data:
@@ -48,9 +42,8 @@ def test_figures_come_with_their_data(directory: Path) -> None:
 
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
-    result = plot(directory / "result.nc", "gaps", "orbit", "gaps", "--from", "0.1", "--to",
-                  "200 ms", "-o", tmp_path / "figures")  # fmt: skip
-    assert result.exit_code == 0, result.stderr
+    window = ["--from", "0.1", "--to", "200 ms", "-o", tmp_path / "figures"]
+    answer("plot", directory / "result.nc", "gaps", "orbit", "gaps", *window)
     assert len(list((tmp_path / "figures").iterdir())) == 6 + 1  # the manifest
     with xr.open_dataset(tmp_path / "figures" / "orbit.nc", engine="h5netcdf") as data:
         assert data.time.values[[0, -1]] == pytest.approx([0.1, 0.2])
@@ -68,24 +61,19 @@ def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
     ],
 )
 def test_bad_input_is_one_line(directory: Path, arguments: list[str], complaint: str) -> None:
-    result = plot(directory, *arguments)
-    assert result.exit_code == 2
-    assert result.stderr.startswith(complaint)
-    assert result.stderr.count("\n") == 1
+    assert refusal("plot", directory, *arguments).startswith(complaint)
     assert not (directory / "plots").exists()
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) -> None:
     still = made(tmp_path / "still", 0.0)
-    result = plot(still, "all")
-    assert result.exit_code == 0, result.stderr
+    result = answer("plot", still, "all")
     assert result.stderr.startswith("state-space left out: a Poincaré map needs one revolution")
     assert len(list((still / "plots").iterdir())) == 3 * (len(RUN_FIGURES) - 2) + 1
-    assert plot(still, "state-space").exit_code == 2
+    refusal("plot", still, "state-space")
 
 
 def test_without_a_name_the_names_are_listed(directory: Path) -> None:
-    result = plot(directory)
-    assert result.exit_code == 0
+    result = answer("plot", directory)
     assert [line.partition(":")[0] for line in result.stdout.splitlines()] == [*RUN_FIGURES]

@@ -4,22 +4,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from command_line import answer, refusal
 from PIL import Image
-from typer.testing import CliRunner
-
-from bladewhirl.studies.commands.cli import app
-
-RUNNER = CliRunner()
 
 
 @pytest.mark.usefixtures("can_draw")
 def test_each_kind_goes_to_the_folder_of_the_run(run: Path) -> None:
-    done = RUNNER.invoke(app, ["render", str(run), "--gif", "--frames", "2"])
-    assert done.exit_code == 0, done.stderr
+    done = answer("render", run, "--gif", "--frames", "2")
     with Image.open(run / "animation.gif") as film:
         assert getattr(film, "n_frames", 1) == 2
     assert "2 pictures from" in done.stdout
-    assert RUNNER.invoke(app, ["render", str(run / "result.nc"), "--png"]).exit_code == 0
+    answer("render", run / "result.nc", "--png")
     assert (run / "still.png").is_file()
 
 
@@ -27,8 +22,7 @@ def test_each_kind_goes_to_the_folder_of_the_run(run: Path) -> None:
 def test_a_named_file_and_a_window_with_units(run: Path, tmp_path: Path) -> None:
     path = tmp_path / "new" / "coarse.gif"
     arguments = ["--from", "50 ms", "--to", "0.4", "--frames", "5", "--frame", "rotating"]
-    done = RUNNER.invoke(app, ["render", str(run), "-o", str(path), *arguments])
-    assert done.exit_code == 0, done.stderr
+    done = answer("render", run, "-o", path, *arguments)
     assert "5 pictures from 0.05 s to 0.4 s" in done.stdout
     assert "a revolution" in done.stderr  # too few for a smooth turn
     with Image.open(path) as film:
@@ -39,11 +33,9 @@ def test_a_named_file_and_a_window_with_units(run: Path, tmp_path: Path) -> None
 def test_stills_at_times_and_a_sheet(run: Path, tmp_path: Path) -> None:
     times = ["--time", "50 ms", "--time", "0.1"]
     still = ["render", str(run), "-o", str(tmp_path / "at.png"), "--colour", "gap", "--orbit"]
-    done = RUNNER.invoke(app, [*still, *times])
-    assert done.exit_code == 0, done.stderr
+    answer(*still, *times)
     sheet = ["render", str(run), "--sheet", "-o", str(tmp_path / "many.png")]
-    done = RUNNER.invoke(app, [*sheet, "--frames", "2", "--from", "0.1", "--to", "0.2"])
-    assert done.exit_code == 0, done.stderr
+    done = answer(*sheet, "--frames", "2", "--from", "0.1", "--to", "0.2")
     assert "2 pictures" in done.stdout
     assert {path.name for path in tmp_path.iterdir()} == {
         *(f"at_{number}.png" for number in (1, 2)),
@@ -53,8 +45,7 @@ def test_stills_at_times_and_a_sheet(run: Path, tmp_path: Path) -> None:
 
 def test_a_page_needs_no_display(run: Path, tmp_path: Path) -> None:
     path = tmp_path / "run.html"
-    done = RUNNER.invoke(app, ["render", str(run), "-o", str(path), "--frames", "3"])
-    assert done.exit_code == 0, done.stderr
+    done = answer("render", run, "-o", path, "--frames", "3")
     assert "3 pictures from" in done.stdout
     assert path.is_file()
 
@@ -79,10 +70,8 @@ def test_bad_input_is_one_line(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     before = sorted(run.iterdir())
-    done = RUNNER.invoke(app, ["render", str(run), *arguments])
-    assert done.exit_code == 2
-    assert message in done.stderr
-    assert len(done.stderr.splitlines()) == 1
+    line = refusal("render", run, *arguments)
+    assert message in line
     assert sorted(run.iterdir()) == before
     assert list(tmp_path.iterdir()) == []
 
@@ -93,7 +82,7 @@ def test_options_of_the_view(run: Path, monkeypatch: pytest.MonkeyPatch) -> None
         "bladewhirl.studies.runs.render.render", lambda _, path, **options: calls.append(options)
     )
     options = ["--time", "0.1", "--orbit", "--colour", "gap", "--exaggeration", "5"]
-    assert RUNNER.invoke(app, ["render", str(run), "--png", *options]).exit_code == 0
+    answer("render", run, "--png", *options)
     [view] = calls
     assert view.pop("progress")
     look = {"exaggeration": 5.0, "frame": "static", "colour": "gap", "orbit": True}

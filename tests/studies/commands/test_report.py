@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import synthetic_result as synthetic
 import xarray as xr
+from command_line import answer, refusal
 from matplotlib.figure import Figure
 from report_pages import Parsed
-from typer.testing import CliRunner, Result
 
 import bladewhirl as bw
 from bladewhirl.postprocess.energy.strain import strain_energies
@@ -22,7 +22,6 @@ from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.reports import page as report_page
 from bladewhirl.postprocess.run.blade_contact import contact_maps
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
-from bladewhirl.studies.commands.cli import app
 
 PICTURE = "AAAA"
 
@@ -48,17 +47,13 @@ def made(folder: Path, **attributes: Any) -> Path:
     return folder
 
 
-def report(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(app, ["report", *map(str, arguments)])
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     run = made(tmp_path_factory.mktemp("reports") / "run", title="<b>a & b</b></script>")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report_page, "_as_png", lambda figure: PICTURE)  # most of the time
-        done = report(run)
-    assert (done.exit_code, done.stdout) == (0, f"Wrote {run / 'report.html'}.\n"), done.stderr
+        done = answer("report", run)
+    assert done.stdout == f"Wrote {run / 'report.html'}.\n"
     return run
 
 
@@ -157,10 +152,8 @@ def test_invalid_runs_are_one_line(tmp_path: Path, kind: str) -> None:
     if kind == "one record":
         one = synthetic.synthetic_result(records=1)
         one.to_netcdf(place / "result.nc", engine="h5netcdf")
-    done = report(place)
-    assert (done.exit_code, done.stdout) == (2, "")
-    assert len(done.stderr.splitlines()) == 1
-    assert "expected" in done.stderr or "must" in done.stderr
+    line = refusal("report", place)
+    assert "expected" in line or "must" in line
     assert not (place / "report.html").exists()
 
 
@@ -169,7 +162,4 @@ def test_invalid_targets(folder: Path, tmp_path: Path) -> None:
         (tmp_path / "report.pdf", "must end in .html"),
         (folder / "result.nc" / "report.html", "cannot be written"),
     ):
-        done = report(folder, "-o", target)
-        assert done.exit_code == 2
-        assert complaint in done.stderr
-        assert len(done.stderr.splitlines()) == 1
+        assert complaint in refusal("report", folder, "-o", target)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from command_line import answer
 from PIL import Image
 from typer.testing import CliRunner
 
@@ -33,9 +34,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def shown(path: Path, *arguments: str) -> dict[str, Any]:
-    done = RUNNER.invoke(app, ["show", str(path), "--json", *arguments])
-    assert done.exit_code == 0, done.stderr
-    document: dict[str, Any] = json.loads(done.stdout)
+    document: dict[str, Any] = json.loads(answer("show", path, "--json", *arguments).stdout)
     return document
 
 
@@ -139,14 +138,14 @@ def test_lowest_modes_without_symmetry(path: Path) -> None:
     path.write_text("bladed_disk = { blades = 6, mistuning.stiffness_spread = 0.05 }")
     derived = shown(path)["derived"]
     disk = [mode["frequency"]["hz"] for mode in derived["bladed_disk"]]
-    listed = json.loads(RUNNER.invoke(app, ["modes", str(path), "--count", "12", "--json"]).stdout)
+    listed = json.loads(answer("modes", path, "--count", "12", "--json").stdout)
     for mode, full in zip(derived["bladed_disk"], listed["bladed_disk"], strict=True):
         assert mode["nodal_diameter"] == full["nodal_diameter"]
         assert mode["purity"] == pytest.approx(full["purity"], abs=1e-3)
     assert len(disk) == 12
     assert disk == sorted(disk)
     assert disk[0] == derived["reference_frequency"]["hz"]
-    words = RUNNER.invoke(app, ["show", str(path)]).stdout.partition("purity")[2].split()
+    words = answer("show", path).stdout.partition("purity")[2].split()
     shares = {f"{mode['purity']:.3f}" for mode in derived["bladed_disk"]}
     assert {f"{hertz:.6g}" for hertz in disk} | shares <= set(words)
 
@@ -157,8 +156,7 @@ def test_a_drawing_of_the_stage(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     few = ["--set", "reduction.fixed_interface_modes=10"]
-    done = RUNNER.invoke(app, ["show", str(path), "--json", "--png", *few])
-    assert done.exit_code == 0, done.stderr
+    done = answer("show", path, "--json", "--png", *few)
     assert done.stderr == "Wrote case.png.\n"
     json.loads(done.stdout)
     with Image.open(tmp_path / "case.png") as picture:

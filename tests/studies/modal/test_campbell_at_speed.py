@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from command_line import answer
 from contact_cases import thrown
 from matplotlib.figure import Figure
 from stages import oracle
-from typer.testing import CliRunner
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.check import case_from
@@ -24,7 +24,6 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.modal.campbell import Frame, plot_campbell
-from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.modal import campbell as modal_campbell
 from bladewhirl.studies.modal.campbell import campbell, coincidence_list
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
@@ -161,8 +160,7 @@ def test_the_command_prints_critical_speeds(
     file = tmp_path / "case.toml"
     file.write_text(dumps_case(with_values(stage_case(), SMALL)), encoding="utf-8")
     monkeypatch.setattr(modal_campbell, "save_figures", lambda *figures, **options: None)
-    done = CliRunner().invoke(app, ["campbell", str(file), "--speeds", "0:2.5"])
-    assert done.exit_code == 0, done.output
+    done = answer("campbell", file, "--speeds", "0:2.5")
     (critical,) = coincidence_list(small_diagram("full"))["critical_speeds"]
     rows = [line.split()[:4] for line in done.stdout.splitlines()]
     assert ["1", "1F", f"{critical['ratio']:.5f}", f"{critical['rpm']:.1f}"] in rows

@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from command_line import answer, refusal
 from places import ROOT
 from synthetic_result import ROTOR_FREQUENCY, synthetic_result
-from typer.testing import CliRunner
 
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import HOLDERS, Motion
-from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.paper.claim import (
     CLAIMS,
     VERDICTS,
@@ -40,7 +39,6 @@ from bladewhirl.studies.paper.trials import (
 from bladewhirl.studies.sweeps.cache import RunStore, run_key
 
 EXAMPLES = ROOT / "examples"
-RUNNER = CliRunner()
 
 SHORT = {"march.duration": 2e-3}
 
@@ -251,8 +249,7 @@ def test_the_command_writes_the_scorecard(
     tmp_path: Path, numbers: list[int], by_section: list[int], figures: list[str]
 ) -> None:
     out = tmp_path / "out"
-    done = RUNNER.invoke(app, ["reproduce", *map(str, numbers), "-o", str(out), "--json"])
-    assert done.exit_code == 0, done.output
+    done = answer("reproduce", *map(str, numbers), "-o", out, "--json")
     card = json.loads(done.stdout)
     assert [entry["claim"] for entry in card["claims"]] == sorted(numbers)
     holds = {"holds": len(numbers), "partly": 0, "does not hold": 0, "not testable": 0}
@@ -275,9 +272,8 @@ def test_the_command_writes_the_scorecard(
     ],
 )
 def test_faults_end_in_one_line(arguments: list[str], message: str, tmp_path: Path) -> None:
-    done = RUNNER.invoke(app, ["reproduce", *arguments, "-o", str(tmp_path / "out")])
-    assert done.exit_code == 2
-    assert message in done.stderr
+    line = refusal("reproduce", *arguments, "-o", tmp_path / "out")
+    assert message in line
     assert not (tmp_path / "out").exists()
 
 

@@ -14,9 +14,9 @@ import dask
 import numpy as np
 import pytest
 import xarray as xr
+from command_line import answer, refusal
 from sweep_work import CASE, OVER, march_in_process, same_bits
 from synthetic_sweep import LAYOUT
-from typer.testing import CliRunner
 
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.template import dumps_case
@@ -27,7 +27,6 @@ from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.figures import LEFT_BY_A_SWEEP
-from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs import folder as run_folder
 from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
 from bladewhirl.studies.runs.prepare import prepare
@@ -45,7 +44,6 @@ pytestmark = pytest.mark.usefixtures("pictures_unsaved")
 
 TOO_MANY_MODES = 50_000
 
-RUNNER = CliRunner()
 
 IMBALANCE = "examples/imbalance.toml"
 
@@ -142,8 +140,7 @@ def test_failed_points_are_reported_and_the_others_done(
     over = f"--over={key}=9,{TOO_MANY_MODES},10"
     folder = tmp_path / "out"
     arguments = ["sweep", str(tmp_path / "case.toml"), over, "-o", str(folder), "--json"]
-    result = RUNNER.invoke(app, arguments)
-    assert result.exit_code == 0, result.stderr
+    result = answer(*arguments)
     report = json.loads(result.stdout)
     assert (report["points"], report["done"], report["failed"]) == (3, 2, 1)
     [failure] = report["failures"]
@@ -173,9 +170,8 @@ def test_failed_points_are_reported_and_the_others_done(
     ],
 )
 def test_options_that_do_not_go_together(arguments: list[str], message: str) -> None:
-    result = RUNNER.invoke(app, ["sweep", *arguments])
-    assert result.exit_code == 2
-    assert message in result.stderr
+    line = refusal("sweep", *arguments)
+    assert message in line
 
 
 def test_a_folder_in_use_is_refused(swept: Path) -> None:
