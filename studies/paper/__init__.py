@@ -1,1 +1,1 @@
-"""The paper's claims, judged from marches and sweeps of its cases."""
+"""Claims of the paper, judged by marches and sweeps of its cases."""

@@ -1,9 +1,10 @@
-"""Claims of the source paper, how each is judged, and the list of all of them.
+"""Claims of the source paper, and the rules by which they are judged.
 
-What each claim says, where, and the marches (`trials.TRIALS`) and sweeps (`trials.SURVEYS`) it is
-judged by is in claims.csv beside this module. A function in a module claims_* computes the measures
-of a claim; checks.csv compares them with thresholds. All met: the claim holds; some: partly; none,
-or an essential one not met: it does not hold. What cannot be judged is not testable, with the
+The file claims.csv in this folder contains the text of each claim, its place in the paper, and the
+marches (`trials.TRIALS`) and sweeps (`trials.SURVEYS`) by which it is judged. A function in a
+module claims_* computes the measures of a claim; checks.csv contains their thresholds. A claim
+holds if all checks are met, and holds partly if only some are met. It does not hold if no check is
+met, or if an essential check fails. A claim that cannot be judged is not testable, for a stated
 reason.
 """
 
@@ -25,22 +26,22 @@ VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 class Check:
     """Comparison of a measure with a criterion."""
 
-    text: str  #: what was compared with which threshold, with our number
+    text: str  #: measure, threshold, and our number
     met: bool
-    essential: bool = False  #: the claim does not hold without it
+    essential: bool = False  #: the claim does not hold if this check fails
 
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
     """The outcome of judging a claim once."""
 
-    ours: str  #: our value, in the words of the claim
+    ours: str  #: our value, in the same form as the paper's
     checks: tuple[Check, ...] = ()
-    obstacle: str = ""  #: why it could not be judged; empty if it could
+    obstacle: str = ""  #: why the claim could not be judged; empty if it could
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict by the rule at the top of this module."""
+        """Verdict by the rules in the docstring of this module."""
         if self.obstacle:
             return "not testable"
         if all(check.met for check in self.checks):
@@ -50,7 +51,7 @@ class Finding:
 
     @property
     def why(self) -> str:
-        """Reason in one sentence: the criteria that failed, or were met."""
+        """Reason in one sentence: the failed criteria, or all criteria if none failed."""
         if self.obstacle:
             return f"{self.obstacle}."
         failed = [check.text for check in self.checks if not check.met]
@@ -62,10 +63,10 @@ class Finding:
 
 
 Measures = Mapping[str, Any]
-"""Numbers, names and flags by name, for the checks of a claim and for its value in words."""
+"""Numbers, texts and flags by name, for the checks of a claim and for the text of our value."""
 
 Measure = Callable[..., Measures]
-"""Called with the marches of a claim, then its sweeps; with the `Evidence` where it has neither."""
+"""Called with the marches of a claim, then its sweeps; with the `Evidence` if it has neither."""
 
 CRITERIA: Mapping[str, tuple[str, Callable[[float, float, float], bool]]] = {
     "near": ("{0:g} ± {1:g}{2}", lambda value, target, tolerance: abs(value - target) <= tolerance),
@@ -73,7 +74,8 @@ CRITERIA: Mapping[str, tuple[str, Callable[[float, float, float], bool]]] = {
     "at least": ("{0:g}{2} or more", lambda value, low, _: value >= low),
     "at most": ("{0:g}{2} or less", lambda value, high, _: value <= high),
 }
-"""Criteria of numbers: text of the expected value, and whether a number meets it."""
+"""Criteria for numbers: text of the expected value, and function that returns whether a number
+meets it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -81,23 +83,23 @@ class Claim:
     """A statement of the paper that can be computed, and the function that measures it."""
 
     number: int
-    section: str  #: of the paper
-    figures: tuple[str, ...]  #: of the paper
+    section: str  #: section of the paper
+    figures: tuple[str, ...]  #: figures of the paper
     text: str  #: the claim in our words
     paper: str  #: the paper's value
     ours: str  #: format of our value, with the names of measures
-    trials: tuple[str, ...]  #: marches it is judged by
-    sweeps: tuple[str, ...]  #: sweeps it is judged by
+    trials: tuple[str, ...]  #: names of the marches by which it is judged
+    sweeps: tuple[str, ...]  #: names of the sweeps by which it is judged
     checks: tuple[Mapping[str, str], ...]  #: rows of checks.csv
     measure: Measure
 
     @property
     def place(self) -> list[int]:
-        """Numbers of the section and those it is in, to sort by."""
+        """Numbers of the section and of the sections that contain it, as a sort key."""
         return [int(part) for part in self.section.split(".")]
 
     def judge(self, evidence: Evidence) -> Finding:
-        """Judge the claim once; an obstacle becomes part of the finding."""
+        """Judge the claim once; if it cannot be judged, the finding contains the obstacle."""
         try:
             motions = [evidence.motion(name) for name in self.trials]
             sweeps = [evidence.sweep(name) for name in self.sweeps]
@@ -106,7 +108,7 @@ class Claim:
             return Finding(ours="–", obstacle=str(error).rstrip("."))
 
     def finding(self, measures: Measures) -> Finding:
-        """Compare measures with their thresholds; checks of those that are missing are left out."""
+        """Compare measures with their thresholds; checks without a measure are left out."""
         rows = [row for row in self.checks if row["measure"] in measures]
         return Finding(
             ours=self.ours.format_map(measures),
@@ -136,7 +138,7 @@ CLAIMS: dict[int, Claim] = {}
 
 
 TEXTS, LISTS = ("section", "text", "paper", "ours"), ("figures", "trials", "sweeps")
-"""Columns of claims.csv; those of lists have values separated by "; "."""
+"""Columns of claims.csv with texts and with lists; the values of a list are separated by "; "."""
 
 ROWS = {int(row["number"]): row for row in table("claims")}
 CHECKS = table("checks")

@@ -27,7 +27,8 @@ def descending(values: Mapping[str, float]) -> list[str]:
 
 
 def late_leaders(motion: Motion) -> tuple[list[str], dict[str, float]]:
-    """Return groups by late strain energy, the largest first, and their energies [J]."""
+    """Return groups of modes sorted by late strain energy, the largest first, and their energies
+    [J]."""
     energy = motion.energy(*motion.late)
     return descending({name: value for name, value in energy.items() if name != "total"}), energy
 
@@ -38,7 +39,7 @@ def _percent(motion: Motion, start: float, end: float) -> dict[str, float]:
 
 @measures(16)
 def time_steps(coarse: Motion, chosen: Motion, fine: Motion) -> Measures:
-    """Return relative distances of orbits and impulses from those of the finest time step."""
+    """Return relative differences of orbits and impulses from those with the finest time step."""
     impulses = [float(m.result["contact_impulse"].sum()) for m in (chosen, fine)]
     if not impulses[1]:
         raise NotTestableError("no contact with the finest time step")
@@ -55,7 +56,7 @@ def time_steps(coarse: Motion, chosen: Motion, fine: Motion) -> Measures:
 
 @measures(17)
 def numbers_of_modes(*motions: Motion) -> Measures:
-    """Return regimes and distances of orbits from that with the most modes."""
+    """Return regimes, and distances of the orbits from the orbit with the most modes."""
     regimes = sorted({motion.regime.name for motion in motions})
     apart = [orbit_distance(motion, motions[-1]) for motion in motions[:-1]]
     return {
@@ -89,7 +90,7 @@ def divergence_under_distortion(motion: Motion) -> Measures:
 def course_of_energy(motion: Motion) -> Measures:
     """Return the onset of fast growth [s] and shares of the suspension [%], early and later.
 
-    Growth is fast from ten times the energy at the end of the transient.
+    The onset is the time at which the energy is ten times that at the end of the transient.
     """
     if motion.end <= 2 * EARLY:
         raise NotTestableError(f"the march ended after {motion.end:.3g} s, in the transient")
@@ -139,7 +140,8 @@ def clamped_centre(first: Motion, second: Motion) -> Measures:
 
 @measures(30)
 def limit_cycle(motion: Motion) -> Measures:
-    """Return radius [mm], ripple [mm] and steadiness of an orbit; the ripple decides."""
+    """Return radius [mm], ripple [mm] and steadiness of an orbit; whether it is a limit cycle is
+    judged by the ripple."""
     mean, size = motion.radius_between(*motion.late)
     growth = motion.regime.ripple
     values: dict[str, Any] = {
@@ -160,7 +162,8 @@ def limit_cycle(motion: Motion) -> Measures:
 
 @measures(31)
 def energies_of_both_loads(motion: Motion, other: Motion) -> Measures:
-    """Return leading groups with their energies [J], and the energy under the other load."""
+    """Return the groups of modes with the most energy and their energies [J], and the energy under
+    the other load."""
     (leader, second, *_), energy = late_leaders(motion)
     return {
         "leader": leader,
@@ -173,7 +176,8 @@ def energies_of_both_loads(motion: Motion, other: Motion) -> Measures:
 
 @measures(35)
 def truncated_space(six: Motion, full: Motion) -> Measures:
-    """Return leading groups in the truncated space, and largest radii in both spaces [mm]."""
+    """Return the groups with the most energy in the truncated space, and the largest radii in both
+    spaces [mm]."""
     (leader, second, *_), _energy = late_leaders(six)
     until = min(six.end, full.end)
     peak, full_peak = (float(m.radius[: m.record_at(until)].max()) for m in (six, full))
@@ -202,7 +206,8 @@ def radii_over_coupling(*motions: Motion) -> Measures:
 
 @measures(39, 43, 44)
 def small_motions(motion: Motion) -> Measures:
-    """Return shaft [mm] and casing motion [µm], and the early share of higher modes [%]."""
+    """Return the motion of the shaft [mm] and of the casing [µm], and the early share of higher
+    modes [%]."""
     return {
         "radius": MILLI * float(motion.radius.max()),
         "touched": motion.touched,
@@ -214,7 +219,8 @@ def small_motions(motion: Motion) -> Measures:
 
 @measures(45)
 def course_at_high_speed(motion: Motion, long: Motion, usual: Motion) -> Measures:
-    """Return early leader, share of other nodal diameters [%], and the end of a longer march."""
+    """Return the group with the most early energy, the share of other nodal diameters [%], and the
+    end of a longer march."""
     return {
         "leader": descending(motion.share(0.0, 0.2))[0],
         "other k": _percent(motion, 0.0, motion.end)["other k"],
@@ -226,7 +232,8 @@ def course_at_high_speed(motion: Motion, long: Motion, usual: Motion) -> Measure
 
 @measures(46)
 def motion_over_coupling(*motions: Motion) -> Measures:
-    """Return spreads of whirl over ω₁ and of energy shares [points], and contact sides."""
+    """Return the range of whirl frequencies (in multiples of ω₁), the largest change of an energy
+    share [percentage points], and the contact sides."""
     if not all(motion.touched for motion in motions):
         raise NotTestableError("without contact there is no side of contact")
     rates = [motion.late_whirl("rotating").rate / motion.reference for motion in motions]

@@ -19,12 +19,12 @@ RANGE, KAPPAS = (0.6, 3.0), np.linspace(50.0, 1000.0, 20)
 """Speeds and spring stiffnesses [N/m] of Fig. 11."""
 
 BESIDE = np.linspace(-0.02, 0.02, 81)
-"""Normalised speeds examined around a coincidence."""
+"""Offsets of the normalised speeds examined around a coincidence."""
 
 
 @measures(*range(1, 10))
 def uncoupled_modes(evidence: Evidence) -> Measures:
-    """Return the numbers of uncoupled modes, see `modal_measures`."""
+    """Return the measures of uncoupled modes, see `modal_measures`."""
     return evidence.modal
 
 
@@ -52,7 +52,7 @@ def _zones(evidence: Evidence) -> dict[str, UnstableZones]:
 
 @measures(10, 13)
 def unstable_zones_over_stiffness(evidence: Evidence) -> Measures:
-    """Return start and widening of both zones, and the course of the lower border of zone A."""
+    """Return start and growing width of both zones, and the shape of the lower border of zone A."""
     coincidences = [evidence.modal[f"{name}_coincidence"] for name in ("first", "suspension")]
     reference, listed = evidence.system.reference, []
     values: dict[str, Any] = {"borders": "no zone", "rises": False}
@@ -79,7 +79,8 @@ def unstable_zones_over_stiffness(evidence: Evidence) -> Measures:
 
 @measures(11, 12)
 def example_point(evidence: Evidence) -> Measures:
-    """Return growth rate [1/s], stability and numbers of kinds of eigenvalues at the example."""
+    """Return growth rate [1/s], stability and the number of eigenvalues of each kind at the example
+    point."""
     omega = EXAMPLE["speed"] * evidence.system.reference
     growth = _example_growth(evidence)
     real = evidence.system.spectrum(omega, EXAMPLE["kappa"]).real
@@ -101,7 +102,8 @@ def _example_growth(evidence: Evidence) -> float:
 
 @measures(14)
 def no_instability_beside_the_zones(evidence: Evidence) -> Measures:
-    """Count unstable points outside the zones, and where waves that travel the same way coincide.
+    """Count unstable points outside the zones, and near coincidences of waves that travel the same
+    way.
 
     Backward waves on both bodies coincide in static axes at Ω = (ω_r - ω_c) / k.
     """

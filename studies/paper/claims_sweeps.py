@@ -13,7 +13,7 @@ from bladewhirl.studies.paper.claims_marches import MILLI, descending
 from bladewhirl.studies.paper.trials import KAPPAS, NotTestableError
 
 AROUND = (0.95, 1.15)
-"""Speeds that count as around the first coincidence, 1.05."""
+"""Range of normalised speeds regarded as near the first coincidence, 1.05."""
 
 HIGH = (1.42, 1.75)
 """Normalised speeds with high amplitudes in the paper."""
@@ -22,25 +22,26 @@ LIMIT = 1.52
 """Normalised speed above which the paper's truncated space diverges under imbalance."""
 
 ROUNDING = 1e-9
-"""Rounding of normalised speeds, whose differences are compared with a step."""
+"""Rounding error of normalised speeds, for comparing their differences with a step."""
 
 
 def done_points(sweep: xr.Dataset) -> xr.Dataset:
-    """Return the speeds of a sweep at which every point has a result."""
+    """Return the part of a sweep with the speeds at which every point has a result."""
     done = sweep["state"] == "done"
     complete = done.all([name for name in done.dims if name != "march_speed"])
     return sweep.isel(march_speed=np.flatnonzero(complete.values))
 
 
 def _radii(sweep: xr.Dataset, ends: tuple[float, float]) -> tuple[Array, Array, float]:
-    """Return speeds, largest radii, and the median radius inside an interval over that outside."""
+    """Return speeds, largest radii, and the ratio of the median radius inside an interval to that
+    outside."""
     speed, radius = sweep["march_speed"].values, sweep["shaft_radius_max"].values
     inside = (speed >= ends[0]) & (speed <= ends[1])
     return speed, radius, float(np.median(radius[inside]) / np.median(radius[~inside]))
 
 
 def _divergent_groups(speeds: Array, divergent: Array) -> list[tuple[float, float]]:
-    """Return first and last of each group of neighbouring divergent speeds."""
+    """Return the first and last speed of each group of neighbouring divergent speeds."""
     marks = np.flatnonzero(np.diff(np.concatenate([[0], divergent.astype(int), [0]])))
     return [
         (float(speeds[a]), float(speeds[b - 1]))
@@ -50,7 +51,7 @@ def _divergent_groups(speeds: Array, divergent: Array) -> list[tuple[float, floa
 
 @measures(18)
 def highest_around_the_coincidence(sweep: xr.Dataset) -> Measures:
-    """Return place and size [mm] of the largest radius."""
+    """Return speed and size [mm] of the largest radius."""
     speed, radius, ratio = _radii(done_points(sweep), AROUND)
     peak = radius.argmax()
     return {"speed": float(speed[peak]), "radius": MILLI * radius[peak], "ratio": ratio}
@@ -58,7 +59,7 @@ def highest_around_the_coincidence(sweep: xr.Dataset) -> Measures:
 
 @measures(19)
 def other_critical_speeds(motion: Motion, sweep: xr.Dataset) -> Measures:
-    """Return groups of divergent speeds and those apart from the first coincidence."""
+    """Return the groups of divergent speeds, and the groups away from the first coincidence."""
     done = done_points(sweep)
     speeds, divergent = done["march_speed"].values, done["regime"].values == "divergent"
     groups = _divergent_groups(speeds, divergent)
@@ -72,7 +73,8 @@ def other_critical_speeds(motion: Motion, sweep: xr.Dataset) -> Measures:
 
 @measures(27)
 def sustained_near_critical_speeds(sweep: xr.Dataset) -> Measures:
-    """Return numbers of speeds by regime, and the share of sustained near divergent ones."""
+    """Return numbers of speeds by regime, and the share of the sustained speeds that are near
+    divergent speeds."""
     done = done_points(sweep)
     speed, regime = done["march_speed"].values, done["regime"].values
     critical, sustained = speed[regime == "divergent"], speed[regime == "sustained"]
@@ -106,7 +108,8 @@ def smaller_than_distortion(distortion: xr.Dataset, imbalance: xr.Dataset) -> Me
 
 @measures(34)
 def high_amplitudes_without_divergence(motion: Motion, sweep: xr.Dataset) -> Measures:
-    """Return radii inside over outside the paper's interval, and the energy peak [J] of a march."""
+    """Return the ratio of radii inside the paper's interval to those outside, and the energy peak
+    [J] of a march."""
     sweep = done_points(sweep)
     _, _, ratio = _radii(sweep, HIGH)
     total = motion.energies["total"].values
@@ -122,10 +125,12 @@ def high_amplitudes_without_divergence(motion: Motion, sweep: xr.Dataset) -> Mea
 
 @measures(36)
 def shifts_of_the_critical_speed(sweep: xr.Dataset) -> Measures:
-    """Return shifts between coupling stiffnesses, over the step of the sweep.
+    """Return shifts of the critical speed between coupling stiffnesses, relative to the step of the
+    sweep.
 
-    Critical is the middle of the speeds that diverge: their peaks end at the same limit. The step
-    between speeds limits its accuracy, so a shift has to be larger.
+    The critical speed is taken as the middle of the divergent speeds, because all their peaks end
+    at the same limit. The step between speeds limits its accuracy, so a shift has to be larger than
+    the step.
     """
     critical = {kappa: middle_of_divergence(sweep, kappa) for kappa in KAPPAS}
     missing = [f"{kappa:g}" for kappa, speed in critical.items() if np.isnan(speed)]
@@ -165,7 +170,7 @@ def truncated_space_under_imbalance(motion: Motion, sweep: xr.Dataset) -> Measur
 
 @measures(40)
 def sustained_radius(sweep: xr.Dataset) -> Measures:
-    """Return late radii of sustained motion over the clearance."""
+    """Return late radii of sustained motions, relative to the clearance."""
     clearance = loads(sweep.attrs["case"]).casing.clearance
     sweep = done_points(sweep)
     sustained = sweep["regime"].values == "sustained"
@@ -182,7 +187,8 @@ def sustained_radius(sweep: xr.Dataset) -> Measures:
 
 @measures(41)
 def first_family_at_every_speed(sweep: xr.Dataset) -> Measures:
-    """Return the share of speeds with most energy in 1F, and that of the suspension [%]."""
+    """Return the share of speeds with most energy in 1F, and the median energy share of the
+    suspension [%]."""
     energy = done_points(sweep)["energy_mean"]
     names = energy["energy_group"].values.astype(str)
     family = energy.values[:, np.char.startswith(names, "1F")].sum(axis=1)

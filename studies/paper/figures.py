@@ -1,4 +1,4 @@
-"""The paper's figures from our runs: which panels each has, and how they are drawn."""
+"""Figures of the paper from our runs: panels of each figure, and functions that draw them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ CHART_SPEEDS, CHART_KAPPAS = np.linspace(*RANGE, 241), np.linspace(0.0, 1000.0, 
 """Normalised speeds and stiffnesses [N/m] of the chart."""
 
 Draw = Callable[[Evidence, Path], None]
-"""Leaves pictures with their data in a folder that is there."""
+"""Function that draws pictures into an existing folder, with their data."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,14 +39,14 @@ class Panel:
     """Part of a figure of the paper."""
 
     caption: str
-    folder: str  #: that its pictures are in; all panels of a folder are drawn at once
-    name: str  #: of the picture, without suffix
+    folder: str  #: folder of its pictures; all panels of a folder are drawn at once
+    name: str  #: name of the picture, without suffix
     draw: Draw
 
 
 @dataclass(frozen=True, kw_only=True)
 class PaperFigure:
-    """A figure of the paper, side by side as there."""
+    """A figure of the paper, whose panels are side by side as in the paper."""
 
     caption: str
     panels: tuple[Panel, ...]
@@ -58,12 +58,12 @@ def draw_figures(
     """Draw figures of the paper into folders below a directory.
 
     Args:
-        evidence: whose runs are drawn; those that are missing are made.
-        numbers: of the figures, as in `PAPER_FIGURES`.
-        directory: where to.
+        evidence: evidence whose runs are drawn; missing runs are made.
+        numbers: numbers of the figures, as in `PAPER_FIGURES`.
+        directory: folder to write into.
 
     Raises:
-        UserError: the directory can't be written.
+        UserError: the directory cannot be written.
     """
     obstacles: dict[tuple[str, Draw], str] = {}
     drawn: dict[str, list[ReportFigure]] = {}
@@ -90,7 +90,7 @@ def draw_figures(
 
 
 def _draw(evidence: Evidence, panel: Panel, folder: Path) -> str:
-    """Draw a panel, and all others that are drawn with it; returns what stood in the way."""
+    """Draw a panel, and all others in its folder; return the obstacle if this is impossible."""
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         try:
@@ -132,7 +132,7 @@ _MODAL: Mapping[str, Draw] = {
     "stability": _draw_chart,
     "coupled-mode": _draw_coupled_mode,
 }
-"""Function that draws all pictures of a folder."""
+"""Functions that draw all pictures of a folder, by its name."""
 
 
 def _draw_one(kind: str, source: str, name: str, evidence: Evidence, folder: Path) -> None:
@@ -147,7 +147,8 @@ def _draw_one(kind: str, source: str, name: str, evidence: Evidence, folder: Pat
 
 
 def _panel(row: Mapping[str, str]) -> Panel:
-    """Return the panel of a row of figures.csv: of modes, or of a march or a sweep by name."""
+    """Return the panel of a row of figures.csv: a picture of modes, or of a march or sweep by its
+    name."""
     kind, source, name = row["kind"], row["source"], row["picture"]
     slug = "-".join(source.replace(",", "").split())
     folder = {"modal": source, "run": slug, "sweep": f"sweep-{slug}"}[kind]
@@ -159,4 +160,4 @@ PAPER_FIGURES: Mapping[str, PaperFigure] = {
     number: PaperFigure(caption=title, panels=tuple(map(_panel, rows)))
     for (number, title), rows in groupby(table("figures"), itemgetter("figure", "title"))
 }
-"""Rows of figures.csv by number in the paper."""
+"""Figures in figures.csv by their number in the paper."""

@@ -1,4 +1,5 @@
-"""Reproduction of the paper: selection of claims, what they need, and their verdicts."""
+"""Reproduction of the paper: selection of claims, the marches and sweeps that they need, and
+verdicts."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ from typing import Any, Literal
 from bladewhirl.files import write_atomically
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.postprocess.reports.page import write_page
-from bladewhirl.studies.paper import (  # noqa: F401 -- each registers its claims
+from bladewhirl.studies.paper import (  # noqa: F401 -- each module registers its claims
     claims_marches,
     claims_modal,
     claims_sweeps,
@@ -31,10 +32,10 @@ from bladewhirl.studies.sweeps.cache import Progress, RunStore
 from bladewhirl.studies.sweeps.sweep import Watch
 
 RUNS_NAME, FIGURES_NAME = "runs", "figures"
-"""Folders of the results of single marches, and of pictures."""
+"""Names of the folders of single marches, and of pictures."""
 
 CASES_IN_WORDS = "1 to 15: fan_stage; others: casing_distortion, imbalance"
-"""Examples that decide each claim; they need not be of one stage."""
+"""Examples by which the claims are judged; they need not have the same stage."""
 
 SMALLEST_STEP = 1e-4
 """Smallest step of a sweep over speed: 10,500 speeds."""
@@ -45,19 +46,19 @@ REPEATS = 3
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """Claims to judge, under which conditions."""
+    """Claims to judge, and the conditions of the runs."""
 
     claims: tuple[Claim, ...]
-    changes: Mapping[str, Any]  #: of all cases, by dotted key
+    changes: Mapping[str, Any]  #: changes of all cases, by dotted key
     quick: bool
     repeats: int
-    speed_step: float | None = None  #: of all sweeps over speed; if None, their own
+    speed_step: float | None = None  #: step of all sweeps over speed; if None, each has its own
 
     def __post_init__(self) -> None:
         """Check that the speed step is positive and not larger than the narrowest range.
 
         Raises:
-            UserError: with the permitted values.
+            UserError: the step is invalid; the message contains the permitted values.
         """
         widest = min(last - first for first, last in (s.speeds for s in SURVEYS.values()))
         if self.speed_step is not None and not SMALLEST_STEP <= self.speed_step <= widest:
@@ -68,7 +69,7 @@ class Plan:
 
     @property
     def sweeps(self) -> str:
-        """Sweeps over speed, as text."""
+        """Number and range of the speeds of each sweep, as text."""
         named = []
         for name in needed(self.claims, "sweeps"):
             speeds, *others = SURVEYS[name].axes(coarse=self.quick, step=self.speed_step).values()
@@ -78,10 +79,10 @@ class Plan:
 
 
 def chosen_claims(numbers: Sequence[int]) -> tuple[Claim, ...]:
-    """Claims by number, all of them if none is named, ascending.
+    """Return claims by number in ascending order; all claims if no number is given.
 
     Raises:
-        UserError: there is no such claim.
+        UserError: a claim does not exist.
     """
     unknown = [number for number in numbers if number not in CLAIMS]
     if unknown:
@@ -99,21 +100,21 @@ def reproduce_claims(
     progress: Progress | None = None,
     watch: Watch | None = None,
 ) -> tuple[Scorecard, Evidence]:
-    """Judge claims; existing marches and sweeps in the folder are used again.
+    """Judge claims, using again existing marches and sweeps in the folder.
 
     Args:
-        plan: what to judge.
-        directory: where marches and sweeps are.
-        workers: processes that march; one a core when None.
+        plan: claims and conditions.
+        directory: folder of marches and sweeps.
+        workers: number of processes that march; one per core when None.
         scheduler: address of an existing dask scheduler.
-        progress: called with finished marches and all marches.
+        progress: called with the numbers of finished marches and of all marches.
         watch: callbacks on the progress of sweeps.
 
     Returns:
         the scorecard, and the evidence of the first repeat, still open, for figures.
 
     Raises:
-        UserError: the folder can't be written, or the scheduler does not answer.
+        UserError: the folder cannot be written, or the scheduler does not answer.
     """
     store = RunStore(directory=directory / RUNS_NAME, workers=workers, scheduler=scheduler)
     repeats = [
@@ -155,7 +156,7 @@ def reproduce_claims(
 
 
 def needed(claims: Iterable[Claim], kind: Literal["trials", "sweeps"]) -> list[str]:
-    """Return the names of the marches or sweeps that claims are judged by, each once."""
+    """Return the names of the marches or sweeps by which claims are judged, each once."""
     return list(dict.fromkeys(name for claim in claims for name in getattr(claim, kind)))
 
 
@@ -163,7 +164,7 @@ def write_scorecard(card: Scorecard, evidence: Evidence, directory: Path) -> lis
     """Write scorecard.json and scorecard.html, with the figures of the claims in figures/.
 
     Raises:
-        UserError: it can't be written.
+        UserError: a file cannot be written.
     """
     cited = {number for score in card.scores for number in score.claim.figures}
     document, page = directory / "scorecard.json", directory / "scorecard.html"

@@ -16,7 +16,7 @@ from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
 from bladewhirl.studies.modal.veering import clamping_shifts, suspension_frequency, veering
 
 SHOWN_FAMILIES = 12
-"""Families that the paper's Fig. 7(a) shows."""
+"""Number of families in the paper's Fig. 7(a)."""
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 """Families with a frequency error in the paper."""
@@ -26,17 +26,17 @@ PURE = 0.99
 
 OPERATING = (0.6, 2.0)
 CROSSINGS = (0.7, 1.3)
-"""Normalised speeds: the paper's operating range, and where it has first-family crossings."""
+"""Range of normalised speeds in which the paper has first-family crossings."""
 
 
 def modal_measures(case: Case, stage: ModalStage) -> dict[str, Any]:
     """Compute the modal numbers of a case with a free centre.
 
-    Frequencies and speeds are normalised, changes and errors in per cent, phases in degrees. The
-    errors are those of the reduced bladed disk by family, in `errors`, too.
+    Frequencies and speeds are normalised, changes and errors are in per cent, phases in degrees.
+    The errors are those of the reduced bladed disk by family; `errors` contains them, too.
 
     Raises:
-        UserError: the stage has no such modes.
+        UserError: the stage lacks some of the modes.
     """
     diagrams = veering(stage, families=SHOWN_FAMILIES)
     reduced = build_stage(case)
@@ -45,7 +45,8 @@ def modal_measures(case: Case, stage: ModalStage) -> dict[str, Any]:
     for (family, _, k), speed in zip(
         coincidences["coincidence"].values, coincidences.values, strict=True
     ):
-        # Ascending: the first is that with the lowest casing mode of the nodal diameter.
+        # In ascending order the first speed is that with the lowest casing mode of the nodal
+        # diameter.
         met.setdefault((family, int(k)), float(speed))
     crossings = {
         k: speed
@@ -87,14 +88,15 @@ def modal_measures(case: Case, stage: ModalStage) -> dict[str, Any]:
 
 
 def centre_motion(stage: ModalStage) -> dict[int, float]:
-    """Largest motion of the centre over the largest of the mode, by nodal diameter.
+    """Return the largest motion of the centre relative to the largest motion of the mode, by nodal
+    diameter.
 
-    The modes are found without using the symmetry, which would decide the matter beforehand: all
-    of them up to the frequency of the last family of Fig. 7(a), as far as one nodal diameter holds
-    them (families of different nodal diameter may have one frequency and mix).
+    The modes are computed without cyclic symmetry, which would imply the result: all modes up to
+    the frequency of the last family of Fig. 7(a). Modes that are not dominated by one nodal
+    diameter are left out (modes of different nodal diameter may have equal frequencies and mix).
     """
     disk, structure = stage.free_disk, stage.free_disk.structure
-    assert structure.layout is not None  # a case's bladed disk is made of sectors
+    assert structure.layout is not None  # the bladed disk of a case consists of sectors
     count = min(SHOWN_FAMILIES * structure.layout.sectors, structure.size) - 1
     shapes = la.eigh(
         structure.stiffness.toarray(), structure.mass.toarray(), subset_by_index=(0, count)
@@ -106,10 +108,10 @@ def centre_motion(stage: ModalStage) -> dict[int, float]:
 
 
 def blade_stiffness(stage: ModalStage) -> float:
-    """Tangential stiffness at the tip of a blade clamped at its root [N/m]."""
+    """Return the tangential stiffness at the tip of a blade clamped at its root [N/m]."""
     disk = stage.free_disk
     sectors = disk.mesh.sectors
-    assert sectors is not None  # a case's bladed disk is made of sectors
+    assert sectors is not None  # the bladed disk of a case consists of sectors
     root = disk.mesh.node_sets["roots"][0]
     nodes = sectors[0][sectors[0] != root]
     dofs = disk.structure.node_dofs[nodes].ravel()

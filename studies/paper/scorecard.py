@@ -1,4 +1,4 @@
-"""The scorecard: claims judged over repeats, counted, as JSON, a table and a page."""
+"""Scorecard: verdicts of claims over repeats, and their numbers, as JSON, a table and a page."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ STYLES: Mapping[Verdict, str] = {
 
 
 PLURALS: Mapping[str, str] = {"holds": "hold", "does not hold": "do not hold"}
-"""Verdicts of several claims, where they read otherwise."""
+"""Plural forms of verdicts, if they differ."""
 
 
 def counted(verdict: str, count: int) -> str:
@@ -48,7 +48,7 @@ class Score:
 
     @property
     def ours(self) -> str:
-        """Our value, of the first repeat."""
+        """Our value in the first repeat."""
         return self.findings[0].ours
 
     @property
@@ -76,12 +76,12 @@ class Scorecard:
 
     @property
     def summary(self) -> str:
-        """Counts as text."""
+        """Numbers of claims by verdict, as text."""
         named = ", ".join(counted(verdict, count) for verdict, count in self.counts.items())
         return f"{len(self.scores)} claims: {named}"
 
     def to_json(self) -> str:
-        """Return one JSON document."""
+        """Return the scorecard as a JSON document."""
         document = {
             "conditions": self.conditions,
             "counts": self.counts,
@@ -115,7 +115,7 @@ def _entry(score: Score) -> dict[str, Any]:
 
 
 def scorecard_table(card: Scorecard) -> rich_table.Table:
-    """The scorecard as a table to read."""
+    """Return the scorecard as a table for the terminal."""
     quick = ", quick: short marches, coarse sweeps" if card.conditions.get("quick") else ""
     table = rich_table.Table(
         title=f"{card.summary}{quick}", box=box.SIMPLE_HEAD, title_justify="left"
@@ -125,7 +125,7 @@ def scorecard_table(card: Scorecard) -> rich_table.Table:
     table.add_column("ours", ratio=4, overflow="fold")
     table.add_column("verdict", no_wrap=True)
     for score in card.scores:
-        # The met criteria are in the JSON and on the page.
+        # Criteria that are met are only in the JSON document and on the page.
         why = "" if score.verdict == "holds" else f"\n[dim]{escape(score.why)}[/]"
         table.add_row(
             str(score.claim.number),

@@ -1,4 +1,4 @@
-"""Numbers, marches and sweeps that claims are judged by, each made once."""
+"""Modal measures, marches and sweeps by which claims are judged; each is computed once."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from bladewhirl.studies.sweeps.plan import PLAN_NAME
 from bladewhirl.studies.sweeps.sweep import Watch, resume_sweep, run_sweep
 
 Load = Literal["distortion", "imbalance"]
-"""Beginning of the contact: the paper's scenarios A and B."""
+"""Load that starts the contact: the paper's scenarios A and B."""
 
 PERTURBATION = 1e-7
-"""Relative change of the force between repeats: motions near a threshold are chaotic."""
+"""Relative change of the force between repeats, because motions near a threshold are chaotic."""
 
 QUICK_DURATION = 2.5
 """Duration of a quick march [s]: the casing distortion at 1.05 diverges within 1.8 to 2.1 s."""
@@ -40,7 +40,7 @@ KAPPAS = (0.0, 500.0, 1000.0)
 
 
 CONTACT = {"casing.support": 7.975e6, "damping.ratio": 0.001}
-"""In which the stage of the two scenarios differs from that of modal work."""
+"""Keys by which the stage of the two scenarios differs from that of the modal analysis."""
 
 CASES: Mapping[str, Case] = {
     "modal": Case(),
@@ -53,7 +53,8 @@ CASES: Mapping[str, Case] = {
         {**CONTACT, "excitation": {"type": "imbalance", "ramp": 0.1}},
     ),
 }
-"""Cases by scenario: the stage for modal work, and both beginnings of contact, as in examples/."""
+"""Cases by scenario, as in examples/: the stage for the modal analysis, and the two loads that
+start contact."""
 
 
 class NotTestableError(Exception):
@@ -61,9 +62,10 @@ class NotTestableError(Exception):
 
 
 def changed(scenario: str, changes: Mapping[str, Any]) -> Case:
-    """A case with other values, by dotted key.
+    """Return the case of a scenario with changed values, by dotted key.
 
-    Keys of `excitation` that belong to the other scenario's load are left out, and so is the title.
+    Keys of `excitation` that belong to the load of the other scenario are left out, and so is the
+    title.
 
     Raises:
         CaseError: all faults of the new case.
@@ -81,21 +83,22 @@ def changed(scenario: str, changes: Mapping[str, Any]) -> Case:
 
 @dataclass(frozen=True, kw_only=True)
 class Survey:
-    """A sweep that claims are judged by."""
+    """A sweep by which claims are judged."""
 
     load: Load
-    speeds: tuple[float, float]  #: first and last, multiples of the reference
-    step: float  #: between speeds
-    coarse_step: float  #: where fewer speeds will do
-    changes: Mapping[str, Any] = field(default_factory=dict)  #: of the case, by dotted key
-    over: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  #: in addition to the speed
+    speeds: tuple[float, float]  #: first and last speed, in multiples of the reference frequency
+    step: float  #: step between speeds
+    coarse_step: float  #: step between speeds in a coarse sweep
+    changes: Mapping[str, Any] = field(default_factory=dict)  #: changes of the case, by dotted key
+    #: keys swept in addition to the speed
+    over: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
     def axes(self, *, coarse: bool, step: float | None = None) -> dict[str, list[float]]:
-        """Values of all swept keys.
+        """Return the values of all swept keys.
 
         Args:
-            coarse: whether the coarse step over speed is taken.
-            step: of the speed instead; its own when None.
+            coarse: whether to use the coarse step between speeds.
+            step: another step between speeds; that of the survey when None.
         """
         first, last = self.speeds
         step = step or (self.coarse_step if coarse else self.step)
@@ -106,16 +109,16 @@ class Survey:
 
 @dataclass(frozen=True, kw_only=True)
 class Trial:
-    """A march that claims are judged by."""
+    """A march by which claims are judged."""
 
     load: Load
-    changes: Mapping[str, Any]  #: of the case, by dotted key
-    length: float  #: times the duration of the others
-    repeated: bool  #: with a perturbed force, where a claim is judged several times
+    changes: Mapping[str, Any]  #: changes of the case, by dotted key
+    length: float  #: duration relative to that of the other marches
+    repeated: bool  #: whether each repeat of a claim has its own march, with a perturbed force
 
 
 def table(name: str) -> list[dict[str, str]]:
-    """Return the rows of a CSV file beside this module."""
+    """Return the rows of a CSV file in the folder of this module."""
     text = resources.files(__package__).joinpath(f"{name}.csv").read_text(encoding="utf-8")
     return list(csv.DictReader(text.splitlines()))
 
@@ -129,7 +132,7 @@ TRIALS: Mapping[str, Trial] = {
     )
     for row in table("trials")
 }
-"""Rows of trials.csv by name: all begin a contact, changed as by --set."""
+"""Marches in trials.csv by name: cases that start a contact, with changes as by --set."""
 
 
 SURVEYS: Mapping[str, Survey] = {
@@ -143,25 +146,25 @@ SURVEYS: Mapping[str, Survey] = {
     )
     for row in table("surveys")
 }
-"""Rows of surveys.csv by name: sweeps over speed, some of them also over `KAPPAS`."""
+"""Sweeps in surveys.csv by name: over speed, some of them also over `KAPPAS`."""
 
 
 @dataclass(kw_only=True)
 class Evidence:
-    """Numbers, marches and sweeps of one set of parameters; close it, or use ``with``."""
+    """Modal measures, marches and sweeps under one set of conditions; close it, or use ``with``."""
 
     directory: Path
     store: RunStore
     changes: Mapping[str, Any] = field(default_factory=dict)  #: of all cases, by dotted key
-    quick: bool = False  #: whether marches are short, and sweeps coarse
+    quick: bool = False  #: whether marches are short and sweeps coarse
     speed_step: float | None = None  #: of all sweeps over speed; if None, their own
-    repeat: int = 0  #: number of the repeat, whose force is perturbed
+    repeat: int = 0  #: number of the repeat, which determines the perturbation of the force
     _open: ExitStack = field(default_factory=ExitStack)
     _motions: dict[str, Motion] = field(default_factory=dict)
     _sweeps: dict[str, xr.Dataset] = field(default_factory=dict)
 
     def __enter__(self) -> Self:
-        """Nothing is opened before it is used."""
+        """Return the evidence itself; results are opened when used."""
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -172,36 +175,36 @@ class Evidence:
 
     @property
     def modal_case(self) -> Case:
-        """The case of modal work."""
+        """Case of the modal analysis."""
         return changed("modal", self.changes)
 
     @cached_property
     def stage(self) -> ModalStage:
-        """Its finite element models and modes."""
+        """Finite element models and modes of the modal case."""
         return modal_stage(self.modal_case)
 
     @cached_property
     def modal(self) -> Mapping[str, Any]:
-        """Its numbers where the paper claims something."""
+        """Modal measures to which claims of the paper refer."""
         return modal_measures(self.modal_case, self.stage)
 
     @cached_property
     def system(self) -> EvenSystem:
-        """Its six coupled modes, undamped as in Eq. (15)."""
+        """The six coupled modes of the modal case, undamped as in Eq. (15)."""
         return couple_even(self.stage, modes="six", damped=False, with_pi=True, physical=False)
 
     def case(self, name: str) -> Case:
-        """Case of a march, in this repeat."""
+        """Return the case of a march, in this repeat."""
         trial = TRIALS[name]
         changes = {**self.changes, **trial.changes}
         repeat = self.repeat if trial.repeated else 0
         return perturbed(self._timed(changed(trial.load, changes), trial.length), repeat)
 
     def motion(self, name: str) -> Motion:
-        """Return a march, made on first use.
+        """Return the measures of a march, which is made on first use.
 
         Raises:
-            NotTestableError: it failed.
+            NotTestableError: the march failed.
         """
         if name not in self._motions:
             case = self.case(name)
@@ -214,10 +217,10 @@ class Evidence:
         return self._motions[name]
 
     def sweep(self, name: str, watch: Watch | None = None) -> xr.Dataset:
-        """Return a sweep, made or finished on first use and opened once.
+        """Return a sweep, which is made or finished on first use and opened once.
 
         Raises:
-            NotTestableError: no point of it could be marched.
+            NotTestableError: no point of the sweep could be marched.
         """
         if name not in self._sweeps:
             self._sweeps[name] = self._swept(name, watch)
@@ -261,7 +264,7 @@ def perturbed(case: Case, repeat: int) -> Case:
     if load.type == "imbalance" and load.unbalance is not None:
         return with_values(case, {"excitation.unbalance": factor * load.unbalance})
     if load.type == "imbalance" and load.clearance_speed is not None:
-        # The force varies with the inverse square of this speed.
+        # The force is proportional to the inverse square of this speed.
         speed = load.clearance_speed.value * factor**-0.5
         given = speed if load.clearance_speed.kind == "normalised" else f"{speed!r} rad/s"
         return with_values(case, {"excitation.clearance_speed": given})
@@ -269,7 +272,7 @@ def perturbed(case: Case, repeat: int) -> Case:
 
 
 def is_complete(directory: Path) -> bool:
-    """Return whether every point has a result; failed points are tried again."""
+    """Return whether every point of a sweep has a result; failed points are marched again."""
     if not (directory / SWEEP_NAME).exists():
         return False
     with open_sweep(directory) as dataset:

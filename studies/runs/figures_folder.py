@@ -15,10 +15,10 @@ from bladewhirl.studies.runs.folder import FIGURE_ENDS
 
 
 def check_figure_folder(folder: Path | None, *, overwrite: bool) -> None:
-    """Check that figures may be written to a folder; nothing is made yet.
+    """Check that figures may be written into a folder, without making it.
 
     Raises:
-        UserError: it exists and is not to be written into, or is a file.
+        UserError: the folder exists and must not be written into, or is a file.
     """
     if folder is None or not folder.exists():
         return
@@ -34,12 +34,12 @@ def save_figures(
     """Save figures with their data into a folder, listed in its manifest.
 
     Args:
-        folder: made if it does not exist.
-        figures: with their data, by the name of their files.
-        overwrite: replace existing files that the program did not write.
+        folder: target folder, made if it does not exist.
+        figures: figures with their data, by the name of their files.
+        overwrite: whether to replace existing files that the program did not write.
 
     Raises:
-        UserError: a file cannot be written, or exists and is not the program's.
+        UserError: a file cannot be written, or exists and was not written by the program.
     """
     with writing(folder):
         files = [f"{name}{suffix}" for name in figures for suffix in FIGURE_ENDS]

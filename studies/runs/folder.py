@@ -26,12 +26,12 @@ from bladewhirl.solvers.march.schema import RESULT_NAME
 CASE_NAME = "case.toml"
 PROVENANCE_NAME = "provenance.json"
 SUMMARY_NAME = "summary.json"
-MESH_NAME = "mesh"  #: of a copy of a mesh file, before its suffix
+MESH_NAME = "mesh"  #: name of the copy of a mesh file, without its suffix
 VTK_NAME = "vtk"
 FIGURE_ENDS = (".png", ".pdf", ".nc")
 ORBIT_NAME, ENERGY_NAME = "orbit.png", "energy.png"
 REPORT_NAME = "report.html"
-FAILURES_NAME = "failures.json"  #: of a sweep: points that failed, with reasons
+FAILURES_NAME = "failures.json"  #: file with the failed points of a sweep, and the reasons
 
 PICTURES = {
     "gif": "animation.gif",
@@ -40,17 +40,17 @@ PICTURES = {
     "sheet": "sheet.png",
     "html": "page.html",
 }
-"""Files of pictures, by kind, where none are named."""
+"""Default names of picture files, by kind."""
 
 PACKAGE = "bladewhirl"
 
 
 def check_free(directory: Path, *, overwrite: bool) -> None:
-    """See that a run may be written to a folder.
+    """Check that a run may be written into a folder.
 
     Raises:
-        UserError: it exists and is no empty folder; with ``overwrite``, it is no folder or holds
-            something else than a run; or no files can be made there.
+        UserError: the path exists and is not an empty folder; with ``overwrite``, it is not a
+            folder, or contains something other than a run; or files cannot be made there.
     """
     if directory.exists():
         _check_replaceable(directory, overwrite=overwrite)
@@ -65,7 +65,7 @@ def check_free(directory: Path, *, overwrite: bool) -> None:
 
 
 def nearest_existing(directory: Path) -> Path:
-    """The folder, or the first of its parents that exists."""
+    """Return the folder if it exists, otherwise the nearest of its parents that exists."""
     return next(path for path in (directory, *directory.absolute().parents) if path.exists())
 
 
@@ -84,7 +84,7 @@ def _check_replaceable(directory: Path, *, overwrite: bool) -> None:
 
 
 def is_run(directory: Path) -> bool:
-    """Return whether a folder contains the files of `write_provenance`, or the start of a run."""
+    """Return whether a folder contains a run, complete or only begun."""
     if RESULT_NAME in listed(directory):
         return True
     return PACKAGE in read_provenance(directory)
@@ -100,9 +100,10 @@ def read_provenance(directory: Path) -> dict[str, Any]:
 
 
 def case_files(case: Case) -> dict[str, bytes]:
-    """Content, by file name, of what reruns a case: case.toml, and the mesh file that it names.
+    """Return the content of the files needed to run a case again, by file name: case.toml and its
+    mesh file.
 
-    The mesh file may be that of a run to be replaced.
+    The mesh file may belong to the run that is to be replaced.
     """
     mesh = case.bladed_disk.mesh
     files = {CASE_NAME: portable_case(case).encode()}
@@ -110,7 +111,7 @@ def case_files(case: Case) -> dict[str, bytes]:
 
 
 def march_digest(case: Case) -> str:
-    """Digest of all that a march depends on but its duration, SHA-256."""
+    """Return the SHA-256 digest of all input of a march except its duration."""
     march = case.march.model_copy(update={"duration": 1.0})
     digest = sha256(version().encode())
     for name, content in case_files(case.model_copy(update={"march": march})).items():
@@ -119,11 +120,11 @@ def march_digest(case: Case) -> str:
 
 
 def portable_case(case: Case, folder: str = "") -> str:
-    """Text of a case that names the copy of its mesh file, not the file itself.
+    """Return the text of a case that refers to the copy of its mesh file instead of the original.
 
     Args:
         case: the case.
-        folder: of the copy, as seen from where the text will lie.
+        folder: folder of the copy, relative to the folder of the text.
     """
     mesh = case.bladed_disk.mesh
     if mesh is None:
@@ -138,10 +139,10 @@ def _copy_name(mesh: MeshTable) -> str:
 
 
 def read_failures(directory: Path, size: float = float("inf")) -> list[dict[str, Any]]:
-    """Points of a sweep that failed: "point", the values of the swept keys, "reason".
+    """Return the failed points of a sweep: "point", the values of the swept keys, "reason".
 
     Raises:
-        UserError: the file is damaged, or has points beyond the size of the sweep.
+        UserError: the file is damaged, or contains points that the sweep does not have.
     """
     path = directory / FAILURES_NAME
     if not path.exists():
@@ -175,12 +176,12 @@ def write_provenance(directory: Path, case: Case) -> None:
 
 
 def version() -> str:
-    """Version of the installed package."""
+    """Return the version of the installed package."""
     return metadata.version(PACKAGE)
 
 
 def _dependencies() -> Iterator[tuple[str, str]]:
-    """Installed version of each dependency; those of extras are left out."""
+    """Yield each dependency with its installed version; optional dependencies are left out."""
     for requirement in metadata.requires(PACKAGE) or []:
         name = re.match(r"[\w.-]+", requirement)
         if name is not None and "extra ==" not in requirement:
@@ -188,7 +189,7 @@ def _dependencies() -> Iterator[tuple[str, str]]:
 
 
 def files_of_run(case: Case) -> tuple[str, ...]:
-    """Return the names of the files that a run of a case makes, besides its series."""
+    """Return the names of the files of a run of a case, without the ParaView series."""
     figures = [
         f"{Path(name).stem}{end}" for name in (ORBIT_NAME, ENERGY_NAME) for end in FIGURE_ENDS
     ]

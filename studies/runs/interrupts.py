@@ -1,4 +1,4 @@
-"""Delayed Ctrl-C during operations that must end in order."""
+"""Delay of Ctrl-C during operations that must not be interrupted at once."""
 
 from __future__ import annotations
 
@@ -11,9 +11,11 @@ from multiprocessing import resource_tracker
 
 @contextmanager
 def asked_to_stop() -> Iterator[Callable[[], bool]]:
-    """Turn the first Ctrl-C into a question to ask; the second one is a KeyboardInterrupt again.
+    """Yield a function that returns whether Ctrl-C was pressed, instead of raising
+    KeyboardInterrupt.
 
-    Only the main thread gets signals; elsewhere the answer stays False.
+    A second Ctrl-C raises KeyboardInterrupt as usual. Only the main thread receives signals; in
+    other threads the function always returns False.
     """
     asked = threading.Event()
     if threading.current_thread() is not threading.main_thread():
@@ -34,10 +36,10 @@ def asked_to_stop() -> Iterator[Callable[[], bool]]:
 
 @contextmanager
 def held_back() -> Iterator[None]:
-    """Let Ctrl-C wait until what is started here runs.
+    """Delay Ctrl-C while processes are started.
 
-    Processes started here never get it where a terminal sends it to all, which takes POSIX's
-    masks; elsewhere they end by themselves when this one does.
+    A terminal sends Ctrl-C to all its processes. With the signal masks of POSIX, processes started
+    here never receive it; on other systems they end by themselves when this process ends.
     """
     if not hasattr(signal, "pthread_sigmask"):
         with asked_to_stop() as asked:
@@ -45,7 +47,7 @@ def held_back() -> Iterator[None]:
         if asked():
             raise KeyboardInterrupt
         return
-    resource_tracker.ensure_running()  # a later start would let the signal through again
+    resource_tracker.ensure_running()  # a later start would unblock the signal
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -1,4 +1,4 @@
-"""Outputs of a run besides its records: summary, figures and the ParaView series."""
+"""Outputs of a run in addition to its records: summary, figures and the ParaView series."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Window:
-    """Instants of a run that its ParaView series shows."""
+    """Instants of a run in its ParaView series."""
 
-    frames: int  #: spread evenly; 0 for no series
-    start: float | None = None  #: [s]; that of the run if None
-    end: float | None = None  #: [s]; that of the run if None
-    rotating: bool = False  #: seen from the rotor
+    frames: int  #: number of instants, equally spaced; 0 for no series
+    start: float | None = None  #: start of the window [s]; that of the run if None
+    end: float | None = None  #: end of the window [s]; that of the run if None
+    rotating: bool = False  #: whether rotating axes are used
 
     def check(self, duration: float) -> None:
-        """Check that the window is in order and contains part of a run of some duration [s].
+        """Check that the window is valid and overlaps a run of a duration [s].
 
         Raises:
-            UserError: it is not, or the number of frames is negative.
+            UserError: the window or the number of frames is invalid.
         """
         if self.frames < 0:
             raise UserError(f"--frames {self.frames}: expected 0 or more")
@@ -49,13 +49,14 @@ class Run:
 
     directory: Path
     end_reason: str  #: "completed", "divergent" or "interrupted"
-    end_message: str  #: where it did not complete, cause and remedy in one line
+    end_message: str  #: cause and remedy of an early end, in one line
     summary: Summary
     symmetry: str  #: symmetry of both bodies and the resulting method
-    hints: tuple[str, ...]  #: what may be done better
+    hints: tuple[str, ...]  #: hints for improvement
 
     def __rich__(self) -> Group:
-        """Regime and why, end, orbit, energies, contacts, quality of the march, symmetry, files."""
+        """Return a table of regime and reason, end, orbit, energies, contacts, quality of the
+        march, symmetry, and files."""
         from rich.console import Group
         from rich.text import Text
 
@@ -66,7 +67,7 @@ class Run:
         return Group(summary_table(self.summary), Text(self.symmetry), files)
 
     def __repr__(self) -> str:
-        """Return the same as plain text, with reasons for an early end and hints."""
+        """Return the table as plain text, with the reason for an early end, and hints."""
         from rich.console import Console
 
         console = Console(file=StringIO(), width=100, color_system=None)
@@ -77,23 +78,23 @@ class Run:
         return "\n".join(filter(None, lines))
 
     def __fspath__(self) -> str:
-        """Its folder, so that a run can be named wherever a folder can."""
+        """Return the folder of the run, so that a run can be used in place of a path."""
         return str(self.directory)
 
     def open(self) -> xr.Dataset:
-        """The result, read when used; close it, or open it in a ``with``."""
+        """Return the result, which is read when used; close it, or use ``with``."""
         from bladewhirl.postprocess.fields.result import open_result
 
         return open_result(self.directory)
 
 
 def write_outputs(directory: Path, report: Mapping[str, float], window: Window) -> Run:
-    """Leave summary, figures and series of the result in a folder.
+    """Write summary, figures and series of the result into a folder.
 
     Args:
-        directory: with result.nc in it.
-        report: what the march alone knows of its quality, see `postprocess.summary`.
-        window: of the series.
+        directory: folder with result.nc.
+        report: quality measures of the march, see `postprocess.run.summary`.
+        window: instants of the series.
     """
     from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
     from bladewhirl.postprocess.fields.result import open_result
@@ -122,7 +123,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
 
 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
-    """Write the ParaView series; yields hints."""
+    """Write the ParaView series; yield hints."""
     if window.frames == 0:
         return
     from bladewhirl.postprocess.fields.kinematics import ViewError, sampling_hint

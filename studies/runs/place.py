@@ -1,4 +1,5 @@
-"""Folder for the files of a new run: its own, or a temporary one beside the run it replaces."""
+"""Folder for the files of a new run: the final one, or a temporary one next to the run that is
+replaced."""
 
 from __future__ import annotations
 
@@ -13,10 +14,11 @@ from bladewhirl.files import owned
 from bladewhirl.models.inputs.errors import UserError
 
 LOCK_NAME = ".lock"
-"""Held by the process that writes a folder; the system frees it when that ends, however it does."""
+"""Name of the file locked by the process that writes a folder; the system releases the lock when
+the process ends, even if it is killed."""
 
 NEW, OLD = ".new", ".old"
-"""Suffixes of the folder of a new run, and of the run that it replaces."""
+"""Suffixes of the temporary folders of a new run, and of the run that it replaces."""
 
 
 @contextmanager
@@ -24,7 +26,7 @@ def locked(folder: Path) -> Iterator[None]:
     """Lock a folder for this process; it is made if it does not exist.
 
     Raises:
-        UserError: another one has it.
+        UserError: another process has locked the folder.
     """
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / LOCK_NAME
@@ -36,7 +38,8 @@ def locked(folder: Path) -> Iterator[None]:
         try:
             yield
         finally:
-            # Not where the folder has moved on, and another took its place.
+            # The path may no longer be this folder, if the folder was moved and another took its
+            # place.
             with suppress(OSError):
                 if os.path.samestat(path.stat(), os.fstat(file.fileno())):
                     path.unlink()
@@ -57,12 +60,13 @@ def _lock(file: BinaryIO) -> None:
 def taking_place(directory: Path) -> Iterator[Path]:
     """Yield the folder to write a run into; at the end it replaces the run in ``directory``.
 
-    Where there is none it is ``directory`` itself. Files of the earlier run that its manifests
-    list go, others move into the new folder; those with names of the new run stay in one with
-    ``.old`` after its name.
+    If there is no earlier run, the folder is ``directory`` itself. Files listed in the manifests of
+    the earlier run are removed, other files are moved into the new folder. If such a file has the
+    name of a file of the new run, it stays in a folder with the suffix ``.old``.
 
     Raises:
-        UserError: another process writes there, or what an earlier call left is in the way.
+        UserError: another process writes there, or the files of an interrupted earlier call are in
+            the way.
     """
     if not directory.exists() or not any(directory.iterdir()):
         with locked(directory):

@@ -20,20 +20,20 @@ from bladewhirl.solvers.march.scheme import make_scheme
 
 @dataclass(frozen=True, kw_only=True)
 class Prepared:
-    """A case ready to march; whatever can be wrong with it has been seen."""
+    """A case that is ready to march, with all checks passed."""
 
     stage: Stage
     problem: ContactProblem
     timing: Timing
     scheme: Scheme[Any]
-    stop: FreeMotion | None = None  #: that the march may end early at
+    stop: FreeMotion | None = None  #: rule by which the march may end early
 
 
 def prepare(case: Case) -> Prepared:
     """Build the stage of a case and factorise its march.
 
     Raises:
-        CaseError: all faults that only show here.
+        CaseError: all faults that can only be detected here.
     """
     return prepare_stage(build_stage(case))
 
@@ -42,14 +42,14 @@ def prepare_stage(stage: Stage) -> Prepared:
     """Factorise the march of a stage.
 
     Raises:
-        CaseError: all faults that stand in the way of a march.
+        CaseError: all errors that prevent time integration.
     """
     problem, case = contact_problem(stage), stage.case
     timing = case.march.timing
     with numbers_within_reach(case):
         try:
             scheme = make_scheme(problem, timing.time_step, timing.record_every, case.march.scheme)
-        except ValueError as error:  # the critical step of a stage is seen before
+        except ValueError as error:  # the critical step of a stage was checked before
             if case.march.scheme != "penalty":
                 raise
             raise CaseError(

@@ -27,7 +27,7 @@ LOWEST = 12
 
 @dataclass(frozen=True, kw_only=True)
 class Rate:
-    """An angular frequency or speed, in the units people use."""
+    """An angular frequency or speed, in common units."""
 
     rad_per_s: float
     hz: float  #: turns or cycles per second
@@ -37,7 +37,8 @@ class Rate:
 
 @dataclass(frozen=True, kw_only=True)
 class Mode:
-    """Natural frequency, dominant nodal diameter of its mode, and its share."""
+    """Natural frequency of a mode, its dominant nodal diameter, and the share of this nodal
+    diameter."""
 
     nodal_diameter: int  #: -1 without sectors
     frequency: Rate
@@ -48,13 +49,14 @@ class Mode:
 class ReductionFigures:
     """Size and accuracy of the Craig-Bampton reduction of the bladed disk."""
 
-    boundary: dict[str, int]  #: degrees of freedom kept, by set
-    fixed_interface_modes: int  #: kept; complete pairs, so possibly one more than requested
-    wanted: int  #: requested fixed-interface modes
-    internal: int  #: internal degrees of freedom of the full model
-    modes: int  #: of the reduced model
-    marched: dict[str, int]  #: modes that a march has, of each body
-    frequency_error: dict[str, float]  #: largest relative one against the full model, by family
+    boundary: dict[str, int]  #: number of boundary degrees of freedom, by node set
+    #: number used; with complete pairs, possibly one more than requested
+    fixed_interface_modes: int
+    wanted: int  #: number of fixed-interface modes requested
+    internal: int  #: number of internal degrees of freedom of the full model
+    modes: int  #: number of modes of the reduced model
+    marched: dict[str, int]  #: number of modes in a march, by body
+    frequency_error: dict[str, float]  #: largest relative error to the full model, by family
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,56 +65,57 @@ class ImbalanceFigures:
 
     unbalance: float  #: m e [kg m]
     force: float  #: m e Omega^2 [N]
-    closing: float  #: share of the clearance that its static answer closes, at the nearest tip
+    closing: float  #: share of the clearance closed by the static response, at the nearest tip
 
 
 MARCHES = {True: "harmonic by harmonic", False: "by dense products"}
-"""Method of the march for a body, by use of its cyclic symmetry."""
+"""Method of the march for a body, by whether its cyclic symmetry is used."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class DistortionFigures:
-    """The casing mode that a distortion loads."""
+    """The casing mode that is loaded by a distortion."""
 
     frequency: Rate
-    static_displacement: float  #: largest radial one under the constant force [m]
+    static_displacement: float  #: largest radial displacement under the constant force [m]
 
 
 @dataclass(frozen=True, kw_only=True)
 class StageProperties:
     """Properties of a stage that follow from its case."""
 
-    bladed_disk_mass: float  #: [kg]
+    bladed_disk_mass: float  #: mass of the bladed disk [kg]
     bladed_disk_parts: dict[str, float]  #: mass of the beams of each part, and point masses [kg]
-    casing_mass: float  #: struts included [kg]
-    reference_frequency: Rate  #: lowest of the full bladed disk with a free centre, at rest
+    casing_mass: float  #: mass of the casing with its struts [kg]
+    reference_frequency: Rate  #: lowest frequency of the full bladed disk with free centre, at rest
     speed: Rate
-    rotation_effects: str  #: "none", or the effects in the frequencies below
+    rotation_effects: str  #: "none", or the effects included in the frequencies below
     bladed_disk: tuple[Mode, ...]
-    """Lowest of each nodal diameter, full model; of unlike sectors the lowest few."""
-    shaft_stiffness: tuple[float, float] | None  #: of its springs along x and y [N/m], or clamped
+    """Lowest mode of each nodal diameter in the full model; with unequal sectors the lowest
+    modes."""
+    shaft_stiffness: tuple[float, float] | None  #: springs along x and y [N/m]; None if clamped
     suspension: Rate | None
-    """Lower frequency of the suspension pair, which at speed keeps its name at rest; None when
+    """Lower frequency of the suspension pair, which at speed is named as at rest; None if
     clamped."""
-    suspension_spring_share: float | None  #: share of its strain energy in the shaft springs
-    casing: tuple[Mode, ...]  #: lowest of each nodal diameter
+    suspension_spring_share: float | None  #: share of the shaft springs in its strain energy
+    casing: tuple[Mode, ...]  #: lowest mode of each nodal diameter
     reduction: ReductionFigures
-    symmetry: dict[str, str]  #: of each body
-    cyclic: dict[str, bool]  #: bodies marched harmonic by harmonic (else by dense products)
-    critical_time_step: float  #: [s]
-    dt_over_critical: float
+    symmetry: dict[str, str]  #: symmetry of each body, as text
+    cyclic: dict[str, bool]  #: whether a body is marched by harmonics (or by dense products)
+    critical_time_step: float  #: critical time step [s]
+    dt_over_critical: float  #: ratio of the time step to the critical time step
     steps: int
     records: int
-    result_bytes: int  #: about the size of result.nc
+    result_bytes: int  #: approximate size of result.nc [bytes]
     imbalance: ImbalanceFigures | None
     distortion: DistortionFigures | None
 
 
 def stage_properties(stage: Stage) -> StageProperties:
-    """Masses, frequencies, time step, loads and sizes of a stage.
+    """Compute masses, frequencies, time step, loads and sizes of a stage.
 
     Raises:
-        CaseError: some are beyond the largest float.
+        CaseError: a property exceeds the largest float.
     """
     with numbers_within_reach(stage.case):
         return _properties(stage)
@@ -170,7 +173,8 @@ def _rate(stage: Stage, rad_per_s: float) -> Rate:
 
 
 def _lowest_of_disk(stage: Stage) -> tuple[Mode, ...]:
-    """Return the modes of the full model; mistuned modes are named as those of the reduced one."""
+    """Return the modes of the full model; mistuned modes get the names of those of the reduced
+    model."""
     frequencies, modes = stage.disk_frequencies, stage.reduction.modes
     if NO_COLUMN not in frequencies:
         lowest = {k: values[0] for k, values in frequencies.items()}

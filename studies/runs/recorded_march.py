@@ -1,4 +1,4 @@
-"""Time integration of a run with its records and checkpoints, from the start or a checkpoint."""
+"""Time integration of a run with records and checkpoints, from the start or from a checkpoint."""
 
 from __future__ import annotations
 
@@ -43,15 +43,17 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SPARE_BYTES = 4_000_000
-"""Room on the disk that a march leaves: HDF5 can't close a file on a full disk in order."""
+"""Space on the disk that a march leaves free [bytes], because HDF5 cannot close a file properly on
+a full disk."""
 
 FLUSH_TIME, FLUSH_RECORDS = 0.5, 4096
-"""Seconds, and records, that are written at once: what a kill loses at most."""
+"""Time [s], and number of records, after which records are written: a killed run loses at most
+these."""
 
 Activity = Literal["marching", "writing"]
 
 Progress = Callable[[Activity, int, int], None]
-"""Called with what is being done, steps done and steps in all."""
+"""Called with the activity, the number of finished steps and the number of all steps."""
 
 REMEDY = (
     "the linear model no longer applies; check speed, load, damping, friction, or raise"
@@ -68,19 +70,20 @@ def march_to_file(
     checkpoints: Path | None = None,
     begin: Checkpoint | None = None,
 ) -> dict[str, float]:
-    """March and record on disk; return the quality measures known to the march only.
+    """March and write records to disk; return the quality measures that only the march can compute.
 
     Args:
         prepared: the case to march.
-        path: of the result.
-        case_text: of the result, see `folder.portable_case`.
-        progress: called with what is being done, steps done and steps in all.
-        checkpoints: file that keeps the state after every flush; none when None.
-        begin: where a march that left ``path`` goes on.
+        path: path of the result.
+        case_text: text of the case for the result, see `folder.portable_case`.
+        progress: called with the activity, the number of finished steps and the number of all
+            steps.
+        checkpoints: file for the state after every flush; no file when None.
+        begin: checkpoint from which to continue the earlier march that wrote ``path``.
 
     Raises:
-        UserError: no room; what was recorded is kept.
-        OSError: the system refuses a write; the same.
+        UserError: the disk is full; the records written are kept.
+        OSError: the system refuses a write; the records written are kept.
     """
     digest = "" if checkpoints is None else folder.march_digest(prepared.stage.case)
     with _recorder(prepared, path, case_text, begin) as recorder:
@@ -88,7 +91,7 @@ def march_to_file(
         def flush(chunk: Chunk, state: MarchState, wall_time: float) -> None:
             check_room(path.parent, 0)
             recorder.write(chunk)
-            # Only before the record at the end that a longer march would not make.
+            # No checkpoint at an extra record at the end, which a longer march would not have.
             if checkpoints is not None and state.step <= prepared.timing.whole_steps + 1:
                 checkpoint = Checkpoint(
                     case=digest,
@@ -104,9 +107,10 @@ def march_to_file(
 def march_in_memory(
     prepared: Prepared, room: dict[str, Values] | None = None
 ) -> tuple[xr.Dataset, dict[str, float]]:
-    """March and record in memory; returns the result and what `march_to_file` does.
+    """March with records in memory; return the result and the quality measures of `march_to_file`.
 
-    The result lies in the room, if one is given, until that is used again (see `Records`).
+    If memory is passed as `room`, the result uses it and is valid until `room` is used again (see
+    `Records`).
     """
     from bladewhirl.postprocess.fields.result import result_of  # loads xarray
 
@@ -124,7 +128,7 @@ def _march_into(
     progress: Progress | None = None,
     begin: Checkpoint | None = None,
 ) -> dict[str, float]:
-    """March, flushing records after each pause [s] with the state and the time that it took."""
+    """March, and flush the records after each `pause` [s] with the state and the elapsed time."""
     timing, residual, unsolved = prepared.timing, 0.0, 0
     reason, message = EndReason.COMPLETED.value, ""
     first, before = None, 0.0
@@ -176,7 +180,7 @@ def _march_into(
 def _recorder(
     prepared: Prepared, path: Path, case_text: str, begin: Checkpoint | None
 ) -> Iterator[Recorder]:
-    """A recorder of the result, with the records before a checkpoint in it."""
+    """Yield a recorder of the result that contains the records before a checkpoint."""
     attributes = _attributes(prepared, case_text)
     if begin is None:
         with Recorder(path, prepared.stage.arrays, attributes) as recorder:
@@ -200,10 +204,11 @@ def _chunk(records: xr.Dataset, time_step: float) -> Chunk:
 
 
 def state_at(prepared: Prepared, begin: Checkpoint) -> Any:
-    """State of the scheme at a checkpoint.
+    """Return the state of the scheme at a checkpoint.
 
     Raises:
-        UserError: the march is to end before it, or it is of another scheme or stage.
+        UserError: the march ends before the checkpoint, or the checkpoint is of another scheme or
+            stage.
     """
     steps = int(begin.state["step"])
     if steps > prepared.timing.steps + 1:
@@ -216,10 +221,10 @@ def state_at(prepared: Prepared, begin: Checkpoint) -> Any:
 
 
 def check_room(directory: Path, needed: int) -> None:
-    """Check that the disk has space for a number of bytes and a little more.
+    """Check that the disk has space for `needed` bytes and `SPARE_BYTES`.
 
     Raises:
-        UserError: there is not.
+        UserError: the space is not sufficient.
     """
     free = shutil.disk_usage(folder.nearest_existing(directory)).free
     if free < needed + SPARE_BYTES:
@@ -230,7 +235,7 @@ def check_room(directory: Path, needed: int) -> None:
 
 
 def expected_bytes(prepared: Prepared) -> int:
-    """Size of a result on disk if its march completes [bytes]."""
+    """Return the size of the result on disk if the march completes [bytes]."""
     problem, timing = prepared.problem, prepared.timing
     return description_bytes(prepared.stage.arrays) + result_bytes(
         len(problem.rotor.frequency),
@@ -269,7 +274,7 @@ def _attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
 def _divergence(prepared: Prepared, chunk: Chunk) -> str:
     """Return the body, place, size and time of a limit violation, and the remedy.
 
-    The last record is the last state within the limit, so what goes beyond it is sought a step on.
+    The last record is the last state within the limit, so the violation is located one step later.
     """
     rotor, casing = prepared.problem.rotor, prepared.problem.casing
     step, largest, text = prepared.timing.time_step, 0.0, ""

@@ -1,4 +1,4 @@
-"""Pictures of a run: stills, sheets, films and pages by one function."""
+"""Pictures of a run: one function for stills, sheets, films and pages."""
 
 from __future__ import annotations
 
@@ -36,34 +36,35 @@ def render(
     orbit: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Draw a run without a display; the suffix of the file selects the kind.
-
-    ``.gif`` and ``.mp4`` are films, ``.html`` is one to zoom and to point at in any browser,
-    ``.png`` is a still. Several times, a number of frames
-    or a window make a PNG a sheet of stills.
+    """Draw a run without a display; the suffix of the file selects the kind of picture.  ``.gif``
+    and ``.mp4`` are films, ``.html`` is a film for any browser with zoom and values at the pointer,
+    ``.png`` is a still. With several times, a number of frames or a time window a PNG is a sheet of
+    stills.
 
     Args:
-        result: an open result, or the run, its folder or its result.nc.
-        path: of the file; an older one is replaced.
-        time: instant of a still, or instants of a sheet [s]; that of the largest force when None.
-        frames: pictures of a film (120 when None) or of a sheet (9).
-        start: of a film or a sheet [s]; these are of the strongest contact when None, a sheet of
-            one revolution.
-        end: of a film or a sheet [s].
-        exaggeration: factor on displacements and clearance, 1 is true; chosen when None.
-        frame: whose axes are held, "static" or "rotating".
+        result: an open result, a run, the folder of a run, or its result.nc.
+        path: path of the file; an older file is replaced.
+        time: instant of a still, or instants of a sheet [s]; the instant of the largest force when
+            None.
+        frames: number of pictures of a film (120 when None) or of a sheet (9 when None).
+        start: start of a film or a sheet [s]. Without start and end a film is around the strongest
+            contact, and a sheet shows the revolution with it.
+        end: end of a film or a sheet [s].
+        exaggeration: factor of displacements and clearance, 1 for their true size; chosen when
+            None.
+        frame: "static" or "rotating" axes.
         colour: field that colours beams and wall, such as "stress".
-        orbit: show the shaft's orbit in an inset, of stills, GIF and MP4.
-        progress: called with pictures done and pictures in all, of films.
+        orbit: whether an inset of stills, GIF and MP4 shows the orbit of the shaft.
+        progress: called with the numbers of finished and of all pictures of a film.
 
     Returns:
-        the path.
+        the path of the file.
 
     Raises:
-        ResultError: there is no result.
-        ViewError: another kind of file, or a time or window that makes no sense.
-        OffScreenError: the system can't draw.
-        UserError: the file can't be written.
+        ResultError: the result does not exist.
+        ViewError: the suffix is unknown, or a time or the window is invalid.
+        OffScreenError: the system cannot draw without a display.
+        UserError: the file cannot be written.
     """
     from bladewhirl.postprocess.fields.kinematics import ViewError, nearest_records
     from bladewhirl.postprocess.fields.result import opened
@@ -97,7 +98,8 @@ def render(
 def window_records(
     result: xr.Dataset, path: Path, *, frames: int | None, start: float | None, end: float | None
 ) -> IntArray:
-    """Return the records of a sheet, which is a .png file, or of a film; see `render`."""
+    """Return the records of a sheet if the path ends in .png, otherwise those of a film; see
+    `render`."""
     from bladewhirl.postprocess.pictures import render as pictures
 
     if path.suffix.lower() == ".png":

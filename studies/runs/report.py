@@ -1,4 +1,4 @@
-"""Reports on a folder with a run or a sweep, finished or not."""
+"""Report of a folder with a run or a sweep, finished or not."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from bladewhirl.studies.runs.folder import REPORT_NAME, read_failures, read_prov
 
 
 def report(directory: str | Path, output: str | Path | None = None) -> Path:
-    """Write the report of a run or a sweep as one HTML file for use offline; returns its path.
+    """Write the report of a run or a sweep as one HTML file for use offline; return its path.
 
     Args:
-        directory: of a run or a sweep.
-        output: the file; report.html in the folder when None. An older one is replaced.
+        directory: folder of a run or a sweep.
+        output: path of the file; report.html in the folder when None. An older file is replaced.
 
     Raises:
-        UserError: neither is there, or the file can't be written.
+        UserError: the folder contains neither run nor sweep, or the file cannot be written.
     """
     directory = Path(directory)
     target = report_target(directory, None if output is None else Path(output))
@@ -35,10 +35,11 @@ def report(directory: str | Path, output: str | Path | None = None) -> Path:
 
 
 def report_target(directory: Path, output: Path | None) -> Path:
-    """File of the report of a folder.
+    """Return the path of the report of a folder.
 
     Raises:
-        UserError: no run and no sweep is there, or the file's name does not end in .html.
+        UserError: the folder contains neither run nor sweep, or the file name does not end in
+            .html.
     """
     target = checked_target(directory / REPORT_NAME if output is None else output, ".html")
     if not any((directory / name).is_file() for name in PAGES):

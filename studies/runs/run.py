@@ -38,31 +38,31 @@ def run(
     rotating: bool = False,
     progress: Progress | None = None,
 ) -> Run:
-    """Run a case and leave everything about it in a folder.
+    """March a case, and write all its results into a folder.
 
-    The folder gets case.toml (and a copy of its mesh file), provenance.json, result.nc,
-    summary.json, orbit and energy (.png, .pdf and the data behind them) and vtk/. Nothing is
-    written before the case is known to be right. Ctrl-C ends the march in order: what was
-    recorded is finished and summed up, and the run says "interrupted".
+    These are written: case.toml (and a copy of its mesh file), provenance.json, result.nc,
+    summary.json, orbit and energy (.png, .pdf and their data) and vtk/. Nothing is written before
+    the case is validated. Ctrl-C ends the march properly: all outputs are written for the time
+    marched, and the end reason of the run is "interrupted".
 
     Args:
         case: to run, or the path of its file.
-        directory: to make.
-        overwrite: put the run in the place of the one in an existing folder when it is done; files
-            that are not of that run stay.
-        frames: of the ParaView series in vtk/; 0 for no series.
-        start: of the series [s]; of the run when None.
-        end: of the series [s]; of the run when None.
-        rotating: show the series as seen from the rotor.
-        progress: called with what is being done, steps done and steps in all, many times a second
-            while marching.
+        directory: folder to make.
+        overwrite: whether to replace the run in an existing folder when the new run is finished;
+            files that do not belong to the old run are kept.
+        frames: number of frames of the ParaView series in vtk/; 0 for no series.
+        start: start of the series [s]; that of the run when None.
+        end: end of the series [s]; that of the run when None.
+        rotating: whether the series is in rotating axes.
+        progress: called with the activity, the number of finished steps and the number of all
+            steps, many times a second while marching.
 
     Warns:
         Hint: an implausible value of the case, such as a clearance of a metre.
 
     Raises:
         CaseError: all faults of the case.
-        UserError: the folder may not be used, the window makes no sense, or something can't be
+        UserError: the folder must not be used, the time window is invalid, or a file cannot be
             written.
     """
     if not isinstance(case, Case):
@@ -95,18 +95,19 @@ def resume(
     rotating: bool = False,
     progress: Progress | None = None,
 ) -> Run:
-    """Go on with a run that was killed, or make one longer, to the bits of one that was not.
+    """Finish a run that was killed, or extend a run, with bitwise the same result as without
+    interruption.
 
     Args:
-        directory: of the run.
-        overrides: "march.duration=6", if it is to be longer.
-        frames: of the ParaView series, as of `run`.
-        rotating: as of `run`.
-        progress: as of `run`.
+        directory: folder of the run.
+        overrides: a longer duration, such as "march.duration=6".
+        frames: number of frames of the ParaView series, as for `run`.
+        rotating: as for `run`.
+        progress: as for `run`.
 
     Raises:
-        UserError: no run there that can go on, something else than its duration is to change, or
-            something can't be written.
+        UserError: the folder contains no run that can be continued, a key other than the duration
+            is changed, or a file cannot be written.
     """
     directory = Path(directory)
     path = directory / folder.CASE_NAME
@@ -144,7 +145,7 @@ def _march_and_sum_up(
     progress: Progress | None,
     begin: Checkpoint | None = None,
 ) -> Run:
-    """March into a folder that has its case, and leave all outputs there."""
+    """March into a folder that contains the case, and write all outputs there."""
     case = prepared.stage.case
     report = march_to_file(
         prepared,

@@ -1,1 +1,1 @@
-"""A case marched over ranges of its keys: plan, points, store, cluster."""
+"""Sweeps of a case over ranges of its keys: plan, points, store, cluster."""

@@ -30,10 +30,10 @@ ASKED_POINTS = 100_000
 """Largest number of points of a sweep without confirmation."""
 
 MOST_POINTS = 10_000_000
-"""Largest number of points of a range; more is a typing error."""
+"""Largest number of points of a range; more are regarded as a typing error."""
 
 ON_GRID = Decimal("1e-6")
-"""Share of a step by which a range may miss its stop and still include it."""
+"""Tolerance for including the stop of a range, as a share of a step."""
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*", re.ASCII)
 
@@ -42,7 +42,7 @@ _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.
 class Axis:
     """Swept key and its values, in order."""
 
-    key: str  #: dotted, as in the case file
+    key: str  #: dotted key, as in the case file
     values: tuple[Value, ...]  #: as in a case file
 
     @property
@@ -52,7 +52,7 @@ class Axis:
 
     @property
     def unit(self) -> str:
-        """Unit of the given values; empty for plain numbers."""
+        """Unit of the values; empty for plain numbers."""
         first = self.values[0]
         return first.partition(" ")[2] if isinstance(first, str) else ""
 
@@ -96,7 +96,7 @@ class Grid:
         """Yield the case at every point, in order.
 
         Raises:
-            UserError: naming the first point at which it has faults.
+            UserError: the case has errors at a point; the message names the first such point.
         """
         keys = [axis.key for axis in self.axes]
         for point, combination in enumerate(product(*(axis.values for axis in self.axes))):
@@ -106,10 +106,10 @@ class Grid:
 
     @contextmanager
     def naming(self, point: int) -> Iterator[None]:
-        """Name a point in errors.
+        """Add the name of a point to errors raised in the ``with`` block.
 
         Raises:
-            UserError: the first line of an error, after the point.
+            UserError: the point and the first line of the error.
         """
         try:
             yield
@@ -118,16 +118,16 @@ class Grid:
 
 
 def make_grid(case: Case, over: Mapping[str, Sequence[Value]], *, large: bool) -> Grid:
-    """The points of a sweep.
+    """Return the points of a sweep.
 
     Args:
-        case: that the sweep varies.
+        case: case that is varied.
         over: values of each swept key.
-        large: more than 100,000 points are meant.
+        large: whether to allow more than 100,000 points.
 
     Raises:
-        UserError: nothing to sweep, an unknown key or one without a number, fewer than two
-            values or some twice, too many points.
+        UserError: nothing to sweep, a key that is unknown or does not take a number, fewer than two
+            values, a value given twice, or too many points.
     """
     if not over:
         raise UserError(f"{OVER}: expected at least one key to sweep, march.speed=0.95:2:0.005")
@@ -147,15 +147,16 @@ def make_grid(case: Case, over: Mapping[str, Sequence[Value]], *, large: bool) -
 
 
 def parse_over(options: Sequence[str]) -> dict[str, tuple[Value, ...]]:
-    """Values of each key from options "KEY=START:STOP:STEP" and "KEY=VALUE,VALUE".
+    """Return the values of each key from options "KEY=START:STOP:STEP" and "KEY=VALUE,VALUE".
 
-    The stop is included where steps lead to it within rounding. Numbers may carry a unit, as in
-    the case file: the same one each, "2000 rpm:2500 rpm:10 rpm" or "0.5 mm,1 mm". Steps are added
-    in decimal, so that 0.95:2:0.005 holds the very numbers one would type.
+    The stop is included if it is a whole number of steps from the start, within rounding. Numbers
+    may have a unit, as in the case file, which must be the same for all: "2000 rpm:2500 rpm:10 rpm"
+    or "0.5 mm,1 mm". Steps are added in decimal arithmetic, so that 0.95:2:0.005 gives exactly the
+    numbers 0.95, 0.955, ...
 
     Raises:
-        UserError: anything else, ranges that are empty, reversed or of a single point, and a key
-            given twice.
+        UserError: an option has another form, a range is empty, reversed or a single point, or a
+            key is given twice.
     """
     over: dict[str, tuple[Value, ...]] = {}
     for option in options:
@@ -169,13 +170,14 @@ def parse_over(options: Sequence[str]) -> dict[str, tuple[Value, ...]]:
 
 
 def coordinate(case_values: Sequence[Any]) -> tuple[FloatArray, str]:
-    """Values of a key, read from the cases, as numbers, and their unit where the key decides it.
+    """Return the values of a key in the cases as numbers, and their unit if the values determine
+    it.
 
     Args:
-        case_values: int, float or `Speed`.
+        case_values: values of the key: int, float or `Speed`.
 
     Raises:
-        UserError: speeds partly in multiples of the reference frequency, partly absolute.
+        UserError: some speeds are multiples of the reference frequency, others are absolute.
     """
     kinds = {value.kind for value in case_values if isinstance(value, Speed)}
     if len(kinds) > 1:
@@ -189,7 +191,7 @@ def coordinate(case_values: Sequence[Any]) -> tuple[FloatArray, str]:
 
 
 def value_at(case: Case, key: str) -> Any:
-    """Value at a dotted key of a case."""
+    """Return the value at a dotted key of a case."""
     value: Any = case
     for part in key.split("."):
         value = value[part] if isinstance(value, Mapping) else getattr(value, part)
@@ -200,7 +202,7 @@ def check_key(case: Case, key: str) -> None:
     """Check that a key of the case is a number.
 
     Raises:
-        UserError: it does not; the message names the nearest that does.
+        UserError: the key does not take a number; the message names the most similar key that does.
     """
     keys = [name for name, _ in _numeric_keys(case)]
     if key not in keys:
@@ -214,14 +216,14 @@ def check_key(case: Case, key: str) -> None:
 
 
 def unit_of(case: Case, key: str) -> str:
-    """SI unit of a key, from its description; "1" for pure numbers."""
+    """Return the SI unit of a key, from its description; "1" for dimensionless numbers."""
     description = dict(_numeric_keys(case))[key]
     match = re.search(r"\[([^\]]+)\]", description)
     return match[1] if match else "1"
 
 
 def _numeric_keys(table: Table) -> Iterator[tuple[str, str]]:
-    """Return the dotted keys with numerical values, with their descriptions."""
+    """Yield the dotted keys with numerical values, and their descriptions."""
     descriptions = type(table).descriptions()
     for name, field in type(table).model_fields.items():
         value = getattr(table, name)
@@ -260,7 +262,7 @@ def _list(option: str, text: str) -> tuple[Value, ...]:
 
 
 def _numbers(option: str, parts: Sequence[str]) -> tuple[list[Decimal], str]:
-    """Numbers, and the unit that they share; empty where they have none."""
+    """Return numbers and their common unit, which is empty for plain numbers."""
     matches = [match for match in map(_NUMBER.fullmatch, parts) if match is not None]
     units = {match[2] or "" for match in matches}
     if len(matches) < len(parts) or len(units) > 1:

@@ -1,7 +1,7 @@
 """Runs of a study, loaded if they exist, otherwise marched in parallel.
 
-A run is known by its resolved case and the version of the program: a study that is interrupted
-goes on where it was, and one that asks for the same run again gets it.
+A run is identified by its resolved case and the version of the program, so an interrupted study
+continues with the missing runs, and another study can use the same runs.
 """
 
 from __future__ import annotations
@@ -20,14 +20,15 @@ from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, marc
 from bladewhirl.studies.sweeps.workers import march_points
 
 KEY_LENGTH = 16
-"""Characters of the name of a run."""
+"""Number of characters in the name of a run."""
 
 Progress = Callable[[int, int], None]
-"""Called with runs done and runs in all."""
+"""Called with the numbers of finished runs and of all runs."""
 
 
 def run_key(case: Case) -> str:
-    """Name of the run of a case: the same for the same case and version."""
+    """Return the name of the run of a case, which depends on the case and the version of the
+    program."""
     text = folder.version() + "\n" + dumps_case(case)
     return hashlib.sha256(text.encode()).hexdigest()[:KEY_LENGTH]
 
@@ -37,24 +38,25 @@ class RunStore:
     """Results by case, in one folder."""
 
     directory: Path
-    workers: int | None = None  #: processes that march; one a core when None, this one when 1
+    workers: int | None = None  #: number of processes; one per core if None; this process if 1
     scheduler: str | None = None  #: address of an existing dask scheduler
-    failures: dict[str, str] = field(default_factory=dict)  #: reason by name of the run
+    #: reasons of failures by the name of the run
+    failures: dict[str, str] = field(default_factory=dict)
 
     def path(self, case: Case) -> Path:
         """Return the path of the result of a case."""
         return self.directory / f"{run_key(case)}.nc"
 
     def missing(self, cases: Sequence[Case]) -> list[Case]:
-        """Cases without a result, each once."""
+        """Return the cases without a result, each once."""
         named = {run_key(case): case for case in cases}
         return [case for case in named.values() if not self.path(case).exists()]
 
     def make(self, cases: Sequence[Case], progress: Progress | None = None) -> None:
-        """March the cases that have no result yet; what fails is noted in `failures`.
+        """March the cases that have no result yet; failed runs are listed in `failures`.
 
         Raises:
-            UserError: the folder can't be written, or the scheduler does not answer.
+            UserError: the folder cannot be written, or the scheduler does not answer.
         """
         missing = self.missing(cases)
         if progress is not None:
@@ -71,7 +73,7 @@ class RunStore:
         points = [
             Point(
                 number=number,
-                # Whole tables: the cases need not have anything in common.
+                # Complete tables, because the cases need not have anything in common.
                 values=cast(Any, case.model_dump(exclude_none=True)),
                 history=self.path(case).name,
             )
@@ -84,7 +86,7 @@ class RunStore:
                 progress(done, len(missing))
 
     def _marched(self, work: Work, points: Sequence[Point]) -> Iterator[tuple[int, Outcome]]:
-        """Yield the outcome of each point; a single process marches them itself."""
+        """Yield the outcome of each point; with one worker this process marches all points."""
         if self.scheduler is None and self.workers == 1:
             return ((point.number, march_point(work, point)) for point in points)
         return march_points(work, points, scheduler=self.scheduler, workers=self.workers)

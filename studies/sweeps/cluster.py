@@ -23,24 +23,24 @@ except ImportError as error:
     ) from None
 
 ENCRYPTION = "distributed.comm.require-encryption"
-"""Setting of dask: false permits a scheduler without TLS, which nobody sets by accident."""
+"""Setting of dask; an explicit false permits a scheduler without TLS."""
 
 PATIENCE = 30.0
 """Time limit for the answer of a scheduler [s]."""
 
 READY = 1
-"""Points that wait at a worker in addition to the running one, so that it is never idle."""
+"""Number of points that wait at each worker, so that it is never idle."""
 
 
 def march_on_cluster(
     work: Work, points: Iterable[Point], scheduler: str
 ) -> Iterator[tuple[int, Outcome]]:
-    """March points and yield the number and the outcome of each on arrival.
+    """March points; yield the number and the outcome of each point as it arrives.
 
     Args:
-        work: what the points have in common.
-        points: to march.
-        scheduler: its address.
+        work: data common to all points.
+        points: points to march.
+        scheduler: address of the scheduler.
 
     Raises:
         UserError: the scheduler does not answer, has no TLS, or its workers have another version.
@@ -48,7 +48,8 @@ def march_on_cluster(
     waiting, marching = iter(points), dict[object, Point]()
     with _client(scheduler) as client:
         results = as_completed(loop=client.loop)
-        together = "sweep-" + uuid.uuid4().hex  # one name: the scheduler keeps books on each
+        # one name for all, since the scheduler stores data for each name
+        together = "sweep-" + uuid.uuid4().hex
         while True:
             threads = max(1, sum(client.nthreads().values()))
             for point in islice(waiting, max(0, (1 + READY) * threads - len(marching))):
@@ -62,9 +63,9 @@ def march_on_cluster(
             point = marching.pop(future.key)
             try:
                 outcome = future.result()
-            except KilledWorker:  # after as many workers as the scheduler allows
+            except KilledWorker:  # raised after the number of deaths that the scheduler allows
                 outcome = Failure(reason="the workers that marched this point died")
-            except (ImportError, AttributeError) as error:  # those of a march become failures
+            except (ImportError, AttributeError) as error:  # errors of a march are failures instead
                 raise UserError(
                     f"workers: expected bladewhirl {version()} on the workers, too; its code could"
                     f" not be loaded ({error})"
@@ -76,7 +77,7 @@ def march_on_cluster(
 
 @contextmanager
 def _client(scheduler: str) -> Iterator[Client]:
-    """A client of the scheduler."""
+    """Yield a client of the scheduler."""
     if not scheduler.startswith("tls://") and dask.config.get(ENCRYPTION) is not False:
         raise UserError(
             f"--scheduler {scheduler}: expected tls://HOST:PORT; without TLS anybody who"
@@ -84,8 +85,8 @@ def _client(scheduler: str) -> Iterator[Client]:
             " DASK_DISTRIBUTED__COMM__REQUIRE_ENCRYPTION=False"
         )
     try:
-        # A client that can't connect is ended when it is collected; where that happens while
-        # another one starts, both wait for each other.
+        # A client that cannot connect is closed by the garbage collection; if this happens while
+        # another client starts, both wait for each other forever.
         socket.create_connection(get_address_host_port(scheduler), PATIENCE).close()
         client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError, TimeoutError) as error:  # TypeError: no keys

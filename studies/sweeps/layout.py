@@ -14,39 +14,39 @@ from bladewhirl.postprocess.sweep.dataset import WINDOW_SHARE, Layout
 from bladewhirl.solvers.march.recorder import description_bytes, result_bytes
 
 REACH = 10.0
-"""Spectra reach to this multiple of the first point's reference frequency: past the second blade
-family of the default stage."""
+"""Upper limit of the spectra in multiples of the first point's reference frequency: above the
+second blade family of the default stage."""
 
 MOST_LINES = 20_001
 """Largest number of frequencies of a spectrum; that of a very long march has a smaller range."""
 
 MOST_SAMPLES = 1000
-"""Samples that a thinned history has at most."""
+"""Largest number of samples of a decimated history."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Extent:
-    """Duration of the marches of a sweep, all points together."""
+    """Size of the marches of a sweep."""
 
     shortest: float  #: duration of the shortest march [s]
-    record_step: float  #: the longest time between records [s]
-    steps: int  #: of all marches
-    most_steps: int  #: of the longest march
+    record_step: float  #: longest time between records of any march [s]
+    steps: int  #: number of steps of all marches together
+    most_steps: int  #: largest number of steps of a march
     histories: Mapping[tuple[int, int], int]  #: number of points by (blades, records)
 
     @property
     def blades(self) -> int:
-        """Most blades of any point."""
+        """Largest number of blades of a point."""
         return max(blades for blades, _ in self.histories)
 
     @property
     def records(self) -> int:
-        """Most records of any point."""
+        """Largest number of records of a point."""
         return max(records for _, records in self.histories)
 
 
 def march_extent(cases: Iterable[Case]) -> Extent:
-    """Iterate over the cases of a sweep once, without storing them."""
+    """Compute the size of the marches in one pass over the cases, without storing them."""
     shortest, record_step, steps, most_steps = np.inf, 0.0, 0, 0
     histories: Counter[tuple[int, int]] = Counter()
     for case in cases:
@@ -65,14 +65,15 @@ def march_extent(cases: Iterable[Case]) -> Extent:
 
 
 def make_layout(extent: Extent, stage: Stage) -> Layout:
-    """Layout of a sweep.
+    """Return the layout of a sweep.
 
-    Frequencies are those of the shortest march's window, where a Hann window keeps the parts of a
-    motion that come round in it apart; they end where the coarsest records still resolve them.
+    The frequencies are multiples of 1 / window of the shortest march; at this spacing a Hann window
+    separates the periodic parts of a motion. The highest frequency is one that the coarsest records
+    still resolve.
 
     Args:
-        extent: of all points.
-        stage: of the first point.
+        extent: size of the marches of all points.
+        stage: stage of the first point.
     """
     nyquist = 0.5 / extent.record_step
     highest = min(REACH * stage.reference_frequency / (2.0 * np.pi), nyquist)
@@ -87,7 +88,8 @@ def make_layout(extent: Extent, stage: Stage) -> Layout:
 
 
 def history_bytes(extent: Extent, stage: Stage) -> int:
-    """Size of all full histories of a sweep [bytes], as if every stage were the first point's."""
+    """Estimate the size of all full histories of a sweep [bytes], with the number of modes of the
+    first point."""
     modes, fixed = (len(stage.kept.rotor), len(stage.kept.casing)), description_bytes(stage.arrays)
     return sum(
         points * (fixed + result_bytes(*modes, blades, records))

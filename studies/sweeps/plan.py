@@ -36,15 +36,15 @@ from bladewhirl.studies.sweeps.store import Coordinates
 STOP_WHEN = "--stop-when"
 
 PLAN_NAME = "sweep.json"
-"""File with the plan of a sweep, for resuming it."""
+"""Name of the file with the plan of a sweep, for resuming it."""
 
 CHECKED_STAGES = 32
 """Number of stages validated before a sweep; faults of others appear as failed points."""
 
 
 ASKED_STEPS, ASKED_STEPS_IN_ALL = 1_000_000_000, 1_000_000_000_000
-"""Largest numbers of steps of one march and of a sweep without confirmation: hours of one march,
-weeks of many cores."""
+"""Largest numbers of steps of one march and of a sweep without confirmation: hours for the march,
+weeks on many cores for the sweep."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,8 +57,8 @@ class Plan:
     layout: Layout
     histories: bool
     stop_when: StopWhen | None
-    steps: int  #: of all marches together, if none ends early
-    history_bytes: int  #: of all full histories
+    steps: int  #: number of steps of all marches together, if none ends early
+    history_bytes: int  #: size of all full histories
 
     @property
     def dataset_bytes(self) -> int:
@@ -67,14 +67,14 @@ class Plan:
 
     @property
     def digest(self) -> str:
-        """See `plan_digest`."""
+        """Digest of the input of the points, see `plan_digest`."""
         return plan_digest(self.case, self.grid.over, self.stop_when)
 
     def left(self, state: NDArray[np.int8]) -> Iterator[Point]:
-        """Yield points that are not done.
+        """Yield the unfinished points.
 
         Args:
-            state: of every point.
+            state: state of every point.
         """
         digits = len(str(self.grid.size - 1))
         for number in range(self.grid.size):
@@ -93,18 +93,18 @@ def plan_sweep(
 ) -> Plan:
     """Validate every point of a sweep and estimate its cost.
 
-    Points are looked at one after the other, so that a sweep of any size takes little memory.
+    Points are validated one after the other, so that a sweep of any size takes little memory.
 
     Args:
-        case: that the sweep varies.
-        grid: its points.
-        histories: full histories are kept.
-        large: more than a billion steps of a march, or a trillion of all, are meant.
-        stop_when: what a march ends early for, see `free_motion.RULE`.
+        case: case that is varied.
+        grid: points of the sweep.
+        histories: whether full histories are kept.
+        large: whether to allow more than a billion steps of a march, or a trillion of the sweep.
+        stop_when: condition for ending a march early, see `free_motion.RULE`.
 
     Raises:
-        UserError: faults of the case at points, each with its point; more steps than are meant; a
-            march of the first point that can't end early by its nature.
+        UserError: the case has errors at some points, which are named; there are more steps than
+            allowed; or the march of the first point cannot end early because of its case.
     """
     extent = march_extent(grid.cases(case))
     for steps, most, what in (
@@ -136,8 +136,10 @@ def plan_sweep(
 
 
 def plan_digest(case: Case, over: Mapping[str, Any], stop_when: StopWhen | None) -> str:
-    """Digest of all that the points of a sweep depend on, SHA-256, the same in plan and dataset."""
-    made_by = [folder.version(), SWEEP_FORMAT, dict(over), 1]  # 1: points marched together
+    """Return the SHA-256 digest of all input of the points of a sweep; plan and dataset contain
+    it."""
+    # 1: number of points marched together
+    made_by = [folder.version(), SWEEP_FORMAT, dict(over), 1]
     made_by += [] if stop_when is None else [stop_when]
     whole = sha256(json.dumps(made_by).encode())
     for name, content in folder.case_files(case).items():
@@ -164,11 +166,10 @@ def write_plan(plan: Plan, directory: Path) -> None:
 
 
 def read_plan(directory: Path) -> Plan:
-    """The plan of a sweep that was begun.
+    """Return the plan of a sweep that was begun.
 
     Raises:
-        UserError: there is none, it is another version's or of another format, or it is not as
-            it was written.
+        UserError: there is no plan, it is of another version or another format, or it was changed.
     """
     path = directory / PLAN_NAME
     try:
@@ -185,7 +186,7 @@ def read_plan(directory: Path) -> Plan:
     case = loads(text, file=str(path))
     try:
         digest = plan_digest(case, over, stop_when)
-    except OSError as error:  # of the mesh file
+    except OSError as error:  # raised for the mesh file
         raise UserError(f"{error.filename}: expected a readable file ({error.strerror})") from None
     if document.get("digest") != digest:
         raise UserError(
@@ -211,10 +212,10 @@ def _coordinates(case: Case, grid: Grid) -> Coordinates:
 
 
 def _check_stages(case: Case, grid: Grid) -> None:
-    """Build the stages of points, the first and the last among them, and look for faults.
+    """Build the stages of some points, including the first and the last, to detect errors.
 
     Raises:
-        UserError: the first fault, with its point.
+        UserError: the first error, with its point.
     """
     swept_body = [axis for axis in grid.axes if not axis.key.startswith(("march.", "contact."))]
     chosen = range(grid.size)

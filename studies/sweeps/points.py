@@ -1,7 +1,7 @@
 """Points of a sweep, marched and reduced to the data of the sweep.
 
-What comes back is a function of the case at each point alone, so that it does not matter which
-worker marches a point, when, or how often.
+The data of a point depend only on its case, so that it does not matter which worker marches a
+point, when, or how often.
 """
 
 from __future__ import annotations
@@ -36,11 +36,12 @@ from bladewhirl.studies.runs.recorded_march import (
 from bladewhirl.studies.sweeps.axes import Value
 
 KEPT_STAGES = 2
-"""Stages that a worker keeps: neighbours in a sweep of speeds share theirs."""
+"""Number of stages that a worker caches: neighbouring points of a sweep over speed have the same
+stage."""
 
 IN_MEMORY = 500_000_000
-"""Largest history that a worker keeps in memory [bytes]; a longer one is in a file until it is
-reduced."""
+"""Largest size of a history in the memory of a worker [bytes]; a larger history is in a file until
+it is reduced."""
 
 _OWN = threading.local()
 """Data of a marching thread: memory of its records, reused from point to point."""
@@ -51,15 +52,15 @@ class Point:
     """A point for a worker to march."""
 
     number: int
-    values: Mapping[str, Value]  #: of the swept keys
+    values: Mapping[str, Value]  #: values of the swept keys
     history: str | None = None  #: name of the file of its full history; None if it is not kept
 
 
 @dataclass(frozen=True, kw_only=True)
 class Failure:
-    """A point that gave no result."""
+    """Outcome of a point without a result."""
 
-    reason: str  #: in one line
+    reason: str  #: reason of the failure, in one line
 
 
 Outcome = Digest | Failure
@@ -69,30 +70,31 @@ Outcome = Digest | Failure
 class Work:
     """Data common to all points of a sweep."""
 
-    case: str  #: the case that the sweep varies, TOML
-    layout: Layout | None  #: of the data of a point; None if only histories are kept
+    case: str  #: case that is varied, as TOML
+    layout: Layout | None  #: layout of the data of a point; None if only histories are kept
     histories: str  #: folder of full histories
-    stop_when: StopWhen | None = None  #: what a march ends early for
+    stop_when: StopWhen | None = None  #: condition for ending a march early
 
 
 def march_point(work: Work, point: Point) -> Outcome:
     """March a point and reduce it, or return the reason of its failure.
 
-    Runs in a worker. A full history, where requested, appears under its name when complete.
+    This function runs in a worker. A full history, if requested, gets its final name when it is
+    complete.
     """
     try:
         return _march_point(work, with_values(loads(work.case), point.values), point.history)
     except UserError as error:
         return Failure(reason=error.lines[0])
-    except Exception as error:  # whatever it is, it belongs to this point
+    except Exception as error:  # any error is the failure of this point
         text = " ".join(str(error).split())
         return Failure(reason=f"{type(error).__name__}: {text}")
 
 
 def stage_at(case: Case) -> Stage:
-    """Stage of a case; cases that differ in what moves it only share all but the case.
+    """Return the stage of a case; cases that differ only in load and march use the same models.
 
-    With rotation effects its speed makes the stage, too.
+    With rotation effects the models also depend on the speed.
     """
     turns = case.rotation.effects != "none"
     body = case.model_copy(
@@ -116,13 +118,13 @@ def _body(case: Case) -> Stage:
 def _march_point(work: Work, case: Case, name: str | None) -> Digest:
     prepared = prepare_stage(stage_at(case))
     if work.stop_when is not None:
-        with suppress(ValueError):  # without an early end it runs to its end
+        with suppress(ValueError):  # a march that cannot end early runs to its end
             stop = FreeMotion.of(prepared.problem, prepared.timing.time_step)
             prepared = replace(prepared, stop=stop)
     if work.layout is not None and name is None and expected_bytes(prepared) <= IN_MEMORY:
         room = _OWN.__dict__.setdefault("room", {})
         return digest(*march_in_memory(prepared, room), work.layout)
-    # A history to keep is written where it will stay, under another name until it is whole.
+    # A history to keep is written into its final folder, under another name until it is complete.
     folder = work.histories if name is not None else None
     with TemporaryDirectory(prefix=".point-", dir=folder) as scratch:
         path = Path(scratch) / RESULT_NAME

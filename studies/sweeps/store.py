@@ -1,9 +1,9 @@
 """The dataset of a sweep on disk: allocated before the sweep, filled in place.
 
-Every array has its room from the start and is written where it lies, so nothing of the file's
-structure changes while points arrive: a kill leaves a file that opens. A point counts once its
-state says so, which is written after its data have been flushed. Files of
-sweeps of the same points are equal whatever the order in which points arrived.
+Every array is allocated at the start and written in place, so the structure of the file does not
+change while points arrive: after a kill the file can still be opened. A point is finished when its
+state says so; the state is written after the data of the point have been flushed. Files of sweeps
+with the same points are equal, independent of the order in which points arrived.
 """
 
 from __future__ import annotations
@@ -41,20 +41,20 @@ from bladewhirl.studies.sweeps.axes import Grid
 from bladewhirl.studies.sweeps.points import Failure, Outcome
 
 Coordinates = Mapping[str, tuple[FloatArray, str]]
-"""Values of each swept key and their unit."""
+"""Values of each swept key, with their unit."""
 
 
 def create(
     directory: Path, grid: Grid, coordinates: Coordinates, layout: Layout, attributes: Any
 ) -> None:
-    """Lay out the dataset of a sweep; it is there whole or not at all.
+    """Create the dataset of a sweep, completely or not at all.
 
     Args:
-        directory: of the sweep.
-        grid: its points.
-        coordinates: of the swept keys.
-        layout: what is kept of each point.
-        attributes: further ones of the dataset.
+        directory: folder of the sweep.
+        grid: points of the sweep.
+        coordinates: values of the swept keys.
+        layout: layout of the data of each point.
+        attributes: further attributes of the dataset.
     """
     with (
         replacing(directory / SWEEP_NAME) as draft,
@@ -101,16 +101,16 @@ def create(
 
 
 class Store(AbstractContextManager["Store"]):
-    """The dataset of a sweep, open for writing by the one process that may.
+    """The dataset of a sweep, open for writing by this process only.
 
     Args:
-        directory: of the sweep.
-        grid: its points.
-        plan: digest of the plan that the dataset was laid out by, if it has one.
+        directory: folder of the sweep.
+        grid: points of the sweep.
+        plan: digest of the plan from which the dataset was created, if there is a plan.
 
     Raises:
-        UserError: another process has it open, it can't be written, is of another plan, or its
-            numbers were changed.
+        UserError: another process has opened the dataset, it cannot be written, it is of another
+            plan, or its data were changed.
     """
 
     def __init__(self, directory: Path, grid: Grid, plan: str | None = None) -> None:
@@ -143,13 +143,14 @@ class Store(AbstractContextManager["Store"]):
             raise UserError(
                 f"{path}: expected point {changed} as it was written; it was changed or damaged"
             )
-        # Kept open: a lookup by name takes a third of the time of writing a point.
+        # The variables are kept, because a lookup by name takes a third of the time of writing a
+        # point.
         self._variables = {name: self._h5[name] for name in SWEEP}
         #: state of every point as written, (points,)
         self.state = np.asarray(self._h5["state"][()], dtype=np.int8).ravel()
 
     def __exit__(self, *error: object) -> None:
-        """Close the file, whatever happened."""
+        """Close the file, also after an error."""
         self._h5.close()
 
     @property
@@ -159,7 +160,7 @@ class Store(AbstractContextManager["Store"]):
 
     @property
     def done(self) -> int:
-        """Number of points done."""
+        """Number of finished points."""
         return int(np.count_nonzero(self.state == DONE))
 
     def write(self, point: int, outcome: Outcome) -> None:
@@ -197,9 +198,9 @@ def _reserve(
     kind: np.dtype[Any],
     sizes: Mapping[str, int],
 ) -> Any:
-    """Create an allocated variable: NaN, or zeros (never masked) for integers."""
+    """Create an allocated variable, filled with NaN, or with zeros (never masked) for integers."""
     empty = kind.type(np.nan) if kind.kind == "f" else None
     made = file.create_variable(name, tuple(sizes), kind, fillvalue=empty)
-    # HDF5 allocates a contiguous array with its first value.
+    # HDF5 allocates a contiguous array when its first value is written.
     h5[name][(0,) * len(sizes)] = kind.type(0 if empty is None else empty)
     return made

@@ -1,7 +1,7 @@
-"""Sweeps: a case marched at many points, by many processes, into one dataset.
+"""Sweeps: a case is marched at many points, by many processes, into one dataset.
 
-The process that calls alone writes the dataset; workers only march. What is in the dataset
-depends on the case and the points, not on the number of workers, their order, or interruptions.
+Only the calling process writes the dataset; workers only march. The content of the dataset depends
+on the case and the points, not on the number of workers, their order, or interruptions.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from bladewhirl.studies.sweeps.store import Store, create
 from bladewhirl.studies.sweeps.workers import march_points
 
 HISTORIES_NAME = "histories"
-"""Folder of full histories."""
+"""Name of the folder of full histories."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Watch:
     """Progress callbacks of a sweep."""
 
-    planned: Callable[[Plan], None] = lambda plan: None  #: once, before anything is written
+    planned: Callable[[Plan], None] = lambda plan: None  #: called once, before anything is written
     progress: Callable[[int, int, int], None] = lambda done, failed, points: None
-    """After every point: points done, points failed, points in all."""
+    """Called after every point with the numbers of finished, failed and all points."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,9 +45,9 @@ class Sweep:
     done: int
     failures: dict[int, str]  #: reason of each failed point
     grid: Grid
-    wall_time: float  #: of this call [s]
-    marched: int  #: points marched by this call
-    left_out: Mapping[str, str] = field(default_factory=dict)  #: figures not drawn, and why
+    wall_time: float  #: wall time of this call [s]
+    marched: int  #: number of points marched by this call
+    left_out: Mapping[str, str] = field(default_factory=dict)  #: figures not drawn, and the reasons
 
     @property
     def failed(self) -> int:
@@ -69,30 +69,30 @@ def run_sweep(
 ) -> Sweep:
     """March a case at every combination of values and collect the results in a dataset.
 
-    The folder gets sweep.json (the plan), provenance.json, sweep.nc (open it with `open_sweep`),
-    failures.json if points failed, figures, and histories/ if asked for. A call that is
-    interrupted or killed leaves a folder that `resume_sweep` finishes.
+    These are written into the folder: sweep.json (the plan), provenance.json, sweep.nc (open it
+    with `open_sweep`), failures.json if points failed, figures, and histories/ if requested.
+    `resume_sweep` finishes a sweep that was interrupted or killed.
 
     Local workers are fresh Python processes, which import the main module: scripts need the usual
     ``if __name__ == "__main__":``.
 
     Args:
         case: that the sweep varies.
-        over: values of each swept key, as the case file would hold them.
-        directory: to make.
-        scheduler: address of a dask scheduler; processes of this machine when None.
-        workers: number of processes of this machine; one a core when None.
-        histories: keep the full histories of every point; with a scheduler the folder must be
-            seen by all workers under the same path.
-        large: more than 100,000 points are meant, or more than a billion steps of one march or a
-            trillion of all.
-        stop_when: "damped" ends a march early when no tip can touch any more, by the rule that the
-            dataset's attribute `stop_rule` says.
-        watch: is told how it goes.
+        over: values of each swept key, in the form of the case file.
+        directory: folder to make.
+        scheduler: address of a dask scheduler; if None, processes of this machine march.
+        workers: number of processes of this machine; one per core when None.
+        histories: whether to keep the full histories of every point; with a scheduler, all workers
+            must have access to the folder under the same path.
+        large: whether to allow more than 100,000 points, a billion steps of one march, or a
+            trillion steps of the sweep.
+        stop_when: "damped" ends a march early when no tip can touch any more; the attribute
+            `stop_rule` of the dataset contains the rule.
+        watch: progress callbacks.
 
     Raises:
-        UserError: what `make_grid` and `plan_sweep` refuse, a folder that exists or can't be
-            written, a scheduler that does not answer.
+        UserError: as for `make_grid` and `plan_sweep`; or the folder exists or cannot be written,
+            or the scheduler does not answer.
     """
     directory = Path(directory)
     if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
@@ -119,17 +119,17 @@ def resume_sweep(
     workers: int | None = None,
     watch: Watch | None = None,
 ) -> Sweep:
-    """Finish a sweep: march what is missing, and what failed again.
+    """Finish a sweep: march the missing points, and the failed points again.
 
     Args:
-        directory: of the sweep.
-        scheduler: as in `run_sweep`, and so the others.
-        workers: see there.
-        watch: see there.
+        directory: folder of the sweep.
+        scheduler: as for `run_sweep`.
+        workers: as for `run_sweep`.
+        watch: as for `run_sweep`.
 
     Raises:
-        UserError: no sweep there, one of another version of the program, one still running, or a
-            scheduler that does not answer.
+        UserError: the folder contains no sweep, or one of another version of the program; the sweep
+            is still running; or the scheduler does not answer.
     """
     directory = Path(directory)
     plan = read_plan(directory)
@@ -145,7 +145,7 @@ def _carry_out(
     scheduler: str | None,
     workers: int | None,
 ) -> Sweep:
-    """March every point that is not done yet."""
+    """March all unfinished points."""
     from bladewhirl.postprocess.sweep.figures import leave_figures
 
     began = time.perf_counter()

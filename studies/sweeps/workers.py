@@ -1,7 +1,8 @@
-"""Points marched by processes of this machine: a few at a time, results in any order.
+"""Points marched by processes of this machine: a few at a time, with results in any order.
 
-Processes, not threads, although the march leaves Python's lock: a point that crashes, or that the
-system kills for its memory, takes its process along. So no sweep is lost with it.
+Processes are used instead of threads, although the march releases Python's global lock: a point
+that crashes, or that the system kills for its memory, ends only its worker process and not the
+sweep.
 """
 
 from __future__ import annotations
@@ -19,26 +20,27 @@ from bladewhirl.studies.runs.interrupts import held_back
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 
 READY = 1
-"""Points that wait for each worker in addition to the running one, so that it is never idle."""
+"""Number of points that wait for each worker, so that it is never idle."""
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""Environment variables of the threads of linear algebra, which would compete for the cores."""
+"""Environment variables for the number of threads of linear algebra; more threads would compete for
+the cores."""
 
 
 def march_points(
     work: Work, points: Iterable[Point], *, scheduler: str | None, workers: int | None
 ) -> Iterator[tuple[int, Outcome]]:
-    """March points and yield the number and the outcome of each on arrival.
+    """March points; yield the number and the outcome of each point as it arrives.
 
-    A worker that dies takes down nothing but what it was doing: others are started. Points that
-    were on their way then are put aside and tried alone at the end, when no other can be to blame;
-    if their worker dies even so, they fail.
+    If a worker dies, new workers are started. The points that were being marched at that time are
+    postponed and marched one at a time at the end, so that the cause is certain; a point whose
+    worker dies again fails.
 
     Args:
-        work: what the points have in common.
-        points: to march.
+        work: data common to all points.
+        points: points to march.
         scheduler: address of a dask scheduler, whose workers march; None for this machine.
-        workers: number of processes of this machine; one a core when None.
+        workers: number of processes of this machine; one per core when None.
 
     Raises:
         UserError: the scheduler does not answer, has no TLS, or its workers have another version.
@@ -64,7 +66,7 @@ def march_points(
 
 
 def cores() -> int:
-    """Number of cores that this process may use."""
+    """Return the number of cores that this process may use."""
     available = getattr(os, "sched_getaffinity", None)
     return len(available(0)) if available else os.cpu_count() or 1
 
@@ -72,7 +74,7 @@ def cores() -> int:
 def _in_flight(
     work: Work, waiting: Iterator[Point], workers: int, suspects: list[Point]
 ) -> Iterator[tuple[int, Outcome]]:
-    """March points until there are none left or a worker dies; few are sent at a time."""
+    """March points until all are finished or a worker dies; few points are sent at a time."""
     marching: dict[Future[Outcome], Point] = {}
     with _processes(workers) as pool:
         while True:
@@ -96,7 +98,7 @@ def _in_flight(
 
 @contextmanager
 def _processes(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """Worker processes; those that still march when an error or Ctrl-C leaves here are killed."""
+    """Yield worker processes; those that still march after an error or Ctrl-C are killed."""
     others = set(multiprocessing.active_children())
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_leave_with_parent)
@@ -113,7 +115,8 @@ def _processes(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 @contextmanager
 def _starting() -> Iterator[None]:
-    """Start workers that hear no Ctrl-C, with one thread of linear algebra each."""
+    """Start workers in the ``with`` block that ignore Ctrl-C and have one thread of linear algebra
+    each."""
     missing = [name for name in ONE_THREAD if name not in os.environ]
     os.environ.update(dict.fromkeys(missing, "1"))
     try:
@@ -125,7 +128,7 @@ def _starting() -> Iterator[None]:
 
 
 def _leave_with_parent() -> None:
-    """End this process when its parent does, even when that is killed."""
+    """End this process when its parent process ends, even if the parent is killed."""
     parent = multiprocessing.parent_process()
 
     def follow() -> None:
