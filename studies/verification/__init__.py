@@ -1,1 +1,1 @@
-"""Known answers, recomputed here: `bladewhirl verify`; a module a subject."""
+"""Problems with known answers, recomputed by `bladewhirl verify`; each subject has a module."""

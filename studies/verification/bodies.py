@@ -1,4 +1,4 @@
-"""Small bodies with known motions, a march of them, and the ledger of its energy."""
+"""Small bodies with known motions, their time integration, and its energy balance."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.solvers.march.scheme import make_scheme
 
 FAR = 1e3
-"""A displacement limit out of reach [m]."""
+"""Displacement limit that is never reached [m]."""
 
 
 def small_rotor(frequency: FloatArray, tips: int = 1, **rows: Any) -> ReducedRotor:
-    """Return an undamped rotor with tips at angle 0 that is rigid except for the rows given."""
+    """Return an undamped rotor with tips at angle 0; `rows` sets fields that are zero otherwise."""
     modes = len(frequency)
     body = ReducedRotor(
         frequency=frequency,
@@ -46,7 +46,7 @@ def small_rotor(frequency: FloatArray, tips: int = 1, **rows: Any) -> ReducedRot
 def small_casing(
     frequency: FloatArray, clearance: float = 0.0, nodes: int = 4, **rows: Any
 ) -> ReducedCasing:
-    """Return an undamped casing of 1 m that is rigid except for the rows given."""
+    """Return an undamped casing, radius 1 m; `rows` sets fields that are zero otherwise."""
     modes = len(frequency)
     body = ReducedCasing(
         frequency=frequency,
@@ -77,7 +77,8 @@ def problem(
     tip_rotation: bool = False,
     displacement_limit: float = FAR,
 ) -> ContactProblem:
-    """Return a contact problem, by default without friction, at standstill and from rest."""
+    """Return a contact problem; by default without friction, at zero speed and starting from
+    rest."""
     return ContactProblem(
         rotor=rotor,
         casing=casing,
@@ -92,7 +93,7 @@ def problem(
 
 
 def ledger_residual(chunk: Chunk) -> float:
-    """Largest mismatch of energy and work, by the largest term."""
+    """Return the largest error of the energy balance, relative to its largest term."""
     work = chunk.external_work + chunk.normal_work + chunk.friction_work + chunk.coupling_work
     mismatch = (chunk.energy - chunk.energy[0]) - (work - chunk.damping_work)
     works = ("external", "normal", "friction", "damping", "coupling")
@@ -101,7 +102,7 @@ def ledger_residual(chunk: Chunk) -> float:
 
 
 class Bar:
-    """Return a free bar of linear elements with consistent mass, in all its modes, along r."""
+    """Free radial bar of linear elements with consistent mass, described by all its modes."""
 
     def __init__(
         self, *, length: float, area: float, young_modulus: float, density: float, elements: int
@@ -116,7 +117,7 @@ class Bar:
         square, shapes = la.eigh(
             young_modulus * area / h * stiffness, density * area * h / 6.0 * mass
         )
-        square[0] = 0.0  # the rigid motion
+        square[0] = 0.0  # rigid-body motion
         self.mass = density * area * length
         self.frequency = np.sqrt(square)
         self.shapes = shapes
@@ -124,11 +125,11 @@ class Bar:
         self.time_step = 0.9 * 2.0 / self.frequency[-1]
 
     def as_rotor(self) -> ReducedRotor:
-        """Its outer end is the tip."""
+        """Return the bar as a rotor, whose tip is the outer end of the bar."""
         return small_rotor(self.frequency, tip_radial=self.shapes[-1:])
 
     def as_casing(self, gap: float) -> ReducedCasing:
-        """Its inner end is all nodes of a casing."""
+        """Return the bar as a casing, whose nodes all move as the inner end of the bar."""
         nodal = np.zeros((4, 4, len(self.frequency)))
         nodal[:, 0] = self.shapes[0]
         return small_casing(self.frequency, gap, nodal=nodal)
@@ -142,6 +143,7 @@ def marched(
     every: int = 1,
     scheme: SchemeName = "central-difference",
 ) -> Chunk:
-    """Return x_0 .. x_steps at intervals, by the scheme of ordinary runs."""
+    """Return records of the steps 0 to `steps` at intervals of `every`, by a scheme of ordinary
+    runs."""
     made = make_scheme(given, dt, every, scheme)
     return made.advance(made.init(), steps + 1)[1]

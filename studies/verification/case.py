@@ -1,14 +1,14 @@
-"""A verification case: a quantity with a known answer, and how it is computed here.
+"""A verification case: a quantity with a known answer, and its computation.
 
-A case is a row of data/cases.csv, which says what is compared, within which tolerance, and where
-the reference comes from, and a function of its name that returns (reference, ours)::
+A case consists of a row of data/cases.csv, with the quantity, the tolerance and the source of the
+reference, and a function with the name of the case that returns (reference, ours)::
 
     @verifies("2", "3", "4")
     def nafems_ring(k: str) -> Pair:
         ...
 
-Both may be arrays of one shape: the worst of their entries is reported. Cases that are computed
-together name their function in the table, and it returns a pair for each of them.
+Both may be arrays of the same shape: the entry with the largest error is reported. Cases that are
+computed together name their function in the table; the function returns a pair for each case.
 """
 
 from __future__ import annotations
@@ -26,13 +26,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 Pair = tuple[ArrayLike, ArrayLike]
-"""Reference and ours."""
+"""Reference value and our value."""
 
 Pairs = Mapping[str, Pair]
 """Reference and ours of several cases, by name."""
 
 Measure = Literal["relative", "of largest", "absolute"]
-"""Error over the reference, over the largest entry of the reference, or in the unit."""
+"""Error divided by the reference, error divided by the largest entry of the reference, or absolute
+error in the unit."""
 
 Function = TypeVar("Function", bound=Callable[..., Pair | Pairs])
 
@@ -45,7 +46,7 @@ class Row:
     subject: str  #: module of the case
     quantity: str
     source: str
-    unit: str  #: "1" for numbers without
+    unit: str  #: "1" for dimensionless numbers
     tolerance: float
     measure: Measure
 
@@ -54,15 +55,15 @@ class Row:
 class Outcome(Row):
     """Outcome of a case."""
 
-    values: int  #: compared
-    reference: float  #: of the worst value
-    ours: float  #: of the worst value
-    error: float  #: largest, NaN where a value is not finite
+    values: int  #: number of values compared
+    reference: float  #: reference of the value with the largest error
+    ours: float  #: our value with the largest error
+    error: float  #: largest error, NaN if a value is not finite
     seconds: float
 
     @property
     def passed(self) -> bool:
-        """Whether the error is within the tolerance."""
+        """True if the error is within the tolerance."""
         return bool(self.error <= self.tolerance)
 
 
@@ -70,7 +71,7 @@ class Outcome(Row):
 class VerificationCase(Row):
     """A case before its computation."""
 
-    long: bool  #: left out of the default set
+    long: bool  #: whether the case takes long and is left out by default
     compute: Callable[[], Pair]
 
     def run(self) -> Outcome:
@@ -110,23 +111,24 @@ FOLDER = resources.files("bladewhirl.studies.verification") / "data"
 
 @cache
 def reference(name: str) -> Any:
-    """Return the contents of a file of reference values, which states how its numbers were made."""
+    """Return the content of a file of reference values, which also states how they were
+    computed."""
     return json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
 
 
 @cache
 def rows() -> dict[str, dict[str, str]]:
-    """Rows of data/cases.csv by name, "rings.nafems_ring"."""
+    """Return the rows of data/cases.csv by name, "rings.nafems_ring"."""
     text = (FOLDER / "cases.csv").read_text(encoding="utf-8")
     return {row["case"]: row for row in csv.DictReader(text.splitlines())}
 
 
 def verifies(*values: Hashable) -> Callable[[Function], Function]:
-    """Make the cases of a function.
+    """Register the cases of a function.
 
     Args:
-        values: arguments, a case each, put in for "{}" of the quantity; without any the function
-            takes none.
+        values: arguments of the function; each gives a case and replaces "{}" in the text of the
+            quantity. Without values the function takes no argument.
     """
 
     def register(function: Function) -> Function:
@@ -161,6 +163,6 @@ def verifies(*values: Hashable) -> Callable[[Function], Function]:
 def _pair(
     function: Callable[..., Pair | Pairs], arguments: tuple[Hashable, ...], case: str
 ) -> Pair:
-    """Return the pair of a case, which may be one of several that are computed together."""
+    """Return the pair of a case; the function may return the pairs of several cases."""
     computed = function(*arguments)
     return computed[case] if isinstance(computed, Mapping) else computed

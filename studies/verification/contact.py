@@ -1,6 +1,7 @@
-"""Impacts and rubs with exact answers: bars, an oscillator on a stop, a Coulomb pad.
+"""Impact and rubbing problems with exact solutions: bars, an oscillator on a stop, a Coulomb pad.
 
-All go through the march of stages: one tip, a rigid wall or a second bar as the casing.
+All use the time integration of stages: with one tip, and a rigid wall or a second bar as the
+casing.
 """
 
 from __future__ import annotations
@@ -27,13 +28,13 @@ BARS = (*reference("contact")["bars"], *reference("published")["bars"])
 
 
 class Approach(NamedTuple):
-    """Two bars, or one and a rigid wall, that will meet."""
+    """Two bars, or a bar and a rigid wall, that approach each other."""
 
     known: dict[str, Any]
     bars: list[Bar]
     given: ContactProblem
-    dt: float  #: [s]
-    steps: int  #: to well after the contact
+    dt: float  #: time step [s]
+    steps: int  #: number of steps until well after the contact
 
 
 def bars_in_impact(name: str, elements: int = ELEMENTS) -> Approach:
@@ -57,15 +58,15 @@ def bars_in_impact(name: str, elements: int = ELEMENTS) -> Approach:
 
 @cache
 def march_of_bars(name: str) -> Chunk:
-    """March two bars from before their contact to well after it, a record a step."""
+    """March two bars from before their contact to well after it, with a record at every step."""
     bars = bars_in_impact(name)
     return marched(bars.given, bars.dt, bars.steps)
 
 
 @verifies(*BARS)
 def bars_that_meet(name: str) -> Pairs:
-    """Compare forces over the middle of the contact, for peaks depend on the step; velocities are
-    those of the centres of mass."""
+    """Compare mean forces in the middle of the contact, because peaks depend on the time step, and
+    the velocities of the centres of mass."""
     known, bars, _, dt, _ = bars_in_impact(name)
     chunk = march_of_bars(name)
     touching = chunk.time[chunk.contact_impulse[:, 0] > 0.0]
@@ -89,8 +90,9 @@ def bars_that_meet(name: str) -> Pairs:
 def bouncing_bar() -> Pairs:
     """Compare a bar dropped on a rigid wall, which touches it twice and vibrates between.
 
-    The contact begins after the time of free fall. The tolerance of its end is 1 % of its duration.
-    The force of the first contact rises linearly, that of the second is its mirror image.
+    The first contact begins after the time of free fall. The tolerance of the end of a contact is 1
+    % of its duration. The force of the first contact rises linearly, and the force of the second
+    contact is its mirror image in time.
     """
     known = reference("published")["bouncing_bar"]
     shape = {key: known[key] for key in ("length", "young_modulus", "density")}
@@ -135,16 +137,18 @@ OSCILLATORS = ("C1", "C2", "C3", "C4")
 
 @verifies(*OSCILLATORS)
 def impacts_of_an_oscillator(name: str) -> Pairs:
-    """Compare times, within two steps, and impulses, for the stop absorbs all the momentum.
+    """Compare times of impact, within two steps, and impulses, because the stop absorbs all the
+    momentum.
 
-    A mass left at rest on the stop touches it again with impulses of rounding: no contact.
+    A mass at rest on the stop touches it again with impulses due to rounding, which do not count as
+    contact.
     """
     case, chunk = oscillator(name)
     exact = [e for e in case["events"] if e["event"] == "impact" and e["time"] < 1.2]
     impulse = chunk.contact_impulse[:, 0]
     touching = np.r_[False, impulse > 1e-12 * impulse.max()]
     begins = np.flatnonzero(touching[1:] & ~touching[:-1])
-    stopped = np.array([impulse[i : i + 2].sum() for i in begins])  # within two steps
+    stopped = np.array([impulse[i : i + 2].sum() for i in begins])  # impulse of two steps
     return {
         "times_of_impacts": ([event["time"] for event in exact], chunk.time[begins]),
         "impulses_of_impacts": ([event["impulse"] for event in exact], stopped),
@@ -153,8 +157,8 @@ def impacts_of_an_oscillator(name: str) -> Pairs:
 
 @verifies()
 def oscillator_at_rest() -> Pairs:
-    """Compare the energy lost with the work of the contact, and the force at rest with the load
-    less the spring force."""
+    """Compare the energy lost with the work of the contact, and the contact force at rest with the
+    load minus the spring force."""
     case, chunk = oscillator("C1")
     return {
         "energy_of_an_impact": (-case["energy_lost"], chunk.normal_work[-1]),
@@ -196,10 +200,11 @@ def march_of_a_pad() -> Chunk:
 
 @verifies()
 def coulomb_pad() -> Pairs:
-    """Compare a pad whose half cycles lose 2 mu m g / k each: 3.6 mm of sliding under 1 N.
+    """Compare a pad whose amplitude decreases by 2 mu m g / k in each half cycle: 3.6 mm of sliding
+    under 1 N.
 
-    It sticks after the second period. The normal force is the weight but for the first and last
-    step.
+    The pad sticks after the second period. The normal force is the weight, except in the first and
+    last step.
     """
     chunk, dt, known = march_of_a_pad(), 1e-5, reference("published")["coulomb_pad"]
     at = [round(n * np.pi / 100.0 / dt) for n in range(5)]
@@ -215,8 +220,8 @@ def coulomb_pad() -> Pairs:
 
 @verifies()
 def energies_and_gaps() -> Pairs:
-    """Compare with zero the energy residual of each march at its worst step, and the largest gaps
-    of closed contacts and penetrations."""
+    """Compare with zero the largest energy residual of each march, the largest gap of a closed
+    contact, and the largest penetration."""
     chunks = [march_of_bars(name) for name in BARS]
     chunks += [*(oscillator(name)[1] for name in OSCILLATORS), march_of_a_pad()]
     gaps = [
@@ -232,7 +237,8 @@ def energies_and_gaps() -> Pairs:
 
 @verifies()
 def unbalance_orbit() -> Pair:
-    """Compare the orbit through the resonance, started on the exact orbit under harmonic loads."""
+    """Compare orbits at speeds through the resonance, started on the exact orbit under harmonic
+    loads."""
     known = reference("jeffcott")
     computed = [_departure(known["rotor"], row) for row in known["response"]]
     return np.zeros(len(computed)), computed

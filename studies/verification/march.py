@@ -1,4 +1,4 @@
-"""The march against a plain dense one, and what it must not depend on."""
+"""Time integration compared with a simple dense program, and checks of symmetries and orders."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ COARSE: Mapping[str, Any] = {
     "casing.elements": 22,
     "casing.support": 7.975e6,
 }
-"""As many casing elements as blades: a turn by one pitch is a symmetry of both."""
+"""Case with equal numbers of casing elements and blades: a turn by one pitch is a symmetry of both
+bodies."""
 
 PUSH: dict[str, Any] = {"initial.centre_velocity": [1.5, 0.7], "contact.friction": 0.0}
 STRIKE: dict[str, Any] = {"excitation": {"type": "casing-distortion"}}
@@ -61,11 +62,11 @@ def dense_march(
                     + (B_N + mu B_T S) l
         A = 1 / dt^2 + D / (2 dt),     0 <= l  perp  clearance + B_N x_{n+1} >= 0
 
-    in mass-normalised modes, rotor before casing. The casing's field between nodes is SciPy's cubic
-    spline of values and slopes; dampers at points are left out.
+    in mass-normalised modes, first the rotor, then the casing. Between nodes the casing's
+    displacement is SciPy's cubic spline through values and slopes; dampers at points are left out.
 
     Returns:
-        gaps [m], normal and friction impulses [N s] by step.
+        gaps [m], normal impulses and friction impulses [N s] at every step.
     """
     rotor, casing, speed = given.rotor, given.casing, given.speed
     m, tips = len(rotor.frequency), len(rotor.tip_angle)
@@ -84,7 +85,7 @@ def dense_march(
     )
 
     def pull(n: int, x: FloatArray) -> FloatArray:
-        """Loads less restoring forces at step n."""
+        """Return loads minus restoring forces at step n."""
         force, time = -(omega**2) * x, n * dt
         for load in given.loads:
             rise = 0.5 - 0.5 * np.cos(np.pi * time / load.ramp) if time < load.ramp else 1.0
@@ -123,10 +124,10 @@ def dense_march(
 
 
 def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
-    """Return forces >= 0 without negative gaps, by correcting an assumed active set.
+    """Return non-negative forces for which no gap is negative, by an active-set method.
 
     Raises:
-        ArithmeticError: it goes round in circles.
+        ArithmeticError: the active sets repeat without convergence.
     """
     touching = gap < 0.0
     for _ in range(4 * len(gap)):
@@ -142,7 +143,8 @@ def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
 
 @verifies(*RUBBING)
 def rubbing_stages(kind: str) -> Pairs:
-    """Compare all steps of 10 ms by both programs, before the motions separate by chaos.
+    """Compare all steps of 10 ms by both programs; later the motions separate because they are
+    chaotic.
 
     Raises:
         ArithmeticError: no blade touches.
@@ -175,10 +177,10 @@ def turned(angle: float = 0.0, speed: float = 1.05) -> Chunk:
 
 @verifies()
 def symmetries() -> Pairs:
-    """Compare with the mirror image, and with an initial direction one pitch on.
+    """Compare a march with its mirror image, and with an initial direction turned by one pitch.
 
-    The image has the speed, the blade numbers and the initial velocity reversed, and friction of
-    the other sign. There are 22 casing elements for 22 blades.
+    In the mirror image speed, order of blades, initial velocity and sign of friction are reversed.
+    There are 22 casing elements for 22 blades.
     """
     chunk, image, reverse = turned(), turned(speed=-1.05), -np.arange(22) % 22
     return {
@@ -190,7 +192,8 @@ def symmetries() -> Pairs:
 
 @verifies()
 def standstill() -> Pairs:
-    """Compare friction at zero speed with zero, and gaps on both sides of the initial direction."""
+    """Compare friction at zero speed with zero, and the gaps on both sides of the initial
+    direction."""
     chunk = turned(speed=0.0)
     if not chunk.contact_impulse.any():
         raise ArithmeticError("expected contact at standstill")
@@ -225,7 +228,8 @@ def free_motion_error(steps: int) -> float:
 
 @verifies()
 def order_of_free_motion() -> Pair:
-    """Compare the order, from twice and four times as many steps."""
+    """Compare the order of convergence, from marches with twice and four times the number of
+    steps."""
     errors = [free_motion_error(steps) for steps in (4000, 8000, 16_000)]
     return np.full(2, 2.0), observed_order(np.array(errors))
 
@@ -248,7 +252,8 @@ def after_a_hit(steps: int) -> float:
 
 
 def contact_error(steps: int) -> float:
-    """Return the error averaged over step sizes [m], since the impact falls anywhere in a step."""
+    """Return the error averaged over several step sizes [m], because the time of impact within a
+    step varies."""
     tried = [round(steps * (1.0 + i / 40.0)) for i in range(40)]
     exact = after_a_hit(4_000_000)
     return float(np.mean([abs(after_a_hit(each) - exact) for each in tried]))
@@ -256,6 +261,6 @@ def contact_error(steps: int) -> float:
 
 @verifies()
 def order_of_contact() -> Pair:
-    """Compare the order over a factor of 16 of the step."""
+    """Compare the order of convergence when the time step is divided by 16."""
     errors = [contact_error(steps) for steps in (2000, 32_000)]
     return 1.0, observed_order(np.array(errors), ratio=16.0)[0]

@@ -1,4 +1,5 @@
-"""Bladed disks against independent frame programs, beams against theory, reduced models."""
+"""Bladed disks compared with independent frame programs, beams with theory, reduced with full
+models."""
 
 from __future__ import annotations
 
@@ -31,14 +32,15 @@ from bladewhirl.studies.verification.stages import (
 
 CENTRES = ("free", "clamped")
 LISTED = 92
-"""Modes that the references hold."""
+"""Number of modes in the reference results."""
 
 SPAN, TIP_MASS = 0.45, 0.1
 
 
 @verifies(*CENTRES)
 def stage_modes(centre: str) -> Pairs:
-    """Compare the frequencies of Table 1, taken literally, and count the wrong names of modes."""
+    """Compare the frequencies of the stage of Table 1, taken literally, and count wrong names of
+    modes."""
     known = reference("disk_modes")[centre]
     modes = disk_modes(bladed_disk(clamped=centre == "clamped"))
     names = zip(modes.nodal_diameter.tolist(), families(modes, "bladed-disk"), strict=True)
@@ -50,7 +52,8 @@ def stage_modes(centre: str) -> Pairs:
 
 
 def static(disk: BladedDiskModel, dof: int) -> FloatArray:
-    """Return x and y displacements and rotations of all nodes under a unit force, (nodes, 3)."""
+    """Return x and y displacements and rotations of all nodes under a unit force in a DoF, (nodes,
+    3)."""
     force = np.zeros((disk.structure.size, 1))
     force[dof] = 1.0
     return disk.cartesian(spla.splu(disk.structure.stiffness.tocsc()).solve(force))[..., 0]
@@ -144,8 +147,8 @@ def stretching_errors(elements: int) -> FloatArray:
 def by_ritz(thickness: Sequence[float]) -> FloatArray:
     """Return the three lowest frequencies of a tapered blade with a mass at its tip [rad/s].
 
-    Polynomials over the span, and over all of it after each inner station more that begin with
-    the third power, for the third derivative jumps there.
+    The trial functions are polynomials over the span and, for each inner station, polynomials
+    beyond the station that begin with the third power, because the third derivative jumps there.
     """
     stations = np.linspace(0.0, 1.0, len(thickness))
     nodes, weights = np.polynomial.legendre.leggauss(40)
@@ -178,7 +181,7 @@ def tapered_blade_of(elements: int) -> Pair:
 
 @verifies()
 def tapered_blade() -> Pair:
-    """Compare the tapered blade."""
+    """Compare the frequencies of the tapered blade."""
     return tapered_blade_of(10)
 
 
@@ -190,7 +193,8 @@ def tapered_errors(elements: int) -> FloatArray:
 
 @verifies()
 def orders_of_convergence() -> Pairs:
-    """Compare with four, that of cubics in bending, and with two, that of linear elements."""
+    """Compare the orders of convergence with four for bending (cubics) and two for linear
+    elements."""
     return {
         name: (np.full(3, order), observed_order(np.array([error(n), error(2 * n)]))[0])
         for name, error, n, order in (
@@ -203,7 +207,8 @@ def orders_of_convergence() -> Pairs:
 
 @verifies()
 def cyclic_against_full() -> Pair:
-    """Compare the frequencies of 22 blades of four elements, by sectors and as a whole."""
+    """Compare the frequencies of 22 blades of four elements, computed by sectors and without
+    symmetry."""
     structure = bladed_disk(elements=4).structure
     whole = la.eigh(structure.stiffness.toarray(), structure.mass.toarray(), eigvals_only=True)
     return np.sqrt(whole), disk_modes(bladed_disk(elements=4)).frequency
@@ -231,7 +236,8 @@ def reduction_error(kept: int) -> FloatArray:
 
 @verifies()
 def reduced_models() -> Pairs:
-    """Compare the error of the first family with zero, and its share left with twice the modes."""
+    """Compare the error of the first family with zero, and the ratio of the errors when the number
+    of modes is doubled."""
     coarse, fine = reduction_error(110).max(), reduction_error(220).max()
     return {
         "craig_bampton_error": (0.0, coarse),

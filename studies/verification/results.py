@@ -1,4 +1,4 @@
-"""Balances of a run, from its `result.nc` only."""
+"""Balances of a run, computed only from its `result.nc`."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SMALL: Mapping[str, Any] = {
     "march.record_step": 4e-6,
     "march.duration": 0.012,
 }
-"""A coarse stage without damping, every step recorded."""
+"""Case of a coarse stage without damping, with a record at every step."""
 
 
 @cache
@@ -39,7 +39,7 @@ def recorded(**changes: Any) -> xr.Dataset:
     """Run a stage with an initial velocity of the shaft until blades rub, and load the result.
 
     Args:
-        changes: of the case, two underscores for a dot.
+        changes: changes of the case, by keys with two underscores for a dot.
     """
     push = {"initial.centre_velocity": [1.5, 0.7]}
     keys = {key.replace("__", "."): value for key, value in changes.items()}
@@ -50,8 +50,8 @@ def recorded(**changes: Any) -> xr.Dataset:
 
 
 def rows(result: xr.Dataset) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return radial and tangential rows of tips, (tips, modes), and of the casing under them, by
-    step."""
+    """Return radial and tangential modal rows of the tips, (tips, modes), and those of the casing
+    under the tips at every step."""
     angle, tips = result["tip_angle"].values, result["tip_node"].values
     x, y = result["rotor_shape"].values[tips, :2].transpose(1, 0, 2)
     cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
@@ -68,7 +68,8 @@ def rows(result: xr.Dataset) -> tuple[FloatArray, FloatArray, FloatArray, FloatA
 
 
 def kicks(result: xr.Dataset, body: str) -> FloatArray:
-    """Return the change of modal momentum over each step without elastic forces, (steps, modes)."""
+    """Return the change of modal momentum over each step, minus the part due to elastic forces,
+    (steps, modes)."""
     x, dt = result[f"{body}_displacement"].values, result.attrs["time_step"]
     frequency = result[f"{body}_frequency"].values
     bent = (x[2:] - 2.0 * x[1:-1] + x[:-2]) / dt
@@ -80,7 +81,7 @@ def balances() -> Pairs:
     """Compare changes of momentum with contact impulses, and gaps with complementarity.
 
     Normal forces act inward on tips and outward on the casing, friction backward on tips and
-    forward on the casing, whose rotating modes feel its torque.
+    forward on the casing, whose rotating modes are loaded by its torque.
     """
     result = recorded()
     radial, tangential, on_wall, along_wall = rows(result)
@@ -108,7 +109,7 @@ def balances() -> Pairs:
 
 @verifies(1.05, -1.05)
 def friction_ratio(speed: float) -> Pair:
-    """Compare friction over normal impulses of all tips at all steps with contact."""
+    """Compare the ratio of friction to normal impulses of all tips at all steps with contact."""
     result = recorded(march__speed=speed)
     normal, friction = (result[f"{name}_impulse"].values for name in ("contact", "friction"))
     ratio = friction[normal > 0.0] / normal[normal > 0.0]
@@ -117,7 +118,7 @@ def friction_ratio(speed: float) -> Pair:
 
 @verifies()
 def energy_ledger() -> Pair:
-    """Compare the energy ledger with zero, with damping and a load."""
+    """Compare the error of the energy balance, with damping and a load, with zero."""
     result = recorded(damping__ratio=0.005, excitation__type="imbalance", coupling__stiffness=1e5)
     names = ("external_work", "normal_work", "friction_work", "coupling_work", "damping_work")
     terms = np.array([result[name].values for name in names])
@@ -128,9 +129,9 @@ def energy_ledger() -> Pair:
 
 @verifies("backward", "forward")
 def circle(way: str) -> Pairs:
-    """Compare whirl of a shaft started on a circle in the suspension pair, without contact.
+    """Compare the whirl of a shaft that starts on a circle in the suspension pair, without contact.
 
-    Its frequency and direction are compared in the rotating and the static frame.
+    Frequency and direction are compared in the rotating and the static frame.
     """
     longer = {"march__duration": 0.2, "march__record_step": 4e-5}
     pair = {"reduction__modes": "suspension,casing:1", **longer}

@@ -1,4 +1,4 @@
-"""The casing against closed forms of rings, and their order of convergence."""
+"""The casing compared with closed-form solutions of rings, and its order of convergence."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ def lowest(modes: Modes, k: int) -> float:
 
 
 def flexural(elements: int, name: str) -> Pair:
-    """Return bending frequencies of two to ten nodal diameters [Hz], reference and computed."""
+    """Return bending frequencies for two to ten nodal diameters [Hz], reference and computed
+    values."""
     known, rows = reference("ring"), reference("ring")["modes"][2:]
     support = known["ring"]["foundation"] if name == "flexural_on_foundation_hz" else 0.0
     modes = casing_modes(elements, support)
@@ -36,8 +37,8 @@ def flexural(elements: int, name: str) -> Pair:
 
 @verifies()
 def bending_of_rings() -> Pairs:
-    """Compare a free ring, one on a uniform radial and tangential support, and polygons of straight
-    beams, whose tolerance is their discretisation error."""
+    """Compare bending frequencies of a free ring, a ring on a uniform radial and tangential
+    support, and polygons of straight beams, whose tolerance is the discretisation error."""
     return {
         "free_ring": flexural(160, "flexural_hz"),
         "ring_on_foundation": flexural(160, "flexural_on_foundation_hz"),
@@ -46,19 +47,21 @@ def bending_of_rings() -> Pairs:
 
 
 def ring_errors(elements: int) -> FloatArray:
-    """Return the relative errors of the bending frequencies of two to ten nodal diameters."""
+    """Return the relative errors of the bending frequencies for two to ten nodal diameters."""
     exact, ours = flexural(elements, "flexural_hz")
     return np.asarray(np.array(ours) / np.array(exact) - 1.0)
 
 
 def translation_error(elements: int) -> float:
-    """Return the squared frequency of a free ring's translation, exactly 0 [rad^2/s^2]."""
+    """Return the squared frequency of a free ring's translation [rad^2/s^2]; its exact value is
+    0."""
     return float(casing_modes(elements).frequency[1] ** 2)
 
 
 @verifies()
 def orders_of_convergence() -> Pairs:
-    """Compare with four in bending, and with nearly six of translations."""
+    """Compare the order of convergence with four for bending, and with nearly six for
+    translations."""
     bending = np.array([ring_errors(n)[-1] for n in (80, 160)])
     translation = np.array([translation_error(n) for n in (40, 80)])
     return {
@@ -80,7 +83,8 @@ def stretching_ring() -> Pair:
 
 @verifies()
 def pinched_ring() -> Pair:
-    """Compare with R^3/EI (pi/4 - 2/pi) + pi R / 4 EA for two opposite unit forces."""
+    """Compare the displacement under two opposite unit forces with R^3/EI (pi/4 - 2/pi) + pi R / 4
+    EA."""
     section, modes = steel(0.01), casing_modes(80)
     exact = RADIUS**3 / section.bending_stiffness * (np.pi / 4 - 2 / np.pi)
     exact += np.pi * RADIUS / (4.0 * section.axial_stiffness)
@@ -92,8 +96,8 @@ def pinched_ring() -> Pair:
 
 @verifies("2", "3", "4")
 def nafems_ring(k: str) -> Pair:
-    """Compare a ring of radius 1 m and a round bar of 0.1 m, as a rectangle of equal area and
-    inertia."""
+    """Compare frequencies of a ring with a radius of 1 m and a round section of 0.1 m, modelled as
+    a rectangle of equal area and inertia."""
     diameter = 0.1
     thickness = diameter * np.sqrt(3.0) / 2.0
     section = Section(

@@ -1,4 +1,5 @@
-"""Bladed disks with rotation effects: cantilevers, the paper's stage at speed, closed forms."""
+"""Bladed disks with rotation effects: cantilevers, the paper's stage at speed, closed-form
+solutions."""
 
 from __future__ import annotations
 
@@ -23,7 +24,7 @@ from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifie
 from bladewhirl.studies.verification.stages import bladed_disk, steel
 
 STAGES = ("0.01", "0.03")
-"""Thickness of the disk's beams [m]."""
+"""Stages of the reference results, named by the thickness of the disk's beams [m]."""
 
 KEYS: dict[Effects, str] = {"none": "at_rest", "centrifugal": "no_coriolis", "full": "full"}
 
@@ -41,7 +42,7 @@ def turning(stage: str) -> RotationMatrices:
 
 @verifies(*STAGES)
 def centrifugal_frequencies(stage: str) -> Pair:
-    """Compare six frequencies of each nodal diameter; unstable waves are negative."""
+    """Compare six frequencies of each nodal diameter; those of unstable waves are negative."""
     expected, computed = [], []
     for row in known(stage)["speeds"]:
         structure = turning(stage).at_speed(row["omega"], "centrifugal")
@@ -79,9 +80,9 @@ def travelling_waves(stage: str) -> Pairs:
 
 @verifies(*STAGES)
 def tension(stage: str) -> Pairs:
-    """Compare the growth of tips with dead and with follower load, and mean axial forces.
+    """Compare the growth of the tips under dead and follower loads, and mean axial forces.
 
-    At the root of a blade the force is rho A Omega^2 (R^2 - r^2) / 2.
+    At the root of a blade the axial force is rho A Omega^2 (R^2 - r^2) / 2.
     """
     disk, matrices = bladed_disk(disk_thickness=float(stage)), turning(stage)
     sets, root = disk.mesh.line_sets, disk.mesh.node_sets["roots"][0]
@@ -105,7 +106,8 @@ def tension(stage: str) -> Pairs:
 
 @verifies(*STAGES)
 def critical_speeds(stage: str) -> Pair:
-    """Compare the critical speeds at rest, with centrifugal effects, and with Coriolis forces."""
+    """Compare the critical speeds from modes at rest, with centrifugal effects, and with Coriolis
+    forces."""
     row, matrices = known(stage), turning(stage)
     expected = [row["critical_speed"]]
     computed = [waves(matrices, 1, "full").synchronous(0)[0][0]]
@@ -118,7 +120,7 @@ def critical_speeds(stage: str) -> Pair:
 
 @verifies(*STAGES)
 def speed_of_one_millimetre(stage: str) -> Pair:
-    """Compare the speed with a growth of 1 mm under the follower load."""
+    """Compare the speed at which the growth of the tips is 1 mm under the follower load."""
     row = known(stage)
     speed = speed_of_growth(bladed_disk(disk_thickness=float(stage)), turning(stage), 1e-3)
     return row["growth_of_1mm"], speed / (2 * np.pi * row["reference_hz"])
@@ -127,7 +129,7 @@ def speed_of_one_millimetre(stage: str) -> Pair:
 @verifies(*STAGES)
 def internal_damping(stage: str) -> Pairs:
     """Compare growth rate and frequency of the fastest growing wave with k = 1 in the rotating
-    frame, by modal damping of the modes at rest, which turns with the disk."""
+    frame. The damping is modal damping of the modes at rest, which rotates with the disk."""
     row, matrices = known(stage), turning(stage)
     layout = matrices.structure.layout
     if layout is None:
@@ -160,7 +162,8 @@ def internal_damping(stage: str) -> Pairs:
 
 @verifies(*STAGES)
 def steady_answer(stage: str) -> Pair:
-    """Compare the response to a constant force in the rotating frame through the critical speed."""
+    """Compare the response to a constant force in the rotating frame at speeds through the critical
+    speed."""
     row, disk = known(stage), bladed_disk(disk_thickness=float(stage))
     force, computed = np.zeros(disk.structure.size), []
     force[disk.centre[0]] = 1.0
@@ -172,7 +175,7 @@ def steady_answer(stage: str) -> Pair:
 
 
 HUB, SHAFT = 0.05, 2e6
-"""Radius of the hub [m], stiffness of a shaft spring [N/m]."""
+"""Radius of the hub [m], and stiffness of a shaft spring [N/m]."""
 
 
 def blades_on(
@@ -229,7 +232,7 @@ def coriolis_cantilevers(elements: int = 20) -> Pair:
 
 @verifies()
 def rigid_disk() -> Pair:
-    """Compare with sqrt(k/m) -+ Omega in the rotating frame."""
+    """Compare the frequencies of a rigid disk with sqrt(k/m) -+ Omega in the rotating frame."""
     stiff = Section(width=0.1, thickness=0.1, young_modulus=1e15, density=7800.0)
     sketch = Sketch(3)
     sketch.node("hub", 0.0, 0.0, shared=True)
@@ -246,7 +249,7 @@ def rigid_disk() -> Pair:
 
 @verifies()
 def rod() -> Pair:
-    """Compare the stretching of a rod from the axis outward at 1500 rad/s."""
+    """Compare the elongation of a radial rod from the axis outward at 1500 rad/s."""
     section, omega = steel(0.01), 1500.0
     sketch = Sketch(2)
     sketch.node("hub", 0.0, 0.0, shared=True)

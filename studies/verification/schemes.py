@@ -1,4 +1,4 @@
-"""The other contact schemes: restitution, friction that sticks, a stop of finite stiffness."""
+"""The other contact schemes: restitution, sticking friction, a stop of finite stiffness."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MASS, SPEED, DEPTH = 2.0, 3.0, 1e-4
 
 
 def thrown_mass(**law: Any) -> ContactProblem:
-    """Return a free mass of 2 kg that moves at 3 m/s towards a wall at 1 mm."""
+    """Return a free mass of 2 kg that moves at 3 m/s towards a wall at a distance of 1 mm."""
     rotor = small_rotor(np.zeros(1), tip_radial=np.full((1, 1), MASS**-0.5))
     start = {"rotor_velocity": np.array([SPEED * MASS**0.5])}
     return replace(problem(rotor, wall(1e-3), start=start), **law)
@@ -42,15 +42,15 @@ def rebound(restitution: float) -> Pair:
 
 @cache
 def march_on_a_penalty() -> Chunk:
-    """March the mass against a penalty stiffness with 0.1 mm of penetration."""
+    """March the mass against a penalty stiffness that allows 0.1 mm of penetration."""
     stiffness = MASS * (SPEED / DEPTH) ** 2
     return marched(thrown_mass(penalty_stiffness=stiffness), 1e-7, 6000, scheme="penalty")
 
 
 @verifies()
 def mass_on_a_penalty() -> Pairs:
-    """Compare with a rebound at the initial speed after half a period; the depth is speed over
-    frequency."""
+    """Compare with a rebound at the initial speed after half a period; the depth of penetration is
+    speed divided by frequency."""
     chunk = march_on_a_penalty()
     return {
         "penalty_impulse": (2.0 * MASS * SPEED, chunk.contact_impulse.sum()),
@@ -61,22 +61,23 @@ def mass_on_a_penalty() -> Pairs:
 
 @verifies("Carpenter", "Siconos")
 def impulse_of_bars(name: str) -> Pair:
-    """Compare the impulse of the whole contact without restitution."""
+    """Compare the total impulse of the contact without restitution."""
     known, _, given, dt, steps = bars_in_impact(name)
     return known["impulse"], marched(given, dt, steps, scheme="moreau-jean").contact_impulse.sum()
 
 
 @cache
 def sticking_pad() -> Chunk:
-    """March the pad at 1e-5 s until it sticks."""
+    """March the pad with steps of 1e-5 s until it sticks."""
     return marched(pad_on_a_wall(), 1e-5, 20_000, scheme="moreau-jean")
 
 
 @verifies()
 def pad_that_sticks() -> Pairs:
-    """Compare the time after which the pad does not move, its extremes and its final position.
+    """Compare the time after which the pad does not move, its extreme positions and its final
+    position.
 
-    The friction force at rest is k x, half of mu m g.
+    The friction force at rest is k x, which is half of mu m g.
     """
     chunk, known = sticking_pad(), reference("published")["coulomb_pad"]
     moving = chunk.time[np.abs(chunk.rotor_velocity[:, 1]) > 1e-12]
@@ -117,7 +118,7 @@ def masses_on_a_stop(frequency: float, steps: int = 20_000) -> tuple[FloatArray,
 
 @verifies(0.6, 0.7)
 def two_masses_on_a_stop(frequency: float) -> Pair:
-    """Compare the penalty scheme from rest, through impacts and releases."""
+    """Compare a march by the penalty scheme from rest through several impacts and releases."""
     return masses_on_a_stop(frequency)
 
 

@@ -1,4 +1,5 @@
-"""Growth of parametrically coupled modes: Mathieu's equation, the paper's system, marches of it."""
+"""Growth of parametrically coupled modes: Mathieu's equation, and the paper's system, also by
+marches."""
 
 from __future__ import annotations
 
@@ -34,12 +35,13 @@ MATHIEU = {"a0": mathieu_a(0, 1.0), "b1": mathieu_b(1, 1.0), "a1": mathieu_a(1, 
     "b2": mathieu_b(2, 1.0),
     "a2": mathieu_a(2, 1.0),
 }
-"""Borders of stability of x'' + (a - 2 q cos 2t) x = 0 at q = 1."""
+"""Stability limits a of x'' + (a - 2 q cos 2t) x = 0 at q = 1."""
 
 
 @verifies(*MATHIEU)
 def mathieu_border(name: str) -> Pair:
-    """Compare the border where multipliers reach 1, or -1 for borders of odd order."""
+    """Compare the stability limit at which Floquet multipliers reach 1, or -1 for limits of odd
+    order."""
     trace, exact = (-2.0 if name[1] == "1" else 2.0), MATHIEU[name]
 
     def excess(a: float) -> float:
@@ -57,7 +59,7 @@ def coupled(ratio: str) -> tuple[ContactProblem, CouplingSprings]:
     their springs."""
     push = {"initial.centre_velocity": [1e-6, 0.0], "damping.ratio": float(ratio)}
     given = contact_problem(build_stage(with_values(Case(), POINT | push)))
-    assert given.springs is not None  # the point has a stiffness
+    assert given.springs is not None  # the stiffness of the point is not zero
     return given, given.springs
 
 
@@ -80,7 +82,8 @@ def monodromy(ratio: str) -> Floquet:
 
 @verifies(*DAMPED)
 def growth_rates(ratio: str) -> Pairs:
-    """Compare by the monodromy matrix, by the invariant frame of Eqs (16)-(21), and by a march.
+    """Compare growth rates by the monodromy matrix, by the invariant frame of Eqs (16)-(21), and by
+    a march.
 
     The growth rate is positive only with the factor pi of Eq. (8).
     """
@@ -104,7 +107,7 @@ def growth_without_pi() -> Pair:
 
 @verifies()
 def monodromy_by_runge_kutta() -> Pair:
-    """Compare the monodromy matrices, positions scaled by the reference frequency."""
+    """Compare the monodromy matrices, with positions scaled by the reference frequency."""
     given, coupling = coupled("0.005")
     modes, kappa = coupling.modes, coupling.kappa
     size, damping = modes.size, modes.equations.damping
@@ -125,16 +128,18 @@ def monodromy_by_runge_kutta() -> Pair:
 
 @verifies()
 def growth_of_a_march_at_speed() -> Pair:
-    """Compare the growth rate inside the zone that begins at 1.055 without rotation effects."""
+    """Compare the growth rate inside the zone that, without rotation effects, begins at 1.055."""
     turned, coupling = six_modes_at_speed()
     exact = growth_rate(coupling.modes, speed=turned.speed, kappa=coupling.kappa)
     return exact, late_growth(turned, 200_000)
 
 
 def six_modes_at_speed() -> tuple[ContactProblem, CouplingSprings]:
-    """Return the paper's six modes with rotation effects, as a march and with springs at rest.
+    """Return the paper's six modes with rotation effects as a contact problem, and the springs
+    coupling the modes at rest.
 
-    The march takes those of the stiffness at speed, in which its Coriolis forces are full.
+    The modes of the contact problem are those of the stiffness at speed, which are coupled by
+    Coriolis forces.
     """
     changes = {"march.speed": 1.65, "coupling.stiffness": 1000.0, "damping.ratio": 0.005}
     push = {"reduction.modes": "six", "initial.centre_velocity": [1e-12, 0.0]}
@@ -143,7 +148,7 @@ def six_modes_at_speed() -> tuple[ContactProblem, CouplingSprings]:
     system = couple(modal_stage(case), modes="six", damped=True, with_pi=True, physical=False)
     assert isinstance(system, EvenSystem)
     coupling, omega = at_rest.springs, at_rest.speed
-    assert coupling is not None  # it has a stiffness
+    assert coupling is not None  # the coupling stiffness is not zero
     of_rotation = system.modes.coriolis, system.modes.softening
     modes = replace(coupling.modes, coriolis=of_rotation[0], softening=of_rotation[1])
     on_rotor = ~modes.on_casing
@@ -175,14 +180,14 @@ def zones_at(kappa: float) -> tuple[CouplingModes, UnstableZones]:
 
 @verifies()
 def coincidences() -> Pair:
-    """Compare the borders of zones for springs of 1e-6 N/m with the coincidence speeds."""
+    """Compare the borders of zones for springs of 1e-6 N/m with the coincidence speeds of waves."""
     modes, zones = zones_at(1e-6)
     return sorted(coincidence_speeds(modes).values()), np.sort(zones.lower)
 
 
 @verifies()
 def narrow_zones() -> Pair:
-    """Compare width and growth of narrow zones to first order in eps = pi kappa."""
+    """Compare width and growth rate of narrow zones with the first order in eps = pi kappa."""
     modes, zones = zones_at(kappa := 1e-2)
     casing, *rotor = modes.frequency[np.argsort(~modes.on_casing, kind="stable")]
     width = 2.0 * np.pi * kappa / np.sqrt(casing * np.array(rotor))
@@ -200,7 +205,7 @@ def coupled_march(steps: int) -> FloatArray:
 
 @verifies()
 def order_of_coupled_marches() -> Pair:
-    """Compare the order from three steps, each half of the previous one."""
+    """Compare the order of convergence from three time steps, each half of the previous one."""
     ends = [coupled_march(steps) for steps in (2000, 4000, 8000)]
     apart = [np.linalg.norm(a - b) for a, b in pairwise(ends)]
     return 2.0, np.log2(apart[0] / apart[1])

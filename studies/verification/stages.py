@@ -1,4 +1,4 @@
-"""The stages, beams and rings that the references are for."""
+"""Stages, beams and rings of the reference results."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.sections.wall import Wall
 
 CASING_REFERENCE = (2, 0)
-"""Radial and tangential displacement of a casing node among its four DoF (u, u', w, w')."""
+"""Indices of radial and tangential displacement among the DoF (u, u', w, w') of a casing node."""
 
 
 def steel(thickness: float, width: float = 0.1) -> Section:
-    """Rectangular section of the steel that all reference results are for."""
+    """Return a rectangular section of the steel of all reference results."""
     return Section(width=width, thickness=thickness, young_modulus=2.1e11, density=7800.0)
 
 
@@ -43,13 +43,13 @@ def beam(
 
 
 def clamped(sketch: Sketch) -> BladedDiskModel:
-    """Return the sketched structure with clamped centre."""
+    """Return the sketched structure with a clamped centre."""
     return assemble_bladed_disk(sketch.build(), shaft_stiffness=1.0, clamped=True)
 
 
 def natural_frequencies(disk: BladedDiskModel) -> FloatArray:
-    """Return ascending frequencies [rad/s]; with clamping, the lowest are accurate beside stiff
-    parts."""
+    """Return ascending frequencies [rad/s]; with a clamped centre the lowest are accurate even with
+    stiff parts."""
     structure = disk.structure
     inverse = la.eigvalsh(structure.mass.toarray(), structure.stiffness.toarray())
     return np.asarray(1.0 / np.sqrt(inverse[::-1]))
@@ -59,7 +59,7 @@ def natural_frequencies(disk: BladedDiskModel) -> FloatArray:
 def bladed_disk(
     blades: int = 22, elements: int = 10, disk_thickness: float = 0.01, clamped: bool = False
 ) -> BladedDiskModel:
-    """The stage of the paper's Table 1: literally, or with thicker beams for the disk."""
+    """Return the stage of the paper's Table 1: literally, or with thicker beams of the disk."""
     case = case_from(
         {
             "bladed_disk": {
@@ -74,7 +74,8 @@ def bladed_disk(
 
 
 def tip_reference(disk: BladedDiskModel) -> tuple[int, int]:
-    """Positions of the tip's radial and tangential displacement among a sector's DoF."""
+    """Return the indices of the tip's radial and tangential displacement among the DoF of a
+    sector."""
     layout = disk.structure.layout
     assert layout is not None
     first = layout.sector_dofs[0].tolist()
@@ -82,12 +83,12 @@ def tip_reference(disk: BladedDiskModel) -> tuple[int, int]:
 
 
 def disk_modes(disk: BladedDiskModel, count: int | None = None) -> Modes:
-    """Modes of a bladed disk, phases fixed at the tips."""
+    """Return the modes of a bladed disk; the phases of pairs are fixed at the tips."""
     return structure_modes(disk.structure, tip_reference(disk), count)
 
 
 RADIUS = 0.501
-"""Of the rings of the reference results [m]."""
+"""Radius of the rings of the reference results [m]."""
 
 
 def ring(
@@ -97,7 +98,7 @@ def ring(
     radius: float = RADIUS,
     **options: Any,
 ) -> CasingModel:
-    """Return a ring of 100 x 10 mm, free to rotate by default."""
+    """Return a ring with a section of 100 x 10 mm, free to rotate by default."""
     given: dict[str, Any] = {"curvature": "exact", "support": 0.0, "rotation": "free"}
     return assemble_casing(
         RingMesh(elements=elements, radius=radius),
@@ -114,22 +115,22 @@ def casing(
     curvature: Literal["exact", "shallow"] = "exact",
     rotation: Literal["free", "fixed"] = "free",
 ) -> CasingModel:
-    """The ring of the reference results."""
+    """Return the ring of the reference results."""
     return ring(elements=elements, curvature=curvature, support=support, rotation=rotation)
 
 
 @cache
 def casing_modes(*arguments: Any) -> Modes:
-    """All modes of that ring, of the arguments of `casing`."""
+    """Return all modes of the ring `casing(*arguments)`."""
     return structure_modes(casing(*arguments).structure, CASING_REFERENCE)
 
 
 def hertz(modes: Modes) -> FloatArray:
-    """Frequencies in Hz."""
+    """Return the frequencies in Hz."""
     return np.asarray(modes.frequency / (2.0 * np.pi))
 
 
 def observed_order(errors: FloatArray, ratio: float = 2.0) -> FloatArray:
-    """Order of convergence between successive refinements by that ratio."""
+    """Return the order of convergence between successive refinements by the factor `ratio`."""
     errors = np.abs(errors)
     return np.asarray(np.log(errors[:-1] / errors[1:]) / np.log(ratio))

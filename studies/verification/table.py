@@ -1,4 +1,4 @@
-"""The table of verification cases: computed, and as text, JSON, Markdown or a page."""
+"""Table of verification cases: computation, and output as text, JSON, Markdown or a page."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SUBJECTS = {
     "rotation": "Effects of rotation",
     "whirl": "Marches with Coriolis forces",
 }
-"""Modules of cases, in the order of the table."""
+"""Titles of the subjects by the name of their module, in the order of the table."""
 
 HEAD = ("", "quantity", "source", "values", "reference", "calculated", "largest error", "allowed")
 
@@ -43,32 +43,32 @@ WORDS = (
 
 @dataclass(frozen=True, kw_only=True)
 class Verification:
-    """Outcomes, in the order of the table."""
+    """Outcomes of cases, in the order of the table."""
 
     outcomes: tuple[Outcome, ...]
 
     @property
     def passed(self) -> bool:
-        """Whether all cases pass."""
+        """True if all cases pass."""
         return all(outcome.passed for outcome in self.outcomes)
 
     @property
     def summary(self) -> str:
-        """Numbers of cases, in a sentence."""
+        """Sentence with the numbers of cases."""
         failed = [outcome.name for outcome in self.outcomes if not outcome.passed]
         count, seconds = len(self.outcomes), sum(each.seconds for each in self.outcomes)
         text = f"{count - len(failed)} of {count} cases pass, {seconds:.0f} s"
         return f"{text}; failed: {', '.join(failed)}" if failed else text
 
     def by_subject(self) -> dict[str, list[Outcome]]:
-        """Outcomes of each subject that has some."""
+        """Return the outcomes by subject."""
         grouped: dict[str, list[Outcome]] = {}
         for outcome in self.outcomes:
             grouped.setdefault(outcome.subject, []).append(outcome)
         return grouped
 
     def to_json(self) -> str:
-        """Return one JSON document; non-finite values are null."""
+        """Return a JSON document; non-finite values are null."""
         rows: list[dict[str, Any]] = []
         for outcome in self.outcomes:
             row = asdict(outcome) | {"passed": outcome.passed}
@@ -82,7 +82,8 @@ class Verification:
         return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
     def to_markdown(self) -> str:
-        """A table for each subject, without times: the same from run to run but for rounding."""
+        """Return a table for each subject, without times, so that only rounding differs from run to
+        run."""
         parts = []
         for subject, outcomes in self.by_subject().items():
             rows = [HEAD, ["---"] * len(HEAD), *map(cells, outcomes)]
@@ -91,7 +92,7 @@ class Verification:
         return "\n\n".join(parts) + "\n"
 
     def page(self) -> Page:
-        """A report as one HTML page."""
+        """Return a report as an HTML page."""
         count = len(self.outcomes)
         good = sum(outcome.passed for outcome in self.outcomes)
         sections = [
@@ -122,7 +123,7 @@ class Verification:
 
 
 def cells(outcome: Outcome) -> Sequence[str]:
-    """A line of the table, under `HEAD`."""
+    """Return the cells of a line of the table, see `HEAD`."""
     unit = "" if outcome.unit == "1" else f" [{outcome.unit}]"
     bound = {"relative": "", "of largest": " of the largest", "absolute": " absolute"}
     return (
@@ -138,10 +139,10 @@ def cells(outcome: Outcome) -> Sequence[str]:
 
 
 def cases(subjects: Iterable[str] = (), *, full: bool = False) -> list[VerificationCase]:
-    """Cases of some subjects, of all if none.
+    """Return the cases of some subjects; all cases if no subject is given.
 
     Raises:
-        UserError: there is no such subject.
+        UserError: a subject does not exist.
     """
     expected = list(subjects) or list(SUBJECTS)
     for subject in expected:
@@ -161,15 +162,15 @@ def verify(
     full: bool = False,
     progress: Callable[[int, int], object] | None = None,
 ) -> Verification:
-    """Compute what has known answers, and compare.
+    """Compute problems with known answers, and compare the results.
 
     Args:
-        subjects: "modes", "rings", ...; all if none.
-        full: with the cases that take long.
-        progress: called with cases done and cases in all.
+        subjects: names such as "modes", "rings"; all subjects if empty.
+        full: whether to include the cases that take long.
+        progress: called with the numbers of finished cases and of all cases.
 
     Raises:
-        UserError: there is no such subject.
+        UserError: a subject does not exist.
     """
     chosen, outcomes = cases(subjects, full=full), []
     for done, case in enumerate(chosen, 1):
@@ -180,7 +181,7 @@ def verify(
 
 
 def print_table(done: Verification) -> None:
-    """The table for a terminal."""
+    """Print the table for a terminal."""
     table = rich_table.Table(title=done.summary, box=box.SIMPLE_HEAD, title_justify="left")
     table.add_column("quantity, source", ratio=1, overflow="fold")
     for head in ("reference", "ours", "error", "allowed"):

@@ -23,14 +23,14 @@ def stage_at_speed(
     damper: float = 0.0,
     frame: str = "rotating",
 ) -> ContactProblem:
-    """Return the stage of the reference results.
+    """Return the stage of the reference results as a contact problem.
 
     Args:
-        thickness: of the disk's beams [m].
-        speed: of rotation, normalised.
+        thickness: thickness of the disk's beams [m].
+        speed: normalised speed of rotation.
         ratio: modal damping ratio.
-        damper: parallel to each spring of the shaft [N s/m].
-        frame: of the dampers.
+        damper: damper parallel to each spring of the shaft [N s/m].
+        frame: frame of the dampers.
     """
     case = case_from(
         {
@@ -53,7 +53,8 @@ def pulled(given: ContactProblem, force: float, ramp: float = 0.0) -> ContactPro
 
 @verifies("0.01", "0.03")
 def step_of_force(thickness: str) -> Pair:
-    """Compare the response to a step force, of 1e-4 m; the reduction causes half of the error."""
+    """Compare the response to a step force, about 1e-4 m; half of the error is due to the
+    reduction."""
     given, dt = pulled(stage_at_speed(thickness), 1e3), 4e-6
     rotor, scheme = given.rotor, make_scheme(given, dt, 1)
     rows = np.vstack([rotor.centre, rotor.tip_radial[:1], rotor.tip_tangential[:1]])
@@ -94,8 +95,8 @@ def jeffcott(
 
 @verifies()
 def unbalance_through_resonance() -> Pair:
-    """Compare amplitude and phase after 4 s under a constant force; above resonance the sign
-    changes."""
+    """Compare amplitude and phase after 4 s under a constant force at speeds through resonance;
+    above it the sign changes."""
     known = reference("jeffcott")
     rotor, expected, computed = known["rotor"], [], []
     damping = 2.0 * rotor["damping_ratio"] * np.sqrt(rotor["stiffness"] * rotor["mass"])
@@ -110,7 +111,7 @@ def unbalance_through_resonance() -> Pair:
 
 @verifies(0.8, 0.95, 1.2)
 def unequal_bearings(share: float, steps: int = 200_000) -> Pair:
-    """Compare forward and backward parts of the orbit around two critical speeds."""
+    """Compare the forward and backward parts of the orbit near two critical speeds."""
     rotor, dt = reference("jeffcott")["rotor"], 2.0 / steps
     omega = share * np.sqrt(rotor["stiffness"] / rotor["mass"])
     damping, half = 5e3, 0.15 * rotor["stiffness"]
@@ -130,7 +131,8 @@ def unequal_bearings(share: float, steps: int = 200_000) -> Pair:
 
 @verifies(0.9, 1.3)
 def internal_damping(share: float, steps: int = 10_000) -> Pair:
-    """Compare the growth rate, negative below the critical speed and positive above."""
+    """Compare the growth rate by internal damping, which is negative below the critical speed and
+    positive above."""
     rotor, damping, dt = reference("jeffcott")["rotor"], 2e3, 0.2 / steps
     natural = np.sqrt(rotor["stiffness"] / rotor["mass"])
     omega = share * natural
