@@ -1,1 +1,1 @@
-"""Geometry: line meshes of bladed disks, ring meshes of casings, mesh files."""
+"""Line meshes of bladed disks, ring meshes of casings, and mesh files."""

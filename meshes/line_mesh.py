@@ -16,25 +16,27 @@ BoolArray = NDArray[np.bool_]
 ComplexArray = NDArray[np.complex128]
 
 REAL = ("points", "node_axes", "node_data", "line_data")
-"""Fields of meshes with real numbers; the others contain integers."""
+"""Names of the fields of meshes that contain real numbers; the other fields contain integers."""
 
 SAMPLES = 64
-"""Samples between two points for measuring the length of a curve."""
+"""Number of samples between two points to compute the length of a curve."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class LineMesh:
     """A mesh of straight two-node lines in the plane, in metres.
 
-    Arrays are made read-only; a changed mesh is a new mesh.
+    The mesh stores read-only copies of all arrays; to change a mesh, make a new one.
     """
 
     points: FloatArray  #: node positions [m], (nodes, 2)
     lines: IntArray  #: end nodes of each line, (lines, 2)
-    node_axes: FloatArray  #: angle of each node's first displacement axis from +x [rad], (nodes,)
+    node_axes: FloatArray
+    """Angle of the first displacement axis of each node from +x [rad], (nodes,)."""
     node_sets: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> node numbers
     line_sets: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> line numbers
-    sectors: IntArray | None = None  #: nodes of each sector in one order, (sectors, nodes a sector)
+    sectors: IntArray | None = None
+    """Nodes of each sector, in the same order in every sector, (sectors, nodes a sector)."""
 
     def __post_init__(self) -> None:
         freeze(self)
@@ -51,7 +53,7 @@ class LineMesh:
 
     @property
     def line_parts(self) -> list[str]:
-        """Name of the line set that each line belongs to ("" for none), one a line."""
+        """Name of the line set of each line, "" if a line is in no set."""
         parts = [""] * len(self.lines)
         for name, numbers in self.line_sets.items():
             for number in numbers:
@@ -65,7 +67,7 @@ class LineMesh:
 
 
 def freeze(mesh: Any) -> None:
-    """Store read-only copies of the arrays in a mesh, a frozen dataclass under construction."""
+    """Replace the arrays of a mesh by read-only copies; for the ``__post_init__`` of a mesh."""
     for item in fields(mesh):
         value = getattr(mesh, item.name)
         kind = np.float64 if item.name in REAL else np.int64
@@ -83,13 +85,13 @@ def _frozen(values: Any, kind: type) -> NDArray[Any]:
 
 
 def points_along(given: FloatArray, elements: int) -> FloatArray:
-    """Ends of equally long elements along a centre line, (elements + 1, 2).
+    """Return the ends of elements of equal length along a centre line, (elements + 1, 2).
 
-    Two points are joined by a straight line, more by a smooth curve: a cubic spline over the
-    length of their chords. The first and the last point are kept to the last bit.
+    Two points are connected by a straight line, more points by a cubic spline over the length of
+    their chords. The first and the last point are returned without rounding.
 
     Args:
-        given: points that the line goes through, in order [m], (points, 2); no two in a row alike.
+        given: points on the centre line in order, consecutive ones different [m], (points, 2).
         elements: number of elements.
     """
     share = np.linspace(0.0, 1.0, elements + 1)[:, None]

@@ -1,4 +1,4 @@
-"""Mesh of a casing: nodes on a circle joined by curved elements."""
+"""Mesh of a casing: nodes on a circle, connected by curved elements."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 
 W, W_SLOPE, U, U_SLOPE = range(4)
-"""Components of a node's motion in every array of nodal values: w, dw/ds, u, du/ds."""
+"""Positions of w, dw/ds, u and du/ds in every array of nodal values of a casing."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RingMesh:
-    """A closed ring of equal curved elements; element i joins nodes i and i + 1 (mod elements)."""
+    """A closed ring of equal curved elements; element i is between nodes i and i + 1 (mod
+    elements)."""
 
     elements: int  #: number of elements and of nodes
     radius: float  #: radius of the ring [m]

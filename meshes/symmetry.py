@@ -7,25 +7,30 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
 TOLERANCE = 1e-6
-"""Largest distance of a rotated node from another one, over the radius of the mesh, that counts as
-zero: files have seven digits or more, and meshers place nodes on curves to about nine."""
+"""Largest distance, over the radius of the mesh, at which a rotated node and another node coincide.
+Files have seven digits or more, and meshers place nodes on curves with about nine digits."""
 
 
 def rotational_sectors(
     points: FloatArray, lines: IntArray, tips: IntArray, centre: int
 ) -> IntArray | None:
-    """Nodes of each sector in one order, (sectors, nodes a sector); None without symmetry.
+    """Find the sectors of a mesh with rotational symmetry.
 
-    There is symmetry if a turn by 2 pi / len(tips) about the origin takes every node to a node,
-    every line to a line and tip n to tip n + 1. What lines are made of is not looked at: matrices
-    tell whether a mesh of equal sectors is tuned. Sector n holds tip n and, so far as lines lead
-    there, what hangs together with it; the centre belongs to none.
+    A mesh is symmetric if a rotation by 2 pi / len(tips) about the origin maps every node to a
+    node, every line to a line and tip n to tip n + 1. Sections and materials of lines are not
+    compared; whether a mesh of equal sectors is tuned is determined from its matrices. Sector n
+    contains tip n and, as far as possible, nodes that are connected to it by lines. The centre
+    belongs to no sector.
 
     Args:
-        points: nodes, the centre at the origin, (nodes, 2).
-        lines: end nodes of each line and of whatever else joins two nodes, (lines, 2).
+        points: positions of the nodes, with the centre at the origin, (nodes, 2).
+        lines: end nodes of lines and of other connections between two nodes, (lines, 2).
         tips: nodes of the blade tips, counter-clockwise, (blades,).
         centre: node at the origin.
+
+    Returns:
+        nodes of each sector, in the same order in every sector, (sectors, nodes a sector); None
+        without symmetry.
     """
     sectors = len(tips)
     if sectors < 3:
@@ -53,10 +58,14 @@ def rotational_sectors(
 
 
 def symmetric_points(points: FloatArray, sectors: IntArray) -> FloatArray:
-    """Points with every sector put where the mean of all sectors, turned, is, (nodes, 2).
+    """Return points whose sectors are all equal to the mean of the sectors, (nodes, 2).
 
-    Moves nodes by less than the tolerance of `rotational_sectors`; afterwards matrices are
+    The nodes move by less than the tolerance of `rotational_sectors`. Matrices of the new mesh are
     symmetric to rounding.
+
+    Args:
+        points: positions of the nodes, (nodes, 2).
+        sectors: nodes of each sector, (sectors, nodes a sector).
     """
     turns = np.exp(2j * np.pi * np.arange(len(sectors)) / len(sectors))[:, None]
     places = points[sectors] @ np.array([1.0, 1.0j])
@@ -67,11 +76,12 @@ def symmetric_points(points: FloatArray, sectors: IntArray) -> FloatArray:
 
 
 def _image(points: FloatArray, angle: float) -> IntArray | None:
-    """Return the node that a rotation maps each node to, (nodes,); None if it is not one to one."""
+    """Return the node to which a rotation maps each node, (nodes,); None if this is not a
+    permutation of the nodes."""
     cos, sin = np.cos(angle), np.sin(angle)
     radius = np.linalg.norm(points, axis=1).max()
     turned = points @ np.array([[cos, sin], [-sin, cos]])
-    from scipy.spatial import KDTree  # not loaded by those who mesh no file
+    from scipy.spatial import KDTree  # loaded only if a mesh file is used
 
     away, image = KDTree(points).query(turned)
     if away.max() > TOLERANCE * radius or len(np.unique(image)) != len(points):
@@ -80,13 +90,14 @@ def _image(points: FloatArray, angle: float) -> IntArray | None:
 
 
 def _sorted(lines: IntArray) -> IntArray:
-    """Lines in an order that does not depend on how they are numbered or run through."""
+    """Return lines in an order that is independent of their numbers and directions."""
     ends = np.sort(lines, axis=1)
     return np.asarray(ends[np.lexsort(ends.T)])
 
 
 def _from_tip(lines: IntArray, nodes: int, tip: int) -> list[int]:
-    """All nodes, in the order in which lines lead to them from a tip."""
+    """Return all nodes in the order of a breadth-first search along lines from a tip; nodes that
+    are not connected to the tip come last."""
     neighbours: list[list[int]] = [[] for _ in range(nodes)]
     for first, second in lines.tolist():
         neighbours[first].append(second)

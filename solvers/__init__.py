@@ -1,1 +1,1 @@
-"""Solvers on arrays: the contact march, stability, coincidence, veering."""
+"""Solvers on arrays: time integration with contact, stability, coincidence, veering."""

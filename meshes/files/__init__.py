@@ -1,1 +1,1 @@
-"""Mesh files of Gmsh, Abaqus and VTK, with their groups."""
+"""Reading and writing of mesh files of Gmsh, Abaqus and VTK, with their groups."""

@@ -1,13 +1,13 @@
-"""Line meshes as Abaqus input, .inp.
+"""Reading of line meshes from Abaqus input, .inp.
 
-Groups are sets: NSET for nodes, ELSET for lines. Of data, the format holds rectangular sections
-and their material (BEAM SECTION, ELASTIC, DENSITY) and point masses (MASS, ROTARYI), in units of
-its own choice.
+Groups are sets: NSET for nodes, ELSET for lines. The data are rectangular sections with their
+materials (BEAM SECTION, ELASTIC, DENSITY) and point masses (MASS, ROTARYI); their units are the
+choice of the author of the file.
 
-meshio reads such files too, but gives the elements of a set to others where blocks of elements
-share a set or have none, keeps the last of several blocks of nodes only, and knows neither B23
-nor sections. So the few keywords that matter are read here, and those that would change the mesh
-unseen are refused.
+meshio is not used, although it reads such files. It assigns elements to wrong sets if blocks of
+elements share a set or have none, reads only the last of several blocks of nodes, and supports
+neither B23 elements nor sections. This module therefore reads the few relevant keywords itself.
+Keywords that would change the mesh without being evaluated are an error.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 STRAIGHT = re.compile(r"(T[23]D2|B[23][13]|PIPE[23]1|FRAME[23]D)(OS|R)?H?")
 CURVED = re.compile(r"(T[23]D3|B[23]2|PIPE[23]2)(OS|R)?H?")
 POINT_MASSES = {"MASS": "mass", "ROTARYI": "inertia"}
-"""Elements of one node, with the names of their properties."""
+"""Types of elements with one node, and the names of their data."""
 
 SECTION = ("width", "thickness", "young_modulus", "density")
 OWN_SETS = re.compile(r"(section|mass|inertia)-\d+", re.I)
-"""Sets that are written for sections and masses, and no groups of the mesh."""
+"""Names of sets that the writer makes for sections and masses; they are not groups of the mesh."""
 
 CHANGES_THE_MESH = frozenset(
     ["INCLUDE", "SYSTEM", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "NODETHICKNESS"]
@@ -37,15 +37,15 @@ CHANGES_THE_MESH = frozenset(
 
 
 UNSOUND = (ValueError, IndexError, KeyError)
-"""Exceptions raised by data that do not match their keyword."""
+"""Exceptions that are raised if data do not match their keyword."""
 
 MOST_MEMBERS = 1_000_000
-"""Largest number of members of a set given by ranges."""
+"""Largest number of members of a set that is given by ranges."""
 
 
 @dataclass
 class _Card:
-    """A keyword with its parameters and the lines of data under it."""
+    """A keyword with its parameters and the data lines after it."""
 
     keyword: str
     parameters: dict[str, str]
@@ -59,25 +59,25 @@ class _Card:
 
 @dataclass
 class _Content:
-    """Content of a file, everything by the numbers that the file gives."""
+    """Contents of a file, with the numbers of nodes and elements in the file."""
 
     points: dict[int, list[float]] = field(default_factory=dict)
     lines: dict[int, list[int]] = field(default_factory=dict)
-    point_elements: dict[int, int] = field(default_factory=dict)  #: element -> node
+    point_elements: dict[int, int] = field(default_factory=dict)  #: number of element -> of node
     node_sets: dict[str, list[int]] = field(default_factory=dict)
     element_sets: dict[str, list[int]] = field(default_factory=dict)
     sections: list[tuple[str, str, float, float]] = field(default_factory=list)
     materials: dict[str, dict[str, float]] = field(default_factory=dict)
     masses: list[tuple[str, str, float]] = field(default_factory=list)  #: name, set, value
-    material: str = ""  #: the one that is being described
+    material: str = ""  #: name of the material that is being read
 
 
 def read_inp(path: Path) -> GroupedLines:
     """Read an .inp file.
 
     Raises:
-        MeshFileError: it is none, or has other elements than straight lines and point masses, or
-            keywords that would change the mesh.
+        MeshFileError: the file is not a valid .inp file, has other elements than straight lines and
+            point masses, or has unsupported keywords that would change the mesh.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -124,7 +124,7 @@ def _cards(text: str) -> Iterator[_Card]:
 
 
 def _read(card: _Card, content: _Content) -> None:
-    """Add what a keyword says to the content; keywords without a meaning here are skipped."""
+    """Add the data of a keyword to the contents; irrelevant keywords are skipped."""
     match card.keyword:
         case "NODE":
             _read_nodes(card, content)

@@ -1,4 +1,4 @@
-"""Line meshes written as Abaqus input, .inp; `abaqus_reader` explains sets and data."""
+"""Writing of line meshes as Abaqus input, .inp; see `abaqus_reader` about sets and data."""
 
 from __future__ import annotations
 
@@ -13,18 +13,19 @@ from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
 from bladewhirl.meshes.line_mesh import IntArray
 
 ELEMENT = "B23"
-"""Type of the elements written: cubic Euler-Bernoulli beams in the plane, as they are here."""
+"""Type of the elements: cubic Euler-Bernoulli beams in the plane, as in this package."""
 
 A_LINE = 8
-"""Members of a set on one line."""
+"""Number of members of a set on one line."""
 
 
 def write_inp(path: Path, mesh: GroupedLines) -> None:
-    """Write an .inp file; data other than sections and masses are left out, and so are lines that
-    are no beams.
+    """Write the beams of a mesh as an .inp file, with sets, sections and point masses.
+
+    Lines that are not beams and all other data are left out.
 
     Raises:
-        MeshFileError: a name that Abaqus does not take.
+        MeshFileError: Abaqus does not allow a name.
     """
     mesh = mesh.beams()
     for name in [*mesh.node_groups, *mesh.line_groups]:

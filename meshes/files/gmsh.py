@@ -1,11 +1,11 @@
-"""Line meshes of Gmsh, .msh: versions 4.1 and 2.2, text or binary.
+"""Reading and writing of line meshes of Gmsh, .msh: versions 4.1 and 2.2, text or binary.
 
-Groups are physical groups: of points for nodes, of curves for lines. A group called
-``thickness=0.01`` gives its members the number 0.01 as their ``thickness``; that is how data are
-held, so that they outlive a refinement in Gmsh.
+Groups are physical groups: of points for nodes, of curves for lines. Data are stored as groups too:
+the members of a group with the name ``thickness=0.01`` have the value 0.01 of ``thickness``. Data
+are therefore preserved when a mesh is refined in Gmsh.
 
-Read through meshio; written, as version 4.1, without it, for its writer allows an element one
-group only.
+Files are read with meshio. They are written, as version 4.1, without meshio, because its writer
+allows only one group for each element.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from bladewhirl.meshes.files.meshio_cells import POINT, line_blocks, readable, s
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
 VERSIONS = ("4.1", "2.2")
-"""Supported versions of the format; meshio cannot read 4.0 as Gmsh 4 writes it."""
+"""Supported versions of the format; meshio cannot read files of version 4.0 written by Gmsh 4."""
 
 TAG, ENTITY = "gmsh:physical", "gmsh:geometrical"
 VALUE = re.compile(
@@ -34,21 +34,22 @@ VALUE = re.compile(
 )
 
 ALONE = "lines"
-"""Group written for lines that are in no group: meshio reads no file with such elements."""
+"""Name of the group for lines that are in no group, because meshio cannot read such elements."""
 
 LARGEST_NUMBER = 10_000_000
-"""Largest number of a node, or count of nodes or elements: meshio makes arrays as long."""
+"""Largest number of a node, and largest count of nodes or elements; meshio allocates arrays of this
+length."""
 
 LINE_TYPE, POINT_TYPE = 1, 15
-"""Gmsh's numbers of the two-node line and the point."""
+"""Numbers of the element types two-node line and point in Gmsh."""
 
 
 def read_msh(path: Path) -> GroupedLines:
     """Read a .msh file.
 
     Raises:
-        MeshFileError: it is none, has other cells than lines and points, or two physical groups
-            of one name, of which meshio would lose one.
+        MeshFileError: the file is not a valid .msh file, has other cells than lines and points, or
+            has two physical groups with the same name, of which meshio would lose one.
     """
     _check_head(path)
     with readable(path):
@@ -91,10 +92,10 @@ def _read(path: Path) -> meshio.Mesh:
 
 
 def _check_head(path: Path) -> None:
-    """Refuse what meshio cannot read: other versions, physical groups of equal name, huge numbers.
+    """Check the version, the names of physical groups, and the numbers of nodes and elements.
 
     Raises:
-        MeshFileError: it is so.
+        MeshFileError: meshio cannot read the file.
     """
     blocks: dict[str, list[int]] = defaultdict(list)
     section, binary = b"", False
@@ -126,14 +127,17 @@ def _check_head(path: Path) -> None:
 
 
 def _check_numbers(line: bytes) -> None:
-    """Refuse a line of nodes or elements with whole numbers that are too large."""
+    """Check that no integer in a line of nodes or elements is too large."""
     words = line.split()
     if any(word.isdigit() and int(word) > LARGEST_NUMBER for word in words):
         raise MeshFileError(f"node and element numbers of at most {LARGEST_NUMBER}")
 
 
 def _is_member(mesh: meshio.Mesh, block: int, name: str, tag: int) -> Any:
-    """Mask of the cells of a block in a physical group: 4.x has sets, 2.2 has tags."""
+    """Return whether each cell of a block is in a physical group.
+
+    Files of version 4.1 have sets of cells, files of version 2.2 have tags.
+    """
     size = len(mesh.cells[block].data)
     if name in mesh.cell_sets:
         return np.isin(np.arange(size), mesh.cell_sets[name][block].astype(np.int64))
@@ -147,10 +151,10 @@ def _tags(mesh: meshio.Mesh, blocks: list[int], name: str) -> IntArray:
 
 
 def _homes(lines: IntArray, entity: IntArray, group: IntArray) -> IntArray:
-    """Return the number of the line that each line repeats, its own number if it repeats none.
+    """Return for each line the number of the first line that it repeats, or its own number.
 
-    In version 2.2 an element stands once for each of its groups. The same line twice in one group,
-    or on two curves, is two lines, for others to complain about.
+    In version 2.2 an element is repeated for each of its groups. A line that occurs twice in the
+    same group, or on two curves, counts as two lines, which later checks report.
     """
     copies: Counter[tuple[int, ...]] = Counter()
     homes: dict[tuple[int, ...], int] = {}
@@ -175,11 +179,13 @@ def _data(size: int, groups: Mapping[str, IntArray]) -> dict[str, FloatArray]:
 
 
 def write_msh(path: Path, mesh: GroupedLines) -> None:
-    """Write a .msh file of version 4.1 as text; `read_msh` gives a mesh of the same nodes, lines,
-    groups and data, in another order.
+    """Write a .msh file of version 4.1 as text.
+
+    `read_msh` returns a mesh with the same nodes, lines, groups and data, but in another order.
 
     Raises:
-        MeshFileError: a group of nodes and one of lines share a name, or a name has a quote.
+        MeshFileError: a group of nodes and a group of lines have the same name, or a name is not
+            allowed.
     """
     both = sorted(set(mesh.node_groups) & set(mesh.line_groups))
     both += sorted(set(mesh.node_data) & set(mesh.line_data))
@@ -199,7 +205,7 @@ def write_msh(path: Path, mesh: GroupedLines) -> None:
         groups[1][ALONE] = alone
     node_entity, node_tags = _entities(len(mesh.points), groups[0], 0)
     line_entity, line_tags = _entities(len(mesh.lines), groups[1], len(groups[0]))
-    # Each node of a group is a geometric point, the others are on curves.
+    # Each node that is in a group is a geometric point; other nodes are on curves.
     grouped = np.flatnonzero([bool(tags) for tags in node_tags[node_entity]])
     curve_of = np.zeros(len(mesh.points), dtype=np.int64)
     curve_of[mesh.lines[::-1].T] = line_entity[::-1]
@@ -233,9 +239,17 @@ def _value_groups(data: Mapping[str, FloatArray]) -> dict[str, IntArray]:
 
 
 def _entities(size: int, groups: Mapping[str, IntArray], before: int) -> tuple[IntArray, Any]:
-    """Geometric entity of each member, from 0, and the tags of the groups of each entity.
+    """Assign nodes or lines to geometric entities, one for each combination of groups.
 
-    Gmsh puts a whole entity into a group, so members of the same groups share one.
+    In Gmsh the members of a group are entities, not single nodes or lines.
+
+    Args:
+        size: number of nodes or lines.
+        groups: numbers of the members of each group.
+        before: number of groups with smaller tags.
+
+    Returns:
+        entity of each node or line, from 0, (size,), and the tags of the groups of each entity.
     """
     member = np.zeros((size, len(groups)), dtype=np.bool_)
     for column, numbers in enumerate(groups.values()):

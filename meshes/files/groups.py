@@ -1,4 +1,4 @@
-"""Content of a mesh file: points, lines, named groups and data of both, as yet without meaning."""
+"""Contents of a mesh file before interpretation: points, lines, named groups and data."""
 
 from __future__ import annotations
 
@@ -11,43 +11,43 @@ from numpy.typing import NDArray
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray, freeze
 
 FLAT = 1e-6
-"""Largest distance from one plane, over the size of a mesh, that still counts as in it."""
+"""Largest distance of a node from the plane of a mesh, over the size of the mesh."""
 
 SPRING = ("spring_radial", "spring_tangential", "spring_rotation")
 RIGID = "rigid"
-"""Data of lines that are no beams: stiffnesses of springs, and 1 on rigid links."""
+"""Names of data of lines that are not beams: stiffnesses of springs, and 1 for rigid links."""
 
 
 class MeshFileError(ValueError):
-    """Unreadable mesh file, or a mesh without lines; the text completes "expected ..."."""
+    """Error for an unreadable or unsuitable mesh file; the text completes "expected ..."."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class GroupedLines:
-    """Content of a mesh file: straight two-node lines, in the file's unit of length.
+    """Contents of a mesh file with straight two-node lines, in the unit of length of the file.
 
-    Groups may overlap and may be empty; their members stand in the order of the file. Data hold
-    one number a node or a line.
+    Groups may overlap and may be empty; their members are in the order of the file. Data have one
+    number for each node or line.
     """
 
-    points: FloatArray  #: (nodes, 2)
+    points: FloatArray  #: positions of the nodes, (nodes, 2)
     lines: IntArray  #: end nodes of each line, (lines, 2)
-    node_groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> nodes
-    line_groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> lines
-    node_data: Mapping[str, FloatArray] = field(default_factory=dict)  #: name -> (nodes,)
-    line_data: Mapping[str, FloatArray] = field(default_factory=dict)  #: name -> (lines,)
+    node_groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> numbers of nodes
+    line_groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> numbers of lines
+    node_data: Mapping[str, FloatArray] = field(default_factory=dict)  #: name -> values (nodes,)
+    line_data: Mapping[str, FloatArray] = field(default_factory=dict)  #: name -> values (lines,)
 
     def __post_init__(self) -> None:
         freeze(self)
 
     @property
     def is_rigid(self) -> NDArray[np.bool_]:
-        """Mask of the rigid links, (lines,)."""
+        """Whether each line is a rigid link, (lines,)."""
         return self._has(RIGID)
 
     @property
     def is_beam(self) -> NDArray[np.bool_]:
-        """Mask of the beams, neither springs nor rigid links, (lines,)."""
+        """Whether each line is a beam, that is, neither a spring nor a rigid link, (lines,)."""
         return ~self._has(RIGID, *SPRING)
 
     def _has(self, *names: str) -> NDArray[np.bool_]:
@@ -56,7 +56,7 @@ class GroupedLines:
         return np.asarray(np.any(rows, axis=0))
 
     def beams(self) -> GroupedLines:
-        """The mesh without springs and rigid links."""
+        """Return the mesh without springs and rigid links."""
         beam = self.is_beam
         number = np.cumsum(beam) - 1
         groups = {name: lines[beam[lines]] for name, lines in self.line_groups.items()}
@@ -77,13 +77,13 @@ class GroupedLines:
 
 
 def in_plane(points: FloatArray) -> FloatArray:
-    """The x and y of points, (nodes, 2).
+    """Return x and y of points in a plane z = const, (nodes, 2).
 
     Args:
-        points: (nodes, 2) or, all at one z, (nodes, 3).
+        points: coordinates x and y, (nodes, 2), or x, y and z, (nodes, 3).
 
     Raises:
-        MeshFileError: coordinates that are not finite, or points out of one plane z = const.
+        MeshFileError: coordinates are not finite, or the points are not in a plane z = const.
     """
     points = np.asarray(points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] not in (2, 3) or not len(points):

@@ -1,4 +1,4 @@
-"""Errors of meshio and the lines among its cells, for all formats read through it."""
+"""Errors and lines of meshes that are read with meshio, for all its formats."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ LINE, POINT = "line", "vertex"
 
 @contextmanager
 def readable(path: Path) -> Iterator[None]:
-    """Turn whatever meshio's readers stumble over into one error.
+    """Turn every error and warning of the readers of meshio into a `MeshFileError`.
 
-    They check little: a damaged file ends in any exception there is, in numpy's warning that a
-    text broke off, or in a note on standard error.
+    The readers check little. For a damaged file they raise exceptions of any type, cause a warning
+    of numpy about incomplete text, or print a note to standard error.
 
     Raises:
-        MeshFileError: with the reason.
+        MeshFileError: the file cannot be read; the text contains the reason.
     """
     notes = io.StringIO()
     try:
@@ -47,10 +47,10 @@ def readable(path: Path) -> Iterator[None]:
 
 
 def line_blocks(mesh: meshio.Mesh) -> list[int]:
-    """Numbers of a mesh's blocks of two-node lines; blocks of single points are left out.
+    """Return the numbers of the cell blocks with two-node lines.
 
     Raises:
-        MeshFileError: there are other cells, or no lines.
+        MeshFileError: there are other cells than lines and points, or there are no lines.
     """
     for block in mesh.cells:
         if block.type in (LINE, POINT) or not len(block.data):

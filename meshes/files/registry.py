@@ -1,4 +1,4 @@
-"""Mesh files by their suffix: .vtu, .msh, .inp."""
+"""Reading and writing of mesh files by their suffix: .vtu, .msh, .inp."""
 
 from __future__ import annotations
 
@@ -17,21 +17,22 @@ READERS = {".vtu": read_vtu, ".msh": read_msh, ".inp": read_inp}
 WRITERS = {".vtu": write_vtu, ".msh": write_msh, ".inp": write_inp}
 
 MOST_BYTES = 100_000_000
-"""Largest file that is read."""
+"""Size of the largest file that is read [bytes]."""
 
 MOST_LINES = 100_000
-"""Largest mesh file that is read."""
+"""Largest number of lines in a mesh that is read."""
 
 
 def read_line_mesh(path: str | PathLike[str]) -> GroupedLines:
     """Read a mesh of straight lines with its groups.
 
     Args:
-        path: Gmsh's .msh with physical groups, .vtu, or Abaqus's .inp.
+        path: path of a .msh file of Gmsh with physical groups, a .vtu file or an .inp file of
+            Abaqus.
 
     Raises:
-        MeshFileError: no such file or suffix, or what is in it is no mesh of straight lines in a
-            plane; completes "expected ...".
+        MeshFileError: the file does not exist, has another suffix, or does not contain a mesh of
+            straight lines in a plane; the text completes "expected ...".
     """
     file = Path(path)
     if file.exists() and not file.is_file():
@@ -50,12 +51,13 @@ def write_line_mesh(path: str | PathLike[str], mesh: GroupedLines) -> None:
     """Write a mesh of straight lines with its groups and the data that the format supports.
 
     Args:
-        path: .vtu (complete), .msh (physical groups) or .inp (sets, sections, masses).
-        mesh: to write.
+        path: path of the file. A .vtu file contains everything, a .msh file has groups and data as
+            physical groups, an .inp file has sets, sections and masses.
+        mesh: mesh to write.
 
     Raises:
-        MeshFileError: another suffix, or names that the format does not hold.
-        OSError: the file can't be written.
+        MeshFileError: the suffix is unknown, or the format does not allow a name.
+        OSError: the file cannot be written.
     """
     file = Path(path)
     write = WRITERS[_known_suffix(file)]

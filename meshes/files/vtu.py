@@ -1,8 +1,8 @@
-"""Line meshes as VTK unstructured grids, .vtu, through meshio.
+"""Reading and writing of line meshes as VTK unstructured grids, .vtu, with meshio.
 
-Lines are cells of type line. A group is an array of whole numbers, on points or on cells, that is
-1 on its members and 0 elsewhere. An array of other whole numbers, such as a material number, gives
-one group for each of its values, called ``name=value``. Data are arrays of real numbers.
+Lines are cells of type line. A group is an array of integers on points or on cells, which is 1 for
+its members and 0 elsewhere. An array of other integers, such as material numbers, gives a group
+with the name ``name=value`` for each of its values. Data are arrays of real numbers.
 """
 
 from __future__ import annotations
@@ -21,21 +21,22 @@ from bladewhirl.meshes.files.meshio_cells import line_blocks, readable, stacked
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
 MOST_COMPRESSED = 1_000_000
-"""Largest compressed file [bytes]; zlib expands data at most 1032 times."""
+"""Size of the largest compressed file [bytes]; zlib expands data by a factor of at most 1032."""
 
 HEADER_BYTES = 4096
 ZLIB = b"vtkZLibDataCompressor"
 _COMPRESSOR = re.compile(rb"""compressor\s*=\s*["']([^"']*)["']""")
 
 MOST_VALUES = 1000
-"""Arrays of more different whole numbers number their points or cells and group none."""
+"""Largest number of different values of an array of integers that defines groups. An array with
+more values is assumed to be a numbering of points or cells."""
 
 
 def read_vtu(path: Path) -> GroupedLines:
     """Read a .vtu file.
 
     Raises:
-        MeshFileError: an unreadable file, too much compressed data, or unsupported cells.
+        MeshFileError: the file is unreadable, has too much compressed data or unsupported cells.
     """
     with readable(path):
         _check_compression(path)
@@ -56,10 +57,10 @@ def read_vtu(path: Path) -> GroupedLines:
 
 
 def _check_compression(path: Path) -> None:
-    """Refuse compressed data that may expand to more than the memory.
+    """Check that compressed data cannot expand to more than the memory.
 
     Raises:
-        MeshFileError: another compressor than zlib, or too large a file.
+        MeshFileError: the compressor is not zlib, or the file is too large.
     """
     with path.open("rb") as file:
         compressor = _COMPRESSOR.search(file.read(HEADER_BYTES))
@@ -72,7 +73,8 @@ def _check_compression(path: Path) -> None:
 
 
 def write_vtu(path: Path, mesh: GroupedLines) -> None:
-    """Write a .vtu file, complete: `read_vtu` gives an equal mesh, groups in ascending order."""
+    """Write a .vtu file with all contents; `read_vtu` returns an equal mesh, with the members of
+    groups in ascending order."""
     nodes, lines = len(mesh.points), len(mesh.lines)
     point_data = {k: _mark(nodes, v) for k, v in mesh.node_groups.items()} | dict(mesh.node_data)
     cell_data = {k: _mark(lines, v) for k, v in mesh.line_groups.items()} | dict(mesh.line_data)

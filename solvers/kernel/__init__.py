@@ -1,1 +1,1 @@
-"""The compiled step of the march; arrays in, arrays out."""
+"""Compiled time integration, called with arrays."""

@@ -1,4 +1,4 @@
-"""Structs of `kernel.h` made of NumPy arrays, and calls of the compiled marches."""
+"""Structs of `kernel.h` that refer to NumPy arrays, and calls of the compiled functions."""
 
 from __future__ import annotations
 
@@ -30,15 +30,16 @@ _ARRAYS = {
 }
 
 CACHE_LINE = 64
-"""Bytes."""
+"""Size of a cache line [bytes]."""
 
 Arrays = dict[str, Any]
-"""Arrays of a struct by name; those of a struct within it are a dictionary of their own."""
+"""Arrays of a struct by name; the arrays of a nested struct are a nested dictionary."""
 
 
 @cache
 def _fields(name: str) -> dict[str, tuple[str, list[str]]]:
-    """Type of each field of a struct and, of an array, its shape as the header has it."""
+    """Return the type of each field of a struct and, if it is an array, its shape from
+    `kernel.h`."""
     header = resources.files(__package__).joinpath("kernel.h").read_text(encoding="utf-8")
     content = header[: header.index(f"\n}} {name};")].rpartition("typedef struct {")[2]
     fields = re.findall(r"^ {4}(\w+) (\w+);(?: +/\* \(([\w, ]+)\))?", content, re.MULTILINE)
@@ -46,11 +47,11 @@ def _fields(name: str) -> dict[str, tuple[str, list[str]]]:
 
 
 def zeros(struct: str, sizes: dict[str, int]) -> Arrays:
-    """Zeros for all arrays of a struct.
+    """Return arrays of zeros for all arrays of a struct.
 
     Args:
-        struct: its name.
-        sizes: lengths that the header names.
+        struct: name of the struct.
+        sizes: lengths by their names in `kernel.h`.
     """
     arrays: Arrays = {}
     for field, (kind, shape) in _fields(struct).items():
@@ -63,15 +64,15 @@ def zeros(struct: str, sizes: dict[str, int]) -> Arrays:
 
 
 class Struct:
-    """A struct of C, with the arrays that it points to as attributes.
+    """A C struct, with the arrays to which it points as attributes.
 
     Args:
-        name: of the struct.
-        fields: arrays, numbers, and structs within it, all of them.
+        name: name of the struct.
+        fields: all fields: arrays, numbers and nested structs.
 
     Raises:
-        TypeError: a field too few or too many, or an array of another type or shape than the
-            header says.
+        TypeError: a field is missing or unknown, or the type or shape of an array is not that in
+            `kernel.h`.
     """
 
     def __init__(self, name: str, /, **fields: Any) -> None:
@@ -93,7 +94,7 @@ class Struct:
         self._fields = fields
 
     def __getattr__(self, name: str) -> Any:
-        """An array, a number, or a struct within this."""
+        """Return a field: an array, a number or a nested struct."""
         return self._fields[name]
 
 
@@ -105,7 +106,7 @@ def _point(
     array: np.ndarray[Any, Any],
     sizes: dict[str, int],
 ) -> None:
-    """Let a vector or matrix of C point to an array, whose lengths are checked by their names."""
+    """Let a C vector or matrix point to an array; equal names of lengths must have equal values."""
     pointer, dtype, lengths = kind
     named = {
         axis: int(axis) if axis.isdigit() else sizes.setdefault(axis, length)
@@ -126,12 +127,12 @@ def _point(
 
 
 def padded(size: int, unit: int = lib.LANES) -> int:
-    """Next multiple of the unit."""
+    """Return the smallest multiple of a unit that is not below a size."""
     return -(-size // unit) * unit
 
 
 def aligned(shape: int | tuple[int, ...], dtype: Any = np.float64) -> np.ndarray[Any, Any]:
-    """Zeros that start on a cache line."""
+    """Return an array of zeros that starts on a cache line."""
     count = prod(shape) if isinstance(shape, tuple) else shape
     raw = np.zeros(count + CACHE_LINE // 8 - 1, dtype)
     first = -(raw.ctypes.data // 8) % (CACHE_LINE // 8)
@@ -139,7 +140,7 @@ def aligned(shape: int | tuple[int, ...], dtype: Any = np.float64) -> np.ndarray
 
 
 def aligned_copy(values: np.ndarray[Any, Any]) -> FloatArray:
-    """Copy that starts on a cache line."""
+    """Return a copy that starts on a cache line."""
     out = aligned(values.shape, values.dtype)
     out[...] = values
     return out
@@ -156,21 +157,21 @@ def march(
     steps: int,
     record_every: int,
 ) -> tuple[int, int, int]:
-    """March from ``step`` to ``step + steps`` without Python's lock; see `kernel.h`.
+    """Advance a march from ``step`` to ``step + steps``, without the interpreter lock of Python.
 
     Args:
         stage: rotor, casing, springs, dampers and gyroscopic forces.
-        wheel_speed: R Omega [m/s] where sliding is permanent, else None.
-        numbers: of the march.
-        state: advanced in place.
-        records: get a row at multiples of ``record_every``.
+        wheel_speed: R Omega [m/s] if sliding is signed, None if it is permanent.
+        numbers: parameters of the march.
+        state: state, which is advanced in place.
+        records: arrays that get a row at multiples of ``record_every``.
         scratch: working arrays.
-        step: n.
-        steps: to do.
-        record_every: steps between records.
+        step: number of the first step.
+        steps: number of steps to do.
+        record_every: number of steps between records.
 
     Returns:
-        status (RUNNING or DIVERGED), the step reached, and the number of records written.
+        status (RUNNING or DIVERGED), the number of the last step, and the number of records.
     """
     reached = ffi.new("int64_t[2]")
     speed = ffi.NULL if wheel_speed is None else ffi.new("double *", wheel_speed)
@@ -181,13 +182,13 @@ def march(
 
 
 def dense_march(*structs: Struct, time_step: float, first: int, steps: int) -> int:
-    """Do steps of a dense scheme from the first on; see `kernel.h`. Return the number done.
+    """Do steps of a dense scheme and return the number of steps done; see `kernel.h`.
 
     Args:
-        structs: stage, law, state (advanced in place) and scratch.
-        time_step: h [s].
-        first: step.
-        steps: to do.
+        structs: stage, law, state (which is advanced in place) and scratch.
+        time_step: time step h [s].
+        first: number of the first step.
+        steps: number of steps to do.
     """
     pointers = [struct.pointer for struct in structs]
     return int(lib.dense_march(*pointers, time_step, first, steps))

@@ -1,1 +1,1 @@
-"""The march of a contact problem in time, and its recording."""
+"""Time integration of a contact problem (the march), and recording of its results."""

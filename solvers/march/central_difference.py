@@ -1,4 +1,4 @@
-"""Central differences with forward-increment Lagrange multipliers, as a scheme of the march."""
+"""Time integration by central differences with forward-increment Lagrange multipliers."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from bladewhirl.solvers.packing.turning import pack_gyroscopic
 
 @dataclass(frozen=True, kw_only=True)
 class CentralDifferenceState:
-    """State between two steps: x_{n-1}, x_n and what has been summed up since the last record."""
+    """State between two steps: x_{n-1}, x_n and sums since the last record."""
 
-    step: int  #: n
-    arrays: dict[str, FloatArray]  #: of the struct `State`
+    step: int  #: number of steps n
+    arrays: dict[str, FloatArray]  #: arrays of the struct `State`
 
     @property
     def statistics(self) -> Statistics:
-        """Quality so far."""
+        """Quality measures since the start."""
         count = self.arrays["counts"]
         return Statistics(
             steps=self.step,
@@ -48,19 +48,20 @@ class CentralDifferenceState:
 class CentralDifference:
     """The scheme of Carpenter, Taylor and Katona (1991) with damping and sliding friction.
 
-    Second order without contact; contact holds at the end of each step. The complementarity
-    residual of a step is max_j |min(g_j, W_jj lambda_j)| / max(clearance, max_j |g_p,j|), with the
-    gaps g computed anew from the corrected displacements.
+    The scheme is of second order without contact. The contact conditions are satisfied at the end
+    of each step. The complementarity residual of a step is
+    max_j |min(g_j, W_jj lambda_j)| / max(clearance, max_j |g_p,j|), where the gaps g are computed
+    from the corrected displacements.
 
     Args:
-        problem: what to march.
-        time_step: [s]
-        record_every: steps between records.
-        cyclic: use the harmonics of a cyclic stage where it has them; False marches any stage by
-            dense products.
+        problem: contact problem.
+        time_step: time step [s].
+        record_every: number of steps between records.
+        cyclic: whether to treat the harmonics of cyclic bodies separately; if not, dense products
+            are used for every stage.
 
     Raises:
-        ValueError: a time step at or above the critical one.
+        ValueError: the time step is not below the critical one.
     """
 
     def __init__(
@@ -88,7 +89,7 @@ class CentralDifference:
         self._numbers = _numbers(problem, time_step)
 
     def init(self) -> CentralDifferenceState:
-        """State at t = 0; x_{-1} is consistent with initial velocity and acceleration."""
+        """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
         problem, start, dt = self._problem, self._problem.start, self._time_step
         amplitudes = np.array(
             [np.cos(load.phase) * (load.ramp <= 0.0) * (load.end > 0.0) for load in problem.loads]
@@ -133,11 +134,7 @@ class CentralDifference:
     def advance(
         self, state: CentralDifferenceState, steps: int, record_every: int | None = None
     ) -> tuple[CentralDifferenceState, Chunk, EndReason | None]:
-        """Advance by a number of steps, recording at multiples of ``record_every`` (its own if
-        None).
-
-        The state given stays as it was.
-        """
+        """Advance by a number of steps; see `Scheme.advance`."""
         every = self._record_every if record_every is None else record_every
         arrays = {name: aligned_copy(array) for name, array in state.arrays.items()}
         records = zeros("Records", self._sizes() | {"records": steps // every + 2})
@@ -157,7 +154,7 @@ class CentralDifference:
         return after, self._chunk(records, written), end
 
     def _sizes(self) -> dict[str, int]:
-        """Lengths that the header names in state and records."""
+        """Return the lengths of the arrays in state and records, by their names in `kernel.h`."""
         rotor, casing = self._arrangements
         return {
             "rotor_entries": rotor.entries,
@@ -166,7 +163,7 @@ class CentralDifference:
         }
 
     def _scratch(self) -> Arrays:
-        """Working arrays of a march."""
+        """Return the working arrays of the kernel."""
         rotor, casing = self._arrangements
         _, _, springs, dampers, _ = self._stage
         tips, wide = len(self._rotor.spread), len(self._rotor.position)
@@ -178,7 +175,7 @@ class CentralDifference:
                 "wide": wide,
                 "twice_wide": 2 * wide,
                 "closed": self._casing.radial.start.shape[1],
-                # Columns, the first half once more, and what the last register runs over.
+                # Columns, the first half once more, and the rest of the last register.
                 "sums": max(padded(a.columns + a.half + lib.LANES) for a in self._arrangements),
                 "entries": max(rotor.entries, casing.entries),
                 "ends": lib.HALF * wide,
@@ -219,11 +216,12 @@ class CentralDifference:
 
 
 def initial_gap(problem: ContactProblem, time: float = 0.0) -> FloatArray:
-    """Gap of each tip at the start [m], (tips,), by the casing's Hermite interpolation.
+    """Return the gap of each tip at the initial displacements, by Hermite interpolation [m],
+    (tips,).
 
     Args:
-        problem: with the displacements.
-        time: of the rotor's angle [s].
+        problem: contact problem with the initial displacements.
+        time: time for the angle of the rotor [s].
     """
     casing, rotor, start = problem.casing, problem.rotor, problem.start
     nodes = len(casing.nodal)
@@ -243,7 +241,8 @@ def initial_gap(problem: ContactProblem, time: float = 0.0) -> FloatArray:
 
 
 def initial_spring_forces(problem: ContactProblem) -> tuple[FloatArray, FloatArray]:
-    """Forces at t = 0, on the modes of rotor and casing, of the springs that turn with neither."""
+    """Return the modal forces at t = 0 of coupling springs and unequal static shaft springs, on
+    rotor and on casing."""
     start = problem.start
     force = -problem.spring_stiffness(0.0) @ np.concatenate([start.rotor, start.casing])
     return force[: len(start.rotor)], force[len(start.rotor) :]

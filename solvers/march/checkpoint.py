@@ -1,4 +1,4 @@
-"""States of a march on disk, bit for bit, from which a killed march continues."""
+"""Checkpoints: exact states of a march on disk, from which a killed march is resumed."""
 
 from __future__ import annotations
 
@@ -12,23 +12,24 @@ import numpy as np
 from bladewhirl.files import replacing
 
 CHECKPOINT_NAME = "checkpoint.npz"
-"""In the folder of a run."""
+"""Name of the checkpoint file in the folder of a run."""
 
 NOTES = ("case", "records", "wall_time")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Checkpoint:
-    """State of a march when its records were last flushed."""
+    """State of a march at the last time when its records were written to disk."""
 
-    case: str  #: digest of all that the march depends on but its duration
-    records: int  #: in the result
-    wall_time: float  #: elapsed [s]
+    case: str  #: digest of all data that affect the march, except its duration
+    records: int  #: number of records in the result
+    wall_time: float  #: elapsed wall-clock time [s]
     state: dict[str, Any]  #: arrays by name, from `state_arrays`
 
 
 def state_arrays(state: Any, prefix: str = "") -> dict[str, Any]:
-    """Numbers and arrays of a scheme's state by name; dataclasses and dictionaries are opened."""
+    """Return the numbers and arrays of the state of a scheme by name, also those in nested
+    dataclasses and dictionaries."""
     arrays: dict[str, Any] = {}
     for name, value in _parts(state).items():
         whole = prefix + name
@@ -37,14 +38,14 @@ def state_arrays(state: Any, prefix: str = "") -> dict[str, Any]:
 
 
 def state_from(begin: Any, arrays: dict[str, Any]) -> Any:
-    """The state with these arrays.
+    """Return the state with given arrays, the inverse of `state_arrays`.
 
     Args:
-        begin: the scheme's first state.
-        arrays: of `state_arrays`.
+        begin: state of the same scheme at t = 0.
+        arrays: arrays by name from `state_arrays`.
 
     Raises:
-        ValueError: they are not those of the scheme.
+        ValueError: the arrays are of another scheme or stage.
     """
     shapes = {name: np.shape(value) for name, value in state_arrays(begin).items()}
     if shapes != {name: np.shape(value) for name, value in arrays.items()}:
@@ -73,18 +74,18 @@ def _parts(value: Any) -> dict[str, Any]:
 
 
 def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
-    """Write it whole, in place of the one before."""
+    """Write a checkpoint to a temporary file, which then replaces the previous checkpoint."""
     notes = {name: getattr(checkpoint, name) for name in NOTES}
     with replacing(path) as draft, draft.open("wb") as stream:
         np.savez(stream, **notes, **{f"state.{k}": v for k, v in checkpoint.state.items()})
 
 
 def read_checkpoint(path: Path) -> Checkpoint:
-    """Read it back.
+    """Read a checkpoint.
 
     Raises:
-        OSError: it can't be read.
-        ValueError: it is none.
+        OSError: the file cannot be read.
+        ValueError: the file is not a checkpoint.
     """
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as content:

@@ -1,21 +1,24 @@
-"""Two more contact laws behind the contract of the march, on dense matrices, without the kernel.
+"""Two more schemes with other contact laws, on dense matrices.
 
-Both step velocities by the midpoint rule (see `solvers/kernel/dense.c`) and tell B_N and B_T of
-the tips like the central differences. With the gap g, its rate u_N and the relative velocity u_T:
+Both integrate velocities with the midpoint rule (see `solvers/kernel/dense.c`). B_N and B_T of the
+tips are the same as for central differences. With the gap g, its rate u_N and the relative velocity
+u_T, the contact laws are:
 
-``moreau-jean`` (Jean 1999; Moreau 1988): a tip whose gap the free step would close has
+``moreau-jean`` (Jean 1999; Moreau 1988): for a tip whose gap would be closed in the free step,
 
     0 <= P_N  perp  u_N+ + e u_N- >= 0,      |P_T| <= mu P_N,   P_T = -mu P_N sign(u_T+) if sliding
 
-with the restitution coefficient e. Tips stick, and slip. Gaps may be closed by what a tip moves in
-half a step, no more, and drift by as much.
+with the restitution coefficient e. Tips stick and slip. A tip may penetrate by its motion in half a
+step at most, and gaps may drift by the same amount.
 
-``penalty``: at half the step, in a half drift, a kick and another,
+``penalty``: half a step of free motion, the contact impulse, and another half step of free motion,
+with
 
     P_N = h k max(0, -g),      P_T = -mu P_N clip(u_T+ / v_s, -1, 1)
 
 with the penalty stiffness k and the speed v_s below which a tip that should stick creeps. The
-energy that k stores comes back, so that impacts are elastic. Its period has to be resolved.
+energy stored in k is returned, so impacts are elastic. The time step must resolve the period of a
+tip on the penalty spring.
 
 The residual of a step is max_j |min(u_N,j+ + e u_N,j-, W_jj P_j)| over the largest velocity.
 """
@@ -41,12 +44,12 @@ SHARE_OF_STIFFEST = 0.5
 class DenseState:
     """State between two steps; the modes of the rotor precede those of the casing."""
 
-    step: int  #: n
-    arrays: dict[str, FloatArray]  #: of the struct `DenseState`
+    step: int  #: number of steps n
+    arrays: dict[str, FloatArray]  #: arrays of the struct `DenseState`
 
     @property
     def statistics(self) -> Statistics:
-        """Quality so far."""
+        """Quality measures since the start."""
         counts = self.arrays["counts"]
         return Statistics(
             steps=self.step,
@@ -58,15 +61,15 @@ class DenseState:
 
 
 class _Dense:
-    """What both schemes share.
+    """Common part of both schemes.
 
     Args:
-        problem: what to march.
-        time_step: [s]
-        record_every: steps between records.
+        problem: contact problem.
+        time_step: time step [s].
+        record_every: number of steps between records.
 
     Raises:
-        ValueError: a time step at or above the critical one, or too long for the penalty.
+        ValueError: the time step is not below the critical one, or too long for the penalty.
     """
 
     def __init__(self, problem: ContactProblem, time_step: float, record_every: int) -> None:
@@ -80,11 +83,11 @@ class _Dense:
         self._sizes = {"modes": len(self._stage.stiffness), "tips": tips, "twice_tips": 2 * tips}
 
     def _law_numbers(self) -> dict[str, float]:
-        """Numbers of the contact law, see `kernel.h`."""
+        """Return the parameters of the contact law, see `kernel.h`."""
         raise NotImplementedError
 
     def init(self) -> DenseState:
-        """State at t = 0."""
+        """Return the state at t = 0."""
         start = self._problem.start
         arrays = zeros("DenseState", self._sizes)
         arrays["displacement"][:] = np.concatenate([start.rotor, start.casing])
@@ -95,11 +98,7 @@ class _Dense:
     def advance(
         self, state: DenseState, steps: int, record_every: int | None = None
     ) -> tuple[DenseState, Chunk, EndReason | None]:
-        """Advance by a number of steps, recording at multiples of ``record_every`` (its own if
-        None).
-
-        The state given stays as it was.
-        """
+        """Advance by a number of steps; see `Scheme.advance`."""
         every = self._record_every if record_every is None else record_every
         arrays = _copy(state.arrays)
         step, last, ended = state.step, state.step + steps, None
@@ -166,14 +165,14 @@ def _copy(arrays: dict[str, FloatArray]) -> dict[str, FloatArray]:
 
 
 class MoreauJean(_Dense):
-    """March with impulses and restitution."""
+    """Scheme with contact impulses and restitution."""
 
     def _law_numbers(self) -> dict[str, float]:
         return {"restitution": self._problem.restitution}
 
 
 class Penalty(_Dense):
-    """March with a penalty and regularised friction."""
+    """Scheme with a penalty stiffness and regularised friction."""
 
     def _law_numbers(self) -> dict[str, float]:
         problem = self._problem
@@ -223,7 +222,12 @@ def _stage(problem: ContactProblem, dt: float) -> Struct:
 
 
 def _turning(problem: ContactProblem) -> tuple[np.ndarray, FloatArray, FloatArray]:
-    """Modes that turning springs join, and their stiffness by harmonics of the rotor's angle."""
+    """Return the stiffness of the springs that act in both frames, by harmonics of the rotor angle.
+
+    Returns:
+        numbers of the modes that are coupled, (n,); cosine parts and sine parts of the stiffness,
+        (harmonics, n, n) each.
+    """
     order = 2 * max(1, *(problem.springs.modes.harmonics if problem.springs else (0,)))
     angles = 2.0 * np.pi / (2 * order + 1) * np.arange(2 * order + 1)
     around = problem.spring_stiffness(angles)
@@ -234,10 +238,10 @@ def _turning(problem: ContactProblem) -> tuple[np.ndarray, FloatArray, FloatArra
 
 
 def _check_penalty(problem: ContactProblem, time_step: float) -> None:
-    """Refuse a penalty whose period the step does not resolve.
+    """Check that the time step resolves the period of a tip on the penalty stiffness.
 
     Raises:
-        ValueError: naming the limit.
+        ValueError: the penalty stiffness is too large; the message states the limit.
     """
     rotor, casing = problem.rotor, problem.casing
     tips = np.linalg.eigvalsh(rotor.tip_radial @ rotor.tip_radial.T).max()

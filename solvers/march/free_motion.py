@@ -1,4 +1,4 @@
-"""Marches that may end early: free motion that has too little energy left to touch again."""
+"""Early end of a march when free motion has too little energy for further contact."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ StopWhen = Literal["damped"]
 STOPS: tuple[StopWhen, ...] = get_args(StopWhen)
 
 CLOSING = 0.8
-"""Share of the smallest gap at rest that the energy left must not be able to close."""
+"""Share of the smallest gap at rest that the remaining energy must not be able to close."""
 
 FREE_TURNS = 10.0
-"""Revolutions of free motion that a march ends after at the earliest."""
+"""Smallest number of revolutions of free motion before a march may end."""
 
 RULE = (
     "damped: the loads have ended, no tip has touched for at least half of the time marched and"
@@ -29,27 +29,29 @@ RULE = (
     f" close more than {CLOSING:.0%} of the smallest gap at rest; this is checked about every"
     f" {CHUNK_STEPS} steps; such a march has the end_reason damped and ends at end_time"
 )
-"""The rule in words, as it is written with every sweep that follows it."""
+"""Text of the rule, written into every sweep that applies it."""
 
 
 @dataclass(kw_only=True)
 class FreeMotion:
-    """Watch over a march for the time when no tip can touch any more.
+    """Detects when no tip can touch the casing any more.
 
-    Free motion of bodies on springs and dampers that turn with the rotor only loses energy. With
-    E left, a displacement sum_m phi_m q_m is at most sqrt(2 E sum_m (phi_m / omega_m)^2).
+    The energy of free motion can only decrease if no springs or dampers in the static frame act on
+    the rotor. With the remaining energy E, a displacement sum_m phi_m q_m is at most
+    sqrt(2 E sum_m (phi_m / omega_m)^2).
     """
 
-    enough: float  #: energy below which nothing touches [J]
-    free_time: float  #: that motion has to be free for, at least [s]
-    since: float  #: time from which motion is free [s]
+    enough: float  #: energy below which no tip can touch the casing [J]
+    free_time: float  #: required duration of free motion [s]
+    since: float  #: time since which motion is free [s]
 
     @classmethod
     def of(cls, problem: ContactProblem, time_step: float) -> Self:
-        """The watch over a march of a problem.
+        """Make the detector for a contact problem.
 
         Raises:
-            ValueError: its energy may grow, or last, without contact; the reason in words.
+            ValueError: the energy may increase or remain without contact; the message is the
+                reason.
         """
         rotor, casing = problem.rotor, problem.casing
         since = max((load.end for load in problem.loads), default=0.0)
@@ -62,7 +64,7 @@ class FreeMotion:
         compliance = _compliance(rotor.tip_radial, rotor.frequency)
         compliance += _compliance(casing.nodal[:, 0], casing.frequency)
         gap = CLOSING * float(casing.clearance[:, 0].min() + rotor.tip_recess.min())
-        # The invariant of the scheme is smaller than the energy by this, at the highest frequency.
+        # At the highest frequency, the energy of the scheme is this share of the true energy.
         share = 1.0 - (time_step / problem.critical_time_step) ** 2
         turn = 2.0 * np.pi / abs(problem.speed) if problem.speed else np.inf
         return cls(
@@ -70,7 +72,7 @@ class FreeMotion:
         )
 
     def is_over(self, chunk: Chunk) -> bool:
-        """Look at the next records; whether the march may end with them."""
+        """Return whether the march may end after a chunk; call it for every chunk in order."""
         touched = np.flatnonzero(chunk.contact_steps.any(axis=1))
         if touched.size:
             self.since = max(self.since, float(chunk.time[touched[-1]]))
@@ -81,5 +83,5 @@ class FreeMotion:
 
 
 def _compliance(rows: FloatArray, frequency: FloatArray) -> float:
-    """Largest squared displacement per twice the energy that any of the rows can have [m/N]."""
+    """Return the largest squared displacement of any row for twice the energy of one [m/N]."""
     return float(((rows / frequency) ** 2).sum(axis=1).max())

@@ -1,7 +1,7 @@
-"""Contact march: schemes behind one contract, and the loop that yields what they record.
+"""Contact march: the common interface of all schemes, and the loop that yields their records.
 
-A scheme is made once for a problem and a time step (it factorises then) and advances a state:
-state in, state out, so that a march can be stopped, stored and resumed bit by bit.
+A scheme is made once for a problem and a time step, and factorises its matrices then. It computes a
+new state from a state. A march can therefore be stopped, stored and resumed with identical results.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 
 
 class EndReason(Enum):
-    """Why a march ended."""
+    """Reason for the end of a march."""
 
     COMPLETED = "completed"
     DIVERGENT = "divergent"
@@ -30,26 +30,31 @@ class EndReason(Enum):
 class Chunk:
     """Consecutive records of a march."""
 
-    step: IntArray  #: step of each record, (records,)
-    time: FloatArray  #: [s], (records,)
-    rotor_displacement: FloatArray  #: modal [kg^1/2 m], (records, rotor modes)
-    rotor_velocity: FloatArray  #: modal [kg^1/2 m/s]
-    casing_displacement: FloatArray  #: (records, casing modes)
-    casing_velocity: FloatArray
+    step: IntArray  #: step number n of each record, (records,)
+    time: FloatArray  #: time of each record [s], (records,)
+    rotor_displacement: FloatArray  #: modal displacements [kg^1/2 m], (records, rotor modes)
+    rotor_velocity: FloatArray  #: modal velocities [kg^1/2 m/s], (records, rotor modes)
+    casing_displacement: FloatArray  #: modal displacements [kg^1/2 m], (records, casing modes)
+    casing_velocity: FloatArray  #: modal velocities [kg^1/2 m/s], (records, casing modes)
     gap: FloatArray  #: smallest gap of each tip since the last record [m], (records, tips)
-    contact_impulse: FloatArray  #: normal, since the last record [N s], (records, tips)
-    friction_impulse: FloatArray  #: positive when the blade is dragged to -theta [N s]
+    contact_impulse: FloatArray
+    """Normal impulse at each tip since the last record [N s], (records, tips)."""
+    friction_impulse: FloatArray
+    """Friction impulse at each tip since the last record, positive towards -theta on the blade
+    [N s], (records, tips)."""
     contact_steps: IntArray  #: steps with contact since the last record, (records, tips)
-    contacts: IntArray  #: tips in contact at the record, (records,)
-    energy: FloatArray  #: half-step energy of bodies and springs between them [J], (records,)
-    external_work: FloatArray  #: since the start [J], (records,)
-    normal_work: FloatArray  #: of the normal contact forces [J]
-    closing_work: FloatArray  #: the part of it that stops tips as their gaps close [J]
-    friction_work: FloatArray  #: of the friction forces [J]
-    damping_work: FloatArray  #: lost to damping [J]
-    coupling_work: (
-        FloatArray  #: work on the rotor due to its rotation relative to fixed springs [J]
-    )
+    contacts: IntArray  #: number of tips in contact at the record, (records,)
+    energy: FloatArray
+    """Energy of both bodies and of the springs between them, half a step before each record [J],
+    (records,)."""
+    external_work: FloatArray  #: work of the loads since the start [J], (records,)
+    normal_work: FloatArray  #: work of the normal contact forces [J], (records,)
+    closing_work: FloatArray  #: part of `normal_work` that stops tips as gaps close [J], (records,)
+    friction_work: FloatArray  #: work of the friction forces [J], (records,)
+    damping_work: FloatArray  #: energy lost by damping [J], (records,)
+    coupling_work: FloatArray
+    """Work on the rotor due to its rotation relative to static springs and dampers [J],
+    (records,)."""
 
     @property
     def records(self) -> int:
@@ -58,7 +63,7 @@ class Chunk:
 
 
 def joined(chunks: Sequence[Chunk]) -> Chunk:
-    """Chunks that follow each other as one."""
+    """Join consecutive chunks to one."""
     if len(chunks) == 1:
         return chunks[0]
     return Chunk(
@@ -73,48 +78,54 @@ def joined(chunks: Sequence[Chunk]) -> Chunk:
 class Statistics:
     """Quality measures of a march."""
 
-    steps: int  #: steps done
-    contact_steps: int  #: of these, with contact
-    complementarity_residual: float  #: largest of all steps (`CentralDifference`)
-    pivots: int  #: changes of the active set after the first guess
-    lcp_failures: int  #: steps whose complementarity problem no exact method solved
+    steps: int  #: number of steps
+    contact_steps: int  #: number of steps with contact
+    complementarity_residual: float  #: largest residual of all steps (see `CentralDifference`)
+    pivots: int  #: number of changes of the active set after the first guess
+    lcp_failures: int  #: number of steps whose complementarity problem was not solved exactly
 
 
 class MarchState(Protocol):
-    """State of a march between two steps; its content belongs to the scheme."""
+    """Protocol of the state of a march between two steps; its contents depend on the scheme."""
 
     @property
     def step(self) -> int:
-        """Number of steps done."""
+        """Number of steps since the start."""
 
     @property
     def statistics(self) -> Statistics:
-        """Quality so far."""
+        """Quality measures since the start."""
 
 
 StateT = TypeVar("StateT", bound=MarchState)
 
 
 class Scheme(Protocol[StateT]):
-    """A time-stepping scheme, factorised for one problem and one time step."""
+    """Protocol of a time integration scheme, factorised for one problem and one time step."""
 
-    cyclic: tuple[bool, bool]  #: whether rotor and casing are marched harmonic by harmonic
+    cyclic: tuple[bool, bool]  #: whether harmonics of rotor and of casing are treated separately
 
     def init(self) -> StateT:
-        """State at t = 0."""
+        """Return the state at t = 0."""
 
     def advance(
         self, state: StateT, steps: int, record_every: int | None = None
     ) -> tuple[StateT, Chunk, EndReason | None]:
-        """Advance by a number of steps, recording at multiples of ``record_every`` (its own if
-        None).
+        """Advance by a number of steps, and record at multiples of ``record_every``.
 
-        The state given stays as it was.
+        Args:
+            state: state to start from, which is not changed.
+            steps: number of steps.
+            record_every: number of steps between records; by default that of the scheme.
+
+        Returns:
+            the new state, the records, and the reason of the end, None if the march continues.
         """
 
 
 CHUNK_STEPS = 50_000
-"""Steps between two yields: short enough for a smooth progress bar, long enough to cost nothing."""
+"""Number of steps between two yields: few enough for a smooth progress bar, and so many that the
+interruption takes no noticeable time."""
 
 
 def march(
@@ -123,28 +134,28 @@ def march(
     state: StateT | None = None,
     is_over: Callable[[Chunk], bool] | None = None,
 ) -> Iterator[tuple[StateT, Chunk, EndReason | None]]:
-    """Advance a scheme over a whole march, yielding state and records chunk by chunk.
+    """Run a march from start to end and yield its state and records in chunks.
 
-    The last step is recorded too, whether or not it is a whole number of records from the start.
+    The last step is always recorded, even if it is not at a multiple of the record step.
 
-    Free motion is of the second order in the time step, with dampers too. Contact is of the first:
-    it begins and ends at whole steps, and dampers at points feel what a contact force changes from
-    the next step on. Halve the step to see what that changes.
+    The error of free motion is of second order in the time step, also with dampers. The error of
+    contact is of first order: contact begins and ends at time steps, and point dampers respond to
+    a contact force from the next step on. Repeat a march with half the time step to see the error.
 
     Args:
-        scheme: factorised for the problem and ``timing.time_step``.
-        timing: steps and records.
-        state: to resume from; the scheme's start when None.
-        is_over: looks at each chunk; the march ends early when it says so.
+        scheme: scheme for the problem and for ``timing.time_step``.
+        timing: duration, time step and record step.
+        state: state from which to resume; None for the start.
+        is_over: function of a chunk that returns whether the march ends after it.
 
     Yields:
-        the state reached, the records since the last yield, and why the march ended (None while
-        it goes on).
+        the state, the records since the last yield, and the reason of the end, None if the march
+        continues.
     """
     if state is None:
         state = scheme.init()
     per_chunk = max(1, CHUNK_STEPS // timing.record_every) * timing.record_every
-    # A record at step n needs x_{n+1}: the last one takes one more step.
+    # A record at step n needs x_{n+1}, so one step follows the last record.
     last, whole = timing.steps + 1, timing.whole_steps + 1
     while state.step < last:
         within_whole = state.step < whole
@@ -164,10 +175,11 @@ def march(
 
 
 def check_time_step(problem: ContactProblem, time_step: float) -> None:
-    """Refuse a time step at or above the stability limit.
+    """Check that a time step is below the stability limit.
 
     Raises:
-        ValueError: naming the limit and what to do.
+        ValueError: the time step is not below the limit; the message states the limit and the
+            remedy.
     """
     limit = problem.critical_time_step
     if not time_step < limit:

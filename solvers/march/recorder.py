@@ -1,8 +1,8 @@
-"""Records of a march on disk: `result.nc`, netCDF-4 that grows during the march.
+"""Records of a march on disk: `result.nc`, a netCDF-4 file that grows during the march.
 
-Every variable has named dimensions, units and a long name. What has been flushed survives a kill:
-h5py flushes, h5netcdf does not, so the file is opened with the one and handed to the other. Records
-are flushed before `steps` vouches for them.
+Every variable has named dimensions, units and a long name. Flushed data remain if the process is
+killed. h5py can flush a file and h5netcdf cannot, so the file is opened with h5py and passed to
+h5netcdf. Records are flushed before the attribute `steps` includes them.
 """
 
 from __future__ import annotations
@@ -36,18 +36,18 @@ Attribute = str | int | float
 Values = np.ndarray[Any, np.dtype[Any]]
 
 INTERRUPTED, UNFINISHED = "interrupted", "unfinished"
-"""`end_reason` of a march that the user ended early, and of one that was killed."""
+"""Values of `end_reason` of a march that the user interrupted, and of one that was killed."""
 
 STORAGE_BYTES = 2**16
-"""Size of the pieces that HDF5 stores a history in: a few reads for a portion of records, and
-little lost where a run is short."""
+"""Size of the chunks in which HDF5 stores a history [bytes]: large enough for few reads, and small
+enough to waste little space in a short run."""
 
 STRUCTURE_BYTES = 100_000
 """Approximate size of names, attributes and chunk indices in a result."""
 
 
 class NonFiniteError(ArithmeticError):
-    """A record is not finite; those before it have been written."""
+    """Error for a record that is not finite; the records before it have been written."""
 
 
 class Record(Protocol):
@@ -65,19 +65,20 @@ class Record(Protocol):
         """Append records."""
 
     def finish(self, reason: str, message: str, report: Mapping[str, Attribute]) -> None:
-        """Say how the march ended and what it knows of its quality."""
+        """Store the reason of the end, a message and the quality measures of the march."""
 
 
 class Recorder:
-    """Writes a result as its records arrive; use it as a context manager.
+    """Record sink that writes records to a result file; use it as a context manager.
 
     Args:
-        path: of the file, which is emptied where it exists.
+        path: path of the file; an existing file is replaced.
         stage: arrays that describe the stage.
-        attributes: of the file. `end_reason`, `end_message` and `steps` are kept by the recorder.
+        attributes: attributes of the file. The recorder adds `end_reason`, `end_message` and
+            `steps`.
 
     Raises:
-        OSError: the file cannot be made.
+        OSError: the file cannot be created.
     """
 
     def __init__(
@@ -112,7 +113,7 @@ class Recorder:
         self.flush()
 
     def __enter__(self) -> Self:
-        """The recorder itself."""
+        """Return the recorder."""
         return self
 
     def __exit__(
@@ -121,7 +122,7 @@ class Recorder:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Close the file, whatever happened."""
+        """Close the file, also after an error."""
         self.close()
 
     @property
@@ -138,8 +139,8 @@ class Recorder:
         """Append records and flush them.
 
         Raises:
-            NonFiniteError: a record is not finite; it and those after it are left out.
-            OSError: the system refuses; what was written before is kept.
+            NonFiniteError: a record is not finite; this record and all later ones are left out.
+            OSError: writing fails; earlier records remain in the file.
         """
         if chunk.records == 0:  # records may be further apart than chunks
             return
@@ -148,8 +149,8 @@ class Recorder:
         first, last = self._records, self._records + finite
         if finite:
             for name, values in history.items():
-                # Each by its name: h5netcdf resizes what the dimension lists as its users, and
-                # one march in some hundreds was lost to a variable that was left as it was.
+                # Each variable is resized by its name: h5netcdf resizes the variables that are
+                # listed with the dimension, and in one of some hundred marches one was missing.
                 self._h5[name].resize(last, axis=0)
                 self._h5[name][first:last] = values[:finite]
             self.flush()
@@ -160,22 +161,22 @@ class Recorder:
             raise NonFiniteError(f"record {last} is not finite")
 
     def finish(self, reason: str, message: str, report: Mapping[str, Attribute]) -> None:
-        """Say how the march ended and what it knows of its quality."""
+        """Store the reason of the end, a message and the quality measures of the march."""
         for name, value in {"end_reason": reason, "end_message": message, **report}.items():
             self._file.attrs[name] = value
         self.flush()
 
     def flush(self) -> None:
-        """Bring everything written so far to the disk.
+        """Write all buffered data to the disk.
 
         Raises:
-            OSError: the system refuses.
+            OSError: writing failed.
         """
         self._h5.flush()
         self._raw.check()
 
     def close(self) -> None:
-        """Flush and close."""
+        """Flush and close the file."""
         self._file.close()
         self._h5.close()
         self._raw.close()
@@ -200,7 +201,7 @@ class Recorder:
 
 
 def result_bytes(rotor_modes: int, casing_modes: int, blades: int, records: int) -> int:
-    """Size of the histories of a result [bytes], each in whole pieces as they are stored."""
+    """Return the size of the histories of a result, each in whole chunks as stored [bytes]."""
     sizes = {"rotor_mode": rotor_modes, "casing_mode": casing_modes, "blade": blades}
     total = 0
     for variable in HISTORY.values():
@@ -221,17 +222,17 @@ def description_bytes(stage: StageArrays) -> int:
 
 
 def widths_of(variable: Variable, sizes: Mapping[str, int]) -> tuple[int, ...]:
-    """Shape of a history at one record."""
+    """Return the shape of one record of a history."""
     return tuple(sizes[dimension] for dimension in variable.dimensions[1:])
 
 
 def _rows_stored(widths: tuple[int, ...]) -> int:
-    """Records in a piece of a history that are stored together."""
+    """Return the number of records in a chunk of a history."""
     return max(1, STORAGE_BYTES // (8 * int(np.prod(widths))))
 
 
 def sizes_of(stage: StageArrays) -> dict[str, int]:
-    """Return the length of each dimension, from the arrays that have it."""
+    """Return the length of each dimension from the shapes of the arrays."""
     sizes: dict[str, int] = {}
     for name, variable in STATIC.items():
         for dimension, size in zip(
@@ -243,7 +244,7 @@ def sizes_of(stage: StageArrays) -> dict[str, int]:
 
 
 def finite_records(history: Mapping[str, FloatArray]) -> int:
-    """Number of leading records in which every number is finite."""
+    """Return the number of records before the first one with a number that is not finite."""
     with np.errstate(over="ignore", invalid="ignore"):
         doubtful = [values for values in history.values() if not np.isfinite(values.sum())]
     bad = [

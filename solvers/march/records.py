@@ -1,4 +1,4 @@
-"""Records of a march in memory, for marches whose histories are not written."""
+"""Records of a march in memory, for marches whose histories are not written to a file."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class Records:
 
     Args:
         stage: arrays that describe the stage.
-        attributes: of the result.
-        most: records that there may be, which room is taken for.
-        room: arrays of an earlier march whose records are no longer needed: what fits is written
-            over, the rest is replaced. Pages that the system has to find first cost more than
-            writing them.
+        attributes: attributes of the result.
+        most: largest number of records, for which memory is allocated.
+        room: arrays of an earlier march whose records are no longer needed. Arrays of sufficient
+            size are reused, others are replaced; this is faster, because new memory pages cost more
+            time than writing.
     """
 
     def __init__(
@@ -49,14 +49,14 @@ class Records:
 
     @property
     def histories(self) -> dict[str, Values]:
-        """Everything recorded, by name in the schema."""
+        """All records, by the names of the schema."""
         return {name: values[: self.records] for name, values in self._room.items()}
 
     def write(self, chunk: Chunk) -> None:
         """Append records.
 
         Raises:
-            NonFiniteError: a record is not finite; it and those after it are left out.
+            NonFiniteError: a record is not finite; this record and all later ones are left out.
         """
         history = {name: np.asarray(getattr(chunk, name)) for name in HISTORY}
         finite = finite_records(history)
@@ -70,5 +70,5 @@ class Records:
             raise NonFiniteError(f"record {last} is not finite")
 
     def finish(self, reason: str, message: str, report: Mapping[str, Attribute]) -> None:
-        """Say how the march ended and what it knows of its quality."""
+        """Store the reason of the end, a message and the quality measures of the march."""
         self.attributes |= {"end_reason": reason, "end_message": message, **report}

@@ -1,18 +1,19 @@
-"""The contact march in plain NumPy, one step at a time: the reference for the compiled one.
+"""The contact march in plain NumPy, one step at a time: the reference for the compiled march.
 
-Written from the definitions: every product is dense, the rows of B_N and B_T are built for each
-step from the place of each tip on the casing, springs are summed up over angles, and the
-complementarity problem is solved by trying active sets, all of them if need be. The scheme and its
-stages are those of `solvers/kernel/march.c`; with A = M / dt^2 + D / (2 dt)
+It follows the definitions directly. Every product is dense, and the rows of B_N and B_T are
+computed in each step from the position of each tip on the casing. The stiffness of coupling springs
+is summed over harmonics, and the complementarity problem is solved by trying active sets, all of
+them if necessary. The scheme and its stages are those of `solvers/kernel/march.c`; with
+A = M / dt^2 + D / (2 dt)
 
     predict   A x_p = f_n - K_n x_n + 2 M / dt^2 x_n + (D / (2 dt) - M / dt^2) x_{n-1}
     look      g_p = clearance + B_N x_p
     solve     0 <= lambda  perp  g_p + W lambda >= 0     W = B_N^T c (B_N + mu B_T S)
     correct   x_{n+1} = x_p + c (B_N + mu B_T S) lambda
 
-D holds the dampers at points too; c is the inverse of A without them, since they feel what a
-contact force changes from the next step on. Coriolis forces add Omega G / dt to A and to what
-multiplies x_{n-1}; those on the rotor, and its dampers with them, are in c as well.
+D includes point dampers; c is the inverse of A without point dampers, because these respond to a
+contact force from the next step on. Coriolis forces add Omega G / dt to A and to the factor of
+x_{n-1}. With Coriolis forces, c of the rotor includes both these forces and the point dampers.
 """
 
 from __future__ import annotations
@@ -29,52 +30,53 @@ from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
 
 CHECK_EVERY = 100
-"""Steps between checks of displacements other than the radial ones of the tips."""
+"""Number of steps between checks of all displacements except the radial ones of the tips."""
 
 
 class Step(NamedTuple):
-    """Terms of x_{n+1}; forces are modal, (modes,)."""
+    """Results of a step: displacements, contact forces and modal forces, (modes,)."""
 
-    after: FloatArray  #: x_{n+1}
-    gap: FloatArray  #: at x_{n+1} [m], (tips,)
-    multiplier: FloatArray  #: [N], (tips,)
-    friction: FloatArray  #: mu s lambda [N], (tips,)
-    force: FloatArray  #: f_n
-    pressed: FloatArray  #: B_N^T lambda
-    dragged: FloatArray  #: mu B_T^T S lambda
-    circulated: FloatArray  #: of fixed dampers, by x_n
-    damped: FloatArray  #: of the dampers at points
-    residual: float  #: of complementarity (`CentralDifference`)
+    after: FloatArray  #: displacements x_{n+1}, (modes,)
+    gap: FloatArray  #: gap of each tip at x_{n+1} [m], (tips,)
+    multiplier: FloatArray  #: normal contact force lambda [N], (tips,)
+    friction: FloatArray  #: friction force mu s lambda [N], (tips,)
+    force: FloatArray  #: modal loads f_n
+    pressed: FloatArray  #: modal normal contact forces B_N^T lambda
+    dragged: FloatArray  #: modal friction forces mu B_T^T S lambda
+    circulated: FloatArray  #: modal forces of static dampers due to the displacements x_n
+    damped: FloatArray  #: modal forces of point dampers and Coriolis forces
+    residual: float  #: complementarity residual (`CentralDifference`)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReferenceState:
     """State between two steps; the modes of the rotor precede those of the casing."""
 
-    step: int  #: n
-    before: FloatArray  #: x_{n-1}, (modes,)
-    now: FloatArray  #: x_n
-    gaps: tuple[FloatArray, FloatArray]  #: of x_{n-1} and x_n [m], (tips,)
+    step: int  #: number of steps n
+    before: FloatArray  #: displacements x_{n-1}, (modes,)
+    now: FloatArray  #: displacements x_n, (modes,)
+    gaps: tuple[FloatArray, FloatArray]  #: gaps at x_{n-1} and at x_n [m], (tips,)
     gap: FloatArray  #: smallest gap of each tip since the last record [m], (tips,)
-    impulse: FloatArray  #: since the last record [N s], (tips,)
+    impulse: FloatArray  #: normal impulse since the last record [N s], (tips,)
     drag: FloatArray  #: friction impulse since the last record [N s], (tips,)
-    touched: FloatArray  #: steps with contact since the last record, (tips,)
-    contacts: int  #: at the last step
-    work: FloatArray  #: external, normal, friction, damping, parametric, closing [J], (6,)
+    touched: FloatArray  #: number of steps with contact since the last record, (tips,)
+    contacts: int  #: number of tips in contact at the last step
+    work: FloatArray  #: external, normal, friction, damping, parametric, closing work [J], (6,)
     statistics: Statistics
 
 
 class Reference:
-    """The scheme of `CentralDifference`, step by step the same, for reading and comparing.
+    """The scheme of `CentralDifference` with the same results, written for reading and comparison.
 
     Args:
-        problem: what to march.
-        time_step: [s]
-        record_every: steps between records.
-        dampers_feel_contact: within the step, which the compiled march doesn't do.
+        problem: contact problem.
+        time_step: time step [s].
+        record_every: number of steps between records.
+        dampers_feel_contact: whether point dampers respond to contact within the step, unlike in
+            the compiled march.
 
     Raises:
-        ValueError: a time step at or above the critical one.
+        ValueError: the time step is not below the critical one.
     """
 
     def __init__(
@@ -109,7 +111,7 @@ class Reference:
         self._compliance = np.linalg.inv(inertia + self._felt / (2.0 * dt))
 
     def init(self) -> ReferenceState:
-        """State at t = 0; x_{-1} is consistent with initial velocity and acceleration."""
+        """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
         start, dt = self._problem.start, self._dt
         x = np.concatenate([start.rotor, start.casing])
         v = np.concatenate([start.rotor_velocity, start.casing_velocity])
@@ -138,11 +140,7 @@ class Reference:
     def advance(
         self, state: ReferenceState, steps: int, record_every: int | None = None
     ) -> tuple[ReferenceState, Chunk, EndReason | None]:
-        """Advance by a number of steps, recording at multiples of ``record_every`` (its own if
-        None).
-
-        The state given stays as it was.
-        """
+        """Advance by a number of steps; see `Scheme.advance`."""
         every = self._record_every if record_every is None else record_every
         records: list[tuple[ReferenceState, FloatArray, float]] = []
         for _ in range(steps):
@@ -160,7 +158,7 @@ class Reference:
         return state, self._chunk(records), None
 
     def _step(self, state: ReferenceState) -> Step:
-        """Predict, look, solve, correct."""
+        """Do one step: predict, look, solve, correct."""
         dt, n, x, before = self._dt, state.step, state.now, state.before
         force, circulated = self._force(n), self._circulation(x)
         restoring = self._stiffness * x + self._spring_force(n, x)
@@ -194,7 +192,7 @@ class Reference:
         )
 
     def _account(self, state: ReferenceState, step: Step) -> ReferenceState:
-        """State after an accepted step."""
+        """Return the state after an accepted step."""
         dt, n, before, x = self._dt, state.step, state.before, state.now
         moved, touching = 0.5 * (step.after - before), step.multiplier > 0.0
         turned = self._spring_force(n, x) - self._spring_force(n - 1, x)
@@ -223,35 +221,38 @@ class Reference:
         )
 
     def _energy(self, state: ReferenceState) -> float:
-        """E_{n-1/2} = v^T v / 2 + x_{n-1}^T K_{n-1} x_n / 2 with v = (x_n - x_{n-1}) / dt."""
+        """Return E_{n-1/2} = v^T v / 2 + x_{n-1}^T K_{n-1} x_n / 2, v = (x_n - x_{n-1}) / dt
+        [J]."""
         v = (state.now - state.before) / self._dt
         restoring = self._stiffness * state.now + self._spring_force(state.step - 1, state.now)
         return float(0.5 * v @ v + 0.5 * state.before @ restoring)
 
     def _force(self, n: int) -> FloatArray:
-        """Modal force of the loads at step n."""
+        """Return the modal forces of the loads at step n, (modes,)."""
         total = np.zeros(len(self._stiffness))
         for load in self._problem.loads:
             total += load_factor(load, n * self._dt) * np.concatenate([load.rotor, load.casing])
         return total
 
     def _circulation(self, x: FloatArray) -> FloatArray:
-        """Return the force of fixed dampers under the centre due to displacement."""
+        """Return the modal forces of static dampers at the centre due to displacements,
+        (modes,)."""
         rotor = self._problem.rotor
         skew = rotor.circulation * np.array([[0.0, 1.0], [-1.0, 0.0]])
         force = rotor.centre.T @ (skew @ (rotor.centre @ x[: self._rotor_modes]))
         return np.concatenate([force, np.zeros(len(x) - self._rotor_modes)])
 
     def _spring_force(self, n: int, x: FloatArray) -> FloatArray:
-        """K*_n x of the springs between the bodies and under the shaft."""
+        """Return K*_n x of the coupling springs and of unequal static shaft springs, (modes,)."""
         if self._problem.springs is None and self._problem.rotor.anisotropy == 0.0:
             return np.zeros_like(x)
         return self._problem.spring_stiffness(self._problem.speed * n * self._dt) @ x
 
     def _rows(self, x: FloatArray, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """B_N and B_T of the tips at step n, (tips, modes) each, and the clearance with recess.
+        """Return B_N and B_T of the tips at step n, (tips, modes), and clearance plus recess,
+        (tips,).
 
-        ``x`` tells where the tips stand if they follow their tangential displacement.
+        If the angles of the tips follow their tangential displacements, these are taken from ``x``.
         """
         problem, rotor, casing = self._problem, self._problem.rotor, self._problem.casing
         angle = rotor.tip_angle + problem.speed * n * self._dt
@@ -268,7 +269,7 @@ class Reference:
                 3.0 * xi**2 - 2.0 * xi**3,
                 length * (xi**3 - xi**2),
             ]
-        )  # of value and slope at the first node of the element, then at the second
+        )  # weights of value and slope at the first node of the element, then at the second
 
         def under(values: FloatArray) -> FloatArray:
             ends = np.concatenate([values[first], values[(first + 1) % nodes]], axis=1)
@@ -279,16 +280,17 @@ class Reference:
         return normal, tangential, under(casing.clearance) + rotor.tip_recess
 
     def _gap(self, x: FloatArray, n: int) -> FloatArray:
-        """Gap of each tip at step n [m], (tips,)."""
+        """Return the gap of each tip at step n [m], (tips,)."""
         normal, _, clearance = self._rows(x, n)
         return clearance + normal @ x
 
     def _sliding(self, tangential: FloatArray, moved: FloatArray) -> FloatArray:
-        """Direction of sliding of each tip, from the motion over the last step."""
+        """Return the direction of sliding of each tip, from the motion in the last step,
+        (tips,)."""
         problem = self._problem
         speed = np.full(len(tangential), problem.speed)
         if problem.sliding == "signed":
-            # A blade that moves forward makes the tangential row's motion negative.
+            # The product of the tangential rows and a forward motion of a blade is negative.
             speed = problem.rotor.tip_radius * problem.speed - tangential @ moved / self._dt
         return np.asarray(np.sign(speed))
 
@@ -335,7 +337,7 @@ class Reference:
 
 
 def load_factor(load: Load, time: float) -> float:
-    """Amplitude of a load pattern."""
+    """Return the factor of a load pattern at a time [s]."""
     if time >= load.end:
         return 0.0
     rise = 0.5 - 0.5 * np.cos(np.pi * time / load.ramp) if time < load.ramp else 1.0
@@ -343,14 +345,14 @@ def load_factor(load: Load, time: float) -> float:
 
 
 def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
-    """lambda with 0 <= lambda perp gap + W lambda >= 0.
+    """Return lambda with 0 <= lambda perp gap + W lambda >= 0.
 
-    The active set begins with the tips that penetrate; then tips that it pulls leave and tips that
-    it shuts join. Where that leads to no end, W being singular, all sets are tried, small ones
-    first.
+    The first active set contains all tips that penetrate. Tips with a tensile force are then
+    removed from the set, and tips that penetrate are added. If this does not converge because W is
+    singular, all sets are tried, small ones first.
 
     Raises:
-        ArithmeticError: no active set is complementary.
+        ArithmeticError: no active set gives a solution.
     """
     tips, tolerance = len(gap), 1e-12 * np.abs(gap).max()
     active = gap < 0.0
@@ -371,7 +373,8 @@ def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
 def _closed(
     gap: FloatArray, delassus: FloatArray, chosen: IntArray, tolerance: float
 ) -> tuple[FloatArray, FloatArray, bool]:
-    """Multipliers that close the gaps of some tips, all gaps then, and whether that is allowed."""
+    """Return the multipliers that close the gaps of some tips, the resulting gaps of all tips, and
+    whether they solve the complementarity problem."""
     multiplier = np.zeros(len(gap))
     if chosen.size:
         part = delassus[np.ix_(chosen, chosen)]

@@ -1,7 +1,8 @@
-"""The schema of result.nc and sweep.nc: every variable, its dimensions, units and meaning.
+"""The schema of result.nc and sweep.nc: variables with their dimensions, units and meanings.
 
-The table itself is schema.csv beside this module. Recorder, reader and sweeps are laid out by it,
-and `schema_table` prints it. `HISTORY` has the names of `Chunk`, `STATIC` those of `StageArrays`.
+The schema is the table schema.csv in the folder of this module. It determines the files that are
+written and read, and `schema_table` prints it. `HISTORY` has the names of the fields of `Chunk`,
+`STATIC` the names of the fields of `StageArrays`.
 """
 
 from __future__ import annotations
@@ -15,35 +16,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 RESULT_NAME = "result.nc"
-"""The result's file in the folder of a run."""
+"""Name of the result file in the folder of a run."""
 
 RESULT_FORMAT = 6
-"""Of result.nc. 1 and 2 carry no number: 1 lacks what is marked since 2, and neither has the
-coordinates marked since 3; these, recess and growth of tips, and frequencies of waves are added on
-opening."""
+"""Current format of result.nc. Files of formats 1 and 2 contain no format number. A file of an
+older format lacks variables with a higher number in the column "since"; coordinates, recess and
+growth of tips, and frequencies of waves are added when such a file is opened."""
 
 SWEEP_FORMAT = 5
-"""Of sweep.nc. 1 lacks what is marked since 2, and neither 1 nor 2 keeps swept values in the unit
-that they were given in; 3 and 4 lack what is marked later. They can be read, but not resumed."""
+"""Current format of sweep.nc. A file of an older format lacks variables with a higher number in the
+column "since"; formats 1 and 2 do not store swept values in the unit in which they were given. A
+sweep of an older format can be read but not resumed."""
 
 TIME = "time"
 
 OPTIONAL_DIMENSIONS = frozenset({"support", "rotor_link", "rotor_spring", "mass"})
-"""Dimensions that may be zero. Their variables are left out of a file: netCDF treats a dimension of
-length zero as unlimited."""
+"""Dimensions whose length may be zero. Their variables are then left out of a file, because netCDF
+treats a dimension of length zero as unlimited."""
 
 
 class Variable(NamedTuple):
     """Variable of a file."""
 
-    dimensions: tuple[str, ...]  #: in a sweep they follow those of the swept keys
+    dimensions: tuple[str, ...]  #: names of dimensions; in a sweep those of swept keys come first
     kind: str  #: dtype, or "str"
     units: str
     long_name: str
-    since: int  #: first format of the file that has it
-    is_coordinate: bool  #: it names, counts or describes what is along a dimension
-    values: str  #: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any
-    labels: tuple[str, ...]  #: names along a dimension, meanings of the numbers 0, 1, ..., or texts
+    since: int  #: first format of the file with this variable
+    is_coordinate: bool  #: whether it names, numbers or describes the items along a dimension
+    values: str
+    """Allowed values: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any."""
+    labels: tuple[str, ...]
+    """Names along a dimension, meanings of the numbers 0, 1, ..., or allowed texts."""
 
     @property
     def attributes(self) -> dict[str, str]:
@@ -70,29 +74,29 @@ def _read(table: str) -> dict[str, Variable]:
 
 
 HISTORY: Mapping[str, Variable] = _read("history")
-"""result.nc, recorded over time."""
+"""Variables of result.nc that are recorded over time."""
 
 STATIC: Mapping[str, Variable] = _read("stage")
-"""result.nc, known before the march."""
+"""Variables of result.nc that are known before the march."""
 
 INDICES: Mapping[str, Variable] = _read("index")
-"""result.nc, names or numbers along a dimension."""
+"""Variables of result.nc with names or numbers along a dimension."""
 
 RESULT: Mapping[str, Variable] = {**HISTORY, **STATIC, **INDICES}
-"""result.nc, all of it."""
+"""All variables of result.nc."""
 
 SWEEP: Mapping[str, Variable] = _read("sweep")
-"""sweep.nc, what is kept of every point."""
+"""Variables of sweep.nc, which are stored for every point of a sweep."""
 
 
 def index_values(name: str, size: int) -> NDArray[np.int64] | NDArray[np.object_]:
-    """Values of one of `INDICES` along a dimension of that size: names, or numbers from 0."""
+    """Return the values of a variable of `INDICES`: names, or numbers from 0 to size - 1."""
     labels = INDICES[name].labels
     return np.array(labels, dtype=object) if labels else np.arange(size)
 
 
 def schema_table(file: Mapping[str, Variable]) -> str:
-    """A page of documentation: one row of a Markdown table for each variable.
+    """Return a Markdown table with a row for each variable of a file, for the documentation.
 
     Args:
         file: `RESULT` or `SWEEP`.

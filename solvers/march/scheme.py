@@ -1,7 +1,8 @@
 """Choice of the time integration scheme: the one of the case, or the reference.
 
-`BLADEWHIRL_KERNEL=reference bladewhirl run ...` marches in plain NumPy, several hundred times
-slower and without anything compiled: to tell a fault of the compiled march from one of the model.
+`BLADEWHIRL_KERNEL=reference bladewhirl run ...` uses the reference in plain NumPy, without compiled
+code and several hundred times slower. It shows whether an error is in the compiled code or in the
+model.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from bladewhirl.solvers.march.march import Scheme
 from bladewhirl.solvers.march.reference import Reference
 
 KERNEL = "BLADEWHIRL_KERNEL"
-"""Environment variable: ``compiled`` (also where it is not set) or ``reference``."""
+"""Name of the environment variable with the values ``compiled`` (default) or ``reference``."""
 
 
 def make_scheme(
@@ -26,11 +27,18 @@ def make_scheme(
     record_every: int,
     name: SchemeName = "central-difference",
 ) -> Scheme[Any]:
-    """Return the scheme of that name; the environment may replace the central differences.
+    """Return a time integration scheme for a contact problem.
+
+    Args:
+        problem: contact problem.
+        time_step: time step [s].
+        record_every: number of steps between records.
+        name: name of the scheme. ``BLADEWHIRL_KERNEL=reference`` replaces "central-difference" by
+            the reference.
 
     Raises:
-        UserError: ``BLADEWHIRL_KERNEL`` is neither of its values.
-        ValueError: a time step that is too long.
+        UserError: ``BLADEWHIRL_KERNEL`` has an invalid value.
+        ValueError: the time step is too long.
     """
     kernel = os.environ.get(KERNEL, "compiled")
     if kernel not in ("compiled", "reference"):

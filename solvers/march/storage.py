@@ -1,7 +1,8 @@
-"""Files below HDF5, which can neither close after a refused write nor open what is cut off.
+"""File objects for HDF5, which can neither close a file after a failed write nor open a truncated
+one.
 
-`GuardedFile` takes the first refusal for the last write and tells it when asked. `CutFile` claims
-to be longer than it is, so that what lies before its end can be read.
+`GuardedFile` writes nothing more to the disk after the first failed write, and stores the error for
+`check`. `CutFile` reports a larger size than the file has, so that its existing part can be read.
 """
 
 from __future__ import annotations
@@ -11,17 +12,17 @@ import os
 from typing import Any
 
 CLAIMED = 2**40
-"""Bytes that a cut-off file claims to have more than it has."""
+"""Number of bytes that a truncated file reports in addition to its size."""
 
 SMALL = 4096
-"""Largest read of HDF5's own structures [bytes], which may exceed the data it needs."""
+"""Largest read of internal structures of HDF5 [bytes], which may extend beyond the end."""
 
 
 class GuardedFile(io.RawIOBase):
-    """New file that collects this and later writes in memory once the system refuses one.
+    """New file that keeps all data of a failed write and of later writes in memory.
 
     Raises:
-        OSError: it can't be made.
+        OSError: the file cannot be created.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -29,15 +30,15 @@ class GuardedFile(io.RawIOBase):
         self._file = open(path, "w+b", buffering=0)  # closed in `close`
         self._at, self._end = 0, 0
         self._kept: list[tuple[int, bytes]] = []
-        self.refusal: OSError | None = None  #: the first, if any
+        self.refusal: OSError | None = None  #: error of the first failed write, if any
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a place."""
+        """Set the position."""
         self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._end}[whence]
         return self._at
 
     def tell(self) -> int:
-        """The place."""
+        """Return the position."""
         return self._at
 
     def readinto(self, buffer: Any) -> int:
@@ -57,7 +58,7 @@ class GuardedFile(io.RawIOBase):
         return len(view)
 
     def write(self, data: Any) -> int:
-        """Write all data to the file or, after a refusal, to memory."""
+        """Write all data to the file or, after a failed write, to memory."""
         view = memoryview(data).cast("B")
         try:
             if self.refusal is None:
@@ -74,7 +75,7 @@ class GuardedFile(io.RawIOBase):
         return len(view)
 
     def truncate(self, size: int | None = None) -> int:
-        """Give the file its length."""
+        """Set the size of the file."""
         self._end = self._at if size is None else size
         try:
             if self.refusal is None:
@@ -89,17 +90,17 @@ class GuardedFile(io.RawIOBase):
         super().close()
 
     def check(self) -> None:
-        """Raise what the system refused, if it did.
+        """Raise the error of the first failed write, if any.
 
         Raises:
-            OSError: it did.
+            OSError: a write failed.
         """
         if self.refusal is not None:
             raise self.refusal
 
 
 class CutFile(io.RawIOBase):
-    """Readable file that may be shorter than its header states, as a killed march leaves it."""
+    """Readable file that may be shorter than its header states, as after a killed march."""
 
     mode = "rb"
 
@@ -117,20 +118,20 @@ class CutFile(io.RawIOBase):
         return True
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a place; the end is far behind that of the file."""
+        """Set the position; the reported end is far beyond the end of the file."""
         if whence == os.SEEK_END:
             return self._file.seek(self._size + CLAIMED + offset)
         return self._file.seek(offset, whence)
 
     def tell(self) -> int:
-        """The place."""
+        """Return the position."""
         return self._file.tell()
 
     def readinto(self, buffer: Any) -> int:
-        """Fill the buffer.
+        """Fill the buffer, beyond the end of the file with zeros.
 
         Raises:
-            OSError: what is asked for is not there.
+            OSError: the data is beyond the end of the file.
         """
         view = memoryview(buffer).cast("B")
         at = self._file.tell()

@@ -1,1 +1,4 @@
-"""A contact problem laid out for the kernel: modes in whole registers, by harmonic where cyclic."""
+"""Conversion of a contact problem to the arrays of the compiled kernel.
+
+Arrays are padded to whole registers; the modes of a cyclic body are arranged by harmonic.
+"""

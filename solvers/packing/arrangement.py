@@ -1,4 +1,4 @@
-"""Arrangement of a body's modes as the kernel works on them."""
+"""Arrangement of the modes of a body in the arrays of the kernel."""
 
 from __future__ import annotations
 
@@ -10,59 +10,67 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import is_pair, nodal_diameter_of, real_dft
 from bladewhirl.solvers.kernel.structs import aligned, lib, padded
 
-PAIR = 2 * lib.LANES  # the kernel takes a casing's columns two registers at a time
-FIT = 1e-9  # largest relative misfit of a cyclic body's rows to its DFT columns
+PAIR = 2 * lib.LANES  # the kernel processes the columns of a casing two registers at a time
+FIT = 1e-9  # largest relative deviation of the displacements of a cyclic body from its DFT columns
 
 
 @dataclass(frozen=True, kw_only=True)
 class Arrangement:
-    """Where each mode stands in a (rows, columns) arrangement.
+    """Position of each mode in an array of rows and columns.
 
-    On a cyclic body each column has a partner ``half`` columns on, or back: the sine of a cosine
-    and the reverse. Columns that differ by the parity of their nodal diameter stand apart when
-    ``parts`` is 2: the first ``used`` of each half are even, the next odd.
+    On a cyclic body the columns are in two halves: the partner of a cosine column is the sine
+    column ``half`` columns further on, and vice versa. If ``parts`` is 2, columns of even and of
+    odd nodal diameter are separate: in each half the first ``used`` columns are even, the next odd.
     """
 
-    rows: int
-    columns: int
-    entry: IntArray  #: place of each mode in the flat arrangement, (modes,)
-    half: int = 0  #: columns from one to its partner; 0 without partners
-    parts: int = 1
-    used: int  #: columns in use of each part of each half
+    rows: int  #: number of rows
+    columns: int  #: number of columns
+    entry: IntArray  #: position of each mode in the flattened array, (modes,)
+    half: int = 0  #: number of columns between partners; 0 without partners
+    parts: int = 1  #: number of parts of each half, 1 or 2
+    used: int  #: number of columns in use in each part of each half
 
     @property
     def entries(self) -> int:
-        """Length of the flat arrangement."""
+        """Length of the flattened array."""
         return self.rows * self.columns
 
     def columns_of(self, part: int) -> IntArray:
-        """Columns in use of a part, cosines first."""
+        """Return the columns in use of a part, cosine columns first."""
         first = part * self.used + np.arange(self.used)
         return np.concatenate([first, self.half + first]) if self.half else first
 
     def pack(self, values: FloatArray) -> FloatArray:
-        """Spread values of modes (..., modes) over the arrangement (..., entries)."""
+        """Put values of modes (..., modes) into their positions in flattened arrays (...,
+        entries)."""
         packed = aligned((*values.shape[:-1], self.entries))
         packed[..., self.entry] = values
         return packed
 
     def grid(self, values: FloatArray) -> FloatArray:
-        """The same of one value a mode as (rows, columns)."""
+        """Put one value for each mode (modes,) into its position in an array (rows, columns)."""
         return self.pack(values).reshape(self.rows, self.columns)
 
     def unpack(self, packed: FloatArray) -> FloatArray:
-        """Read the values of modes back, (..., modes)."""
+        """Return the values of the modes from flattened arrays, (..., modes)."""
         return packed.take(self.entry, axis=-1)
 
 
 def dense_arrangement(modes: int) -> Arrangement:
-    """One row, a column a mode."""
+    """Return an arrangement of one row with a column for each mode."""
     used = max(modes, 1)
     return Arrangement(rows=1, columns=padded(used, PAIR), entry=np.arange(modes), used=used)
 
 
 def _couples(points: int, parity: int | None, *, alone: bool) -> list[tuple[int, ...]]:
-    """DFT columns of one parity (or all) two by two: cosine and sine, singles together or alone."""
+    """Return the DFT columns in pairs of cosine and sine column.
+
+    Args:
+        points: number of points of the circumference.
+        parity: parity of the nodal diameters; None for all.
+        alone: whether columns without a partner are returned separately; if not, they are returned
+            together.
+    """
     wanted = [c for c in range(points) if parity in (None, nodal_diameter_of(c) % 2)]
     paired = [c for c in wanted if is_pair(nodal_diameter_of(c), points)]
     single = [c for c in wanted if not is_pair(nodal_diameter_of(c), points)]
@@ -72,16 +80,16 @@ def _couples(points: int, parity: int | None, *, alone: bool) -> list[tuple[int,
 
 
 class Harmonics:
-    """DFT columns of a cyclic body and where they stand among its arrangement's.
+    """DFT columns of a cyclic body and their positions among the columns of its arrangement.
 
     Args:
-        points: of the body's circumference.
-        fold: keep columns of even and odd nodal diameter apart, so that the kernel can use that
-            opposite points are equal in the former and opposite in the latter (even numbers of
-            points only).
-        unit: each half is padded to a multiple of it.
-        alone: give each column without a partner a place whose partner is empty, so that the
-            blocks of a turning body hold all that couples its modes.
+        points: number of points of the circumference of the body.
+        fold: whether columns of even and odd nodal diameter are separate. The kernel then uses that
+            values at opposite points are equal for even nodal diameters and have opposite signs
+            for odd ones. Used for even numbers of points only.
+        unit: number of columns to a multiple of which each half is padded.
+        alone: whether each column without a partner has a position with an empty partner. The
+            blocks of a rotating body then contain all coupling between its modes.
     """
 
     def __init__(self, points: int, *, fold: bool, unit: int, alone: bool = False) -> None:
@@ -92,19 +100,30 @@ class Harmonics:
         ]
         self.used = max(map(len, couples))
         self.half = padded(self.parts * self.used, unit)
-        self.place = np.zeros(points, dtype=np.int64)  # of each DFT column
+        self.place = np.zeros(points, dtype=np.int64)  # column of each DFT column
         for part, own in enumerate(couples):
             for slot, couple in enumerate(own):
                 for block, column in enumerate(couple):
                     self.place[column] = block * self.half + part * self.used + slot
         self.single = np.array([not is_pair(nodal_diameter_of(c), points) for c in range(points)])
         self.basis = real_dft(points)
-        self.shape = np.zeros((points, 2 * self.half))  # in the arrangement's columns
+        self.shape = np.zeros((points, 2 * self.half))  # DFT basis in the columns of arrangements
         self.shape[:, self.place] = self.basis
-        self.crossed = np.roll(self.shape, self.half, axis=1)  # each column's partner
+        self.crossed = np.roll(self.shape, self.half, axis=1)  # partner of each column
 
     def amplitudes(self, rows: FloatArray, column: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Amplitude of each mode on its own column and on the partner, (modes,) each."""
+        """Return the amplitude of each mode in its DFT column and in the partner column.
+
+        Args:
+            rows: values of each mode at the points, (points, modes).
+            column: DFT column of each mode, (modes,).
+
+        Returns:
+            both amplitudes, (modes,) each.
+
+        Raises:
+            ValueError: the values are not a combination of both columns.
+        """
         own = np.einsum("pm,pm->m", self.basis[:, column], rows)
         partner = self.crossed[:, self.place[column]]
         other = np.where(self.single[column], 0.0, np.einsum("pm,pm->m", partner, rows))
@@ -117,7 +136,11 @@ class Harmonics:
         return own, other
 
     def arrangement(self, place: IntArray) -> Arrangement:
-        """Arrangement with each mode in the column given, (modes,), rows by rank."""
+        """Return the arrangement with each mode in a given column, one below the other.
+
+        Args:
+            place: column of each mode, (modes,).
+        """
         columns = 2 * self.half
         rank = np.zeros(len(place), dtype=np.int64)
         for c in range(columns):

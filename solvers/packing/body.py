@@ -1,4 +1,4 @@
-"""A body in its modes, and what rotor and casing have in common."""
+"""Arrays of a body in modal coordinates, and functions for both rotor and casing."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ def pack_body(
     *,
     coupled: bool = False,
 ) -> Struct:
-    """Modal recurrence of one body.
+    """Return the coefficients of the recurrence in time of the modes of a body.
 
     Args:
-        frequency: [rad/s], negative where its square is, (modes,).
-        damping_ratio: (modes,).
-        loads: modal force of each load pattern, (modes,) each.
-        arrangement: of the body's modes.
+        frequency: frequency of each mode, negative if its square is [rad/s], (modes,).
+        damping_ratio: damping ratio of each mode, (modes,).
+        loads: modal forces of each load pattern, (modes,) each.
+        arrangement: arrangement of the modes.
         dt: time step [s].
-        coupled: whether A couples the modes.
+        coupled: whether the matrix A couples the modes.
     """
     inverse = scheme_inverse(frequency, damping_ratio, dt)
     stiffness, size = frequency * np.abs(frequency), np.abs(frequency)
@@ -47,17 +47,17 @@ def pack_body(
 
 
 def scheme_inverse(frequency: FloatArray, damping_ratio: FloatArray, dt: float) -> FloatArray:
-    """Inverse of A = M/dt^2 + D/(2 dt) for each mode [s2], (modes,)."""
+    """Return the inverse of A = M/dt^2 + D/(2 dt) for each mode [s2], (modes,)."""
     return np.asarray(1.0 / (1.0 / dt**2 + damping_ratio * np.abs(frequency) / dt))
 
 
 def by_sliding(pressed: FloatArray, dragged: FloatArray, friction: float) -> FloatArray:
-    """Response to a normal force with its friction, for sliding backward, none, and forward."""
+    """Return the response to a normal force with friction, for sliding -1, 0 and 1."""
     return np.array([pressed + s * friction * dragged for s in (-1.0, 0.0, 1.0)])
 
 
 def by_column(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
-    """Shape (points, columns) as (columns to the last in use, padded points)."""
+    """Transpose a shape (points, columns) to (columns up to the last one in use, padded points)."""
     used = arrangement.half + arrangement.parts * arrangement.used
     out = aligned((used, padded(len(shape))))
     out[:, : len(shape)] = shape[:, :used].T
@@ -65,14 +65,14 @@ def by_column(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
 
 
 def lengthened(values: FloatArray) -> FloatArray:
-    """Vector padded to whole registers."""
+    """Return a vector padded with zeros to whole registers."""
     out = aligned(padded(len(values)))
     out[: len(values)] = values
     return out
 
 
 def _registers_in_use(patterns: FloatArray) -> IntArray:
-    """Where each pattern has a register of numbers that are not all zero, then -1."""
+    """Return the positions of the registers that are not zero in each pattern, padded with -1."""
     used = [lib.LANES * np.flatnonzero(p.reshape(-1, lib.LANES).any(axis=1)) for p in patterns]
     places = np.full((len(patterns), max(map(len, used), default=0) + 1), -1)
     for row, place in zip(places, used, strict=True):

@@ -1,4 +1,4 @@
-"""The casing: cyclic where it is, folded where the kernel can, dense otherwise."""
+"""Arrays of the casing: by harmonic if it is cyclic, folded if possible, otherwise dense."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from bladewhirl.solvers.packing.body import by_column, by_sliding, pack_body, sc
 
 
 def pack_casing(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arrangement, Struct]:
-    """Arrange the casing; see `pack_rotor`."""
+    """Return the arrangement and the arrays of the casing; arguments as for `pack_rotor`."""
     casing = problem.casing
     nodes, kinds, modes = casing.nodal.shape
     if cyclic:
         arrangement, weight, shape = _cyclic_casing(casing)
-        # One array for all kinds: less memory to go through.
+        # One array for all kinds of nodal values, so that less memory is read.
         shapes, spreads = [by_column(shape, arrangement)] * kinds, [aligned_copy(shape)] * kinds
     else:
         arrangement = dense_arrangement(modes)
@@ -66,10 +66,13 @@ def pack_casing(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Ar
 
 
 def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, FloatArray]:
-    """Arrangement, weights (4, modes) by kind of nodal value, and shape of a cyclic casing.
+    """Return the arrangement, the weights and the shape of a cyclic casing.
 
-    w and u' of a mode follow its column, w' and u the partner; so a single harmonic's mode of w'
-    and u stands in the partner's place.
+    w and u' of a mode vary as its DFT column, w' and u as the partner column. A mode of a harmonic
+    without a partner that consists of w' and u is therefore put into the position of the partner.
+
+    Returns:
+        arrangement; weights by kind of nodal value, (4, modes); shape, (nodes, columns).
     """
     column, nodal = casing.column, casing.nodal
     harmonics = Harmonics(len(nodal), fold=True, unit=lib.LANES)
@@ -80,7 +83,7 @@ def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, Floa
     direct, turned = (
         (lib.W_KIND, lib.U_SLOPE),
         (lib.W_SLOPE, lib.U_KIND),
-    )  # even and odd under reflection
+    )  # kinds that are even and kinds that are odd under reflection
     size = [np.abs(own) / scale for (own, _), scale in zip(pairs, scales, strict=True)]
     odd = single & (
         np.maximum(*(size[kind] for kind in turned)) > np.maximum(*(size[kind] for kind in direct))
@@ -99,10 +102,10 @@ def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, Floa
 
 
 def _folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
-    """Shape (nodes, columns) on a quarter of the circle, as the kernel's `_folded_fields` has it.
+    """Return the shape (nodes, columns) on a quarter of the circle for `_folded_fields` (kernel).
 
-    No rows where the kernel cannot fold: without parity, or on so few nodes that whole registers
-    of a quarter reach over half of the circle.
+    It has no rows if folding is impossible: if columns are not separated by parity, or if there are
+    so few nodes that the whole registers of a quarter exceed half of the circle.
     """
     nodes = len(shape)
     width = padded(nodes // 4 + 1)
@@ -119,10 +122,14 @@ def _folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
 def _compliance(
     casing: ReducedCasing, inverse: FloatArray, friction: float, *, cyclic: bool
 ) -> FloatArray:
-    """Four nodal values under a tip for a unit force of another, by sense of sliding and elements.
+    """Return the response of the four nodal values in one element to unit forces in another.
 
-    Blocks of 4 x 4, (3, elements, elements, 4, 4); cyclic: (3, 2 elements, 4, 4), by the distance
-    of two elements from -nodes to nodes - 1.
+    The response is given for sliding -1, 0 and 1.
+
+    Returns:
+        blocks of 4 x 4 for every two elements, (3, elements, elements, 4, 4); for a cyclic casing
+        by the difference of the numbers of both elements, from -nodes to nodes - 1,
+        (3, 2 elements, 4, 4).
     """
     nodes, kinds, modes = casing.nodal.shape
     forces = casing.nodal.reshape(nodes * kinds, modes) * inverse

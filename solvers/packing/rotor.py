@@ -1,4 +1,4 @@
-"""The rotor: cyclic where it is, dense otherwise."""
+"""Arrays of the rotor: by harmonic if it is cyclic, otherwise dense."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from bladewhirl.solvers.packing.turning import turning_inverse
 
 
 def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arrangement, Struct]:
-    """Arrange the rotor.
+    """Return the arrangement and the arrays of the rotor.
 
     Args:
-        problem: what is marched.
+        problem: contact problem.
         dt: time step [s].
-        cyclic: whether to use the DFT columns of the rotor's modes.
+        cyclic: whether to use the DFT columns of the modes.
 
     Raises:
-        ValueError: modes that do not follow their DFT columns.
+        ValueError: modes that do not vary as their DFT columns.
     """
     rotor = problem.rotor
     tips, modes = rotor.tip_radial.shape
@@ -77,7 +77,11 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
 
 
 def _answer_at_tips(rotor: ReducedRotor, dt: float) -> tuple[FloatArray, FloatArray]:
-    """Radial answer A^-1 of the tips to forces on them, radial and tangential, (forces, tips)."""
+    """Return the radial response of the tips, by A^-1, to unit forces at the tips.
+
+    Returns:
+        response to radial and response to tangential forces, (forces, tips) each.
+    """
     if rotor.by_velocity is None:
         inverse = scheme_inverse(rotor.frequency, rotor.damping_ratio, dt)
         radial, tangential = rotor.tip_radial * inverse, rotor.tip_tangential * inverse

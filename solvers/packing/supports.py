@@ -1,4 +1,4 @@
-"""Dampers at points, springs between the bodies and under the shaft."""
+"""Arrays of point dampers, of springs between the bodies and of static shaft springs."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ def pack_dampers(
     arrangements: tuple[Arrangement, Arrangement],
     dt: float,
 ) -> Struct | None:
-    """Dampers at points of rotor and casing; None without any.
+    """Return the point dampers of rotor and casing; None if there are none.
 
     Args:
-        problem: what is marched.
-        bodies: rotor and casing.
-        arrangements: of the modes of each.
+        problem: contact problem.
+        bodies: arrays of rotor and casing.
+        arrangements: arrangements of the modes of rotor and casing.
         dt: time step [s].
     """
     ends = []
     given = (problem.rotor.dampers, problem.casing.dampers)
     for rows, body, arrangement in zip(given, bodies, arrangements, strict=True):
-        strong = arrangement.pack(rows[rows.any(axis=1)])  # those without strength only cost time
-        if body is bodies[0] and problem.rotor.by_velocity is not None:  # its A has them
+        strong = arrangement.pack(rows[rows.any(axis=1)])  # without dampers of zero strength
+        if body is bodies[0] and problem.rotor.by_velocity is not None:  # already included in A
             strong = strong[:0]
         solve = np.linalg.inv(2.0 * dt * np.eye(len(strong)) + strong * body.c @ strong.T)
         ends.append({"rows": strong, "solve": solve})
@@ -40,12 +40,15 @@ def pack_dampers(
 def pack_springs(
     problem: ContactProblem, arrangements: tuple[Arrangement, Arrangement], dt: float
 ) -> Struct | None:
-    """Springs between the bodies and under the shaft, by harmonic; None without any.
+    """Return the springs between the bodies and unequal static shaft springs, by harmonic.
 
     Args:
-        problem: what is marched.
-        arrangements: of the modes of rotor and casing.
+        problem: contact problem.
+        arrangements: arrangements of the modes of rotor and casing.
         dt: time step [s].
+
+    Returns:
+        the springs, None if there are none.
     """
     rotor, anisotropy = problem.rotor, problem.rotor.anisotropy
     if problem.springs is None and anisotropy == 0.0:

@@ -1,4 +1,4 @@
-"""Coupling of the rotor's modes by Coriolis forces and damping: blocks by nodal diameter."""
+"""Arrays for the coupling of the rotor modes by Coriolis forces and damping."""
 
 from __future__ import annotations
 
@@ -10,21 +10,22 @@ from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib
 from bladewhirl.solvers.packing.arrangement import Arrangement
 
 ROUNDING = 1e-14
-"""Entries of A^-1 below this share of the largest are rounding."""
+"""Share of the largest entry of A^-1 up to which an entry counts as zero."""
 
 ALIKE = 1e-12
-"""Damping of a cosine and its sine that differs by less of the largest is the same."""
+"""Share of the largest entry of the damping up to which a cosine and its sine mode count as
+equally damped."""
 
 
 def pack_gyroscopic(
     problem: ContactProblem, packed: Struct, arrangement: Arrangement, dt: float
 ) -> Struct | None:
-    """What couples the modes of a rotor that feels Coriolis forces; None where they don't count.
+    """Return the coupling of the rotor modes by Coriolis forces; None without Coriolis forces.
 
     Args:
-        problem: what is marched.
-        packed: its rotor.
-        arrangement: of the rotor's modes.
+        problem: contact problem.
+        packed: arrays of the rotor.
+        arrangement: arrangement of the rotor modes.
         dt: time step [s].
     """
     rotor = problem.rotor
@@ -63,7 +64,12 @@ def pack_gyroscopic(
 def _blocks(
     inverse: FloatArray, arrangement: Arrangement
 ) -> tuple[FloatArray, FloatArray, IntArray, IntArray]:
-    """A^-1 (modes, modes) of a cyclic rotor as blocks, and the entries that they leave out."""
+    """Split A^-1 (modes, modes) of a cyclic rotor into blocks and single entries.
+
+    Returns:
+        the blocks by nodal diameter in the order of the kernel; the entries outside the blocks; and
+        their rows and their columns.
+    """
     rows, columns, half = arrangement.rows, arrangement.columns, arrangement.half
     entries = arrangement.entries
     full = np.zeros((entries, entries))
@@ -79,7 +85,7 @@ def _blocks(
         (sine, cosine, -across),
     ):
         grid[:, to, :, by] -= block
-    empty = np.setdiff1d(np.arange(entries), arrangement.entry)  # nothing is ever there
+    empty = np.setdiff1d(np.arange(entries), arrangement.entry)  # positions without a mode
     full[empty], full[:, empty] = 0.0, 0.0
     to, by = np.nonzero(np.abs(full) > ROUNDING * np.abs(inverse).max())
     order = np.argsort(by, kind="stable")
@@ -92,15 +98,18 @@ def _blocks(
 
 
 def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, FloatArray]:
-    """What gives d^T D d: by blocks of a cosine and its sine or, where these differ, of all modes.
+    """Return the matrices from which the kernel computes the dissipation d^T D d.
+
+    If the damping of cosine and sine modes is equal, D is stored as blocks, otherwise as a matrix
+    of all modes. Both contain upper triangles only, with twice the entries outside the diagonal.
 
     Args:
         damping: D, symmetric [1/s], (modes, modes).
-        arrangement: of the modes.
+        arrangement: arrangement of the modes.
 
     Returns:
-        as in `Gyroscopic`, flat, and (entries, entries): upper triangles, twice what is
-        beside the diagonal. One of them is empty.
+        the blocks, in the order of `Gyroscopic`, and the matrix of all modes, (entries, entries);
+        one of them is empty.
     """
     rows, half, entries = arrangement.rows, arrangement.half, arrangement.entries
     full = aligned((entries, entries))
@@ -124,10 +133,11 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
 
 
 def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: Struct) -> list[FloatArray]:
-    """Answer of a cyclic rotor's modes to normal forces and friction on it by column.
+    """Return the response of the modes of a cyclic rotor to forces at the tips, by column.
 
     Returns:
-        answer to the normal force on a mode's own column and on the partner's, then to friction.
+        response to normal forces in the column of a mode and in its partner column, then the same
+        for friction forces, (rows, columns) each.
     """
     columns, half = arrangement.columns, arrangement.half
     modes, column = np.arange(len(inverse)), arrangement.entry % columns
@@ -146,5 +156,6 @@ def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: Struct) -> li
 
 
 def turning_inverse(damping: FloatArray, dt: float) -> FloatArray:
-    """Inverse of A of a rotor whose modes are coupled by velocity [s2], (modes, modes)."""
+    """Return A^-1 of a rotor whose modes are coupled by forces due to velocities [s2],
+    (modes, modes)."""
     return np.asarray(np.linalg.inv(np.eye(len(damping)) / dt**2 + damping / (2.0 * dt)))
