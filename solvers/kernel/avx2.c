@@ -12,5 +12,5 @@ TARGET("avx2")
 #include "dense.c"
 TARGET_END
 #else
-typedef int nothing; /* a file is not empty */
+typedef int nothing; /* ISO C forbids empty files */
 #endif

@@ -1,17 +1,18 @@
-/* Contact of a step: the matrix W of the active tips and its multipliers. */
+/* Contact in a step: the matrix W of the active tips, and the contact forces (multipliers). */
 #ifndef CONTACT_H
 #define CONTACT_H
 
 #include "fields.h"
 
-enum { LAST_TRIAL = 1000000 }; /* marks a complementarity problem solved for all tips at once */
-enum { MENDED_TOGETHER = 6 };  /* trials of the active set before faults are mended one by one */
-#define SINGULAR 1e-11 /* share of the largest diagonal below which a pivot counts as zero */
+enum { LAST_TRIAL = 1000000 }; /* number that means that the problem was solved for all tips */
+enum { MENDED_TOGETHER = 6 };  /* trials of the active set before tips are changed one by one */
+#define SINGULAR 1e-11 /* share of the largest diagonal entry below which a pivot counts as zero */
 
-/* Row of what depends on the sense of sliding: backward, none, forward. */
+/* Return the row for a direction of sliding: 0 for -1, 1 for 0 and 2 for 1. */
 static inline int64_t sense(double sign) { return sign > 0.0 ? 2 : sign < 0.0 ? 0 : 1; }
 
-/* The rotor's part of W of the active tips; mostly it is there already from the last step. */
+/* Copy the part of W due to the rotor for the active tips, unless it is there from the last
+ * step. */
 static inline void take_rotor(const Cube *rotor_w, ContactScratch *c, int64_t size)
 {
     int64_t tips = c->known.columns, *tip = c->known.at, *slides = c->known.at + tips;
@@ -35,7 +36,8 @@ static inline void take_rotor(const Cube *rotor_w, ContactScratch *c, int64_t si
     }
 }
 
-/* Four products that sum up to the gap under one tip per multiplier of another. */
+/* Return four products whose sum is the change of the gap of a tip due to a unit force of
+ * another. */
 static inline Half answer(const double *block, Half n0, Half n1, Half n2, Half n3,
                           const double *end)
 {
@@ -45,11 +47,13 @@ static inline Half answer(const double *block, Half n0, Half n1, Half n2, Half n
     return half_mul(half_add(one, two), half_load(end));
 }
 
-/* W of the active tips by column: [n, m] is the gap of the m-th per multiplier of the n-th.
+/* Compute W of the active tips by column: entry [n, m] is the change of the gap of tip m due to a
+ * unit force of tip n.
  *
- * The casing's part is n_i^T C (n_j + mu s t_j), four nodal values n at either end: four rows of
- * four in `compliance` for each sense of sliding s and each pair of elements or, where only their
- * distance counts (`spacing` is one), for each distance. */
+ * The part of W due to the casing is n_i^T C (n_j + mu s t_j), where n_i and n_j are the four nodal
+ * values at each tip. C is a block of 4 x 4 in `compliance` for each direction of sliding s and
+ * each pair of elements. If only the distance of the elements matters (`spacing` is one), there is
+ * a block for each distance. */
 static inline void delassus(const Casing *casing, const FieldScratch *f, ContactScratch *c,
                             int64_t size)
 {
@@ -87,11 +91,12 @@ static inline void delassus(const Casing *casing, const FieldScratch *f, Contact
     }
 }
 
-/* Solve a system given by columns, the right-hand side last; destroys it.
+/* Solve a linear system that is stored by columns, with the right-hand side as the last column. The
+ * system is overwritten. Returns 0 if a pivot nearly vanishes, otherwise 1.
  *
- * By Gauss and Jordan: a column's registers are taken whole, so that the rows above the pivot come
- * free and nothing is left to substitute. W is positive definite but for friction, so pivots stay
- * on the diagonal; where one nearly vanishes the answer is 0 and the caller has another method. */
+ * The method is that of Gauss and Jordan. As entire registers are used, eliminating the rows above
+ * the pivot takes no additional time, and no back substitution is needed. Without friction W is
+ * positive definite, so the pivots are taken from the diagonal. */
 static inline int eliminate(ContactScratch *c, int64_t size)
 {
     int64_t width = c->system.columns;
@@ -116,8 +121,9 @@ static inline int eliminate(ContactScratch *c, int64_t size)
     return 1;
 }
 
-/* Multipliers that close the gaps of the active tips, negative ones let go. Returns the number of
- * tips let go (they leave `held`; none means done), or -1 for a singular W. */
+/* Compute the contact forces that close the gaps of the active tips, and remove tips with negative
+ * forces from the active set (`held`). Returns the number of tips with negative forces, where 0
+ * means that the set is complete, or -1 if W is singular. */
 static inline int64_t active_multipliers(const double *gap, double *held, ContactScratch *c,
                                          int64_t size, int one_by_one)
 {
@@ -142,7 +148,7 @@ static inline int64_t active_multipliers(const double *gap, double *held, Contac
     return released;
 }
 
-/* Fill the tableau of Lemke's method; returns the row of the most negative gap. */
+/* Fill the tableau of Lemke's method. Returns the row of the most negative gap. */
 static int64_t fill_tableau(const double *gap, ContactScratch *c, double gap_scale, double w_scale)
 {
     int64_t tips = c->multiplier.size, row = 0;
@@ -162,7 +168,7 @@ static int64_t fill_tableau(const double *gap, ContactScratch *c, double gap_sca
     return row;
 }
 
-/* Make the entering variable basic in a row. */
+/* Make the entering variable the basic variable of a row. */
 static void pivot(ContactScratch *c, int64_t row, int64_t entering)
 {
     int64_t width = c->tableau.columns;
@@ -178,7 +184,8 @@ static void pivot(ContactScratch *c, int64_t row, int64_t entering)
     c->basis.at[row] = entering;
 }
 
-/* Row of the least ratio, the covering variable's among equals; -1 for none. */
+/* Return the row with the smallest ratio, -1 if there is none. Among equal ratios, the row of the
+ * covering variable is preferred. */
 static int64_t least_ratio(const ContactScratch *c, int64_t entering)
 {
     int64_t width = c->tableau.columns, cover = width - 2, row = -1;
@@ -197,10 +204,12 @@ static int64_t least_ratio(const ContactScratch *c, int64_t entering)
     return row;
 }
 
-/* Solve the complementarity problem by Lemke's method; singular W is no obstacle.
+/* Solve the complementarity problem by Lemke's method, which allows a singular W. Returns whether a
+ * solution was found.
  *
- * The tableau holds w - M z - z0 = q, scaled, one row a basic variable. Variables are numbered
- * 0..n-1 for w (gaps), n..2n-1 for z (multipliers), 2n for the covering variable z0. */
+ * The tableau contains w - M z - z0 = q, scaled, with a row for each basic variable. The numbers of
+ * variables are 0..n-1 for w (gaps), n..2n-1 for z (contact forces), 2n for the covering variable
+ * z0. */
 static int lemke(const double *gap, ContactScratch *c)
 {
     int64_t tips = c->multiplier.size, cover = 2 * tips, entering = cover;
@@ -228,7 +237,7 @@ static int lemke(const double *gap, ContactScratch *c)
     return 0;
 }
 
-/* Projected Gauss-Seidel from the multipliers at hand, for what Lemke's method gave up. */
+/* Improve the contact forces by projected Gauss-Seidel iterations, if Lemke's method has failed. */
 static void gauss_seidel(const double *gap, ContactScratch *c)
 {
     int64_t tips = c->multiplier.size, width = c->system.columns;
@@ -250,7 +259,8 @@ static void gauss_seidel(const double *gap, ContactScratch *c)
     }
 }
 
-/* max |min(g_j, W_jj lambda_j)| / max(clearance, max |g_p|), g recomputed. */
+/* Return max |min(g_j, W_jj lambda_j)| / max(clearance, max |g_p|), with gaps g of the corrected
+ * displacements. */
 static inline double complementarity_residual(double scale, const FieldScratch *f,
                                               const ContactScratch *c)
 {
@@ -266,9 +276,11 @@ static inline double complementarity_residual(double scale, const FieldScratch *
     return scale > 0.0 ? worst / scale : worst;
 }
 
-/* Multipliers of the active set; tips they would hold back are let go. Where W is singular, or the
- * set goes round in circles, the problem of all tips is solved. Returns the number of active tips;
- * `trial` counts on, to LAST_TRIAL when it was all tips. */
+/* Compute the contact forces of the active set without tensile forces; tips with tensile forces are
+ * removed from the set. If W is singular or the search for the set does not end, the
+ * complementarity problem is solved for all tips. Returns the number of active tips. `trial` is
+ * increased for each change of the set, and set to LAST_TRIAL if the problem was solved for all
+ * tips. */
 static int64_t contact_multipliers(int64_t *trial, const Rotor *rotor, const Casing *casing,
                                    State *state, const FieldScratch *f, ContactScratch *c)
 {
@@ -300,8 +312,9 @@ static int64_t contact_multipliers(int64_t *trial, const Rotor *rotor, const Cas
     return size;
 }
 
-/* Let the active set be what it was and the tips that penetrate; their number. Tips in contact at
- * the last step mostly stay, even if others keep them clear. */
+/* Make the first active set: the tips in contact at the last step and the tips that penetrate.
+ * Returns the number of tips that penetrate; if it is 0, the set is empty. Most tips in contact at
+ * the last step remain in contact, even if the forces of other tips have opened their gaps. */
 static inline int64_t propose_contacts(const double *gap, Vector *held)
 {
     int64_t penetrating = 0;
@@ -316,7 +329,7 @@ static inline int64_t propose_contacts(const double *gap, Vector *held)
     return penetrating;
 }
 
-/* Add tips that a correction pushed into the casing to the active set; their number. */
+/* Add the tips that penetrate after the correction to the active set. Returns their number. */
 static inline int64_t join_contacts(const double *gap, Vector *held, int one_by_one)
 {
     int64_t joined = 0;

@@ -1,23 +1,24 @@
-/* A step of the dense schemes: velocities first, then impulses at the tips.
+/* A step of the dense schemes: first velocities without contact, then impulses at the tips.
  *
- * With theta = 1/2 and unit masses, A = 1 + h C / 2 + h^2 K / 4, velocities without contact are
+ * With theta = 1/2, unit masses and A = 1 + h C / 2 + h^2 K / 4, the velocities without contact are
  *
  *     A v_f = v_n - h C v_n / 2 - h K (x_n + h v_n / 4) + h f
  *
- * where K is the bodies' own stiffness, C all damping and Coriolis forces, and f, at half the step,
- * holds loads, springs that turn and dampers that stand still. Impulses P at the tips complete it,
+ * K is the stiffness of the bodies and C is the matrix of damping and Coriolis forces. f, at half
+ * the step, contains loads, forces of springs that act in both frames, and forces of static
+ * dampers. With the impulses P at the tips,
  *
- *     v_{n+1} = v_f + A^-1 (B_N P_N + B_T P_T),     x_{n+1} = x_n + h (v_n + v_{n+1}) / 2,
+ *     v_{n+1} = v_f + A^-1 (B_N P_N + B_T P_T),     x_{n+1} = x_n + h (v_n + v_{n+1}) / 2.
  *
- * so that energy changes by exactly the work of all forces. Both laws find P tip by tip, again and
- * again until none changes (projected Gauss-Seidel): see `solvers.march.dense`.
+ * The energy then changes by exactly the work of all forces. For both contact laws, P is computed
+ * tip by tip until no impulse changes (projected Gauss-Seidel); see `solvers.march.dense`.
  */
 #include "motion.h"
 
-enum { MOST_ROUNDS = 2000 }; /* of Gauss-Seidel */
-#define CLOSE 1e-12          /* share of the largest velocity that ends them */
+enum { MOST_ROUNDS = 2000 }; /* largest number of Gauss-Seidel iterations */
+#define CLOSE 1e-12          /* change, over the largest velocity, at which iterations end */
 
-/* C v; Coriolis forces in it do no work. */
+/* Compute C v, in which Coriolis forces do no work. */
 static void velocity_force(const DenseStage *stage, const double *v, double *out)
 {
     int64_t modes = stage->damping.size, coupled = stage->by_velocity.rows;
@@ -33,7 +34,7 @@ static void velocity_force(const DenseStage *stage, const double *v, double *out
         out[i] += dot(stage->by_velocity.at + i * coupled, v, coupled);
 }
 
-/* Add the force of springs that turn; returns their energy x^T K x / 2. */
+/* Add the force of springs that act in both frames. Returns their energy x^T K x / 2. */
 static double turning_force(const DenseStage *stage, double angle, const double *x, double *out)
 {
     int64_t size = stage->coupled.size, *coupled = stage->coupled.at;
@@ -54,7 +55,7 @@ static double turning_force(const DenseStage *stage, double angle, const double 
     return energy;
 }
 
-/* Force of the loads. */
+/* Compute the force of the loads. */
 static void load_force(const DenseStage *stage, double time, double *out)
 {
     int64_t modes = stage->loads.columns;
@@ -71,7 +72,7 @@ static void load_force(const DenseStage *stage, double time, double *out)
     }
 }
 
-/* Add the force of dampers under the centre that stand still. */
+/* Add the force of static dampers at the centre. */
 static void circulation_force(const DenseStage *stage, const double *x, double *out)
 {
     int64_t modes = stage->stiffness.size;
@@ -82,7 +83,7 @@ static void circulation_force(const DenseStage *stage, const double *x, double *
         out[i] += swing_y * across[i] - swing_x * up[i];
 }
 
-/* v_f: velocities after a step without contact, under a force, which is overwritten. */
+/* Compute v_f, the velocities after a step under a force without contact. */
 static void free_velocity(const DenseStage *stage, double h, const DenseState *state, double *force,
                           double *momentum, double *out)
 {
@@ -97,7 +98,7 @@ static void free_velocity(const DenseStage *stage, double h, const DenseState *s
         out[i] = dot(stage->inverse.at + i * modes, momentum, modes);
 }
 
-/* Casing element under a tip; `xi` gets the position along it, 0 to 1. */
+/* Return the casing element under a tip; `xi` gets the position along the element, 0 to 1. */
 static int64_t tip_place(const DenseStage *stage, int64_t tip, double turn, const double *x,
                          double *xi)
 {
@@ -114,7 +115,8 @@ static int64_t tip_place(const DenseStage *stage, int64_t tip, double turn, cons
     return (int64_t)at % nodes;
 }
 
-/* Cubic Hermite functions, and their slopes along the element. */
+/* Compute the cubic Hermite functions, and (`slope_weights`) their derivatives along the
+ * element. */
 static void value_weights(double xi, double length, double weight[4])
 {
     double rest = 1.0 - xi;
@@ -133,8 +135,8 @@ static void slope_weights(double xi, double length, double weight[4])
     weight[3] = xi * (3.0 * xi - 2.0);
 }
 
-/* Fill a row of the casing's modes from their values and slopes, of w (kind 0) or u (kind 2);
- * returns the clearance by the same weights. */
+/* Fill a row with w (kind 0) or u (kind 2) of all casing modes under a tip. Returns the clearance
+ * there, interpolated with the same weights. */
 static double under_tip(const DenseStage *stage, int64_t element, const double *weight,
                         int64_t kind, double *row)
 {
@@ -148,7 +150,7 @@ static double under_tip(const DenseStage *stage, int64_t element, const double *
     return weight[0] * near[0] + weight[1] * near[1] + weight[2] * far[0] + weight[3] * far[1];
 }
 
-/* Gap of a tip, and its row of B_N. */
+/* Return the gap of a tip, and fill its row of B_N. */
 static double tip_gap(const DenseStage *stage, int64_t tip, double turn, const double *x,
                       double *row)
 {
@@ -162,7 +164,8 @@ static double tip_gap(const DenseStage *stage, int64_t tip, double turn, const d
     return clearance + stage->tip_recess.at[tip] + dot(row, x, stage->stiffness.size);
 }
 
-/* Rate at which the casing's shape closes in as the tip runs along it, and row of B_T. */
+/* Return the rate of change of the gap due to the slope of the casing along which the tip moves,
+ * and fill its row of B_T. */
 static double tip_sliding(const DenseStage *stage, int64_t tip, double turn, const double *x,
                           const double *v, double *row)
 {
@@ -182,7 +185,7 @@ static double tip_sliding(const DenseStage *stage, int64_t tip, double turn, con
     return rate * (double)stage->nodal.layers * stage->element_length / (2.0 * PI) * slope;
 }
 
-/* Change the normal impulse of a tip (Moreau and Jean's law); the change as a velocity. */
+/* Update the normal impulse of a tip (law of Moreau and Jean). Returns the change as a velocity. */
 static double press(const DenseLaw *law, DenseScratch *s, int64_t tips, int64_t tip)
 {
     const double *w = s->compliance.at + tip * 2 * tips;
@@ -194,7 +197,7 @@ static double press(const DenseLaw *law, DenseScratch *s, int64_t tips, int64_t 
     return w[tip] * fabs(s->impulse.at[tip] - old);
 }
 
-/* The same for the tangential impulse (both laws). */
+/* Update the tangential impulse of a tip (both laws). Returns the change as a velocity. */
 static double rub(const DenseLaw *law, DenseScratch *s, int64_t tips, int64_t tip)
 {
     int64_t row = tips + tip;
@@ -213,7 +216,7 @@ static double rub(const DenseLaw *law, DenseScratch *s, int64_t tips, int64_t ti
     return w[row] * fabs(after - old);
 }
 
-/* Impulses of the tips that touch by projected Gauss-Seidel; the residual. */
+/* Compute the impulses of the tips in contact by projected Gauss-Seidel. Returns the residual. */
 static double solve_impulses(const DenseLaw *law, DenseScratch *s, int64_t tips, int *solved)
 {
     double scale = 1e-300, change = INFINITY, residual = 0.0;
@@ -238,7 +241,8 @@ static double solve_impulses(const DenseLaw *law, DenseScratch *s, int64_t tips,
     return residual;
 }
 
-/* Contact of the tips in `active`, whose gaps `impulse` holds: their impulses, and v_{n+1}. */
+/* Compute the impulses of the tips in `active`, and v_{n+1}. Before, `impulse` contains the depth
+ * of penetration of each tip. */
 static void solve_contact(const DenseStage *stage, const DenseLaw *law, DenseState *state,
                           DenseScratch *s, double h, double turn, int64_t tips)
 {
@@ -271,7 +275,7 @@ static void solve_contact(const DenseStage *stage, const DenseLaw *law, DenseSta
     state->counts.at[DENSE_UNSOLVED] += !solved;
 }
 
-/* Whether all displacements are within the limit. */
+/* Return whether all displacements are within the limit. */
 static int within_limit(const DenseStage *stage, int64_t step, const double *x)
 {
     int64_t modes = stage->tip_radial.columns, casing = stage->nodal.columns;
@@ -288,7 +292,7 @@ static int within_limit(const DenseStage *stage, int64_t step, const double *x)
     return 1;
 }
 
-/* Add an accepted step to the sums and the ledger; `x` is x_{n+1}. */
+/* Add the impulses and works of an accepted step to the state; `x` is x_{n+1}. */
 static void account_dense(const DenseStage *stage, DenseState *state, DenseScratch *s, double h,
                     int64_t step, int64_t touching, const double *x)
 {

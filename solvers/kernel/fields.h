@@ -1,27 +1,27 @@
-/* Evaluation of fields: tips, casing nodes, gaps, sliding.
+/* Evaluation of displacements of tips and casing nodes, of gaps, and of directions of sliding.
  *
- * Modal coordinates are first summed over rows with weights, giving one number a column, and the
- * columns are then spread over tips or casing nodes by a shape; see `march.c`.
+ * Modal coordinates are first summed over rows with weights, which gives a number for each column.
+ * A shape matrix then converts these numbers to values at tips or casing nodes; see `march.c`.
  */
 #ifndef FIELDS_H
 #define FIELDS_H
 
 #include "motion.h"
 
-/* Place of a register's partner columns. */
+/* Return the position of the partner columns of a register. */
 static inline int64_t partner_columns(int64_t h, int64_t half)
 {
     return h < half ? h + half : h - half;
 }
 
-/* Sum modal coordinates over rows with weights; each sum goes to its column's partner. With `half`
- * zero it stays in its column. */
+/* Sum modal coordinates over rows with weights. Each sum is stored in the partner of its column, or
+ * in its column if `half` is zero. */
 static inline void column_sums(const Matrix *weight, const double *x, int64_t half, double *out)
 {
     int64_t rows = weight->rows, columns = weight->columns;
     for (int64_t h = 0; h < columns; h += LANES) {
         const double *w = weight->at + h, *v = x + h;
-        Lanes even = splat(0.0), odd = splat(0.0); /* two chains of additions run side by side */
+        Lanes even = splat(0.0), odd = splat(0.0); /* two independent sums run in parallel */
         int64_t m = 0;
         for (; m + 1 < rows; m += 2, w += 2 * columns, v += 2 * columns) {
             even = muladd(load(w), load(v), even);
@@ -33,7 +33,7 @@ static inline void column_sums(const Matrix *weight, const double *x, int64_t ha
     }
 }
 
-/* Linear combination of all rows of a matrix. */
+/* Compute a linear combination of all rows of a matrix. */
 static inline void combine_rows(const Matrix *rows, const double *factor, double *out)
 {
     int64_t width = rows->columns, i = 0;
@@ -58,7 +58,7 @@ static inline void combine_rows(const Matrix *rows, const double *factor, double
     }
 }
 
-/* Write the sums of `folded_fields` at the nodes n, N/2 - n, N/2 + n, N - n. */
+/* Store the sums of `folded_fields` at the nodes n, N/2 - n, N/2 + n and N - n. */
 static inline void unfold(Lanes cos_even, Lanes cos_odd, Lanes sin_even, Lanes sin_odd, int64_t i,
                           int64_t middle, const double *start, double *out)
 {
@@ -71,10 +71,10 @@ static inline void unfold(Lanes cos_even, Lanes cos_odd, Lanes sin_even, Lanes s
     store_reversed(out + middle + x, sub(near, turned), start + middle + x);
 }
 
-/* `nodal_field` of an even number of nodes, four nodes at a time. The nodes n, N/2 - n, N/2 + n and
- * N - n share their cosines and sines but for signs, which the parity of the harmonic decides. Rows
- * of `fold`: cosines of even harmonics, of odd ones, sines of even, of odd, and the cosine of N/2,
- * which stands in the place of a sine. */
+/* Do the same as `nodal_field` for an even number of nodes, four nodes at a time. The cosines and
+ * sines at the nodes n, N/2 - n, N/2 + n and N - n differ only by their signs, which depend on the
+ * parity of the harmonic. The rows of `fold` are cosines of even harmonics, cosines of odd ones,
+ * sines of even ones, sines of odd ones, and the cosine of N/2 in the position of a sine. */
 static inline void folded_fields(const Casing *casing, const Matrix *start, FieldScratch *f)
 {
     const Matrix *fold = &casing->fold;
@@ -105,7 +105,7 @@ static inline void folded_fields(const Casing *casing, const Matrix *start, Fiel
     }
 }
 
-/* Values and slopes of a field at the casing's nodes from its columns; node 0 comes again. */
+/* Compute values and slopes of a field at the casing nodes from its columns; node 0 is repeated. */
 static void nodal_field(const Casing *casing, const NodalField *field, FieldScratch *f)
 {
     const Matrix *start = &field->start;
@@ -124,7 +124,7 @@ static void nodal_field(const Casing *casing, const NodalField *field, FieldScra
     }
 }
 
-/* Tangential displacement of each tip. */
+/* Compute the tangential displacement of each tip. */
 static void tip_tangential(const Rotor *rotor, const double *x, FieldScratch *f)
 {
     column_sums(&rotor->tangential, x, 0, f->rotor.at);
@@ -135,7 +135,8 @@ static void tip_tangential(const Rotor *rotor, const double *x, FieldScratch *f)
         store(f->tangential.at + j, add(load(f->tangential.at + j), load(f->other.at + j)));
 }
 
-/* Element of each place, and Hermite weights there; `hermite` has rows of `width`. */
+/* Compute the element at each position and the Hermite weights; a row of `hermite` has `width`
+ * numbers. */
 static inline void hermite_weights(const double *restrict places, double turned, double nodes,
                                    double length, int64_t tips, int64_t width,
                                    int64_t *restrict element, double *restrict hermite)
@@ -144,10 +145,10 @@ static inline void hermite_weights(const double *restrict places, double turned,
     for (int64_t j = 0; j < tips; j++) {
         double at = places[j] + turned;
         at -= nodes * floor(at * turn);
-        at = at < 0.0 ? 0.0 : at; /* by rounding of the product */
+        at = at < 0.0 ? 0.0 : at; /* negative only by rounding of the product */
         double start = floor(at), xi = at - start, rest = 1.0 - xi;
-        /* Rounding may put a tip on node `nodes`, which is node 0 again; a displacement beyond all
-         * bounds, which ends the march, puts it anywhere. */
+        /* By rounding, the position may be node `nodes`, which is node 0. If displacements diverge,
+         * which ends the march, the position may be any number. */
         start = start >= 0.0 ? start : 0.0;
         element[j] = (int64_t)(start < nodes ? start : 0.0);
         hermite[j] = rest * rest * (1.0 + 2.0 * xi);
@@ -157,8 +158,8 @@ static inline void hermite_weights(const double *restrict places, double turned,
     }
 }
 
-/* Find the element under each tip and its Hermite weights, at x_{n+1}; the rotor has turned by a
- * number of elements. */
+/* Find the element under each tip and its Hermite weights at x_{n+1}; `turned` is the rotation of
+ * the rotor in elements. */
 static inline void place_tips(const Rotor *rotor, const Casing *casing, double elements_per_metre,
                               double turned, const double *x, FieldScratch *f)
 {
@@ -173,7 +174,7 @@ static inline void place_tips(const Rotor *rotor, const Casing *casing, double e
                     f->hermite.columns, f->element.at, f->hermite.at);
 }
 
-/* Columns of u_r of the tips and of w and w' of the casing, at x_{n+1}. */
+/* Compute the sums by column of u_r of the tips and of w and w' of the casing, at x_{n+1}. */
 static inline void sum_radial(const Rotor *rotor, const Casing *casing, const double *x,
                               const double *y, FieldScratch *f)
 {
@@ -183,7 +184,8 @@ static inline void sum_radial(const Rotor *rotor, const Casing *casing, const do
     column_sums(&field->slope_weight, y, field->slope_half, f->slope.at);
 }
 
-/* Value of a nodal Hermite field under each tip; 0, and no further, at a NaN. */
+/* Compute the value of a nodal Hermite field under each tip. Returns 0 at the first NaN, otherwise
+ * 1. */
 static inline int field_at_tips(const FieldScratch *f, double *out)
 {
     const double *value = f->nodal.at, *slope = f->nodal_slope.at;
@@ -200,7 +202,8 @@ static inline int field_at_tips(const FieldScratch *f, double *out)
     return 1;
 }
 
-/* Gap of each tip from the columns of u_r, w and w'; whether all |u_r| keep the limit. */
+/* Compute the gap of each tip from the columns of u_r, w and w'. Returns whether all |u_r| are
+ * within the limit. */
 static inline int close_gaps(const Rotor *rotor, const Casing *casing, double limit,
                              FieldScratch *f, double *gap)
 {
@@ -216,7 +219,7 @@ static inline int close_gaps(const Rotor *rotor, const Casing *casing, double li
     return within == tips;
 }
 
-/* Direction of sliding at each tip, from the tangential displacements over the last step. */
+/* Compute the direction of sliding of each tip from the tangential motion in the last step. */
 static inline void sliding_signs(const Rotor *rotor, const Casing *casing, double wheel_speed,
                                  double time_step, Motion x, Motion y, FieldScratch *f,
                                  double *sign)
@@ -238,7 +241,8 @@ static inline void sliding_signs(const Rotor *rotor, const Casing *casing, doubl
     }
 }
 
-/* Whether tips tangentially, and the casing radially, keep the displacement limit. */
+/* Return whether tangential displacements of tips and radial displacements of the casing are within
+ * the limit. */
 static int keeps_limit(const Rotor *rotor, const Casing *casing, double limit, const double *x,
                        FieldScratch *f)
 {

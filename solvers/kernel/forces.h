@@ -1,18 +1,20 @@
-/* Contact forces: on tips and casing nodes, by column, and the correction they give. */
+/* Contact forces on tips and casing nodes, their sums by column, and the response to them. */
 #ifndef FORCES_H
 #define FORCES_H
 
 #include "contact.h"
 
-/* Forces by column on one body: friction is `ratio` times the row `drag`, or two rows from it. */
+/* Friction by column on one body: `ratio` times the row `drag` of forces, for the casing also the
+ * next row. */
 typedef struct {
     int64_t drag;
     double ratio;
 } Friction;
 
-/* Forces of the active tips and on the casing's nodes next to them, two for each tip. `factor` gets
- * push and drag of each tip, then the loads w, w', u, u' of each node. Returns whether tips slide in
- * different senses; `ratio` gets the ratio of drag to push where they don't. */
+/* Compute the forces on the active tips and on the two casing nodes next to each tip. `factor` gets
+ * the normal force and the friction force on each tip, and the forces w, w', u, u' on each node.
+ * Returns whether tips slide in different directions; if not, `ratio` gets the ratio of friction to
+ * normal force. */
 static inline int tip_forces(int64_t size, double friction, int64_t nodes, const FieldScratch *f,
                              ContactScratch *c, double *ratio)
 {
@@ -41,7 +43,7 @@ static inline int tip_forces(int64_t size, double friction, int64_t nodes, const
     return mixed;
 }
 
-/* Forces at points by column, and the first half of the columns once more behind. */
+/* Sum forces at points by column, and store the first half of the columns again after the last. */
 static inline void spread(const Matrix *rows, const int64_t *index, ContactScratch *c,
                           int64_t which, int64_t count, int64_t half)
 {
@@ -57,7 +59,7 @@ static inline void spread(const Matrix *rows, const int64_t *index, ContactScrat
     }
 }
 
-/* `spread` of two kinds of forces that have one shape, two registers at a time. */
+/* Do the same as `spread` for two kinds of forces with the same shape, two registers at a time. */
 static inline void spread_two(const Matrix *rows, const int64_t *index, ContactScratch *c,
                               int64_t which, int64_t count, int64_t half)
 {
@@ -89,8 +91,8 @@ static inline void spread_two(const Matrix *rows, const int64_t *index, ContactS
     }
 }
 
-/* Forces on the tips by column: where all tips slide in one sense and friction has the shape of the
- * normal force, it is a multiple of it. */
+/* Sum the forces on the tips by column. If all tips slide in the same direction, and friction has
+ * the same shape as the normal force, then friction is a multiple of the normal force. */
 static inline Friction rotor_columns(const Rotor *rotor, int64_t size, int mixed, double ratio,
                                      ContactScratch *c)
 {
@@ -101,7 +103,7 @@ static inline Friction rotor_columns(const Rotor *rotor, int64_t size, int mixed
     return (Friction){DRAG, 1.0};
 }
 
-/* The same on the casing's nodes. */
+/* Sum the forces on the casing nodes by column. */
 static inline Friction casing_columns(const Casing *casing, int64_t size, int mixed, double ratio,
                                       ContactScratch *c)
 {
@@ -122,7 +124,8 @@ static inline Friction casing_columns(const Casing *casing, int64_t size, int mi
     return (Friction){U_KIND, 1.0};
 }
 
-/* Add contact forces on the tips to x_{n+1}; their work, and the new columns of u_r. */
+/* Add the response to contact forces on the tips to x_{n+1}. Also compute the work of these forces,
+ * and the sums by column of u_r. */
 static void correct_rotor(const Rotor *rotor, int64_t size, int mixed, double ratio, Motion x,
                           FieldScratch *f, ContactScratch *c)
 {
@@ -151,7 +154,8 @@ static void correct_rotor(const Rotor *rotor, int64_t size, int mixed, double ra
     c->work.at[1] = 0.5 * total(on_shear);
 }
 
-/* The same for the casing, and the columns of w and w'; work is added to the rotor's. */
+/* Add the response to contact forces on the casing to x_{n+1}. Also add the work of these forces to
+ * the work on the rotor, and compute the sums by column of w and w'. */
 static void correct_casing(const Casing *casing, int64_t size, int mixed, double ratio, Motion y,
                            FieldScratch *f, ContactScratch *c)
 {
@@ -187,7 +191,7 @@ static void correct_casing(const Casing *casing, int64_t size, int mixed, double
     c->work.at[1] += 0.5 * total(on_shear);
 }
 
-/* Sum up impulses of an accepted step with contact, and the work of tips whose gaps it closes. */
+/* Add the impulses of an accepted step with contact, and the work that stops closing tips. */
 static inline void account_contact(const Numbers *numbers, State *state, const ContactScratch *c,
                                    const double *gap, const double *before)
 {

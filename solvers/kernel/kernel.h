@@ -1,24 +1,25 @@
-/* Data dictionary of the compiled marches: name, shape, unit.
+/* Data of the compiled marches: names, shapes and units.
  *
- * Python makes these structs of NumPy arrays (`structs.py`). The comment of an array begins with its
- * shape, by which it is made and checked: numbers, or names of lengths within the struct. An array
- * may be empty where the march does without. Matrices lie row by row; `columns`, `wide` (tips or
- * nodes) and `closed` (nodes and the first again) are padded with zeros to a multiple of LANES.
- * Lines that the preprocessor reads begin with #; cffi is given all others.
+ * Python makes these structs from NumPy arrays (`structs.py`). The comment of an array begins with
+ * its shape, with which Python makes and checks the array: numbers, or names of lengths, which have
+ * the same value in the entire struct. Arrays that a march does not need are empty. Matrices are
+ * stored row by row. The lengths `columns`, `wide` (tips or nodes) and `closed` (nodes, and the
+ * first node again) are padded with zeros to a multiple of LANES. All lines for the preprocessor
+ * begin with #; the other lines are passed to cffi.
  */
 #ifndef KERNEL_H
 #define KERNEL_H
 
 #include <stdint.h>
 
-enum { LANES = 8, HALF = 4 }; /* doubles of a register, and of a narrow one */
-enum { ROWS = 4 };            /* of a block, summed at a time */
+enum { LANES = 8, HALF = 4 }; /* number of doubles in a register, and in a narrow register */
+enum { ROWS = 4 };            /* number of rows of a block that are summed at a time */
 enum { RUNNING, DIVERGED };   /* status of a march */
-enum { CHECK_EVERY = 100 };   /* steps between checks of displacements other than radial of tips */
+enum { CHECK_EVERY = 100 };   /* steps between checks of all but the radial tip displacements */
 
-/* Rows of forces and of nodal values: w, w', u, u' of the casing's nodes, then tips. */
+/* Rows of forces and of nodal values: w, w', u, u' of the casing nodes, then forces on tips. */
 enum { W_KIND, W_SLOPE, U_KIND, U_SLOPE, PUSH, DRAG };
-/* Works; CLOSING is the part of NORMAL that stops tips as their gaps close. */
+/* Kinds of work; CLOSING is the part of NORMAL that stops tips as their gaps close. */
 enum { EXTERNAL, NORMAL, FRICTION, DAMPING, PARAMETRIC, CLOSING, WORKS };
 enum { STEP_CONTACTS, LCP_FAILURES, LCP_PIVOTS, CONTACT_STEPS };
 enum { LOAD_END, LOAD_RAMP, LOAD_FREQUENCY, LOAD_PHASE, LOAD_NUMBERS };
@@ -48,72 +49,76 @@ typedef struct {
     int64_t layers, rows, columns;
 } Cube;
 
-/* Modal recurrence of one body over its entries (rows * columns), zero where padded. Where Coriolis
- * forces couple modes, A is not diagonal and a, b, c give A (x_{n+1} - x_{n-1}). */
+/* Recurrence of the modes of a body; there are rows * columns entries, and padding is zero. If
+ * Coriolis forces couple the modes, A is not diagonal, and a, b, c give A (x_{n+1} - x_{n-1}). */
 typedef struct {
-    Vector a;         /* (entries) multiplies x_n */
-    Vector b;         /* (entries) multiplies x_{n-1} */
-    Vector c;         /* (entries) multiplies forces: inverse of the scheme's diagonal [s2] */
+    Vector a;         /* (entries) factor of x_n */
+    Vector b;         /* (entries) factor of x_{n-1} */
+    Vector c;         /* (entries) factor of forces: inverse of the diagonal matrix A [s2] */
     Vector stiffness; /* (entries) omega^2 [rad2/s2] */
     Vector damping;   /* (entries) 2 xi omega [rad/s] */
     Matrix load;      /* (patterns, entries) load patterns */
-    IntMatrix loaded; /* (patterns, registers) registers of each pattern that are not zero, then
-                       * -1 */
+    IntMatrix loaded; /* (patterns, registers) positions of the registers of each pattern that are
+                       * not zero, padded with -1 */
 } Body;
 
 typedef struct {
     Body body;
-    Matrix radial;      /* (rows, columns) weights */
-    Matrix tangential;  /* (rows, columns) weights with the radial shape */
-    Matrix crossed;     /* (rows, columns) weights with the tangential shape */
-    Matrix shape;       /* (sums, wide) */
-    Matrix cross_shape; /* (sums, wide) the same for the tangential direction */
-    Matrix spread;      /* (tips, columns) shape by tip */
-    Matrix drag_spread; /* (tips, columns) distribution of friction: the same, or cross_shape by
-                         * tip */
-    int64_t half;       /* columns from one to its partner, see `Arrangement`; 0 without */
-    int64_t shared;     /* 1 where friction is distributed as the normal force is */
+    Matrix radial;      /* (rows, columns) weights of u_r, for `shape` */
+    Matrix tangential;  /* (rows, columns) weights of the part of u_t that varies as `shape` */
+    Matrix crossed;     /* (rows, columns) weights of the part of u_t that varies as
+                         * `cross_shape` */
+    Matrix shape;       /* (sums, wide) value of each column at each tip */
+    Matrix cross_shape; /* (sums, wide) value of the partner column of each column at each tip; on a
+                         * dense rotor u_t of each mode */
+    Matrix spread;      /* (tips, columns) transpose of `shape` */
+    Matrix drag_spread; /* (tips, columns) distribution of friction: `spread` on a cyclic rotor,
+                         * otherwise the transpose of `cross_shape` */
+    int64_t half;       /* number of columns between partners, see `Arrangement`; 0 without */
+    int64_t shared;     /* 1 if friction and the normal force have the same distribution */
     Cube w;             /* (3, tips, tips) r c (r + mu s t)^T for s = -1, 0, 1, by column */
     Vector position;    /* (wide) angle of each tip in elements of the casing */
-    Vector recess;      /* (wide) of each tip at rest beyond the clearance [m] */
+    Vector recess;      /* (wide) gap of each tip at rest in addition to the clearance [m] */
 } Rotor;
 
-/* Inverse of the rotor's A = M / dt^2 + (D + 2 Omega G) / (2 dt), with its dampers [s2].
- * On a cyclic rotor it is blocks: modes of a column get R of its own and X of its partner's if the
- * column is a cosine, R and -X if it is a sine. */
+/* Inverse of the matrix A = M / dt^2 + (D + 2 Omega G) / (2 dt) of the rotor, with its dampers
+ * [s2]. On a cyclic rotor it consists of blocks R and X. With forces f_c and f_s in a cosine column
+ * and its sine column, the cosine modes respond by R f_c + X f_s, the sine modes by R f_s - X
+ * f_c. */
 typedef struct {
-    Vector blocks;        /* (blocks) by HALF cosines, ROWS rows at a time, and rows: R of these,
-                           * then X */
-    Vector rest;          /* (rest) entries that this leaves out, those of single harmonics among
-                           * them */
-    IntVector to;         /* (rest) the entry that each of these moves */
-    IntVector by;         /* (rest) the entry of its force */
-    Matrix full;          /* (modes, entries) without symmetry: answer to a force on each; else
-                           * empty */
-    Vector loss;          /* (loss) damping of cosine and sine alike: upper triangle, twice off
-                           * the diagonal; by HALF columns, groups of ROWS rows and rows from the
-                           * group's first on */
-    Matrix full_loss;     /* (entries, entries) the triangle of all, where columns are damped
-                           * together; else empty */
-    Matrix normal;        /* (rows, columns) answer to normal forces by column; else empty */
-    Matrix normal_across; /* (rows, columns) to those of the partner column */
-    Matrix shear;         /* (rows, columns) to friction */
-    Matrix shear_across;  /* (rows, columns) */
-    Matrix circulation;   /* (fixed, entries) forces of dampers that stand still, by `centre` */
-    Matrix centre;        /* (fixed, entries) displacement that causes them */
+    Vector blocks;        /* (blocks) for HALF cosine columns, ROWS rows at a time, and each row of
+                           * forces: R, then X */
+    Vector rest;          /* (rest) entries outside the blocks, such as those of harmonics without
+                           * a partner */
+    IntVector to;         /* (rest) position of the mode that responds to each entry of `rest` */
+    IntVector by;         /* (rest) position of the force of each entry of `rest` */
+    Matrix full;          /* (modes, entries) response to a force on each mode, without symmetry;
+                           * otherwise empty */
+    Vector loss;          /* (loss) damping if equal for cosine and sine: the upper triangle, with
+                           * twice the entries off the diagonal; for HALF columns, groups of ROWS
+                           * rows, and rows from the first row of the group on */
+    Matrix full_loss;     /* (entries, entries) the upper triangle for all modes, if damping couples
+                           * columns; otherwise empty */
+    Matrix normal;        /* (rows, columns) response to normal forces in the same column, on a
+                           * cyclic rotor; otherwise empty */
+    Matrix normal_across; /* (rows, columns) response to normal forces in the partner column */
+    Matrix shear;         /* (rows, columns) response to friction in the same column */
+    Matrix shear_across;  /* (rows, columns) response to friction in the partner column */
+    Matrix circulation;   /* (fixed, entries) force of static dampers for a unit of `centre` */
+    Matrix centre;        /* (fixed, entries) displacement of the centre that causes this force */
 } Gyroscopic;
 
-/* One displacement of the casing, w or u, and its slope at the nodes. */
+/* A displacement field of the casing, w or u, and its slope at the nodes. */
 typedef struct {
-    Matrix weight;       /* (rows, columns) of the values */
-    Matrix slope_weight; /* (rows, columns) */
-    int64_t half;        /* columns from one to the place of its sum, see `column_sums` */
-    int64_t slope_half;
-    Matrix shape;        /* (sums, wide) */
-    Matrix slope_shape;  /* (sums, wide) */
-    Matrix spread;       /* (nodes, columns) shape by node */
-    Matrix slope_spread; /* (nodes, columns) */
-    Matrix start;        /* (2, closed) nodal clearance and its slope, or zero [m, 1] */
+    Matrix weight;       /* (rows, columns) weights of the values */
+    Matrix slope_weight; /* (rows, columns) weights of the slopes */
+    int64_t half;        /* offset from a column to the column of its sum, see `column_sums` */
+    int64_t slope_half;  /* the same offset for slopes */
+    Matrix shape;        /* (sums, wide) value of each column at each node */
+    Matrix slope_shape;  /* (sums, wide) slope of each column at each node */
+    Matrix spread;       /* (nodes, columns) transpose of `shape` */
+    Matrix slope_spread; /* (nodes, columns) transpose of `slope_shape` */
+    Matrix start;        /* (2, closed) nodal clearance and its slope for w, zero for u [m, 1] */
 } NodalField;
 
 typedef struct {
@@ -122,35 +127,36 @@ typedef struct {
     NodalField tangential;
     Matrix fold;           /* (folded, quarter) shape on a quarter of the circle, see
                             * `folded_fields`, or empty */
-    int64_t half;          /* columns from one to its partner */
-    int64_t shared;        /* 1 where all nodal values have one shape */
+    int64_t half;          /* number of columns between partners */
+    int64_t shared;        /* 1 if all nodal values have the same shape */
     Vector compliance;     /* (compliance) blocks of 4 x 4 for s = -1, 0, 1, see `delassus` */
-    int64_t spacing;       /* blocks from one element to the next */
-    int64_t nodes;         /* number of nodes and of elements */
-    double element_length; /* [m] */
+    int64_t spacing;       /* number of blocks between consecutive elements */
+    int64_t nodes;         /* number of nodes, which is also the number of elements */
+    double element_length; /* arc length of an element [m] */
 } Casing;
 
-/* Modes of one body that the springs move. */
+/* Modes of one body that are coupled by the springs. */
 typedef struct {
-    IntVector place;  /* (moved) among the body's entries */
-    IntVector wave;   /* (moved) twice the harmonic of each, and one more for a sine */
-    Vector amplitude; /* (moved) of each at the springs [kg^-1/2] */
+    IntVector place;  /* (moved) position of each mode among the entries of the body */
+    IntVector wave;   /* (moved) number of the wave of each mode: 2 h for the cosine part of
+                       * harmonic h, 2 h + 1 for its sine part */
+    Vector amplitude; /* (moved) amplitude of each mode at the springs [kg^-1/2] */
 } SpringEnds;
 
-/* Springs between the bodies by nodal diameter (harmonic). A wave is the cosine or sine part of a
- * body's radial displacement in one harmonic. Springs under the shaft are a harmonic of their own,
- * with one nodal diameter and no mode of the casing. */
+/* Springs between the bodies by nodal diameter (harmonic). A wave is the cosine or the sine part of
+ * the radial displacement of a body in one harmonic. Unequal static springs of the shaft are a
+ * separate harmonic with nodal diameter one and no mode of the casing. */
 typedef struct {
-    Vector nodal_diameter; /* (harmonics) of each harmonic */
+    Vector nodal_diameter; /* (harmonics) nodal diameter of each harmonic */
     Vector factor;         /* (waves) stiffness f_k kappa of each wave [N/m] */
     SpringEnds rotor;
     SpringEnds casing;
-    double angle_per_step; /* turn of the rotor a step [rad] */
+    double angle_per_step; /* rotation of the rotor in a step [rad] */
 } Springs;
 
 typedef struct {
-    Matrix rows;  /* (dampers, entries) G, displacement of each damper times the root of its
-                   * strength */
+    Matrix rows;  /* (dampers, entries) G: displacement of each damper times the square root of its
+                   * damping */
     Matrix solve; /* (dampers, dampers) (2 dt + G c G^T)^-1 */
 } DamperEnds;
 
@@ -160,88 +166,88 @@ typedef struct {
 } Dampers;
 
 typedef struct {
-    double time_step;          /* [s] */
-    double elements_per_step;  /* turn of the rotor a step, in casing elements */
-    double friction;           /* coefficient mu */
+    double time_step;          /* time step [s] */
+    double elements_per_step;  /* rotation of the rotor in a step, in casing elements */
+    double friction;           /* friction coefficient mu */
     double sliding;            /* sign of permanent sliding */
-    double elements_per_metre; /* casing elements a metre of u_t; 0 where neglected */
-    double displacement_limit; /* of a tip, or of the casing radially [m] */
-    double gap_scale;          /* smallest scale of the complementarity residual [m] */
+    double elements_per_metre; /* casing elements per metre of u_t; 0 if u_t does not move tips */
+    double displacement_limit; /* limit of tip displacements and of w of the casing [m] */
+    double gap_scale;          /* smallest reference length of the complementarity residual [m] */
     Matrix loads;              /* (patterns, 4) end, ramp, frequency, phase of each pattern */
 } Numbers;
 
-/* Everything a march needs to go on; advanced in place. */
+/* State of a march, which is advanced in place. */
 typedef struct {
-    Matrix rotor;    /* (3, rotor_entries) x_{n-1}, x_n and scratch */
-    Matrix casing;   /* (3, casing_entries) the same for the casing */
+    Matrix rotor;    /* (3, rotor_entries) x_{n-1}, x_n and scratch of the rotor */
+    Matrix casing;   /* (3, casing_entries) x_{n-1}, x_n and scratch of the casing */
     Vector gap;      /* (tips) smallest gap of each tip since the last record [m] */
     Vector impulse;  /* (tips) normal impulse since the last record [N s] */
     Vector drag;     /* (tips) friction impulse since the last record [N s] */
     Vector touched;  /* (tips) steps with contact since the last record */
-    Vector held;     /* (tips) 1 for tips in contact at the last step */
-    Matrix gaps;     /* (2, tips) at the last step and at this, by its parity [m] */
-    Vector work;     /* (6) EXTERNAL ... [J] */
+    Vector held;     /* (tips) 1 for tips in contact at the last step, otherwise 0 */
+    Matrix gaps;     /* (2, tips) gaps at the last two steps, row by parity of the step [m] */
+    Vector work;     /* (6) works since the start: EXTERNAL ... [J] */
     Vector residual; /* (1) largest complementarity residual */
     Vector counts;   /* (4) contacts at the last step, LCP failures, pivots, steps with contact */
 } State;
 
-/* Rows written at record steps. */
+/* Rows that are written at record steps. */
 typedef struct {
-    IntVector step;         /* (records) */
-    Matrix rotor;           /* (records, rotor_entries) displacement */
-    Matrix rotor_velocity;  /* (records, rotor_entries) */
-    Matrix casing;          /* (records, casing_entries) */
-    Matrix casing_velocity; /* (records, casing_entries) */
-    Matrix gap;             /* (records, tips) */
-    Matrix impulse;         /* (records, tips) */
-    Matrix drag;            /* (records, tips) */
-    Matrix touched;         /* (records, tips) */
-    Vector contacts;        /* (records) */
-    Vector energy;          /* (records) half-step energy [J] */
-    Matrix work;            /* (records, 6) */
+    IntVector step;         /* (records) step n */
+    Matrix rotor;           /* (records, rotor_entries) displacements of the rotor */
+    Matrix rotor_velocity;  /* (records, rotor_entries) velocities of the rotor */
+    Matrix casing;          /* (records, casing_entries) displacements of the casing */
+    Matrix casing_velocity; /* (records, casing_entries) velocities of the casing */
+    Matrix gap;             /* (records, tips) smallest gap */
+    Matrix impulse;         /* (records, tips) normal impulse */
+    Matrix drag;            /* (records, tips) friction impulse */
+    Matrix touched;         /* (records, tips) steps with contact */
+    Vector contacts;        /* (records) number of tips in contact */
+    Vector energy;          /* (records) energy half a step before the record [J] */
+    Matrix work;            /* (records, 6) works since the start */
 } Records;
 
 typedef struct {
     Vector rotor;       /* (sums) sums by column of the rotor */
-    Vector value;       /* (sums) sums by column of nodal values of the casing */
-    Vector slope;       /* (sums) */
-    Vector nodal;       /* (closed) nodal values of the casing's field, node 0 again */
-    Vector nodal_slope; /* (closed) */
-    Matrix moved;       /* (2, entries) displacement over a step, rotor and casing */
-    Vector at;          /* (wide) place of each tip in elements */
+    Vector value;       /* (sums) sums by column for the nodal values of the casing */
+    Vector slope;       /* (sums) sums by column for the nodal slopes of the casing */
+    Vector nodal;       /* (closed) nodal values of the field of the casing, node 0 repeated */
+    Vector nodal_slope; /* (closed) nodal slopes of the field of the casing */
+    Matrix moved;       /* (2, entries) displacement in a step, of rotor and casing */
+    Vector at;          /* (wide) position of each tip in elements */
     IntVector element;  /* (tips) element under each tip */
-    Matrix hermite;     /* (4, wide) weights of each tip on its element: w, w', w, w' */
-    Vector radial;      /* (wide) displacement of each tip [m] */
-    Vector tangential;  /* (wide) */
+    Matrix hermite;     /* (4, wide) Hermite weights of each tip on its element: w, w', w, w' */
+    Vector radial;      /* (wide) radial displacement of each tip [m] */
+    Vector tangential;  /* (wide) tangential displacement of each tip [m] */
     Vector other;       /* (wide) scratch */
-    Vector free_gap;    /* (wide) without contact [m] */
-    Vector gap;         /* (wide) after the correction [m] */
+    Vector free_gap;    /* (wide) gap without contact forces [m] */
+    Vector gap;         /* (wide) gap after the correction by contact forces [m] */
 } FieldScratch;
 
 typedef struct {
     Vector sign;       /* (tips) direction of sliding */
-    Vector multiplier; /* (tips) [N] */
+    Vector multiplier; /* (tips) normal contact force [N] */
     IntVector active;  /* (tips) tips of the active set */
-    IntMatrix known;   /* (2, tips) tips and senses that `on_rotor` stands for */
-    Matrix on_rotor;   /* (tips, wide) the rotor's part of W of the active tips, by column */
+    IntMatrix known;   /* (2, tips) tips and directions of sliding for which `on_rotor` is valid */
+    Matrix on_rotor;   /* (tips, wide) part of W due to the rotor, for the active tips, by column */
     Vector ends;       /* (ends) Hermite weights by active tip */
     Matrix system;     /* (bordered, wide) W by column, then a right-hand side */
     Matrix others;     /* (tips, wide) 1 off the diagonal, 0 on it */
     Vector diagonal;   /* (tips) W_jj of the active tips */
-    Vector solution;   /* (tips) */
-    Matrix tableau;    /* (tips, tableau) of Lemke's method */
-    IntVector basis;   /* (tips) of Lemke's method */
-    IntVector rows;    /* (twice_wide) rows that a product takes */
-    Matrix factor;     /* (6, twice_wide) and with what factors */
+    Vector solution;   /* (tips) solution of the linear system */
+    Matrix tableau;    /* (tips, tableau) tableau of Lemke's method */
+    IntVector basis;   /* (tips) basic variables of Lemke's method */
+    IntVector rows;    /* (twice_wide) numbers of the rows in a product */
+    Matrix factor;     /* (6, twice_wide) factors of these rows */
     Matrix columns;    /* (6, sums) forces by column: casing w, w', u, u', rotor normal, friction */
-    Vector work;       /* (2) of the contact forces over this step [J] */
+    Vector work;       /* (2) work of the contact forces in this step [J] */
 } ContactScratch;
 
 typedef struct {
-    Matrix rotor;   /* (2, waves) waves at the last step and at this, by its parity */
-    Matrix casing;  /* (2, waves) */
-    Matrix stretch; /* (4, waves) by angle and displacement, see `stretch_springs` */
-    Matrix force;   /* (2, waves) on the waves of rotor and casing */
+    Matrix rotor;   /* (2, waves) waves of the rotor at the last two steps; row by parity of step */
+    Matrix casing;  /* (2, waves) waves of the casing at the last two steps */
+    Matrix stretch; /* (4, waves) stretch by angle and displacement, see `stretch_springs` */
+    Matrix force;   /* (2, waves) forces on the waves of rotor and casing */
 } SpringScratch;
 
 typedef struct {
@@ -249,23 +255,23 @@ typedef struct {
     ContactScratch contact;
     SpringScratch springs;
     Vector turned;          /* (rotor_entries) modal forces on the rotor */
-    Vector amplitude;       /* (patterns) of each load pattern */
-    Vector stroke;          /* (dampers) of each damper over two steps */
-    Matrix damper_force;    /* (2, dampers) phi on rotor and casing */
+    Vector amplitude;       /* (patterns) factor of each load pattern */
+    Vector stroke;          /* (dampers) displacement of each damper in two steps */
+    Matrix damper_force;    /* (2, dampers) forces phi on rotor and casing */
 } Scratch;
 
-/* March from `step` over `steps`, recording at multiples of `record_every`. NULL stands for an
- * option that a march does not have: springs, dampers, gyroscopic forces, and the wheel speed
- * R Omega [m/s] where sliding is permanent. Before the first step, and on return, row 0 of the
- * state holds x_{n-1} and row 1 x_n. Returns RUNNING or DIVERGED; `reached` gets the step reached
- * and the number of records written. On divergence the last state within the displacement limit is
- * recorded, its velocity a backward difference. */
+/* Do a number of `steps` from `step` on and record at multiples of `record_every`. NULL stands for
+ * an option that a march does not have: springs, dampers, gyroscopic forces. The wheel speed R
+ * Omega [m/s] is NULL if sliding is permanent. Before the first step and on return, row 0 of the
+ * state is x_{n-1} and row 1 is x_n. Returns RUNNING or DIVERGED; `reached` gets the number of the
+ * last step and the number of records. On divergence, the last state within the displacement limit
+ * is recorded, with a backward difference as its velocity. */
 int march(const Rotor *rotor, const Casing *casing, const Springs *springs, const Dampers *dampers,
           const Gyroscopic *gyroscopic, const double *wheel_speed, const Numbers *numbers,
           State *state, Records *records, Scratch *scratch, int64_t step, int64_t steps,
           int64_t record_every, int64_t *reached);
 
-/* Works, quality, and sums since the last record of the dense schemes. */
+/* Positions of the works, of the counts, and of the sums since the last record (dense schemes). */
 enum {
     DENSE_EXTERNAL,
     DENSE_NORMAL,
@@ -278,72 +284,73 @@ enum {
 enum { DENSE_RESIDUAL, DENSE_CONTACT_STEPS, DENSE_UNSOLVED, DENSE_CONTACTS };
 enum { DENSE_GAP, DENSE_IMPULSE, DENSE_DRAG, DENSE_TOUCHED };
 
-/* Constants of a dense march; the modes of the rotor precede those of the casing. */
+/* Constants of a dense march; the modes of the rotor come before those of the casing. */
 typedef struct {
     Vector stiffness;      /* (modes) squared frequencies [rad2/s2] */
     Vector damping;        /* (modes) diagonal part of C [1/s] */
-    Matrix dampers;        /* (dampers, modes) rows G of its part G^T G */
-    Matrix by_velocity;    /* (rotor_modes, rotor_modes) Coriolis forces and the rest of C, or
-                            * empty */
-    Matrix inverse;        /* (modes, modes) of A */
-    Matrix centre;         /* (2, modes) x and y of the rotor's centre */
-    double circulation;    /* of fixed dampers under it [N/m] */
-    IntVector coupled;     /* (coupled) modes that turning springs join */
-    Cube turning_cos;      /* (harmonics, coupled, coupled) their stiffness by harmonics of the
-                            * rotor's angle */
-    Cube turning_sin;      /* (harmonics, coupled, coupled) */
-    Matrix loads;          /* (loads, modes) */
+    Matrix dampers;        /* (dampers, modes) rows G of the part G^T G of C */
+    Matrix by_velocity;    /* (rotor_modes, rotor_modes) Coriolis forces and the remaining part of
+                            * C, or empty */
+    Matrix inverse;        /* (modes, modes) inverse of A */
+    Matrix centre;         /* (2, modes) x and y of the centre of the rotor */
+    double circulation;    /* damping of static dampers at the centre times Omega [N/m] */
+    IntVector coupled;     /* (coupled) modes that are coupled by springs acting in both frames */
+    Cube turning_cos;      /* (harmonics, coupled, coupled) cosine parts of the stiffness of these
+                            * springs, by harmonic of the rotor angle */
+    Cube turning_sin;      /* (harmonics, coupled, coupled) sine parts of this stiffness */
+    Matrix loads;          /* (loads, modes) load patterns */
     Matrix load_times;     /* (loads, 4) end, ramp, frequency, phase */
-    Matrix tip_radial;     /* (tips, rotor_modes) */
-    Matrix tip_tangential; /* (tips, rotor_modes) */
-    Vector tip_angle;      /* (tips) [rad] */
-    Vector tip_recess;     /* (tips) [m] */
+    Matrix tip_radial;     /* (tips, rotor_modes) radial displacement of each tip */
+    Matrix tip_tangential; /* (tips, rotor_modes) tangential displacement of each tip */
+    Vector tip_angle;      /* (tips) angle of each tip from +x [rad] */
+    Vector tip_recess;     /* (tips) gap of each tip at rest in addition to the clearance [m] */
     Cube nodal;            /* (nodes, 4, casing_modes) w, w', u, u' by node */
-    Matrix clearance;      /* (nodes, 2) and its slope [m, 1] */
-    double tip_radius;     /* [m] */
-    double element_length; /* [m] */
-    double speed;          /* [rad/s] */
-    double follows;        /* 1 where a tip's angle follows its displacement, else 0 */
-    double limit;          /* of displacements [m] */
+    Matrix clearance;      /* (nodes, 2) clearance and its slope at each node [m, 1] */
+    double tip_radius;     /* radius from which the clearance is measured [m] */
+    double element_length; /* arc length of an element of the casing [m] */
+    double speed;          /* speed of rotation Omega [rad/s] */
+    double follows;        /* 1 if the angle of a tip follows its displacement, otherwise 0 */
+    double limit;          /* limit of displacements [m] */
 } DenseStage;
 
 typedef struct {
-    double friction;
-    double restitution;
-    double penalty;     /* [N/m]; 0 for impulses that keep tips from closing in */
-    double stick_speed; /* below which friction grows with the speed [m/s]; 0 where tips stick */
+    double friction;    /* friction coefficient */
+    double restitution; /* restitution coefficient */
+    double penalty;     /* penalty stiffness [N/m]; 0 for contact by impulses */
+    double stick_speed; /* speed below which friction is proportional to it [m/s]; 0: tips stick */
 } DenseLaw;
 
-/* Advanced in place. */
+/* State of a dense march, which is advanced in place. */
 typedef struct {
     Vector displacement; /* (modes) x_n */
     Vector velocity;     /* (modes) v_n */
-    Matrix sums;         /* (4, tips) smallest gap, impulse, drag, steps touched since the record */
-    Vector works;        /* (6) DENSE_EXTERNAL ... [J] */
+    Matrix sums;         /* (4, tips) smallest gap, normal impulse, friction impulse and steps with
+                          * contact since the last record */
+    Vector works;        /* (6) works since the start: DENSE_EXTERNAL ... [J] */
     Vector counts;       /* (4) DENSE_RESIDUAL ... */
 } DenseState;
 
 typedef struct {
-    Vector load;       /* (modes) forces of loads, of springs that turn and dampers that stand
-                        * still */
-    Vector turned;     /* (modes) */
+    Vector load;       /* (modes) forces of the loads */
+    Vector turned;     /* (modes) forces of springs acting in both frames and of static dampers */
     Vector middle;     /* (modes) x at half the step, without contact */
-    Vector seen;       /* (modes) displacement at which gaps are computed */
-    Vector v_free;     /* (modes) velocities without and with contact */
-    Vector v_after;    /* (modes) */
-    Vector moved;      /* (modes) displacement over the step */
+    Vector seen;       /* (modes) displacements at which gaps are computed */
+    Vector v_free;     /* (modes) velocities after the step without contact */
+    Vector v_after;    /* (modes) velocities after the step with contact */
+    Vector moved;      /* (modes) displacement in the step */
     Vector force;      /* (modes) scratch */
     Vector row;        /* (modes) scratch */
-    Matrix rows;       /* (twice_tips, modes) B_N, then B_T of the tips that touch */
-    Matrix answers;    /* (twice_tips, modes) velocities by unit impulses */
+    Matrix rows;       /* (twice_tips, modes) B_N, then B_T of the tips in contact */
+    Matrix answers;    /* (twice_tips, modes) changes of velocity due to unit impulses */
     Matrix compliance; /* (twice_tips, twice_tips) B A^-1 B^T */
-    IntVector active;  /* (tips) tips that touch */
+    IntVector active;  /* (tips) tips in contact */
     Vector free;       /* (twice_tips) velocities without impulses, normal then tangential */
     Vector before;     /* (tips) normal velocities at the start of the step */
-    Vector impulse;    /* (twice_tips) normal then tangential [N s] */
+    Vector impulse;    /* (twice_tips) normal then tangential impulses [N s] */
 } DenseScratch;
 
-/* Do steps of length h in place, until displacements leave their limit; the number done. */
+/* Do steps of length h in place until a displacement exceeds the limit. Returns the number of steps
+ * done. */
 int64_t dense_march(const DenseStage *stage, const DenseLaw *law, DenseState *state,
                     DenseScratch *scratch, double h, int64_t first, int64_t steps);
 

@@ -1,9 +1,9 @@
-/* Eight doubles at a time: what gives long sums an order, and the compiler vector registers.
+/* Operations on eight doubles at a time, with results that do not depend on the vector registers.
  *
- * A sum over an array is eight sums, one a lane, which `total` adds up in a fixed order. Nothing
- * else is left to the compiler's choice (-ffp-contract=off, no -ffast-math), so that every compiler
- * and every width of registers gives the same bits. A type is an array of the vectors that the
- * processor has; GCC and Clang know such vectors on all processors.
+ * A sum over an array consists of eight sums, one for each lane, which `total` adds in a fixed
+ * order. The compiler may not reorder operations (-ffp-contract=off, no -ffast-math). Therefore all
+ * compilers and all widths of registers give identical results. A type is an array of vectors
+ * of the width of the processor; GCC and Clang support such vectors on all processors.
  */
 #ifndef LANES_H
 #define LANES_H
@@ -22,7 +22,7 @@
 #define HALF_WIDTH 2
 #endif
 
-/* Define a type of `count` lanes in vectors of `width`, and its operations. */
+/* Define a type of `count` lanes in vectors of `width` doubles, and its operations. */
 #define DEFINE_LANES(Type, prefix, count, width)                                                   \
     typedef double Type##Vector __attribute__((vector_size(8 * (width))));                         \
     typedef double Type##Place __attribute__((vector_size(8 * (width)), aligned(8), may_alias));   \
@@ -92,7 +92,7 @@ static inline double half_total(Half a)
     return (t[0] + t[2]) + (t[1] + t[3]);
 }
 
-/* Sums of the lanes of four, one a lane. */
+/* Return the sums of the lanes of a, b, c and d in one lane each. */
 static inline Half half_totals(Half a, Half b, Half c, Half d)
 {
 #if HALF_WIDTH == 4
@@ -118,7 +118,7 @@ static inline Half half_totals(Half a, Half b, Half c, Half d)
 #endif
 }
 
-/* Write the lanes in reverse order, added to a start. */
+/* Store the lanes in reverse order, after adding `start` to them. */
 static inline void store_reversed(double *restrict to, Lanes a, const double *restrict start)
 {
     double t[LANES];

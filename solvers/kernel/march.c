@@ -1,37 +1,39 @@
-/* The contact step: central differences with forward-increment Lagrange multipliers.
+/* A step of the contact march: central differences with forward-increment Lagrange multipliers.
  *
  * The scheme is that of Carpenter, Taylor and Katona (1991) with damping and sliding friction. A
  * step from n to n + 1 has six stages:
  *
  *     predict   x_p = a x_n + b x_{n-1} + c f_n          a, b, c diagonal in modal coordinates
- *     gaps      g_p = gaps of x_p at the tips' places at n + 1; none negative: x_{n+1} = x_p
+ *     gaps      g_p = gaps of x_p, with tips at their positions at n + 1; if none is negative,
+ *               x_{n+1} = x_p
  *     solve     0 <= lambda  perp  g_p + W lambda >= 0   W = B_N^T c (B_N + mu B_T S)
- *     correct   x_{n+1} = x_p + c (B_N + mu B_T S) lambda; gaps again: tips that it shut join
- *     account   impulses, works and losses of the step, and the smallest gaps
- *     record    at record steps: x_n, its velocity (x_{n+1} - x_{n-1}) / (2 dt), and the ledger to n
+ *     correct   x_{n+1} = x_p + c (B_N + mu B_T S) lambda; if this makes gaps of other tips
+ *               negative, these tips are added to the active set
+ *     account   add impulses, works and losses of the step, and update the smallest gaps
+ *     record    at record steps: x_n, the velocity (x_{n+1} - x_{n-1}) / (2 dt), and works up to n
  *
- * Springs between the bodies, and those under the shaft that stand still and differ, have a
- * stiffness K*(t) that turns with the rotor; they add -K*_n x_n to f_n.
+ * Springs between the bodies, and unequal static springs of the shaft, have a stiffness K*(t) that
+ * depends on the angle of the rotor; they add -K*_n x_n to f_n.
  *
- * Dampers at points make the damping matrix a full one, G^T G beside the diagonal. They take part in
- * the prediction, phi = -G (x_p - x_{n-1}) / (2 dt), which without contact is the scheme itself; the
- * change by a contact force they feel from the next step on.
+ * Point dampers add the full matrix G^T G to the diagonal damping matrix. They are included in the
+ * prediction, phi = -G (x_p - x_{n-1}) / (2 dt), which is exact for the scheme without contact.
+ * They respond to a contact force from the next step on.
  *
- * Coriolis forces on the rotor make its A = M / dt^2 + (D + 2 Omega G) / (2 dt) a full matrix, of one
- * block for each nodal diameter; c is then its inverse, and its dampers and the damping of its modes
- * at rest are part of it.
+ * With Coriolis forces, the matrix A = M / dt^2 + (D + 2 Omega G) / (2 dt) of the rotor is not
+ * diagonal; it has a block for each nodal diameter. c is then the inverse of A, and D includes the
+ * point dampers of the rotor and the damping of its modes at rest.
  *
- * Fields are evaluated in two stages so that one code serves cyclic and general stages: modal
- * coordinates, laid out as (rows, columns), are first summed over rows with weights, giving one
- * number a column, and the columns are then spread over tips or casing nodes by a shape matrix. On a
- * cyclic stage a column is a Fourier harmonic and both stages are small; on any other stage there is
- * one row, a column is a mode, and the shape matrix is dense.
+ * Fields are evaluated in two stages, so that the same code is used for cyclic and general bodies.
+ * Modal coordinates, arranged in rows and columns, are first summed over rows with weights, which
+ * gives a number for each column. A shape matrix then converts the numbers of the columns to values
+ * at tips or casing nodes. On a cyclic body a column is a Fourier harmonic, and both stages are
+ * small. On any other body there is one row, a column is a mode, and the shape matrix is dense.
  *
- * `solvers.march.reference` is the same scheme in NumPy, written from the definitions.
+ * `solvers.march.reference` is the same scheme in NumPy, which follows the definitions directly.
  */
 #include "turning.h"
 
-/* The stage, its options (NULL where there are none), and what a march works on. */
+/* The stage, its options (NULL if not present), and the working data of a march. */
 typedef struct {
     const Rotor *rotor;
     const Casing *casing;
@@ -42,11 +44,11 @@ typedef struct {
     const Numbers *numbers;
     State *state;
     Scratch *scratch;
-    Motion x, y; /* of rotor and casing */
+    Motion x, y; /* motion of rotor and of casing */
     int loaded;  /* whether any load acts at this step */
 } March;
 
-/* x_p of both bodies. */
+/* Compute x_p of both bodies. */
 static inline void predict(const March *m)
 {
     const Body *rotor = &m->rotor->body, *casing = &m->casing->body;
@@ -76,7 +78,7 @@ static inline void predict(const March *m)
     }
 }
 
-/* Add contact forces of the active set to x_p. */
+/* Add the response to the contact forces of the active set to x_p. */
 static inline void correct(const March *m, int64_t size)
 {
     FieldScratch *f = &m->scratch->fields;
@@ -91,8 +93,8 @@ static inline void correct(const March *m, int64_t size)
     correct_casing(m->casing, size, mixed, ratio, m->y, f, c);
 }
 
-/* x_{n+1} with contact. Returns whether it keeps the displacement limit; `penetrating` gets the
- * number of tips that x_p pushes into the casing. */
+/* Compute x_{n+1} with contact. Returns whether x_{n+1} is within the displacement limit;
+ * `penetrating` gets the number of tips that are inside the casing at x_p. */
 static inline int solve_step(const March *m, int64_t step, int64_t *penetrating)
 {
     const Rotor *rotor = m->rotor;
@@ -127,7 +129,7 @@ static inline int solve_step(const March *m, int64_t step, int64_t *penetrating)
     }
 }
 
-/* Add an accepted step to the sums and the ledger. */
+/* Add the impulses, works and losses of an accepted step to the state. */
 static inline void account(const March *m, int64_t step, int touching)
 {
     State *state = m->state;
@@ -167,7 +169,7 @@ static inline void account(const March *m, int64_t step, int touching)
     }
 }
 
-/* Begin a march: senses of sliding, and the springs' waves of the step before. */
+/* Initialise the directions of sliding, and the waves at the springs of the previous step. */
 static void begin(const March *m, int64_t step)
 {
     ContactScratch *c = &m->scratch->contact;

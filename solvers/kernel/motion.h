@@ -6,8 +6,8 @@
 
 #include "lanes.h"
 
-/* A product that is rounded before it is subtracted: beside a sum of products GCC 12 fuses it in
- * spite of -ffp-contract=off (the SLP pass makes vfmaddsub of the pair). */
+/* Return a product rounded to double. Without this function, GCC 12 fuses a difference of products
+ * next to a sum of products in spite of -ffp-contract=off (its SLP pass makes a vfmaddsub). */
 static inline double rounded(double product)
 {
     volatile double value = product;
@@ -16,7 +16,7 @@ static inline double rounded(double product)
 
 #define PI 3.141592653589793238462643383279502884
 
-/* x_{n-1}, x_n, x_{n+1} of a body; they turn with each step. */
+/* Pointers to x_{n-1}, x_n, x_{n+1} of a body, which are exchanged after each step. */
 typedef struct {
     double *old, *now, *new;
     int64_t entries;
@@ -28,10 +28,10 @@ static inline Motion motion_of(const Matrix *state)
     return (Motion){x, x + state->columns, x + 2 * state->columns, state->columns};
 }
 
-/* Step on to the next. */
+/* Exchange the pointers for the next step. */
 static inline void turn_slots(Motion *x) { *x = (Motion){x->now, x->new, x->old, x->entries}; }
 
-/* x_{n+1} of the free motion from x_n and x_{n-1}, by the recurrence's a and b. */
+/* Compute x_{n+1} without forces from x_n and x_{n-1}, with the coefficients a and b. */
 static inline void predict_body(const Body *body, Motion x)
 {
     for (int64_t i = 0; i < x.entries; i += LANES) {
@@ -40,7 +40,7 @@ static inline void predict_body(const Body *body, Motion x)
     }
 }
 
-/* Amplitude of each load pattern; whether any is nonzero. */
+/* Compute the factor of each load pattern. Returns whether any factor is not zero. */
 static inline int load_amplitudes(const Matrix *loads, double time, double *out)
 {
     int loaded = 0;
@@ -58,7 +58,7 @@ static inline int load_amplitudes(const Matrix *loads, double time, double *out)
     return loaded;
 }
 
-/* Add the response to the load patterns, in the registers that they load. */
+/* Add the response to the load patterns, in the registers in which they are not zero. */
 static inline void add_loads(const Body *body, const double *amplitude, Motion x)
 {
     for (int64_t p = 0; p < body->loaded.rows; p++) {
@@ -72,7 +72,7 @@ static inline void add_loads(const Body *body, const double *amplitude, Motion x
     }
 }
 
-/* Work d^T f of the loads with d = (x_{n+1} - x_{n-1}) / 2. */
+/* Return the work d^T f of the loads with d = (x_{n+1} - x_{n-1}) / 2. */
 static inline double external_work(const Body *body, const double *amplitude, Motion x)
 {
     double work = 0.0;
@@ -89,7 +89,7 @@ static inline double external_work(const Body *body, const double *amplitude, Mo
     return work;
 }
 
-/* Waves of one body's radial displacement at the springs. */
+/* Compute the waves of the radial displacement of a body at the springs. */
 static inline void spring_waves(const SpringEnds *ends, const double *x, double *out, int64_t waves)
 {
     for (int64_t i = 0; i < waves; i++)
@@ -98,8 +98,9 @@ static inline void spring_waves(const SpringEnds *ends, const double *x, double 
         out[ends->wave.at[i]] += ends->amplitude.at[i] * x[ends->place.at[i]];
 }
 
-/* Stretch of the springs, casing less rotor: rows 0 and 1 at the last angle for the last
- * displacement and this one, rows 2 and 3 the same at this angle. */
+/* Compute the stretch of the springs, which is the displacement of the casing minus that of the
+ * rotor. Rows 0 and 1 are at the previous angle for the previous and the present displacement, rows
+ * 2 and 3 are at the present angle for both displacements. */
 static void stretch_springs(const Springs *springs, SpringScratch *s, int64_t step)
 {
     int64_t waves = springs->factor.size;
@@ -118,7 +119,7 @@ static void stretch_springs(const Springs *springs, SpringScratch *s, int64_t st
         }
 }
 
-/* x_{n-1}^T K* x_n / 2 from the stretches of both displacements at one angle. */
+/* Return x_{n-1}^T K* x_n / 2 from the stretches for both displacements at the same angle. */
 static inline double spring_energy(const Springs *springs, const double *stretch)
 {
     int64_t waves = springs->factor.size;
@@ -128,8 +129,9 @@ static inline double spring_energy(const Springs *springs, const double *stretch
     return 0.5 * energy;
 }
 
-/* Forces -C^T f kappa C x_n of the springs on the waves of rotor and casing. `energy` gets their
- * energy at step n - 1/2 and the work of turning them on to step n. */
+/* Compute the forces -C^T f kappa C x_n of the springs on the waves of rotor and casing. `energy`
+ * gets the energy of the springs at step n - 1/2, and the work of the rotation of the springs to
+ * step n. */
 static inline void turn_springs(const Springs *springs, Motion x, Motion y, SpringScratch *s,
                                 int64_t step, double energy[2])
 {
@@ -153,7 +155,7 @@ static inline void turn_springs(const Springs *springs, Motion x, Motion y, Spri
     energy[1] = spring_energy(springs, s->stretch.at + 2 * waves) - energy[0];
 }
 
-/* Add the response to the springs, by the amplitude of each mode in its wave. */
+/* Add the response to the spring forces, with the amplitude of each mode in its wave. */
 static inline void add_springs(const SpringEnds *ends, const double *force, const double *c,
                                double *new)
 {
@@ -163,7 +165,7 @@ static inline void add_springs(const SpringEnds *ends, const double *force, cons
     }
 }
 
-/* Strokes G (x_{n+1} - x_{n-1}). */
+/* Compute the displacements G (x_{n+1} - x_{n-1}) of the dampers in two steps. */
 static inline void damper_strokes(const Matrix *rows, Motion x, double *out)
 {
     for (int64_t m = 0; m < rows->rows; m++) {
@@ -175,7 +177,8 @@ static inline void damper_strokes(const Matrix *rows, Motion x, double *out)
     }
 }
 
-/* Add the dampers' forces phi, by their strokes to the predicted x_{n+1}, to it. */
+/* Compute the forces phi of the dampers from the predicted x_{n+1}, and add the response to
+ * them. */
 static inline void add_dampers(const DamperEnds *ends, const double *c, Motion x, double *stroke,
                                double *force)
 {
@@ -194,7 +197,7 @@ static inline void add_dampers(const DamperEnds *ends, const double *c, Motion x
     }
 }
 
-/* -d^T G^T phi with d = (x_{n+1} - x_{n-1}) / 2. */
+/* Return the energy loss -d^T G^T phi with d = (x_{n+1} - x_{n-1}) / 2. */
 static inline double damper_loss(const DamperEnds *ends, Motion x, double *stroke,
                                  const double *force)
 {
@@ -205,7 +208,7 @@ static inline double damper_loss(const DamperEnds *ends, Motion x, double *strok
     return loss;
 }
 
-/* d^T D d with d = (x_{n+1} - x_{n-1}) / 2. */
+/* Return d^T D d with d = (x_{n+1} - x_{n-1}) / 2. */
 static inline double damping_loss(const Body *body, Motion x)
 {
     Lanes loss = splat(0.0);
@@ -216,7 +219,7 @@ static inline double damping_loss(const Body *body, Motion x)
     return 0.25 * total(loss);
 }
 
-/* E_{n-1/2} = v^T v / 2 + x_{n-1}^T K x_n / 2 with v = (x_n - x_{n-1}) / dt. */
+/* Return E_{n-1/2} = v^T v / 2 + x_{n-1}^T K x_n / 2 with v = (x_n - x_{n-1}) / dt. */
 static double half_step_energy(const Body *body, Motion x, double time_step)
 {
     Lanes energy = splat(0.0), rate = splat(1.0 / time_step);
@@ -227,7 +230,7 @@ static double half_step_energy(const Body *body, Motion x, double time_step)
     return 0.5 * total(energy);
 }
 
-/* Displacement and velocity of one body. */
+/* Record displacement and velocity of a body. */
 static void record_motion(Motion x, const double *later, double interval, double *displacement,
                           double *velocity)
 {
@@ -237,8 +240,9 @@ static void record_motion(Motion x, const double *later, double interval, double
     }
 }
 
-/* Write a record of step n, before x_{n+1} is accepted; sums between records start anew. The
- * velocity is a central difference or, where x_{n+1} left the limit, a backward one. */
+/* Write a record of step n before x_{n+1} is accepted, and reset the sums since the last record.
+ * The velocity is a central difference or, if x_{n+1} is not within the limit, a backward
+ * difference. */
 static void write_record(Records *r, int64_t row, State *state, const Rotor *rotor,
                          const Casing *casing, Motion x, Motion y, double time_step,
                          double energy_of_springs, int64_t step, int within)
@@ -265,7 +269,7 @@ static void write_record(Records *r, int64_t row, State *state, const Rotor *rot
     }
 }
 
-/* Put x_{n-1} and x_n back into rows 0 and 1. */
+/* Store x_{n-1} and x_n in rows 0 and 1. */
 static void settle(Matrix *state, Motion x)
 {
     for (int64_t i = 0; i < x.entries; i++) {

@@ -1,21 +1,22 @@
-/* Motion of a rotor that feels Coriolis forces: A couples its modes.
+/* Motion of a rotor with Coriolis forces, where the matrix A couples the modes.
  *
- * The recurrence gives A (x_{n+1} - x_{n-1}), without velocities: with A = M / dt^2 + C / (2 dt)
- * the scheme's (C / (2 dt) - M / dt^2) x_{n-1} is (A - 2 M / dt^2) x_{n-1}. One product by A^-1 does
- * the rest. Forces are added before it, so the functions of `motion.h` serve with a unit `c`.
+ * With A = M / dt^2 + C / (2 dt), the term (C / (2 dt) - M / dt^2) x_{n-1} of the scheme is equal
+ * to (A - 2 M / dt^2) x_{n-1}. The recurrence of each mode therefore gives A (x_{n+1} - x_{n-1})
+ * and does not need C. One product with A^-1 follows. Forces are added before this product, so the
+ * functions of `motion.h` are used with c = 1.
  */
 #ifndef TURNING_H
 #define TURNING_H
 
 #include "forces.h"
 
-/* Scalar product of a row with a padded vector. */
+/* Return the scalar product of a row and a padded vector. */
 static inline double product(const Matrix *rows, int64_t row, const double *x)
 {
     return dot(rows->at + row * rows->columns, x, rows->columns);
 }
 
-/* Add the force of dampers that stand still, by x_n, to x_{n+1}. */
+/* Add the force of static dampers due to x_n. */
 static inline void add_circulation(const Gyroscopic *g, Motion x)
 {
     for (int64_t m = 0; m < g->centre.rows; m++) {
@@ -26,7 +27,7 @@ static inline void add_circulation(const Gyroscopic *g, Motion x)
     }
 }
 
-/* d^T f of dampers that stand still with d = (x_{n+1} - x_{n-1}) / 2. */
+/* Return the work d^T f of this force with d = (x_{n+1} - x_{n-1}) / 2. */
 static inline double circulation_work(const Gyroscopic *g, Motion x)
 {
     double work = 0.0;
@@ -37,7 +38,7 @@ static inline double circulation_work(const Gyroscopic *g, Motion x)
     return work;
 }
 
-/* d^T D d by the triangle of all modes. */
+/* Return d^T D d from the upper triangle for all modes. */
 static double full_loss(const Gyroscopic *g, const double *moved)
 {
     int64_t entries = g->full_loss.columns;
@@ -52,7 +53,7 @@ static double full_loss(const Gyroscopic *g, const double *moved)
     return 0.25 * total(loss);
 }
 
-/* d^T D d with d = (x_{n+1} - x_{n-1}) / 2; `moved` is scratch. */
+/* Return d^T D d with d = (x_{n+1} - x_{n-1}) / 2; `moved` is scratch. */
 static double turning_loss(const Rotor *rotor, const Gyroscopic *g, Motion x, double *moved)
 {
     int64_t rows = rotor->radial.rows, columns = rotor->radial.columns, half = rotor->half;
@@ -86,7 +87,7 @@ static double turning_loss(const Rotor *rotor, const Gyroscopic *g, Motion x, do
     return 0.25 * half_total(lost);
 }
 
-/* `out` gets `from` and A^-1 f, on any rotor. */
+/* Store `from` + A^-1 f in `out`, for any rotor. */
 static void add_full(const Matrix *full, const double *f, const double *from, double *out)
 {
     for (int64_t i = 0; i < full->columns; i += 2 * LANES) {
@@ -102,7 +103,8 @@ static void add_full(const Matrix *full, const double *f, const double *from, do
     }
 }
 
-/* x_{n+1} = x_{n-1} + A^-1 f on a cyclic rotor, ROWS rows of cosines and sines at a time. */
+/* Compute x_{n+1} = x_{n-1} + A^-1 f of a cyclic rotor, ROWS rows of cosine and sine modes at a
+ * time. */
 static void add_blocks(const Rotor *rotor, const Gyroscopic *g, const double *f, Motion x)
 {
     int64_t rows = rotor->radial.rows, columns = rotor->radial.columns, half = rotor->half;
@@ -135,7 +137,7 @@ static void add_blocks(const Rotor *rotor, const Gyroscopic *g, const double *f,
         x.new[g->to.at[k]] += g->rest.at[k] * f[g->by.at[k]];
 }
 
-/* Make x_{n+1} of the force in its place: x_{n-1} + A^-1 f; `f` is scratch. */
+/* Replace the forces in the place of x_{n+1} by x_{n+1} = x_{n-1} + A^-1 f; `f` is scratch. */
 static inline void turn(const Rotor *rotor, const Gyroscopic *g, Motion x, double *f)
 {
     for (int64_t i = 0; i < x.entries; i += LANES)
@@ -146,7 +148,7 @@ static inline void turn(const Rotor *rotor, const Gyroscopic *g, Motion x, doubl
         add_blocks(rotor, g, f, x);
 }
 
-/* `correct_rotor` where a force moves more modes than its own; `forces` is scratch. */
+/* Do the same as `correct_rotor` for coupled modes; `forces` is scratch. */
 static void correct_turning_rotor(const Rotor *rotor, const Gyroscopic *g, int64_t size, int mixed,
                                   double ratio, Motion x, FieldScratch *f, ContactScratch *c,
                                   double *forces)

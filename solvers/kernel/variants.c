@@ -1,4 +1,5 @@
-/* The marches for the instructions that every processor has, and the choice among all. */
+/* The marches for the instruction set of all processors, and the choice between instruction
+ * sets. */
 #include "variants.h"
 
 #if VARIANTS
@@ -14,7 +15,8 @@
 #undef march
 #undef dense_march
 
-/* Declare a march for two more instruction sets, and call the one for this processor. */
+/* Declare a march for two more instruction sets, and define the function that calls the march for
+ * this processor. */
 #define CHOOSE(type, name, parameters, arguments)                                                  \
     type name##_avx2 parameters;                                                                   \
     type name##_avx512 parameters;                                                                 \

@@ -1,7 +1,7 @@
-/* Builds of the marches for the instruction sets of x86-64, of which a run takes the widest that its
- * processor has; all give the same bits (`lanes.h`). Only a portable build (BLADEWHIRL_PORTABLE=1)
- * has them: any other is made for the machine that it is built on.
- */
+/* Variants of the marches for the instruction sets of x86-64. At run time, the variant with the
+ * widest registers of the processor is used; all variants give identical results (`lanes.h`). Only
+ * a portable build (BLADEWHIRL_PORTABLE=1) has variants; any other build is for the machine that
+ * compiles it. */
 #ifndef VARIANTS_H
 #define VARIANTS_H
 
@@ -14,7 +14,7 @@
 #define VARIANTS 0
 #endif
 
-/* Compile what follows for an instruction set; clang wants an end, too. */
+/* Compile the following code for an instruction set; clang needs TARGET_END as well. */
 #if defined(__clang__)
 #define PRAGMA(text) _Pragma(#text)
 #define TARGET(name)                                                                               \
