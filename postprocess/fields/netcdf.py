@@ -8,6 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import xarray as xr
 from xarray.backends import BackendArray
@@ -99,7 +100,10 @@ def open_file(
         raise ResultError(f"{file}: expected {kind} (or its folder), found no such file")
     raw = CutFile(file)
     try:
-        with warnings.catch_warnings(action="error"):  # xarray warns of damaged dimensions
+        with h5py.File(raw, "r") as plain:
+            plain.attrs.get("_nc3_strict")  # h5netcdf 1.8 prints a traceback where this fails
+        with warnings.catch_warnings(record=True) as warned:  # by xarray, of damaged dimensions
+            warnings.simplefilter("always")
             stored = xr.open_dataset(
                 raw,
                 engine="h5netcdf",
@@ -110,6 +114,8 @@ def open_file(
                 # an index would be read at once, beyond the last complete record
                 create_default_indexes=False,
             )
+        if warned:
+            raise ValueError(warned[0].message)
         declared, size = sum(variable.nbytes for variable in stored.values()), file.stat().st_size
         if declared > max(ROOM, DENSEST * size):
             raise ValueError(
