@@ -126,7 +126,7 @@ def owned(folder: Path) -> Iterator[Path]:
 
 
 def _refuse_links(folder: Path, names: Iterable[str]) -> None:
-    """Refuse links in place of the folders inside a folder of the program."""
+    """Raise an error if a link stands in place of a subfolder of a folder of the program."""
     inside = {(folder / name).parent for name in names} - {folder}
     if (folder.parent / MANIFEST_NAME).exists():
         inside.add(folder)

@@ -29,7 +29,7 @@ class Plot(Protocol):
     def __call__(
         self, dataset: xr.Dataset, start: float | None = None, end: float | None = None
     ) -> Figure:
-        """Draw the figure; that of a run shows the time window [start, end] [s]."""
+        """Draw the figure; the figure of a run shows the time window [start, end] [s]."""
 
 
 def _plot(name: str) -> Plot:

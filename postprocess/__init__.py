@@ -1,1 +1,1 @@
-"""What a result says: fields, figures, series for ParaView, pictures. Results are only read."""
+"""Evaluation of results: fields, figures, series for ParaView, pictures. Results are only read."""

@@ -100,7 +100,8 @@ def amplitude_growth(
 
 
 def _ripple(dataset: xr.Dataset, energy: Array, middle: Array) -> Array:
-    """Return the energy of the ripple [J] in the windows that have it, nan in the others."""
+    """Return the energy of the ripple [J] for every window of the motion, nan outside the windows
+    of the ripple."""
     windows = ripple_windows(dataset, energy)
     if windows is None:
         return np.full(len(middle), np.nan)

@@ -33,7 +33,7 @@ RIPPLE_PERIODS = 2.0  #: length of a window needed for a mean position [periods]
 
 @dataclass(frozen=True, kw_only=True)
 class Windows:
-    """Amplitude in equal windows of time; growth is fitted to the last of them."""
+    """Amplitude in equal windows of time; growth is fitted to the last windows."""
 
     begin: Array  #: start of each window [s], (window,)
     length: float  #: length of a window [s]
@@ -78,12 +78,12 @@ class Growth:
 
     @property
     def is_significant(self) -> bool:
-        """True if growth goes on and exceeds the earlier amplitude."""
+        """True if growth continues and the amplitude exceeds its earlier maximum."""
         return self.goes_on and self.rise >= self.least_rise
 
     @property
     def sentence(self) -> str:
-        """Rate, rate at the end, misfit and rise, in words."""
+        """Sentence with the rate, the rate at the end, the misfit and the rise."""
         slowing = ", slowing" if self.slows else ""
         risen = f", amplitude at the end {self.rise:.3g} times the largest before"
         return (
@@ -95,7 +95,7 @@ class Growth:
 
 
 def windowed_amplitude(time: Array, strain_energy: Array, shortest_window: float) -> Windows | None:
-    """Root of the mean strain energy in equal windows; None if growth cannot be judged by it.
+    """Return the root of the mean strain energy in equal windows; None if growth cannot be judged.
 
     Growth cannot be judged if the stage is at rest, if the energy overflows, if the last third of
     the time has fewer than eight windows, or if some window has fewer than three records.
@@ -190,11 +190,11 @@ def fit_ripple(ripple: Windows, motion: Windows) -> Growth:
 def fit_growth(windows: Windows) -> Growth:
     """Fit an exponential to the last windows of a history.
 
-    The standard error is that of a straight line fitted to the logarithms of the amplitudes. The
-    misfits of neighbouring windows are not independent: with the correlation r of a misfit with the
-    next one, n windows count as n (1 - r) / (1 + r), so the error is larger by sqrt((1 + r) / (1 -
-    r)); a negative r counts as zero. This follows Santer et al., J. Geophys. Res. 105, 2000, but
-    without subtracting the degrees of freedom of the line. With so few windows r is usually
+    The standard error is computed for a straight line fitted to the logarithms of the amplitudes.
+    The misfits of neighbouring windows are not independent: with the correlation r of a misfit with
+    the next one, n windows count as n (1 - r) / (1 + r), so the error is larger by sqrt((1 + r) /
+    (1 - r)); a negative r counts as zero. This follows Santer et al., J. Geophys. Res. 105, 2000,
+    but without subtracting the degrees of freedom of the line. With so few windows r is usually
     underestimated: the fitted rate of an amplitude without trend exceeds two errors in 7 % of
     series of 12 independent windows, in 14 % of series of 5, and in 20 % of series of 12 whose true
     correlation is 0.5. From half of the windows r cannot be estimated, so slowing is judged by

@@ -1,4 +1,4 @@
-"""Beams of each blade, from a mesh of any geometry."""
+"""Beams of each blade, determined from a mesh of any geometry."""
 
 import numpy as np
 import scipy.sparse as sp
@@ -9,7 +9,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 
 
 def line_blades(dataset: xr.Dataset) -> IntArray:
-    """Number of the blade that each beam belongs to, -1 for none, (rotor_line,).
+    """Return the number of the blade that each beam belongs to, -1 for none, (rotor_line,).
 
     The beams of a blade are found by going from its tip along beams of the same part as the beam at
     the tip. Where several parts meet at a tip, as under a shroud, the part of the beam that points

@@ -9,7 +9,7 @@ factor, too. Thicknesses stay true; the end of a blade is cut parallel to the wa
 that no corner reaches the wall before the tip does.
 
 Multiplied small displacements are no longer small. Each body is therefore first shifted by its mean
-motion (the rotor by that of its centre, the ring by the mean over its circumference), along
+motion (the rotor by the motion of its centre, the ring by the mean over its circumference), along
 straight lines, and what remains is drawn in polar coordinates about the shifted centre, (r, theta)
 -> (r + factor u_r, theta + factor u_theta / r). So a shift stays a shift and a circle a circle,
 while a blade that bends swings on an arc instead of growing longer into the casing: the linear
@@ -42,12 +42,12 @@ from bladewhirl.postprocess.fields.strains import rotor_sections
 
 #: drawn clearance as a share of the tip radius, if the factor is chosen automatically
 DRAWN_CLEARANCE = 0.1
-#: limit of the largest drawn displacement, as a share of the tip radius, likewise
+#: largest drawn displacement as a share of the tip radius, if the factor is chosen automatically
 DRAWN_MOTION = 0.25
 #: share of the tip radius from which the linear displacement of a bent blade is wrong by a tenth
 LARGE_DISPLACEMENT = 0.3
 
-MOST = 1e9  #: exaggeration beyond which, and below whose inverse, nothing can be seen
+MOST = 1e9  #: largest useful exaggeration; its inverse is the smallest
 
 
 class EnlargedStage:
@@ -124,7 +124,7 @@ class EnlargedStage:
         return line.reshape(self.line.shape)
 
     def rotor_nodes(self, index: int) -> Array:
-        """Nodes (rotor_node, 2) [m] at the index-th record."""
+        """Return the nodes (rotor_node, 2) [m] at the index-th record."""
         return magnify(self.nodes, self._node[index], self.centre[index], self.factor)
 
     def outward_reach(self) -> float:
@@ -133,7 +133,7 @@ class EnlargedStage:
         return self.factor * max(0.0, float(outward.max()))
 
     def wall(self, index: int) -> Array:
-        """Inner and outer surface of the casing (station, side, 2) [m]."""
+        """Return inner and outer surface of the casing (station, side, 2) [m]."""
         ring = self.ring_displacement[index]
         rest = self.inner_radius[:, None] * _directions(self.angle)
         inner = magnify(rest, ring, ring.mean(axis=0), self.factor)
@@ -212,7 +212,7 @@ def _directions(angle: Array) -> Array:
 
 
 def _polar(points: Array) -> tuple[Array, Array]:
-    """Angles [rad] and radii of points (..., 2)."""
+    """Return angles [rad] and radii of points (..., 2)."""
     return np.arctan2(points[..., 1], points[..., 0]), np.linalg.norm(points, axis=-1)
 
 
@@ -222,5 +222,5 @@ def _unit(vectors: Array) -> Array:
 
 
 def _normals(line: Array) -> Array:
-    """Unit normals (line, station, 2) of drawn lines, from second-order differences."""
+    """Return unit normals (line, station, 2) of drawn lines, from second-order differences."""
     return rotate(_unit(np.gradient(line, axis=1, edge_order=2)), np.pi / 2)

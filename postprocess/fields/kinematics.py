@@ -37,14 +37,14 @@ def rotate(vectors: Array, angle: Array | float) -> Array:
 
 
 def turn(dataset: xr.Dataset, records: IntArray) -> Array:
-    """Angle of the rotor axes at the records (record,) [rad]."""
+    """Return the angle of the rotor axes at the records (record,) [rad]."""
     return np.asarray(dataset.attrs["speed"] * dataset["time"].values[records])
 
 
 def frame_records(
     dataset: xr.Dataset, frames: int, start: float | None = None, end: float | None = None
 ) -> IntArray:
-    """Indices of up to `frames` records, evenly spread over [start, end] [s].
+    """Return the indices of up to `frames` records, equally spaced over [start, end] [s].
 
     Instants are rounded to the nearest record and duplicates are dropped, so a window with fewer
     records than frames gives each record once. `end` may lie after the end of the run, which may
@@ -65,7 +65,7 @@ def frame_records(
 
 
 def nearest_records(dataset: xr.Dataset, instants: Array) -> IntArray:
-    """Index of the record nearest to each instant [s]."""
+    """Return the index of the record nearest to each instant [s]."""
     return np.asarray(dataset.indexes["time"].get_indexer(instants, method="nearest"))
 
 
@@ -163,7 +163,7 @@ def station_angles(dataset: xr.Dataset, per_element: int) -> Array:
 
 
 def _arcs(dataset: xr.Dataset) -> Array:
-    """Angle that every casing element covers (casing_node,) [rad]."""
+    """Return the angle of every casing element (casing_node,) [rad]."""
     first = dataset["casing_angle"].values
     return np.asarray(np.mod(np.roll(first, -1) - first, 2 * np.pi))
 
@@ -184,7 +184,7 @@ def wall_rows(dataset: xr.Dataset, weights: Array) -> Array:
 
 
 def element_lengths(dataset: xr.Dataset) -> Array:
-    """Arc length of every casing element (casing_node,) [m]."""
+    """Return the arc length of every casing element (casing_node,) [m]."""
     return np.asarray(dataset.attrs["casing_radius"] * _arcs(dataset))
 
 

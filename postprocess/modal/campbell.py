@@ -224,7 +224,7 @@ def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLin
         if on_casing and frame == "rotating":
             y = np.where(signed > 0.0, y, np.nan)
         elif not on_casing and forward and not (turning and (first or frame == "rotating")):
-            continue  # without rotation effects its level is that of the backward wave
+            continue  # without rotation effects backward and forward wave have the same line
         elif not on_casing and frame == "static" and not (turning and first):
             y = np.where(signed < 0.0, y, np.nan)
         colour = wave_colour(wave.body, wave.family, wave.nodal_diameter)

@@ -100,8 +100,8 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
 
     Divergent, damped and oscillatory modes have different colours; with damping all modes that do
     not grow are damped. A branch is named by the wave from which it begins, a growing branch by the
-    two waves that meet. If there are many branches, only frequencies near those of growing modes
-    are shown. The spectrum is symmetric about zero frequency, so only its upper half is drawn.
+    two waves that meet. If there are many branches, only the frequencies near growing modes are
+    shown. The spectrum is symmetric about zero frequency, so only its upper half is drawn.
     """
     figure = new_figure(width=FULL_WIDTH, height=0.12)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.0, 1.5))
@@ -110,7 +110,7 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     frequency = data["imaginary"].values / reference
     limit = UNSTABLE_GROWTH * speed[:, None] * reference
     many = real.shape[1] > MANY
-    # Where divergent and damped modes share a frequency, the divergent ones are on top.
+    # Where divergent and damped modes have the same frequency, divergent modes are drawn on top.
     kinds = {
         "oscillatory": np.abs(real) <= limit,
         "damped": real < -limit,
@@ -202,7 +202,7 @@ def _new_chart(data: xr.Dataset) -> tuple[Figure, Axes]:
 
 
 def _name_zones(axes: Axes, data: xr.Dataset) -> None:
-    """Label zones beside their borders, the widest first; labels without space are omitted."""
+    """Label zones next to their borders, the widest first; labels without space are omitted."""
     labels = Labels(axes)
     zones = _zones(data)
     for zone in sorted(zones, key=lambda zone: -np.ptp([zone.lower[-1], zone.upper[-1]])):

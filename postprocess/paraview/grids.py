@@ -16,7 +16,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 
 @dataclass(frozen=True, kw_only=True)
 class Grid:
-    """Points, cells of one kind, and data on both; numbers are written in single precision."""
+    """Points, cells of one kind, and data on points and cells; written in single precision."""
 
     points: Array  #: (point, 3) [m]
     kind: Literal["vertex", "line", "quad"]

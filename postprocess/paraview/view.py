@@ -1,4 +1,4 @@
-"""Open the series beside it in ParaView, drawn and coloured as by `bladewhirl render`.
+"""Open the series in this folder in ParaView, drawn and coloured as by `bladewhirl render`.
 
     paraview --script=view.py
     pvbatch view.py PICTURE.png

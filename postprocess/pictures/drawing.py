@@ -1,6 +1,6 @@
 """Geometry of a picture of the stage: beams and wall as filled ribbons, contact as arrows.
 
-Points are those of `EnlargedStage`, turned into the axes of the picture.
+Points are taken from `EnlargedStage` and turned into the axes of the picture.
 """
 
 from dataclasses import dataclass

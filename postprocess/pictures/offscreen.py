@@ -131,7 +131,7 @@ def _missing(library: str) -> OffScreenError:
 def _has_driver(egl: ctypes.CDLL) -> bool:
     """Return whether EGL can be initialised on a graphics card or a software driver.
 
-    Displays are left open: closing them would close those of VTK in this process.
+    Displays are left open: closing them would also close the displays of VTK in this process.
     """
     pointer, integer = ctypes.c_void_p, ctypes.c_int
     egl.eglGetProcAddress.restype = pointer

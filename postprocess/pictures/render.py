@@ -116,7 +116,7 @@ def render_still(
 
     Raises:
         ViewError: the time is outside the run, or the path has another suffix.
-        OffScreenError: the system can't draw.
+        OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".png")
     if time is None:
@@ -152,7 +152,7 @@ def render_animation(
 
     Raises:
         ViewError: another suffix.
-        OffScreenError: the system can't draw.
+        OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".gif", ".mp4")
     gif = target.suffix.lower() == ".gif"

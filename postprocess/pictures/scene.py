@@ -1,4 +1,5 @@
-"""Stage in a pyvista plotter: actors that are created once and moved from record to record."""
+"""Stage in a pyvista plotter: graphical objects are created once and moved from record to
+record."""
 
 import numpy as np
 import pyvista

@@ -1,4 +1,4 @@
-"""Axes of speed and frequency, maps, and labels beside points and lines."""
+"""Axes of speed and frequency, maps, and labels next to points and lines."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def speed_axis(axes: Axes, reference_hz: float) -> None:
 
 
 def rpm_axis(axes: Axes, reference_hz: float) -> None:
-    """Add an axis in rpm on top of one of normalised speeds, see `speed_axis`."""
+    """Add an axis in rpm on top to an axis of normalised speeds, see `speed_axis`."""
     unit = 60.0 * reference_hz
     functions = (lambda x: np.asarray(x) * unit, lambda x: np.asarray(x) / unit)
     axes.secondary_xaxis("top", functions=functions).set_xlabel("speed [rpm]")

@@ -124,7 +124,7 @@ def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
     texts = {
         "completed": "",
         "damped": message,
-        "divergent": message.partition("; ")[2],  # the reason is given beside the regime
+        "divergent": message.partition("; ")[2],  # the reason is shown with the regime
         "interrupted": f"The march was interrupted at {end}.",
     }
     unfinished = "The march is unfinished: it was killed, or is still running."

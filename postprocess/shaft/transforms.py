@@ -50,8 +50,8 @@ def spectrum(
         step: time between samples [s].
         window: weights of the samples, (samples,); amplitudes are divided by their sum.
         padding: factor by which the motion is lengthened with zeros.
-        frequency: evenly spaced and ascending, within 1 / (2 step) of zero [Hz]; those of the
-            padded transform when None.
+        frequency: equally spaced frequencies, ascending, within 1 / (2 step) of zero [Hz]; the
+            frequencies of the padded transform when None.
 
     Returns:
         ascending frequencies, and amplitudes in the unit of the motion, (..., frequencies).

@@ -145,7 +145,7 @@ def title_figure(
         data: the drawn Dataset.
         note: text after the quantity.
         most: largest number of lines in the figure.
-        lines: number of lines; those of `data` by default.
+        lines: number of lines; that in `data` by default.
     """
     count = lines or data.sizes[LINE]
     keys = ", ".join(

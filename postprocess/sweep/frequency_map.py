@@ -111,7 +111,8 @@ def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def _unit(points: xr.Dataset) -> tuple[float, str]:
-    """Return the frequency [Hz] by which those of a map are divided, and the resulting unit."""
+    """Return the frequency [Hz] by which the frequencies of a map are divided, and the resulting
+    unit."""
     reference = points["reference_frequency"].values / (2 * np.pi)
     known = reference[np.isfinite(reference)]
     return (float(known[0]), "1") if np.all(known == known[0]) else (1.0, "Hz")

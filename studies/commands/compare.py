@@ -36,9 +36,9 @@ def compare(
 
     The schemes are central differences with multipliers, Moreau and Jean's impacts with sticking
     friction, and a penalty: see march.scheme. Displacement, impulses, energy and cost are compared.
-    Distance is the distance of the tips from those of the first scheme. A step of the last two
-    schemes costs fifty to a hundred times as much as one of the first, so choose a short march:
-    --set march.duration=0.05.
+    Distance is the distance of the tips from their positions with the first scheme. A step of the
+    last two schemes costs fifty to a hundred times as much as one of the first, so choose a short
+    march: --set march.duration=0.05.
     """
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.studies.convergence.schemes import compare_schemes, schemes_document

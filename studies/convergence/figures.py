@@ -83,7 +83,7 @@ def plot_modes(data: xr.Dataset) -> Figure:
 
 
 def _draw(axes: Axes, x: Array, error: Array, regime: Array, label: str, colour: str) -> None:
-    """Draw a line through the errors above zero; the marker of each is that of its regime."""
+    """Draw a line through the errors above zero; markers show the regime."""
     positive = error > 0.0  # False for NaN
     if not positive.any():
         return

@@ -59,7 +59,7 @@ def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F"
     """Combine a k = 1 mode of the bladed disk and the lowest k = 1 mode of the casing at the onset
     of contact.
 
-    With Coriolis forces the mode is the backward wave at the speed of coincidence.
+    With Coriolis forces the mode of the bladed disk is the backward wave at the coincidence speed.
 
     Args:
         stage: finite element models with their modes.

@@ -89,7 +89,7 @@ def point_report(
         kappa: spring stiffness [N/m].
         folder: folder of the figures of the divergent mode; no figures if None.
         films: whether to write also a VTK series and a GIF.
-        overwrite: replace existing files, whoever wrote them.
+        overwrite: whether to replace existing files even if bladewhirl did not write them.
 
     Raises:
         UserError: there is no divergent mode to draw, or the figures cannot be written.
@@ -139,9 +139,9 @@ def chart_report(
         system: the coupled modes.
         omegas: speeds [rad/s], ascending.
         kappas: spring stiffnesses [N/m], ascending.
-        folder: folder of figures and data; nothing is drawn if None.
+        folder: folder of figures and data; no figures if None.
         line: stiffness along which eigenvalues are drawn [N/m].
-        overwrite: replace existing files, whoever wrote them.
+        overwrite: whether to replace existing files even if bladewhirl did not write them.
         progress: called with the numbers of finished points and of all points.
     """
     chart = stability_chart(system, omegas, kappas, progress)

@@ -46,7 +46,7 @@ def run(
     marched, and the end reason of the run is "interrupted".
 
     Args:
-        case: to run, or the path of its file.
+        case: case to march, or the path of its file.
         directory: folder to make.
         overwrite: whether to replace the run in an existing folder when the new run is finished;
             files that do not belong to the old run are kept.

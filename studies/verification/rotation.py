@@ -42,7 +42,7 @@ def turning(stage: str) -> RotationMatrices:
 
 @verifies(*STAGES)
 def centrifugal_frequencies(stage: str) -> Pair:
-    """Compare six frequencies of each nodal diameter; those of unstable waves are negative."""
+    """Compare six frequencies of each nodal diameter; unstable waves have negative frequencies."""
     expected, computed = [], []
     for row in known(stage)["speeds"]:
         structure = turning(stage).at_speed(row["omega"], "centrifugal")
