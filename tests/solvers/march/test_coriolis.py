@@ -248,7 +248,9 @@ def test_dampers_that_stand_still_in_a_case() -> None:
     assert stage_at_speed("0.01", damper=2e4).rotor.circulation == 0.0
     with pytest.raises(CaseError, match=r'damping_frame = "static": expected "rotating", or rot'):
         case_from({"shaft": {"damping_frame": "static"}})
-    with pytest.raises(CaseError, match=r"shaft\.damping_y = 20(\.0)?: expected the value of shaft\.damping"):
+    with pytest.raises(
+        CaseError, match=r"damping_y = 20(\.0)?: expected the value of shaft\.damping"
+    ):
         case_from(
             {
                 "rotation": {"effects": "full"},
