@@ -89,7 +89,10 @@ class CoupledEquations:
     def stiffness(
         self, angle: ArrayLike, kappa: float, *, speed: float = 0.0, with_pi: bool = True
     ) -> FloatArray:
-        """Stiffness of x, see `springs`; `speed` Omega [rad/s] is that of S."""
+        """Return the stiffness matrix of the coordinates x; arguments as for `springs`.
+
+        ``speed``, Omega [rad/s], only scales the softening, Omega^2 S.
+        """
         stiffness = self.springs(angle, kappa, with_pi=with_pi)
         stiffness += np.diag(self.frequency * np.abs(self.frequency))
         if self.softening is not None:

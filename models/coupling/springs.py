@@ -239,8 +239,9 @@ class CouplingSprings(CoupledEntries):
     def highest_frequency(self) -> float:
         """Highest frequency of the coupled modes at any angle [rad/s].
 
-        Turning the rotor only turns the coordinates of its pairs, which leaves the frequencies as
-        they are; single modes don't turn, and with these a circle of angles is looked at.
+        If all modes come in pairs, the angle of the rotor only rotates the coordinates of each pair
+        and does not change the frequencies: one angle is enough. If there is a single mode, the
+        frequencies depend on the angle, and `ANGLES` angles over a full turn are computed.
         """
         highest = 0.0
         for k in self.modes.harmonics:

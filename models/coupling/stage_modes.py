@@ -104,7 +104,9 @@ class RadialModes:
     def amplitudes(
         self, selected: BoolArray, *, radial_only: bool = False
     ) -> tuple[IntArray, FloatArray]:
-        """Return the numbers of selected modes that move radially, without sines, and how much.
+        """Return the numbers and amplitudes of the selected modes that move radially.
+
+        Of each cosine and sine pair only the cosine mode is returned.
 
         Args:
             selected: which modes, (modes,).

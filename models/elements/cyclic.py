@@ -34,9 +34,10 @@ NO_COLUMN = -1
 def real_dft(sectors: int) -> FloatArray:
     """Orthonormal real DFT over sectors, (sectors, sectors): x = F u, u = F^T x (Eqs 11-13).
 
-    A displacement a of the centre has the components a (cos n alpha, -sin n alpha) in the axes of
-    sector n. Its cosine and sine components are a sqrt(N/2) in k = 1 and zero in every other k.
-    Eq. (13) as printed has another constant but leads to the same conclusion.
+    If the centre moves by a distance `a`, its components in the axes of sector n are
+    a (cos n alpha, -sin n alpha). Their transforms are a sqrt(N/2) in k = 1 and zero in every other
+    k, so the centre is coupled to k = 1 only. Eq. (13) is printed with another constant, which does
+    not change this.
     """
     angles = 2.0 * np.pi * np.arange(sectors) / sectors
     basis = np.empty((sectors, sectors))

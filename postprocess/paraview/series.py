@@ -57,7 +57,7 @@ def export_vtk(
     size:
 
     * `displacement` [m], `velocity` [m/s]: vectors in static axes. The velocity is the rate of
-    displacement in static axes, without the transport velocity of the turning disk.
+      displacement in static axes, without the transport velocity of the turning disk.
     * `radial_displacement` [m]: along the outward radius; zero at the centre.
     * `axial_strain`, `bending_strain` [1], `axial_stress`, `bending_stress` [Pa] (`strains`), and
       `surface_stress` [Pa], the sum of axial and bending stress at the surface; for lines, at the
@@ -65,7 +65,7 @@ def export_vtk(
     * `gap` [m]: on a blade, the smallest gap of its tip since the previous record; on other parts,
       the clearance, so that a threshold filter selects the blades in contact.
     * `contact_force` [N], only on `contact`: the impulse since the previous record divided by the
-    time between the records, as a vector (normal inward, positive friction towards -theta).
+      time between the records, as a vector (normal inward, positive friction towards -theta).
     * on cells: `part` and `blade`, integers, -1 for none, and `thickness` [m].
 
     `warp` [m] is the vector from each point to its position in `bladewhirl render`. The filter Warp

@@ -109,8 +109,8 @@ def _scenario(shaft: Array, clearance: Array, impulse: Array) -> dict[str, str |
 def plot_contact_phase(phases: xr.Dataset) -> Figure:
     """Draw the phase of shaft and smallest clearance, and by how much the shaft leads.
 
-    The phase is drawn in the frame in which the shaft makes fewer turns; of many turns only the
-    last.
+    The phase is drawn in the frame in which the shaft makes fewer turns. If it makes many turns,
+    only the last ones are drawn.
 
     Args:
         phases: from `contact_phase`.

@@ -1,4 +1,7 @@
-"""Figures of sweeps with a row of two panels for each line: contact of blades, strain energies."""
+"""Figures of sweeps with two panels for each combination of the other swept keys.
+
+They show the contact of the blades and the strain energies.
+"""
 
 from __future__ import annotations
 

@@ -70,7 +70,10 @@ class CoupledMotion:
 
     @property
     def smallest_clearance_angle(self) -> FloatArray:
-        """Static angle at which the clearance is smallest, one of k [rad], (times,), unwrapped."""
+        """Angle of the smallest clearance in the static frame [rad], (times,), unwrapped.
+
+        A wave of k nodal diameters has k such angles, of which this is one.
+        """
         return np.unwrap(np.angle(-self.stretch)) / max(self.nodal_diameter, 1)
 
     @property

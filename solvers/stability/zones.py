@@ -1,12 +1,14 @@
 """Borders of the unstable zones by root finding (Fig. 11).
 
-Without damping every real mu of `CoupledEquations.whirl_matrix` has a signature, the sign of
-sum_i nu_i |X_i|^2 - i Omega X^H G X, nu in the body's own axes: positive and negative ones meet and
-turn complex, equal ones avoid each other. As the speed grows, positive casing waves sink below
-negative rotor waves, and a zone of instability lies at each exchange. The counts of exchanges begun
-and ended climb ladders, of which root finding finds each rung, so that no zone is too narrow to be
-found. Where rotation bends the branches they may meet, part and meet again, so counts may fall;
-they are climbed or descended between neighbouring speeds.
+Without damping every real eigenvalue mu of `CoupledEquations.whirl_matrix` has a signature, the
+sign of sum_i nu_i |X_i|^2 - i Omega X^H G X, where nu is the frequency in the axes of the body. Two
+eigenvalues of opposite signature become complex, hence unstable, when they meet; two of equal
+signature avoid each other. As the speed grows, casing waves of positive signature pass below rotor
+waves of negative signature. Such an exchange begins where the two waves meet and ends where they
+part; the speeds between are an unstable zone. `exchanges` counts the exchanges begun and ended at a
+speed. Root finding locates every speed at which a count changes by one, so that no zone is missed,
+however narrow. With rotation effects two waves may meet and part repeatedly, so the counts may also
+decrease; neighbouring speeds are then searched for increases and decreases.
 
 With damping, and for nodal diameters that hold a single mode, the sign of the growth rate is
 followed instead along a line of speeds, refined inside the undamped zones.

@@ -59,13 +59,13 @@ def campbell(
     - critical_family (of the branch at rest), critical_nodal_diameter and critical_spring_share,
       the share of the strain energy in the shaft springs;
     - over `engine_order` the same variables for the speeds at which the frequency of a wave in the
-    rotating frame is k times the frequency of rotation, so that a static force excites the wave;
+      rotating frame is k times the frequency of rotation, so that a static force excites the wave;
     - over `branch` and `line_speed` (normalised), branch_frequency in the rotating frame [Hz],
       positive backward, with branch_family, branch_nodal_diameter and branch_direction;
     - over `line_speed`, tip_growth [m];
     - the attributes clearance_gone, the normalised speed at which the growth of the tips equals the
-    clearance, and waves_meet, the normalised speed above which two waves of the bladed disk have
-    merged and one of them grows; nan if there is no such speed.
+      clearance, and waves_meet, the normalised speed above which two waves of the bladed disk have
+      merged and one of them grows; nan if there is no such speed.
 
     Args:
         case_or_stage: a case, or its stage; the centre is free or clamped as in the case.

@@ -147,8 +147,10 @@ def _draw_one(kind: str, source: str, name: str, evidence: Evidence, folder: Pat
 
 
 def _panel(row: Mapping[str, str]) -> Panel:
-    """Return the panel of a row of figures.csv: a picture of modes, or of a march or sweep by its
-    name."""
+    """Return the panel for a row of figures.csv.
+
+    It is a picture of modes, or the figure of a run or sweep that the column `picture` names.
+    """
     kind, source, name = row["kind"], row["source"], row["picture"]
     slug = "-".join(source.replace(",", "").split())
     folder = {"modal": source, "run": slug, "sweep": f"sweep-{slug}"}[kind]

@@ -130,7 +130,7 @@ def make_grid(case: Case, over: Mapping[str, Sequence[Value]], *, large: bool) -
             values, a value given twice, or too many points.
     """
     if not over:
-        raise UserError(f"{OVER}: expected at least one key to sweep, march.speed=0.95:2:0.005")
+        raise UserError(f"{OVER}: expected at least one key, such as march.speed=0.95:2:0.005")
     for key in over:
         check_key(case, key)
     grid = Grid(axes=tuple(Axis(key=key, values=tuple(values)) for key, values in over.items()))

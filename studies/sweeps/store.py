@@ -131,7 +131,7 @@ class Store(AbstractContextManager["Store"]):
         if digest != plan:
             self._h5.close()
             raise UserError(
-                f"{path}: expected the dataset of the plan beside it, found that of another plan"
+                f"{path}: expected the dataset of the plan in this folder, not of another plan"
             )
         names = (*(axis.name for axis in grid.axes), "frequency")
         self._coordinates = [self._h5[name][()] for name in names]

@@ -213,7 +213,7 @@ def test_a_dataset_of_another_plan_is_refused(swept: Path, tmp_path: Path) -> No
     grid = make_grid(CASE, {"march.speed": [1, 2]}, large=False)
     write_plan(plan_sweep(CASE, grid, histories=False), tmp_path)
     (tmp_path / "sweep.nc").write_bytes((swept / "sweep.nc").read_bytes())
-    with pytest.raises(UserError, match="expected the dataset of the plan beside it"):
+    with pytest.raises(UserError, match="expected the dataset of the plan in this folder"):
         resume_sweep(tmp_path)
 
 
