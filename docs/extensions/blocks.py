@@ -5,6 +5,7 @@ A comment on the line above changes that:
 
     <!-- file: stage.toml -->       the block is written to that file
     <!-- not run: reason -->        the block needs what is not here, a cluster for instance
+    <!-- markdown: reason -->       the output of the block is a part of the page
 
 `python blocks.py PAGE FOLDER` runs a page and prints a JSON list of what each block printed.
 """
@@ -29,7 +30,7 @@ EXECUTABLES = Path(sys.executable).parent
 RUN = ("python", "console")
 
 _BLOCK = re.compile(
-    r"(?:^<!-- (?P<mark>file|not run): (?P<argument>[^\n]*?) -->\n)?"
+    r"(?:^<!-- (?P<mark>file|not run|markdown): (?P<argument>[^\n]*?) -->\n)?"
     r"^```(?P<language>\w+)\n(?P<code>.*?)^```$\n?",
     re.MULTILINE | re.DOTALL,
 )
@@ -41,7 +42,7 @@ class Block:
 
     language: str
     code: str
-    mark: str  #: "file", "not run" or nothing
+    mark: str  #: "file", "not run", "markdown" or nothing
     argument: str  #: name of the file, or reason
     start: int  #: place in the text
     end: int

@@ -1,7 +1,7 @@
-"""Generated parts of pages: output of blocks, references, pictures, the verification manual.
+"""Generated parts of pages: output of blocks, references, pictures.
 
 Blocks of pages with `executed: true` at their head run before pages are read. A page is run again
-when it changes or the package does; so are the cases of the verification manual, beside them.
+when it changes or the package does.
 `<!-- generated: NAME -->` stands for a part of `reference.GENERATED`, and
 `<!-- picture: FILE | words -->` for a picture that the blocks have made.
 """
@@ -16,7 +16,6 @@ import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -30,58 +29,44 @@ _HEAD = re.compile(r"\A---\n.*?^executed: true$.*?^---$", re.MULTILINE | re.DOTA
 _MARK = re.compile(r"^<!-- generated: (\S+) -->$", re.MULTILINE)
 _PICTURE = re.compile(r"^<!-- picture: (\S+) \| (.*?) -->$", re.MULTILINE)
 LONGEST = ("verification", "tutorials/rotation", "tutorials/sweep", "start", "tutorials/case_file")
-VERIFIED = ("verified.py", "refinements.csv")
 _LAYERS = ("bladewhirl", "meshes", "models", "solvers", "postprocess", "studies", "examples")
 
 
-@dataclass(frozen=True)
-class Job:
-    """A script that prints a JSON list of texts, for one page."""
-
-    name: str  #: of the page, and of the folder that it writes to
-    script: Path
-    page: Path
-    key: str  #: what its result depends on besides the package
-
-
 def run_pages(source: Path) -> None:
-    """Run the jobs of all pages in processes, one per core, the longest first."""
-    extensions = Path(blocks.__file__).parent
-    verified = "".join((extensions / name).read_text("utf-8") for name in VERIFIED)
-    jobs = [Job("verification", extensions / VERIFIED[0], source / "verification.md", verified)]
-    for page in sorted(source.rglob("*.md")):
-        if _HEAD.match(text := page.read_text(encoding="utf-8")):
-            name = page.relative_to(source).with_suffix("").as_posix()
-            jobs.append(Job(name, Path(blocks.__file__), page, text))
-    jobs.sort(key=lambda job: LONGEST.index(job.name) if job.name in LONGEST else len(LONGEST))
+    """Run all pages in processes, one per core, the longest first."""
+    pages = {
+        path.relative_to(source).with_suffix("").as_posix(): path
+        for path in sorted(source.rglob("*.md"))
+        if _HEAD.match(path.read_text(encoding="utf-8"))
+    }
+    names = sorted(pages, key=lambda name: (*LONGEST, name).index(name))
     state = _state()
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        for done in [pool.submit(_run, job, source, state) for job in jobs]:
-            done.result()
+        runs = [pool.submit(_run, pages[name], source / "built" / name, state) for name in names]
+        for run in runs:
+            run.result()
 
 
-def _run(job: Job, source: Path, state: str) -> None:
-    folder = source / "built" / job.name
+def _run(page: Path, folder: Path, state: str) -> None:
+    """Run the blocks of a page in a folder, and store their outputs beside the folder."""
     kept = folder.with_name(f"{folder.name}.json")
-    key = hashlib.sha256((state + job.key).encode()).hexdigest()
+    key = hashlib.sha256((state + page.read_text(encoding="utf-8")).encode()).hexdigest()
     if kept.exists() and json.loads(kept.read_text(encoding="utf-8"))["key"] == key:
         return
     shutil.rmtree(folder, ignore_errors=True)
-    folders = (str(job.script.parent), os.environ.get("PYTHONPATH", ""))
     done = subprocess.run(
-        [sys.executable, job.script, job.page, folder],
-        env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, folders))},
+        [sys.executable, blocks.__file__, page, folder],
         capture_output=True,
         text=True,
         check=False,
     )
     if done.returncode:
-        raise ExtensionError(f"{job.page}: a block fails\n{done.stderr}")
+        raise ExtensionError(f"{page}: a block fails\n{done.stderr}")
     kept.write_text(json.dumps({"key": key, "printed": json.loads(done.stdout)}), encoding="utf-8")
 
 
 def printed(source: Path, name: str) -> list[str]:
-    """Texts that the job of a page has printed."""
+    """Return the outputs of the blocks of a page."""
     kept = source / "built" / f"{name}.json"
     texts: list[str] = json.loads(kept.read_text(encoding="utf-8"))["printed"]
     return texts
@@ -100,9 +85,6 @@ def fill(app: Sphinx, document: str, source: list[str]) -> None:
     if _HEAD.match(text):
         text = _with_output(text, printed(folder, document))
     text = _MARK.sub(lambda match: reference.GENERATED[match[1]](), text)
-    if document == "verification":
-        sections = "".join(printed(folder, document))
-        text = text.replace("<!-- verification -->", sections)
     built = f"{'../' * document.count('/')}built/{document}"
     source[0] = _PICTURE.sub(rf"![\2]({built}/\1)", text)
 
@@ -114,7 +96,9 @@ def _with_output(text: str, outputs: list[str]) -> str:
     for block, output in zip(running, outputs, strict=True):
         parts.append(text[last : block.end])
         last = block.end
-        if output.strip():
+        if block.mark == "markdown":
+            parts.append(f"\n{output}")
+        elif output.strip():
             parts.append(f"\n{{.output}}\n```text\n{output.rstrip()}\n```\n")
     return "".join([*parts, text[last:]])
 

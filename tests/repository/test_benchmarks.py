@@ -16,7 +16,6 @@ BENCHMARKS = ROOT / "benchmarks"
     ("script", "arguments", "words"),
     [
         ("march.py", ["--repeat", "1"], ["no contact", "few contacts", "NumPy"]),
-        ("whole_run.py", ["--repeat", "1", "--durations", "0.002"], ["imports", "run / march"]),
         (
             "sweep.py",
             ["--workers", "1", "--points", "1", "--duration", "0.01", "--turns", "1"],

@@ -6,11 +6,9 @@ import pytest
 import reference
 from blocks import blocks
 from places import ROOT
-from verified import REFINEMENTS
 
 from bladewhirl.models.case.template import template
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.verification.table import SUBJECTS
 
 DOCS = ROOT / "docs"
 PAGES = {
@@ -43,10 +41,6 @@ def test_every_command_and_option_is_in_the_reference() -> None:
     )
     assert "```{option} --set KEY=VALUE\n" in text
     assert "```{option} -o, --output <path>\n" in text
-
-
-def test_a_refinement_belongs_to_a_section() -> None:
-    assert {one.subject for one in REFINEMENTS} <= set(SUBJECTS)
 
 
 @pytest.mark.parametrize("name", [name for name in PAGES if name.startswith("theory/")])
