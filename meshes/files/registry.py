@@ -16,9 +16,6 @@ from bladewhirl.meshes.files.vtu import read_vtu, write_vtu
 READERS = {".vtu": read_vtu, ".msh": read_msh, ".inp": read_inp}
 WRITERS = {".vtu": write_vtu, ".msh": write_msh, ".inp": write_inp}
 
-MOST_BYTES = 100_000_000
-"""Size of the largest file that is read [bytes]."""
-
 MOST_LINES = 100_000
 """Largest number of lines in a mesh that is read."""
 
@@ -37,8 +34,6 @@ def read_line_mesh(path: str | PathLike[str]) -> GroupedLines:
     file = Path(path)
     if file.exists() and not file.is_file():
         raise MeshFileError("a regular file")
-    if file.exists() and file.stat().st_size > MOST_BYTES:
-        raise MeshFileError(f"a file of at most {MOST_BYTES / 1e6:.0f} MB")
     mesh = READERS[_known_suffix(file)](file)
     if len(mesh.lines) > MOST_LINES:
         raise MeshFileError(f"at most {MOST_LINES} lines; it has {len(mesh.lines)}")

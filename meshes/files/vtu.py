@@ -7,7 +7,6 @@ with the name ``name=value`` for each of its values. Data are arrays of real num
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -16,16 +15,9 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
-from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError, in_plane
+from bladewhirl.meshes.files.groups import GroupedLines, in_plane
 from bladewhirl.meshes.files.meshio_cells import line_blocks, readable, stacked
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-
-MOST_COMPRESSED = 1_000_000
-"""Size of the largest compressed file [bytes]; zlib expands data by a factor of at most 1032."""
-
-HEADER_BYTES = 4096
-ZLIB = b"vtkZLibDataCompressor"
-_COMPRESSOR = re.compile(rb"""compressor\s*=\s*["']([^"']*)["']""")
 
 MOST_VALUES = 1000
 """Largest number of different values of an array of integers that defines groups. An array with
@@ -36,10 +28,9 @@ def read_vtu(path: Path) -> GroupedLines:
     """Read a .vtu file.
 
     Raises:
-        MeshFileError: the file is unreadable, has too much compressed data or unsupported cells.
+        MeshFileError: the file is unreadable or has unsupported cells.
     """
     with readable(path):
-        _check_compression(path)
         mesh = meshio.vtu.read(str(path))
     blocks = line_blocks(mesh)
     cell_arrays = {
@@ -54,22 +45,6 @@ def read_vtu(path: Path) -> GroupedLines:
         node_data=dict(_data(mesh.point_data)),
         line_data=dict(_data(cell_arrays)),
     )
-
-
-def _check_compression(path: Path) -> None:
-    """Check that compressed data cannot expand to more than the memory.
-
-    Raises:
-        MeshFileError: the compressor is not zlib, or the file is too large.
-    """
-    with path.open("rb") as file:
-        compressor = _COMPRESSOR.search(file.read(HEADER_BYTES))
-    if compressor is None:
-        return
-    if compressor[1] != ZLIB:
-        raise MeshFileError(f"uncompressed data, or data compressed by {ZLIB.decode()}")
-    if path.stat().st_size > MOST_COMPRESSED:
-        raise MeshFileError(f"at most {MOST_COMPRESSED / 1e6:g} MB of compressed data")
 
 
 def write_vtu(path: Path, mesh: GroupedLines) -> None:

@@ -92,8 +92,6 @@ def show(
     Properties are masses, lowest frequencies of the full model, the speed in rpm, the critical time
     step, the load of an imbalance, size and errors of the reduced model, and the size of a run.
     """
-    from dataclasses import asdict
-
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.models.case.template import dumps_case
     from bladewhirl.models.stage.build import time_step_faults
@@ -110,7 +108,7 @@ def show(
         faults = list(time_step_faults(stage))
         if faults:
             raise CaseError(faults)
-        properties = stage_properties(stage)
+        derived = stage_properties(stage)
     for hint in stage_hints(stage):
         typer.echo(f"Hint: {hint}.", err=True)
     if png:
@@ -119,10 +117,10 @@ def show(
         _draw(stage, target)
     document = {
         "case": checked.model_dump(mode="json", exclude_none=True),
-        "derived": asdict(properties),
+        "derived": derived,
     }
-    marched = {body: MARCHES[cyclic] for body, cyclic in properties.cyclic.items()}
-    derived = document["derived"] | {"marched": marched}
+    marched = {body: MARCHES[cyclic] for body, cyclic in derived["cyclic"].items()}
+    derived = derived | {"marched": marched}
     rates = [
         {"name": name} | rate
         for key, name in NAMES.items()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -25,94 +25,23 @@ LOWEST = 12
 """Number of frequencies listed for a body without cyclic symmetry."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Rate:
-    """An angular frequency or speed, in common units."""
-
-    rad_per_s: float
-    hz: float  #: turns or cycles per second
-    rpm: float
-    normalised: float  #: multiples of the reference frequency
-
-
-@dataclass(frozen=True, kw_only=True)
-class Mode:
-    """Natural frequency of a mode, its dominant nodal diameter, and the share of this nodal
-    diameter."""
-
-    nodal_diameter: int  #: -1 without sectors
-    frequency: Rate
-    purity: float = 1.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class ReductionFigures:
-    """Size and accuracy of the Craig-Bampton reduction of the bladed disk."""
-
-    boundary: dict[str, int]  #: number of boundary degrees of freedom, by node set
-    #: number used; with complete pairs, possibly one more than requested
-    fixed_interface_modes: int
-    wanted: int  #: number of fixed-interface modes requested
-    internal: int  #: number of internal degrees of freedom of the full model
-    modes: int  #: number of modes of the reduced model
-    marched: dict[str, int]  #: number of modes in a march, by body
-    frequency_error: dict[str, float]  #: largest relative error to the full model, by family
-
-
-@dataclass(frozen=True, kw_only=True)
-class ImbalanceFigures:
-    """The load of an imbalance at the case's speed."""
-
-    unbalance: float  #: m e [kg m]
-    force: float  #: m e Omega^2 [N]
-    closing: float  #: share of the clearance closed by the static response, at the nearest tip
-
-
 MARCHES = {True: "harmonic by harmonic", False: "by dense products"}
 """Method of the march for a body, by whether its cyclic symmetry is used."""
 
+Rate = dict[str, float]
+"""An angular frequency or speed: rad_per_s, hz (turns or cycles per second), rpm, and normalised
+(multiples of the reference frequency)."""
 
-@dataclass(frozen=True, kw_only=True)
-class DistortionFigures:
-    """The casing mode that is loaded by a distortion."""
-
-    frequency: Rate
-    static_displacement: float  #: largest radial displacement under the constant force [m]
-
-
-@dataclass(frozen=True, kw_only=True)
-class StageProperties:
-    """Properties of a stage that follow from its case."""
-
-    bladed_disk_mass: float  #: mass of the bladed disk [kg]
-    bladed_disk_parts: dict[str, float]  #: mass of the beams of each part, and point masses [kg]
-    casing_mass: float  #: mass of the casing with its struts [kg]
-    reference_frequency: Rate  #: lowest frequency of the full bladed disk with free centre, at rest
-    speed: Rate
-    rotation_effects: str  #: "none", or the effects included in the frequencies below
-    bladed_disk: tuple[Mode, ...]
-    """Lowest mode of each nodal diameter in the full model; with unequal sectors the lowest
-    modes."""
-    shaft_stiffness: tuple[float, float] | None  #: springs along x and y [N/m]; None if clamped
-    suspension: Rate | None
-    """Lower frequency of the suspension pair, which at speed is named as at rest; None if
-    clamped."""
-    suspension_spring_share: float | None  #: share of the shaft springs in its strain energy
-    casing: tuple[Mode, ...]  #: lowest mode of each nodal diameter
-    reduction: ReductionFigures
-    symmetry: dict[str, str]  #: symmetry of each body, as text
-    cyclic: dict[str, bool]  #: whether a body is marched by harmonics (or by dense products)
-    critical_time_step: float  #: critical time step [s]
-    dt_over_critical: float  #: ratio of the time step to the critical time step
-    steps: int
-    records: int
-    result_bytes: int  #: approximate size of result.nc [bytes]
-    imbalance: ImbalanceFigures | None
-    distortion: DistortionFigures | None
+Mode = dict[str, Any]
+"""A mode of a full model: its dominant nodal_diameter (-1 without sectors), its frequency (a rate),
+and its purity, the share of this nodal diameter."""
 
 
-def stage_properties(stage: Stage) -> StageProperties:
-    """Compute masses, frequencies, time step, loads and sizes of a stage.
+def stage_properties(stage: Stage) -> dict[str, Any]:
+    """Compute masses, frequencies, time step, loads and sizes of a stage, as a JSON document.
+
+    Values that a stage does not have are None: those of the shaft springs with a clamped centre,
+    and those of loads that the case does not have.
 
     Raises:
         CaseError: a property exceeds the largest float.
@@ -121,68 +50,77 @@ def stage_properties(stage: Stage) -> StageProperties:
         return _properties(stage)
 
 
-def _properties(stage: Stage) -> StageProperties:
-    case, disk, modes = stage.case, stage.disk, stage.reduction.modes
-    casing, boundary = stage.casing, stage.boundary_sets
+def _properties(stage: Stage) -> dict[str, Any]:
+    case, modes = stage.case, stage.reduction.modes
     pair = [mode for mode, name in enumerate(stage.disk_family) if name == "suspension"]
-    rotor, wall = marched_bodies(stage)
-    critical = critical_time_step(rotor, wall, stage.kept.springs)
+    rotor, casing = marched_bodies(stage)
+    critical = critical_time_step(rotor, casing, stage.kept.springs)
     records = case.march.timing.records
-    kept = {name: len(dofs) for name, dofs in boundary.items()}
-    return StageProperties(
-        bladed_disk_mass=disk.model.mass,
-        bladed_disk_parts=disk.model.part_masses,
-        casing_mass=casing.mass,
-        reference_frequency=_rate(stage, stage.reference_frequency),
-        speed=_rate(stage, stage.speed),
-        rotation_effects=case.rotation.effects,
-        bladed_disk=_lowest_of_disk(stage),
-        shaft_stiffness=None if case.shaft.clamped else case.shaft.springs,
-        suspension=_rate(stage, modes.frequency[pair[0]]) if pair else None,
-        suspension_spring_share=float(modes.spring_share[pair[0]]) if pair else None,
-        casing=_lowest_of_casing(stage),
-        reduction=ReductionFigures(
-            boundary=kept,
-            fixed_interface_modes=stage.reduction.kept,
-            wanted=case.reduction.fixed_interface_modes,
-            internal=disk.structure.size - sum(kept.values()),
-            modes=modes.count,
-            marched={"bladed_disk": len(stage.kept.rotor), "casing": len(stage.kept.casing)},
-            frequency_error=stage.frequency_error,
-        ),
-        symmetry=stage.symmetry,
-        cyclic={"bladed_disk": rotor.by_harmonics, "casing": wall.by_harmonics},
-        critical_time_step=critical,
-        dt_over_critical=case.march.time_step / critical,
-        steps=case.march.steps,
-        records=records,
-        result_bytes=description_bytes(stage.arrays)
+    return {
+        "bladed_disk_mass": stage.disk.model.mass,  # kg
+        "bladed_disk_parts": stage.disk.model.part_masses,  # beams of each part, point masses [kg]
+        "casing_mass": stage.casing.mass,  # with the struts [kg]
+        # The lowest frequency of the full bladed disk with free centre, at rest.
+        "reference_frequency": _rate(stage, stage.reference_frequency),
+        "speed": _rate(stage, stage.speed),
+        "rotation_effects": case.rotation.effects,  # effects included in the frequencies below
+        # The lowest mode of each nodal diameter; with unequal sectors the lowest modes.
+        "bladed_disk": _lowest_of_disk(stage),
+        "shaft_stiffness": None if case.shaft.clamped else case.shaft.springs,  # x and y [N/m]
+        # The lower frequency of the pair, which at speed is named as at rest.
+        "suspension": _rate(stage, modes.frequency[pair[0]]) if pair else None,
+        "suspension_spring_share": float(modes.spring_share[pair[0]]) if pair else None,
+        "casing": _lowest_of_casing(stage),
+        "reduction": _reduction(stage),
+        "symmetry": stage.symmetry,
+        # Whether a body is marched by harmonics or by dense products.
+        "cyclic": {"bladed_disk": rotor.by_harmonics, "casing": casing.by_harmonics},
+        "critical_time_step": critical,  # s
+        "dt_over_critical": case.march.time_step / critical,
+        "steps": case.march.steps,
+        "records": records,
+        # The approximate size of result.nc.
+        "result_bytes": description_bytes(stage.arrays)
         + result_bytes(len(stage.kept.rotor), len(stage.kept.casing), case.blades, records),
-        imbalance=_imbalance(stage),
-        distortion=_distortion(stage),
-    )
+        "imbalance": _imbalance(stage),
+        "distortion": _distortion(stage),
+    }
+
+
+def _reduction(stage: Stage) -> dict[str, Any]:
+    """Return size and accuracy of the Craig-Bampton reduction of the bladed disk."""
+    boundary = {name: len(dofs) for name, dofs in stage.boundary_sets.items()}
+    return {
+        "boundary": boundary,  # numbers of boundary degrees of freedom, by node set
+        # With complete pairs, possibly one more than requested.
+        "fixed_interface_modes": stage.reduction.kept,
+        "wanted": stage.case.reduction.fixed_interface_modes,
+        "internal": stage.disk.structure.size - sum(boundary.values()),
+        "modes": stage.reduction.modes.count,
+        "marched": {"bladed_disk": len(stage.kept.rotor), "casing": len(stage.kept.casing)},
+        "frequency_error": stage.frequency_error,  # largest relative error, by family
+    }
 
 
 def _rate(stage: Stage, rad_per_s: float) -> Rate:
-    return Rate(
-        rad_per_s=float(rad_per_s),
-        hz=float(rad_per_s / TURN),
-        rpm=float(60.0 * rad_per_s / TURN),
-        normalised=float(rad_per_s / stage.reference_frequency),
-    )
+    return {
+        "rad_per_s": float(rad_per_s),
+        "hz": float(rad_per_s / TURN),
+        "rpm": float(60.0 * rad_per_s / TURN),
+        "normalised": float(rad_per_s / stage.reference_frequency),
+    }
 
 
-def _lowest_of_disk(stage: Stage) -> tuple[Mode, ...]:
+def _lowest_of_disk(stage: Stage) -> list[Mode]:
     """Return the modes of the full model; mistuned modes get the names of those of the reduced
     model."""
     frequencies, modes = stage.disk_frequencies, stage.reduction.modes
     if NO_COLUMN not in frequencies:
-        lowest = {k: values[0] for k, values in frequencies.items()}
-        return tuple(Mode(nodal_diameter=k, frequency=_rate(stage, f)) for k, f in lowest.items())
+        return [_mode(stage, k, values[0], 1.0) for k, values in frequencies.items()]
     return _modes(stage, modes, range(min(LOWEST, modes.count)), frequencies[NO_COLUMN])
 
 
-def _lowest_of_casing(stage: Stage) -> tuple[Mode, ...]:
+def _lowest_of_casing(stage: Stage) -> list[Mode]:
     modes = stage.casing_modes  # in ascending order
     diameters, first = np.unique(modes.nodal_diameter, return_index=True)
     numbers = range(min(LOWEST, modes.count)) if diameters[0] < 0 else first.tolist()
@@ -191,31 +129,34 @@ def _lowest_of_casing(stage: Stage) -> tuple[Mode, ...]:
 
 def _modes(
     stage: Stage, modes: Modes, numbers: Iterable[int], frequencies: FloatArray
-) -> tuple[Mode, ...]:
+) -> list[Mode]:
     """Return modes by number, with their frequencies [rad/s]."""
-    return tuple(
-        Mode(
-            nodal_diameter=int(modes.nodal_diameter[i]),
-            frequency=_rate(stage, frequencies[i]),
-            purity=float(modes.purity[i]),
-        )
+    return [
+        _mode(stage, int(modes.nodal_diameter[i]), frequencies[i], float(modes.purity[i]))
         for i in numbers
-    )
+    ]
 
 
-def _imbalance(stage: Stage) -> ImbalanceFigures | None:
+def _mode(stage: Stage, k: int, frequency: float, purity: float) -> Mode:
+    return {"nodal_diameter": k, "frequency": _rate(stage, frequency), "purity": purity}
+
+
+def _imbalance(stage: Stage) -> dict[str, float] | None:
+    """Return the load of an imbalance at the case's speed; None without an imbalance."""
     if not isinstance(stage.case.excitation, Imbalance):
         return None
     size = unbalance(stage)
-    return ImbalanceFigures(
-        unbalance=size,
-        force=imbalance_force(stage),
-        closing=size / closing_unbalance(stage, stage.speed),
-    )
+    return {
+        "unbalance": size,  # m e [kg m]
+        "force": imbalance_force(stage),  # m e Omega^2 [N]
+        # The share of the clearance closed by the static response, at the nearest tip.
+        "closing": size / closing_unbalance(stage, stage.speed),
+    }
 
 
-def _distortion(stage: Stage) -> DistortionFigures | None:
-    """Return the static response; None without a distortion, or if the mode has no stiffness."""
+def _distortion(stage: Stage) -> dict[str, Any] | None:
+    """Return frequency and static response [m], the largest radial displacement, of the casing mode
+    that is loaded; None without a distortion, or if the mode has no stiffness."""
     load = stage.case.excitation
     if not isinstance(load, CasingDistortion):
         return None
@@ -224,7 +165,7 @@ def _distortion(stage: Stage) -> DistortionFigures | None:
     if frequency == 0.0:
         return None
     wall = np.abs(stage.reduced_casing.nodal[:, W, number]).max()
-    return DistortionFigures(
-        frequency=_rate(stage, frequency),
-        static_displacement=float(wall * load.modal_force / frequency**2),
-    )
+    return {
+        "frequency": _rate(stage, frequency),
+        "static_displacement": float(wall * load.modal_force / frequency**2),
+    }

@@ -12,7 +12,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from places import DATA
 
-from bladewhirl.meshes.files import vtu
 from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
 from bladewhirl.meshes.files.registry import WRITERS, read_line_mesh, write_line_mesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
@@ -262,17 +261,3 @@ def test_names_that_a_format_does_not_hold(
     with pytest.raises(MeshFileError, match=expected):
         write_line_mesh(tmp_path / f"a{suffix}", mesh)
     assert not [*tmp_path.iterdir()]
-
-
-def test_compressed_data_are_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "compressed.vtu"
-    mesh = meshio.Mesh(np.eye(3), [("line", np.array([[0, 1], [1, 2]]))])
-    mesh.points[:, 2] = 0.0
-    meshio.vtu.write(path, mesh, compression="zlib")
-    assert len(vtu.read_vtu(path).lines) == 2
-    monkeypatch.setattr(vtu, "MOST_COMPRESSED", 100)
-    with pytest.raises(MeshFileError, match=r"at most 0\.0001 MB of compressed data"):
-        vtu.read_vtu(path)
-    meshio.vtu.write(path, mesh, compression="lzma")
-    with pytest.raises(MeshFileError, match="compressed by vtkZLibDataCompressor"):
-        vtu.read_vtu(path)
