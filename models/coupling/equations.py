@@ -1,6 +1,7 @@
 """Equations of motion of modes of bladed disk and casing, coupled by springs: Eqs (8)-(21).
 
-A spring of stiffness kappa per radian joins both at every static angle theta = alpha + Omega t.
+A spring of stiffness kappa per radian connects both bodies at every static angle
+theta = alpha + Omega t.
 The energy kappa/2 int (w - u)^2 dtheta of Eq. (8) splits into nodal diameters. With the cosine and
 sine part of the radial displacement of each mode, A_k on the casing and B_k on the bladed disk, and
 R(k Omega t), a rotation of the two parts,
@@ -8,21 +9,22 @@ R(k Omega t), a rotation of the two parts,
     x'' + (D + 2 Omega G) x' + (diag(omega^2) + Omega^2 S + K*(t)) x = 0,
     K*(t) = sum_k f_k kappa C_k^T C_k,    C_k = A_k - R(k Omega t) B_k,
 
-f_0 = 2 pi, f_k = pi otherwise. G is the Coriolis matrix and S = K_G1 - M_t of the modes at rest.
-Shaft springs that stand still and differ add anisotropy (X^T X - Y^T Y), X and Y the centre's
-displacement along the static axes.
+with f_0 = 2 pi and f_k = pi otherwise. G is the Coriolis matrix and S = K_G1 - M_t, both over the
+modes at rest. Stationary shaft springs of unequal stiffness add anisotropy (X^T X - Y^T Y), where X
+and Y are the displacements of the centre along the static axes.
 
-J turns the cosine-sine pairs of the casing k turns further than those of the bladed disk for each
-turn of the rotor. If A_k, B_k, D, G and S commute with it and there is no anisotropy, the frame
-x = exp(Omega t J) y makes the equations autonomous:
+For each turn of the rotor, exp(Omega t J) rotates the cosine-sine pairs of the casing by k turns
+more than those of the bladed disk. If A_k, B_k, D, G and S commute with J and there is no
+anisotropy, the frame x = exp(Omega t J) y makes the equations autonomous:
 
     y'' + (D + 2 Omega (J + G)) y' + (K(0) + Omega^2 (J^2 + S + 2 G J) + Omega D J) y = 0.
 
-Equation (16) is the frame in which the casing turns by k/2 and the bladed disk by -k/2. We differ
-from the printed Eq. (9), which does not follow from Eq. (8): it does not couple the two rotor
-pairs, has the modal mass of the wrong row in its off-diagonal blocks, and lacks the factor pi,
-which we keep unless `with_pi` is false. We differ from the printed Eq. (18), whose gyroscopic block
-of q5, q6 has the opposite sign of the others when derived from Eq. (16), and add modal damping.
+Equation (16) is the frame in which the casing turns by k/2 and the bladed disk by -k/2. The
+printed Eq. (9) does not follow from Eq. (8): it does not couple the two rotor pairs, has the modal
+mass of the wrong row in its off-diagonal blocks, and lacks the factor pi, which is kept here unless
+`with_pi` is false. The gyroscopic block of q5, q6 in the printed Eq. (18) has the wrong sign:
+derived from Eq. (16), its sign is opposite to that of the other blocks. Modal damping is added
+here.
 """
 
 from __future__ import annotations
@@ -40,27 +42,27 @@ Matrix = TypeVar("Matrix", FloatArray, ComplexArray)
 
 @dataclass(frozen=True, kw_only=True)
 class CoupledEquations:
-    """Mass-normalised equations of coupled modes; a nodal diameter that decouples has its own."""
+    """Mass-normalised equations of motion of modes that are coupled by springs."""
 
-    name: tuple[str, ...]  #: for tables, fewer where modes share one
+    name: tuple[str, ...]  #: names for tables; modes may share a name
     frequency: FloatArray
     """Natural frequency without the springs [rad/s], (modes,); negative where its square is."""
     damping: FloatArray  #: D [1/s], (modes, modes)
     harmonics: IntArray  #: nodal diameters k of the radial waves, (harmonics,)
-    casing: FloatArray  #: A_k: cosine and sine part of w [kg^-1/2], (harmonics, 2, modes)
-    rotor: FloatArray  #: B_k: the same at the tips, rotating axes
+    casing: FloatArray  #: A_k: cosine, sine part on the casing [kg^-1/2], (harmonics, 2, modes)
+    rotor: FloatArray  #: B_k: the same for the blade tips, in rotating axes
     turning: FloatArray | None  #: J, (modes, modes); None if no frame makes them autonomous
     coriolis: FloatArray | None = None  #: G, (modes, modes); zero if None
     softening: FloatArray | None = None  #: S, (modes, modes); zero if None
     centre: FloatArray | None = None
-    """x and y of the centre in rotating axes [kg^-1/2], (2, modes); only for the anisotropy."""
-    anisotropy: float = 0.0  #: of shaft springs that stand still [N/m]
+    """x and y of the centre in rotating axes [kg^-1/2], (2, modes); used by the anisotropy only."""
+    anisotropy: float = 0.0  #: half the difference of the stationary shaft springs [N/m]
     pairs: bool = False
     """Whether modes are pairs, cosine before sine, and all matrices commute with their rotation."""
 
     @property
     def blocks(self) -> tuple[CoupledEquations, ...]:
-        """Equations that do not couple: these."""
+        """Sets of equations that are independent of each other: here this one."""
         return (self,)
 
     def drag(self, speed: ArrayLike) -> FloatArray:
@@ -69,7 +71,7 @@ class CoupledEquations:
         return self.damping + twice * (0.0 if self.coriolis is None else self.coriolis)
 
     def factors(self, *, with_pi: bool = True) -> FloatArray:
-        """f_k of each nodal diameter: int cos^2(k theta) dtheta, or that over pi, (harmonics,)."""
+        """Integrals f_k of cos^2(k theta) over a turn, (harmonics,); over pi unless `with_pi`."""
         return (np.pi if with_pi else 1.0) * np.where(self.harmonics == 0, 2.0, 1.0)
 
     def springs(self, angle: ArrayLike, kappa: float, *, with_pi: bool = True) -> FloatArray:
@@ -115,7 +117,7 @@ class CoupledEquations:
             (..., modes, modes) [1/s] and [1/s^2].
 
         Raises:
-            ValueError: no frame makes them autonomous, and the speed is not zero.
+            ValueError: no frame makes the equations autonomous, and the speed is not zero.
         """
         speed, kappa = np.broadcast_arrays(speed, kappa)
         omega = np.asarray(speed, dtype=np.float64)[..., None, None]
@@ -135,9 +137,9 @@ class CoupledEquations:
     def state_matrix(
         self, speed: ArrayLike, kappa: ArrayLike, *, with_pi: bool = True
     ) -> FloatArray:
-        """Matrix of d(y, y')/dt, see `autonomous`, (..., 2 modes, 2 modes).
+        """Matrix of the first-order system for (y, y'), (..., 2 modes, 2 modes); see `autonomous`.
 
-        The negative of the A of Eq. (21), so that a positive real part always means growth.
+        This is the negative of A in Eq. (21), so that a positive real part means growth.
         """
         drag, stiffness = self.autonomous(speed, kappa, with_pi=with_pi)
         return companion(-stiffness, -drag)
@@ -145,10 +147,10 @@ class CoupledEquations:
     def whirl_matrix(
         self, speed: ArrayLike, kappa: ArrayLike, *, with_pi: bool = True
     ) -> FloatArray | ComplexArray:
-        """Matrix of half size for pairs, (..., modes, modes) [rad/s], positions scaled.
+        """Matrix of half size for cosine-sine pairs, (..., modes, modes) [rad/s].
 
-        With z = y_c + i y_s = X exp(i mu t) its eigenvalues are mu and its vectors begin with X. It
-        is real without damping where the bladed disk is its own mirror image.
+        With z = y_c + i y_s = X exp(i mu t), its eigenvalues are mu, and the first half of each
+        eigenvector is X. It is real if there is no damping and the bladed disk has mirror symmetry.
         """
         drag, stiffness = (
             np.asarray(part[..., ::2, ::2] + 1j * part[..., 1::2, ::2], dtype=np.complex128)
@@ -161,7 +163,7 @@ class CoupledEquations:
     def in_body_axes(
         self, y: FloatArray, rate: FloatArray, *, speed: float, time: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Coordinates x and their rates from those of the autonomous frame, (times, modes) each.
+        """Return x and dx/dt from the coordinates y of the autonomous frame, (times, modes) each.
 
         Args:
             y: coordinates in the autonomous frame, (times, modes).
@@ -177,12 +179,14 @@ class CoupledEquations:
 
 
 def companion(by_position: Matrix, by_rate: Matrix, unit: float = 1.0) -> Matrix:
-    """Matrix over (unit x, x') of x'' = by_position x + by_rate x', (..., 2 n, 2 n).
+    """Matrix of the first-order system of x'' = by_position x + by_rate x', (..., 2 n, 2 n).
+
+    The state is (unit x, x').
 
     Args:
         by_position: (..., n, n).
-        by_rate: broadcasts with it.
-        unit: a typical frequency, so that both halves have equal sizes.
+        by_rate: (..., n, n), broadcast with `by_position`.
+        unit: a typical frequency [rad/s], so that both halves of the state have similar sizes.
     """
     n = by_position.shape[-1]
     state = np.zeros((*by_position.shape[:-2], 2 * n, 2 * n), dtype=by_position.dtype)

@@ -1,13 +1,13 @@
-"""Modes with one nodal diameter each, and the springs that couple them: Eqs (4)-(10).
+"""Modes with one nodal diameter each, coupled by springs: Eqs (4)-(10).
 
 With alpha = theta - Omega t and mass-normalised modes
 
     w(theta)   = sum_i a_i (v_ci cos k_i theta + v_si sin k_i theta)             on the casing
     u(alpha)   = sum_j a_j (u_cj cos k_j alpha + u_sj sin k_j alpha)             on the rotor
 
-and cosines of different k are orthogonal on the circle, so nodal diameters decouple; see
-`bladewhirl.models.coupling.equations`. The paper's system, Eq. (9), is the case of one casing and
-two rotor pairs, all with k = 1 and a = 1 (`paper_modes`).
+cosines of different k are orthogonal on the circle, so each nodal diameter has its own equations;
+see `bladewhirl.models.coupling.equations`. The paper's system, Eq. (9), has one casing and two rotor
+pairs, all with k = 1 and a = 1 (`paper_modes`).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray, Int
 from bladewhirl.models.coupling.equations import CoupledEquations
 
 ANGLES = 181
-"""Angles at which springs are looked at where their stiffness changes as the rotor turns."""
+"""Number of angles of the rotor at which frequencies are computed if they depend on the angle."""
 
 SIX_NAMES = ("casing k=1", "1F k=1", "suspension")
 """Names of the modes of the paper's system, which have one nodal diameter."""
@@ -32,24 +32,25 @@ SIX_NAMES = ("casing k=1", "1F k=1", "suspension")
 
 @dataclass(frozen=True, kw_only=True)
 class CouplingModes:
-    """Modes that the springs couple: each entry is a cosine/sine pair or a single mode.
+    """Modes that are coupled by the springs: each entry is a cosine/sine pair or a single mode.
 
-    The real coordinates stand entry by entry, cosine before sine, so that the paper's system is
-    (v_c, v_s, u_c, u_s, u_co, u_so). Single modes with k > 0 are on the rotor, k = N/2.
+    The real coordinates are in the order of the entries, cosine before sine. The coordinates of
+    the paper's system are (v_c, v_s, u_c, u_s, u_co, u_so). A single mode with k > 0 is a mode of
+    the rotor with k = N/2.
     """
 
-    name: tuple[str, ...]  #: what to call each entry, for tables and legends
+    name: tuple[str, ...]  #: name of each entry for tables and legends
     on_casing: BoolArray  #: body of each entry: casing, otherwise rotor, (entries,)
     nodal_diameter: IntArray  #: k of each entry, (entries,)
     frequency: FloatArray
-    """Natural frequency of each entry, uncoupled [rad/s], (entries,); negative where its square
-    is, past a critical speed."""
+    """Natural frequency of each entry without the springs [rad/s], (entries,); negative if its
+    square is negative, which happens beyond a critical speed."""
     amplitude: FloatArray  #: radial amplitude at the springs [kg^-1/2], (entries,)
     damping_ratio: FloatArray  #: modal damping ratio of each entry, (entries,)
     paired: BoolArray  #: whether the entry is a cosine/sine pair, (entries,)
     coriolis: FloatArray | None = None
     """G of the coordinates for Omega = 1 rad/s, zero on the casing, (size, size); None if zero."""
-    softening: FloatArray | None = None  #: S = K_G1 - M_t of the coordinates, as `coriolis`
+    softening: FloatArray | None = None  #: S = K_G1 - M_t of the coordinates, (size, size)
 
     @property
     def entries(self) -> int:
@@ -78,7 +79,7 @@ class CouplingModes:
 
     @property
     def harmonics(self) -> tuple[int, ...]:
-        """Nodal diameters present, ascending; entries of different ones do not couple."""
+        """Nodal diameters of the entries, ascending; different nodal diameters are not coupled."""
         return tuple(int(k) for k in np.unique(self.nodal_diameter))
 
     @property
@@ -88,7 +89,7 @@ class CouplingModes:
 
     @property
     def frame_rate(self) -> FloatArray:
-        """Turns r of each entry's invariant coordinates per turn of the rotor, (entries,)."""
+        """Turns r of the invariant coordinates of each entry per turn of the rotor, (entries,)."""
         share = np.where(self.on_casing, 0.5, -0.5)
         single = np.isin(self.nodal_diameter, self.nodal_diameter[~self.paired])
         turned = np.where(single, self.on_casing, share)  # a single mode cannot be turned
@@ -120,11 +121,14 @@ class CouplingModes:
 
     @cached_property
     def blocks(self) -> tuple[CoupledEquations, ...]:
-        """Equations of each nodal diameter, which do not couple."""
+        """Equations of each nodal diameter; they are independent of each other."""
         return tuple(self.harmonic(k).equations for k in self.harmonics)
 
     def over_entries(self, matrix: FloatArray | None) -> ComplexArray:
-        """Complex matrix over the entries of one over the coordinates that commutes with J."""
+        """Return the complex matrix over the entries for a real one over the coordinates.
+
+        The real matrix must commute with J (see `equations`).
+        """
         if matrix is None:
             return np.zeros((self.entries, self.entries), dtype=np.complex128)
         crossed = matrix[np.ix_(self.cosine + self.paired, self.cosine)]
@@ -156,7 +160,7 @@ def paper_modes(
         casing: frequency of the casing's k = 1 pair [rad/s].
         first_flexural: frequency of the bladed disk's 1F, k = 1 pair [rad/s].
         suspension: frequency of the suspension pair [rad/s].
-        damping_ratio: modal damping ratio of all three.
+        damping_ratio: modal damping ratio of all three pairs.
     """
     return CouplingModes(
         name=("casing", "1F", "suspension"),
@@ -171,23 +175,23 @@ def paper_modes(
 
 @dataclass(frozen=True, kw_only=True)
 class CoupledEntries:
-    """Coupled modes and their numbers on the two bodies."""
+    """Coupled modes, and the number of each mode among the modes of its body."""
 
     modes: CouplingModes
-    number: IntArray  #: of each entry's mode among those of its body; a sine follows, (entries,)
+    number: IntArray  #: number of the (cosine) mode among the modes of its body, (entries,)
 
     @property
     def numbers(self) -> IntArray:
-        """Number of each coordinate's mode among those of its body, (size,)."""
+        """Number of the mode of each coordinate among the modes of its body, (size,)."""
         return self.number[self.modes.entry] + self.modes.is_sine
 
     def coordinates(self, *, on_casing: bool) -> tuple[IntArray, IntArray]:
-        """Coordinates that belong to one body, and the numbers of their modes on it."""
+        """Return the coordinates that belong to one body, and the numbers of their modes."""
         coordinates = np.flatnonzero(self.modes.on_casing[self.modes.entry] == on_casing)
         return coordinates, self.numbers[coordinates]
 
     def places(self, rotor_modes: int) -> IntArray:
-        """Place of each coordinate among the modes of bladed disk and casing, (size,)."""
+        """Return the number of each coordinate in the list of rotor, then casing modes, (size,)."""
         return self.numbers + rotor_modes * self.modes.on_casing[self.modes.entry]
 
     @property
@@ -208,14 +212,14 @@ class CoupledEntries:
         return replace(self, modes=self.modes.take(chosen), number=self.number[chosen])
 
     def with_unit_amplitudes(self) -> Self:
-        """Give every mode amplitude one, as the paper does, in the phase that it has."""
+        """Give every mode the amplitude one of the paper, with the sign of its amplitude."""
         return replace(self, modes=replace(self.modes, amplitude=np.sign(self.modes.amplitude)))
 
     def six_modes(self) -> Self:
-        """Keep the paper's system: k = 1 of casing, 1F and suspension, in this order (Eqs 4-9).
+        """Keep the k = 1 pairs of the paper: casing, 1F, suspension, in this order (Eqs 4-9).
 
         Raises:
-            ValueError: one of them is missing, as the suspension pair is with a clamped centre.
+            ValueError: a pair is missing. With a clamped centre there is no suspension pair.
         """
         for name in SIX_NAMES:
             if name not in self.modes.name:
@@ -225,7 +229,7 @@ class CoupledEntries:
 
 @dataclass(frozen=True, kw_only=True)
 class CouplingSprings(CoupledEntries):
-    """Springs between two modal bodies: which of their modes they couple, and how stiffly."""
+    """Springs between two modal bodies: the coupled modes and the stiffness."""
 
     kappa: float  #: stiffness [N/m] per radian
     with_pi: bool = True  #: keep the factor pi of the integral in Eq. (8)

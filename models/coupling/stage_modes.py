@@ -1,4 +1,4 @@
-"""The modes of a stage that springs between rotor and casing couple, with their amplitudes."""
+"""Modes of a stage that are coupled by springs between rotor and casing, with amplitudes."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 """Families of the bladed disk that are coupled, besides the suspension pair."""
 
 RADIAL_SHARE = 1.0 / 3.0
-"""Least share of radial motion in a radial mode. Bending modes of a ring with k nodal diameters
-have k^2 / (1 + k^2), so a half for k = 1; modes that stretch it have 1 / (1 + k^2)."""
+"""Least share of radial motion in a radial mode. The share is k^2 / (1 + k^2) in bending modes of a
+ring with k nodal diameters, so 1/2 for k = 1; in extensional modes it is 1 / (1 + k^2)."""
 
 SMALLEST_AMPLITUDE = 1e-9
 """Modes with a smaller share of the largest radial amplitude of their body are not coupled."""
 
 ROUNDING = 1e-9
-"""Share of a matrix below which the part that a mirror symmetry forbids is rounding."""
+"""Share of a matrix below which entries that are zero by mirror symmetry are rounding errors."""
 
 Fields = Callable[[IntArray], FloatArray]
 
@@ -42,14 +42,14 @@ class StageModes(CoupledEntries):
 
 
 def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
-    """Collect the modes of a full stage that the springs couple; see `coupled_entries`.
+    """Collect the modes of a full stage that are coupled by the springs; see `coupled_entries`.
 
     Args:
         modal: finite element models with all their modes.
-        damping_ratio: of every mode.
+        damping_ratio: modal damping ratio of all modes.
 
     Raises:
-        ValueError: modes without nodal diameter: the stage has no cyclic symmetry.
+        ValueError: the stage has no cyclic symmetry, so its modes have no nodal diameter.
     """
     disk, wall = modal.disk_modes, modal.casing_modes
     coupled = coupled_entries(
@@ -65,8 +65,8 @@ def at_speed(stage: StageModes, matrices: RotationMatrices, effects: Effects) ->
 
     Args:
         stage: coupled modes at rest.
-        matrices: of its bladed disk.
-        effects: that count, not none.
+        matrices: rotation matrices of the bladed disk.
+        effects: rotation effects of the case, not "none".
     """
     modes = stage.modes
     coordinates, numbers = stage.coordinates(on_casing=False)
@@ -79,7 +79,7 @@ def at_speed(stage: StageModes, matrices: RotationMatrices, effects: Effects) ->
     mirrored = modes.is_sine[:, None] == modes.is_sine
     for matrix, forbidden in ((coriolis, mirrored), (softening, ~mirrored)):
         if np.abs(matrix[forbidden]).max() <= ROUNDING * np.abs(matrix).max():
-            matrix[forbidden] = 0.0  # the disk is its own mirror image
+            matrix[forbidden] = 0.0  # the disk has mirror symmetry
     return replace(stage, modes=replace(modes, coriolis=coriolis, softening=softening))
 
 
@@ -89,12 +89,14 @@ class RadialModes:
 
     frequency: FloatArray  #: [rad/s], (modes,)
     nodal_diameter: IntArray  #: (modes,)
-    column: IntArray  #: DFT column of each mode, (modes,); -1 without symmetry
+    column: (
+        IntArray  #: column in the real Fourier basis, (modes,); -1 without symmetry
+    )
     family: tuple[str, ...]  #: of each mode
     angles: FloatArray  #: of tips or nodes, equally spaced [rad], (points,)
     motion: Callable[[IntArray], tuple[FloatArray, FloatArray]]
-    """Radial and tangential displacement at these points of modes by number [kg^-1/2],
-    (points, chosen) each."""
+    """Function that takes numbers of modes and returns their radial and tangential displacement at
+    these points [kg^-1/2], (points, chosen) each."""
 
     @property
     def is_cyclic(self) -> bool:
@@ -129,20 +131,20 @@ class RadialModes:
 def coupled_entries(
     rotor: RadialModes, casing: RadialModes, *, damping_ratio: float
 ) -> CoupledEntries:
-    """Find the modes that the springs couple: those with radial motion at the springs.
+    """Select the modes that are coupled by the springs: modes with radial motion at the springs.
 
-    Of the bladed disk these are the suspension pair and `FAMILIES`; of the casing the lowest
-    radial one of each nodal diameter, below half the number of elements, that the bladed disk has
-    too. On both the springs see the part of the radial displacement that follows cos k theta,
-    sampled at the tips or nodes.
+    From the bladed disk, these are the suspension pair and the modes of `FAMILIES`. From the
+    casing, they are the lowest radial mode of each nodal diameter below half the number of
+    elements, if the bladed disk has modes with this nodal diameter. The amplitude of a mode is that
+    of the cos k theta part of its radial displacement at the tips or casing nodes.
 
     Args:
         rotor: modes of the bladed disk, ascending.
         casing: modes of the casing, ascending.
-        damping_ratio: of every mode.
+        damping_ratio: modal damping ratio of all modes.
 
     Raises:
-        ValueError: modes without nodal diameter: the stage has no cyclic symmetry.
+        ValueError: the stage has no cyclic symmetry, so its modes have no nodal diameter.
     """
     if not (rotor.is_cyclic and casing.is_cyclic):
         raise ValueError("coupling by nodal diameter needs a stage with cyclic symmetry")
@@ -173,13 +175,14 @@ def coupled_entries(
 def tip_motion(
     disk: BladedDiskModel, modes: ModeTable, family: tuple[str, ...], fields: Fields
 ) -> RadialModes:
-    """Return the radial motion of the tips in modes of a bladed disk, full or reduced.
+    """Return the radial motion of the tips in the modes of a bladed disk, full or reduced.
 
     Args:
         disk: the finite element model.
-        modes: their numbers.
-        family: of each, (modes,).
-        fields: of modes by number, on the free degrees of freedom, (size, chosen).
+        modes: table of the modes.
+        family: family of each mode, (modes,).
+        fields: function that takes numbers of modes and returns their displacements at the free
+            degrees of freedom, (size, chosen).
     """
 
     def motion(chosen: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -216,7 +219,7 @@ def wall_motion(
 
 
 def is_radial(outward: FloatArray, along: FloatArray) -> BoolArray:
-    """Return which casing modes are radial: springs couple them, and a distortion excites them.
+    """Return which casing modes are radial, so that springs and distortions act on them.
 
     Args:
         outward: w at the nodes, (nodes, modes).

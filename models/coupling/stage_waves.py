@@ -1,6 +1,6 @@
-"""Coupled modes of a stage whose nodal diameters mix.
+"""Coupled modes of a stage whose modes have several nodal diameters each.
 
-See `equations`, and `stage_modes` for stages whose modes have one nodal diameter each.
+See `equations` for the equations, `stage_modes` for modes with one nodal diameter each.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from bladewhirl.models.modal.labels import LabelledModes
 
 
 def standing_obstacles(modal: ModalStage, *, damped: bool) -> tuple[str, ...]:
-    """Return the reasons why a coupled stage is periodic in every frame; empty if it is autonomous.
+    """Return the reasons why no frame makes a coupled stage autonomous; empty if one does.
 
-    The casing must be the same all round, shaft springs that stand still must be equal, and
-    damping must be shared out by modes.
+    The casing must be axisymmetric, stationary shaft springs must be equal, and all damping must
+    be modal.
 
     Args:
         modal: finite element models with their modes.
-        damped: whether dampers count.
+        damped: whether point dampers are part of the equations.
     """
     shaft, casing = modal.case.shaft, modal.casing
     obstacles = []
@@ -46,21 +46,21 @@ def standing_obstacles(modal: ModalStage, *, damped: bool) -> tuple[str, ...]:
 def coupled_waves(
     modal: ModalStage, *, modes: str, damped: bool, physical: bool
 ) -> CoupledEquations:
-    """Couple modes of a full stage, whatever its symmetry.
+    """Return the equations of coupled modes of any full stage, cyclic or not.
 
-    Where a frame holds the stage still, springs act in the nodal diameters of the casing modes.
+    If a frame makes the equations autonomous, only nodal diameters of the casing modes are kept.
 
     Args:
         modal: finite element models with their modes.
-        modes: "all" (of 1F to 5F, the suspension and the lowest radial casing modes; without
-            sectors, that name them, as many of the lowest), names as in `reduction.modes`, or
-            "six": the paper's, or, where blades differ, all modes of their families.
-        damped: with the case's modal damping and the dampers of shaft and supports.
-        physical: with the modes' own amplitudes, not one for the wave of each one's label.
+        modes: "all" (families 1F to 5F, the suspension and the lowest radial casing modes; without
+            identical sectors, the same number of lowest modes), names as in `reduction.modes`,
+            or "six" (the modes of the paper; if blades differ, all modes of their families).
+        damped: whether to add the modal damping and the dampers of shaft and supports.
+        physical: whether to use the computed amplitudes of the modes instead of one.
 
     Raises:
-        ValueError: modes that the stage does not have, or blades at uneven angles.
-        CaseError: dampers under the shaft that stand still.
+        ValueError: the stage does not have the modes, or the blades are not evenly spaced.
+        CaseError: `damped`, and the dampers of the shaft are stationary.
     """
     case, disk, casing = modal.case, modal.disk, modal.casing
     if damped and case.shaft.damping_frame == "static":
@@ -150,8 +150,7 @@ def _with_waves(
     angle: FloatArray,
     harmonics: IntArray,
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return the modes with radial motion, their fields and waves; springs do not act on the
-    others."""
+    """Return the modes with radial motion, their fields and their waves, and drop the others."""
     fields = modes.fields(chosen)
     waves = wave_parts(radial(fields), angle, harmonics)
     size = np.linalg.norm(waves, axis=(0, 1))

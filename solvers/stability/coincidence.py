@@ -1,15 +1,15 @@
-"""Modal coincidence of bladed disk and casing: where waves meet in the Campbell diagram, Eq. (14).
+"""Modal coincidence: speeds at which waves of bladed disk and casing meet, Eq. (14).
 
 A wave with nodal diameter k that travels forward on the casing at omega_c, exp(i (k theta -
 omega_c t)), is seen from the rotor, alpha = theta - Omega t, as exp(i (k alpha + (k Omega -
-omega_c) t)): at k Omega - omega_c it travels backward. Where that is a frequency of the bladed
-disk, omega_c = k Omega - omega_bd, both waves keep pace and contact feeds them both.
+omega_c) t)): there it travels backward with the frequency k Omega - omega_c. If this is a natural
+frequency omega_bd of the bladed disk, both waves rotate together and contact excites both.
 
 Blades slide forward over the casing, so friction drags waves backward on the rotor and forward on
-the casing. Only this combination counts: two waves that travel in the same sense in their own
-frames also meet, at (omega_c - omega_bd) / k or (omega_bd - omega_c) / k, but are not fed. Waves
-with k = 0 do not travel and never meet. Mirror images are the same for Omega < 0, with forward and
-backward exchanged, so speeds are given as magnitudes.
+the casing. Only this combination counts. Two waves that travel in the same direction, each in its
+body's axes, also meet, at (omega_c - omega_bd) / k or (omega_bd - omega_c) / k, but are not
+excited. Waves with k = 0 do not travel and never meet. For Omega < 0 forward and backward are
+exchanged and the speeds are the same, so speeds are given as magnitudes.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 class Coincidences:
     """Coincidence speeds of pairs of modes with the same nodal diameter, ascending."""
 
-    rotor: IntArray  #: number of the bladed disk's mode, (pairs,)
-    casing: IntArray  #: number of the casing's mode, (pairs,)
-    nodal_diameter: IntArray  #: k of both, 1 or more, (pairs,)
+    rotor: IntArray  #: number of the mode of the bladed disk, (pairs,)
+    casing: IntArray  #: number of the mode of the casing, (pairs,)
+    nodal_diameter: IntArray  #: nodal diameter k of both modes, 1 or more, (pairs,)
     speed: FloatArray  #: Omega_k^cr [rad/s], (pairs,)
 
     @property
@@ -57,13 +57,15 @@ def coincidences(
     casing_frequency: ArrayLike,
     casing_nodal_diameter: ArrayLike,
 ) -> Coincidences:
-    """Coincidence speeds Omega = (omega_c + omega_bd) / k of every pair of modes with one k > 0.
+    """Coincidence speeds Omega = (omega_c + omega_bd) / k of all pairs of modes with equal k > 0.
 
     Args:
-        rotor_frequency: of the bladed disk, a degenerate pair given once [rad/s], (modes,).
-        rotor_nodal_diameter: of each, (modes,).
-        casing_frequency: of the casing, a degenerate pair given once [rad/s], (modes,).
-        casing_nodal_diameter: of each, (modes,).
+        rotor_frequency: natural frequencies of the bladed disk, one entry for a pair [rad/s],
+            (modes,).
+        rotor_nodal_diameter: nodal diameters of these modes, (modes,).
+        casing_frequency: natural frequencies of the casing, one entry for a pair [rad/s],
+            (modes,).
+        casing_nodal_diameter: nodal diameters of these modes, (modes,).
     """
     rotor, casing = np.asarray(rotor_frequency, float), np.asarray(casing_frequency, float)
     rotor_k = np.asarray(rotor_nodal_diameter, np.int64)

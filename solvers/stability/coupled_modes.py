@@ -5,9 +5,9 @@
 3. back to the coordinates u by the frame of Eq. (16), u = exp(Omega t J) y,
 4. through mode shapes to the shaft, the tips and the casing (`coupled_motion`).
 
-What the motion does is measured from the fields: a radial field with nodal diameter k,
-Re(C exp(-i k theta)), has its crest at theta = arg(C) / k, so the wave travels forward, in the
-sense of rotation, where arg(C) grows.
+The direction of travel is measured from the displacement fields. A radial field with nodal
+diameter k, Re(C exp(-i k theta)), has its crest at theta = arg(C) / k, so the wave travels forward,
+in the sense of rotation, if arg(C) grows.
 """
 
 from __future__ import annotations
@@ -25,22 +25,22 @@ from bladewhirl.models.coupling.springs import CouplingModes
 class CoupledMode:
     """Mode of the autonomous system: y = Re(shape exp(eigenvalue t))."""
 
-    modes: CouplingModes  #: the modes coupled; `shape` is zero outside one nodal diameter
+    modes: CouplingModes  #: all coupled modes; `shape` is zero except for one nodal diameter
     speed: float  #: Omega [rad/s]
-    nodal_diameter: int  #: k of the participating entries
+    nodal_diameter: int  #: nodal diameter k of the mode
     eigenvalue: complex  #: [1/s]
     shape: ComplexArray  #: of y in the autonomous frame, largest entry one, (modes.size,)
 
 
 @dataclass(frozen=True, kw_only=True)
 class RadialShapes:
-    """Motion of shaft, tips and casing in unit coordinates [kg^-1/2]; coordinates as in u."""
+    """Displacement of shaft, tips and casing for unit coordinates u [kg^-1/2]."""
 
     centre: FloatArray  #: x and y of the centre node, rotating axes, (2, size)
     tips: FloatArray  #: radial displacement of each tip, (tips, size)
-    tip_angle: FloatArray  #: of equally spaced tips in the rotating frame [rad], (tips,)
+    tip_angle: FloatArray  #: angle of equally spaced tips, rotating frame [rad], (tips,)
     casing: FloatArray  #: radial displacement of stations on the casing, (stations, size)
-    casing_angle: FloatArray  #: of equally spaced stations in the static frame [rad], (stations,)
+    casing_angle: FloatArray  #: angle of equally spaced stations, static frame [rad], (stations,)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +51,7 @@ class CoupledMotion:
     nodal_diameter: int  #: k of the motion
     speed: float  #: Omega [rad/s]
     displacement: FloatArray  #: coordinates u [kg^1/2 m], (times, size)
-    velocity: FloatArray  #: their rates [kg^1/2 m/s], (times, size)
+    velocity: FloatArray  #: du/dt [kg^1/2 m/s], (times, size)
     shaft: FloatArray  #: centre in rotating axes [m], (times, 2)
     rotor_wave: ComplexArray  #: C of the tips' radial field, rotating frame [m], (times,)
     casing_wave: ComplexArray  #: C of the casing's radial field, static frame [m], (times,)
@@ -72,35 +72,35 @@ class CoupledMotion:
     def smallest_clearance_angle(self) -> FloatArray:
         """Angle of the smallest clearance in the static frame [rad], (times,), unwrapped.
 
-        A wave of k nodal diameters has k such angles, of which this is one.
+        A wave with k nodal diameters has k such angles; this is one of them.
         """
         return np.unwrap(np.angle(-self.stretch)) / max(self.nodal_diameter, 1)
 
     @property
     def rotor_wave_speed(self) -> float:
-        """Rate at which the rotor's crest moves in the rotating frame, forward positive [rad/s]."""
+        """Speed of the wave crest on the rotor in the rotating frame, forward positive [rad/s]."""
         return self._crest_speed(self.rotor_wave)
 
     @property
     def casing_wave_speed(self) -> float:
-        """Rate at which the casing's crest moves in the static frame, forward positive [rad/s]."""
+        """Speed of the wave crest on the casing in the static frame, forward positive [rad/s]."""
         return self._crest_speed(self.casing_wave)
 
     @property
     def whirl_speed(self) -> float:
-        """Rate of the shaft's orbit in the rotating frame, forward positive [rad/s]; k = 1."""
+        """Whirl speed of the shaft in the rotating frame, forward positive [rad/s]; k = 1."""
         return phase_rate(self.time, _complex(self.shaft))
 
     @property
     def whirl_speed_static(self) -> float:
-        """Rate of the shaft's orbit in the static frame, forward positive [rad/s]; k = 1."""
+        """Whirl speed of the shaft in the static frame, forward positive [rad/s]; k = 1."""
         return phase_rate(self.time, _complex(self.shaft_static))
 
     @property
     def shaft_lead(self) -> FloatArray:
-        """Angle of the shaft's displacement less that of the smallest clearance, (times,) [rad].
+        """Angle of the shaft displacement minus angle of the smallest clearance [rad], (times,).
 
-        In (-pi, pi]: zero is the paper's standard contact scenario, pi the inverted one; k = 1.
+        In (-pi, pi]; k = 1. Zero is the paper's standard contact scenario, pi the inverted one.
         """
         return np.angle(-_complex(self.shaft_static) / self.stretch)
 
@@ -111,7 +111,9 @@ class CoupledMotion:
 def coupled_modes(
     modes: CouplingModes, *, speed: float, kappa: float, with_pi: bool = True
 ) -> list[CoupledMode]:
-    """Modes of the autonomous system, the fastest growing first, one of each conjugate pair.
+    """Compute the modes of the autonomous system, the fastest growing first.
+
+    Of each conjugate pair only one mode is returned.
 
     Args:
         modes: the modes to couple.
@@ -142,14 +144,14 @@ def coupled_modes(
 
 
 def modal_response(mode: CoupledMode, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Coordinates u and their rates of a coupled mode in time (steps 2 and 3).
+    """Compute the coordinates u of a coupled mode in time, and du/dt (steps 2 and 3).
 
     Args:
         mode: the mode.
         time: [s], (times,).
 
     Returns:
-        u and du/dt, each (times, size), for `mode.shape` as it is.
+        u and du/dt, each (times, size), not scaled.
     """
     y = np.exp(np.multiply.outer(time, mode.eigenvalue))[:, None] * mode.shape
     rate = (mode.eigenvalue * y).real
@@ -159,13 +161,13 @@ def modal_response(mode: CoupledMode, time: FloatArray) -> tuple[FloatArray, Flo
 def coupled_motion(
     mode: CoupledMode, *, time: FloatArray, shapes: RadialShapes, clearance: float
 ) -> CoupledMotion:
-    """Motion of shaft, tips and casing in a coupled mode (steps 2 to 4).
+    """Compute the motion of shaft, tips and casing in a coupled mode (steps 2 to 4).
 
     Args:
         mode: the mode.
         time: [s], (times,).
-        shapes: of shaft, tips and casing for unit coordinates.
-        clearance: at rest [m]; the motion is scaled to close it at the last instant.
+        shapes: displacements of shaft, tips and casing for unit coordinates.
+        clearance: clearance at rest [m]; the motion is scaled to close it at the last instant.
 
     Raises:
         ValueError: the mode does not change the clearance.
@@ -201,7 +203,8 @@ def wave_coefficient(field: FloatArray, angle: FloatArray, k: int) -> ComplexArr
         k: nodal diameter, up to half the number of angles.
 
     Returns:
-        (...); real for k = 0 and, where that is half the number of angles, in phase with it.
+        C, (...); real for k = 0. If k is half the number of angles, C is a real number times
+        exp(i k angle[0]).
     """
     count = len(angle)
     single = k == 0 or 2 * k == count

@@ -1,8 +1,8 @@
 """Floquet analysis of x'' + D x' + K(t) x = 0 with K(t) of period T, by direct integration.
 
-`floquet` knows nothing of invariant frames, so it is an independent check of them. The state is
-carried over one period by the sixth-order Magnus integrator on Gauss-Legendre nodes; steps are
-doubled until the monodromy matrix no longer changes.
+`floquet` does not use the frame in which the equations are autonomous, so it checks that frame
+independently. The state is integrated over one period by the sixth-order Magnus integrator on
+Gauss-Legendre nodes. The number of steps is doubled until the monodromy matrix no longer changes.
 
 Reference: S. Blanes, F. Casas, J. A. Oteo, J. Ros, The Magnus expansion and some of its
 applications, Physics Reports 470 (2009) 151-238, Section 5.4.
@@ -14,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.equations import CoupledEquations, companion
@@ -24,25 +25,7 @@ FEWEST_STEPS = 8
 MOST_STEPS = 1 << 17
 
 NODES = 0.5 + np.sqrt(15.0) / 10.0 * np.array([-1.0, 0.0, 1.0])
-"""Gauss-Legendre nodes of one step, as shares of it."""
-
-
-PADE = (
-    1.0
-    / 64764752532480000.0
-    * np.array(
-        [
-            *(64764752532480000.0, 32382376266240000.0, 7771770303897600.0, 1187353796428800.0),
-            *(129060195264000.0, 10559470521600.0, 670442572800.0, 33522128640.0),
-            *(1323241920.0, 40840800.0, 960960.0, 16380.0, 182.0, 1.0),
-        ]
-    )
-)
-"""Coefficients of the [13/13] Pade approximant of the exponential, the constant one first."""
-
-PADE_NORM = 5.37
-"""1-norm up to which the approximant is exact to rounding (N. J. Higham, SIAM J. Matrix Anal.
-Appl. 26 (2005) 1179-1193)."""
+"""Gauss-Legendre nodes of one step, as shares of the step."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,15 +63,15 @@ def floquet(
     """Integrate a periodic system over one period.
 
     Args:
-        stiffness: K at times (m,) [s], as (m, ..., n, n) [1/s^2]; further axes hold systems that
-            share the period.
+        stiffness: K at times (m,) [s], as (m, ..., n, n) [1/s^2]; further axes are for several
+            systems with the same period.
         period: T [s].
-        damping: D [1/s], broadcast to (..., n, n); none when None.
+        damping: D [1/s], broadcast to (..., n, n); None for an undamped system.
         tolerance: relative change of the monodromy matrix at which doubling stops.
 
     Raises:
-        ArithmeticError: the tolerance was not met with `MOST_STEPS` steps, or it takes more
-            to go through so long a period.
+        ArithmeticError: the tolerance is not met with `MOST_STEPS` steps, or the period needs
+            more steps than that.
     """
     first = stiffness(np.zeros(1))[0]
     drag = np.broadcast_to(0.0 if damping is None else damping, first.shape)
@@ -128,7 +111,7 @@ def coupled_floquet(
         with_pi: keep the factor pi of Eq. (8).
 
     Returns:
-        the change over a turn of the modes of each nodal diameter, ascending.
+        The change of state over one turn, one entry for each nodal diameter, ascending.
     """
 
     def over_one_turn(block: CoupledEquations) -> Floquet:
@@ -146,8 +129,8 @@ def exponents(
 ) -> ComplexArray:
     """Spectrum of coupled modes, the fastest growing first, (2 modes,) [1/s].
 
-    Eigenvalues where a frame makes the equations autonomous, or at rest; Floquet exponents of a
-    turn elsewhere.
+    These are eigenvalues at rest and where a frame makes the equations autonomous; otherwise they
+    are the Floquet exponents over one turn.
 
     Args:
         modes: the coupled modes.
@@ -170,7 +153,7 @@ def _propagate(
     steps: int,
     unit: float,
 ) -> FloatArray:
-    """Product of the steps' exponentials: the monodromy matrix of (unit x, x')."""
+    """Return the monodromy matrix of (unit x, x'), the product of the exponentials of all steps."""
     step = period / steps
     times = step * np.add.outer(np.arange(steps), NODES)
     early, middle, late = (
@@ -182,37 +165,11 @@ def _propagate(
     inner = _commutator(linear, slope)
     outer = -_commutator(linear, 2.0 * bend + inner) / 60.0
     correction = _commutator(-20.0 * linear - bend + inner, slope + outer) / 240.0
-    factors = exponentials(linear + bend / 12.0 + correction)
+    factors = la.expm(linear + bend / 12.0 + correction)
     while len(factors) > 1:  # pairwise, so that products are batched
         odd = factors[-1:] if len(factors) % 2 else factors[:0]
         factors = np.concatenate([factors[1::2] @ factors[: len(factors) - 1 : 2], odd])
     return np.asarray(factors[0])
-
-
-def exponentials(matrices: FloatArray) -> FloatArray:
-    """Exponentials of many small matrices at once, (..., n, n).
-
-    As `scipy.linalg.expm`, which takes them one by one and needs ten times as long.
-    """
-    norm = float(np.abs(matrices).sum(axis=-2).max())
-    halvings = int(np.ceil(np.log2(max(norm / PADE_NORM, 1.0))))
-    scaled = matrices / 2.0**halvings
-    unit = np.eye(scaled.shape[-1])
-    second = scaled @ scaled
-    fourth = second @ second
-    sixth = second @ fourth
-    b = PADE
-    odd = scaled @ (
-        sixth @ (b[13] * sixth + b[11] * fourth + b[9] * second)
-        + (b[7] * sixth + b[5] * fourth + b[3] * second + b[1] * unit)
-    )
-    even = sixth @ (b[12] * sixth + b[10] * fourth + b[8] * second) + (
-        b[6] * sixth + b[4] * fourth + b[2] * second + b[0] * unit
-    )
-    result = np.linalg.solve(even - odd, even + odd)
-    for _ in range(halvings):
-        result = result @ result
-    return np.asarray(result)
 
 
 def _commutator(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -1,10 +1,11 @@
-"""Growth of the coupled rotor and casing: spectra, growth rates, stability charts (Section 3.3.1).
+"""Growth rates and spectra of the coupled rotor and casing (Section 3.3.1).
 
-In the frame of `bladewhirl.models.coupling.equations` a nodal diameter that consists of pairs has,
-with z = y_c + i y_s = X exp(i mu t) and complex matrices, an eigenvalue problem of half the size of
-Eq. (21), see `CoupledEquations.whirl_matrix`. The spectrum of the real system is i mu and its
-conjugates; without damping the growth is exactly zero where all mu are real. Nodal diameters with a
-single mode (k = 0, N/2), and modes that mix nodal diameters, are solved in real coordinates.
+If all modes of a nodal diameter are cosine/sine pairs, complex coordinates z = y_c + i y_s =
+X exp(i mu t) give an eigenvalue problem of half the size of Eq. (21); see
+`CoupledEquations.whirl_matrix`. The eigenvalues of the real system are then i mu and their
+complex conjugates. Without damping the growth is exactly zero where all mu are real. Nodal
+diameters with a single mode (k = 0, N/2), and modes with several nodal diameters, are solved in
+real coordinates.
 """
 
 from __future__ import annotations
@@ -26,12 +27,12 @@ UNSTABLE_GROWTH = 1e-6
 """A point is unstable when its growth rate exceeds this share of the rotational speed."""
 
 REAL = 1e-6
-"""Share of a speed up to which an imaginary part is rounding."""
+"""Largest imaginary part of a real speed, as a share of the speed; the rest is rounding."""
 
 CHUNK, CHUNK_NUMBERS = 4096, 1 << 20
-"""Points solved in one batch, a step of the progress bar, and numbers of its matrices, at most."""
+"""Largest number of points in one batch, and of matrix entries in one batch."""
 
-Progress = Callable[[int, int], None]  #: called with the points done and the points in all
+Progress = Callable[[int, int], None]  #: called with the number of points done and of all points
 
 
 def is_unstable(growth: ArrayLike, speed: ArrayLike) -> BoolArray:
@@ -47,7 +48,7 @@ def eigenvalues(
     kappa: ArrayLike,
     with_pi: bool = True,
 ) -> ComplexArray:
-    """Spectrum of the autonomous coupled system, nodal diameter by nodal diameter.
+    """Eigenvalues of the autonomous coupled system, one nodal diameter after another.
 
     Args:
         modes: the coupled modes.
@@ -56,7 +57,8 @@ def eigenvalues(
         with_pi: keep the factor pi of Eq. (8).
 
     Returns:
-        (..., 2 modes.size) [1/s]; motions go as exp(eigenvalue t), opposite to Eq. (21).
+        (..., 2 modes.size) [1/s]. Motions are proportional to exp(eigenvalue t); Eq. (21) has the
+        opposite sign.
     """
     parts = []
     for block in modes.blocks:
@@ -80,7 +82,7 @@ def growth_rate(
         speed: Omega [rad/s].
         kappa: spring stiffness [N/m]; broadcasts with speed to the shape (...).
         with_pi: keep the factor pi of Eq. (8).
-        progress: called as points are done.
+        progress: called after each batch of points.
 
     Returns:
         (...); negative where every motion decays.
@@ -107,14 +109,16 @@ def growth_rate(
 
 
 def coincidence_speeds(modes: CouplingModes) -> dict[tuple[int, int], float]:
-    """Speeds of modal coincidence, Eq. (14), of counter-rotating waves, in rad/s.
+    """Speeds of modal coincidence of counter-rotating waves, Eq. (14) [rad/s].
 
-    With nu = omega_casing - k Omega put in, waves of the rotor are a quadratic eigenvalue problem
-    in Omega; without rotation effects Omega = (omega_casing + omega_rotor) / k.
+    With the frequency nu = omega_casing - k Omega, the waves of the rotor are the solutions of a
+    quadratic eigenvalue problem in Omega. Without rotation effects its solution is
+    Omega = (omega_casing + omega_rotor) / k.
 
     Returns:
-        The lowest speed at which the backward wave of each rotor entry meets a casing entry's, by
-        (casing entry, rotor entry) of one k > 0. A wave that is left out never meets it.
+        For each (casing entry, rotor entry) with the same k > 0, the lowest speed at which the
+        backward wave of the rotor entry meets the wave of the casing entry. Pairs that never meet
+        are left out.
     """
     lowest: dict[tuple[int, int], float] = {}
     for casing in np.flatnonzero(modes.on_casing & (modes.nodal_diameter > 0)).tolist():
@@ -141,7 +145,7 @@ def coincidence_speeds(modes: CouplingModes) -> dict[tuple[int, int], float]:
 
 
 def rotor_waves(rotor: CouplingModes, speed: float) -> ComplexArray:
-    """All nu of waves exp(i nu t) of the rotor without casing, positive forward [rad/s].
+    """Frequencies nu of the waves exp(i nu t) of the rotor alone, positive forward [rad/s].
 
     Args:
         rotor: entries of one nodal diameter, in rotating axes.
@@ -159,7 +163,7 @@ def rotor_waves(rotor: CouplingModes, speed: float) -> ComplexArray:
 def _spectrum(
     block: CoupledEquations, speed: ArrayLike, kappa: ArrayLike, with_pi: bool
 ) -> ComplexArray:
-    """Return the spectrum of coupled modes [1/s]: one half, i mu, if they are pairs."""
+    """Return the eigenvalues of coupled modes [1/s]; of pairs only i mu, without conjugates."""
     if block.pairs:
         return np.asarray(1j * np.linalg.eigvals(block.whirl_matrix(speed, kappa, with_pi=with_pi)))
     state = block.state_matrix(speed, kappa, with_pi=with_pi)

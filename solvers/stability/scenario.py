@@ -1,4 +1,4 @@
-"""Contact scenarios of a whirling shaft (Figs 9 and 10): where contact is, and what friction does.
+"""Contact scenarios of a whirling shaft: place of the contact and effect of friction (Figs 9, 10).
 
 Radial fields with one nodal diameter are Re(C exp(-i theta)), with their crest at arg(C); a shaft
 displaced by (x, y) is the phasor x + i y, which is also the radial field of a translation. The
@@ -6,11 +6,11 @@ clearance changes by Re((W - U) exp(-i theta)), W of the casing and U of the bla
 smallest at arg(U - W):
 
 * *standard*: on the side to which the shaft is displaced. Friction there drags the shaft against
-  the rotation and drives backward whirl. So it is where the rotor moves more than the casing.
+  the rotation and drives backward whirl. This happens where the rotor moves more than the casing.
 * *inverted*: on the opposite side, since the casing moves more (or the tips move against the
   centre). Friction drags the shaft in the sense of rotation and drives forward whirl.
 
-Angles are in one frame, rotating or static; their difference is the same in both.
+All angles are in the same frame, rotating or static; their differences are the same in both.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ from bladewhirl.meshes.line_mesh import FloatArray
 Kind = Literal["standard", "inverted", "unsteady"]
 
 STEADY = 0.5
-"""A motion has a scenario when the mean direction of its lead, a vector, is at least this long."""
+"""Least `Scenario.steadiness` of a motion that is standard or inverted."""
 
 SMALLEST = 1e-9
-"""Shares of the largest amplitude below which something does not move."""
+"""Share of the largest amplitude below which a displacement counts as zero."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
     """Place of the smallest clearance with respect to the shaft's displacement."""
 
-    lead: float  #: angle of the shaft less that of the smallest clearance, (-pi, pi] [rad]
-    steadiness: float  #: length of the mean direction of the lead: 1 when constant, 0 to 1
+    lead: float  #: angle of the shaft minus angle of the smallest clearance, (-pi, pi] [rad]
+    steadiness: float  #: length of the mean of exp(i lead), from 0 to 1; 1 if the lead is constant
 
     @property
     def kind(self) -> Kind:
@@ -48,7 +48,7 @@ class Scenario:
 
 
 def mode_scenario(*, shaft: complex, rotor: complex, casing: complex) -> Scenario:
-    """Scenario of a rotor mode and a casing mode, k = 1, that move in step.
+    """Scenario of a rotor mode and a casing mode with k = 1 and the same phase.
 
     Args:
         shaft: displacement x + i y of the centre.
@@ -70,16 +70,16 @@ def mode_scenario(*, shaft: complex, rotor: complex, casing: complex) -> Scenari
 def motion_scenario(
     *, shaft: ArrayLike, clearance_angle: ArrayLike, weight: ArrayLike | None = None
 ) -> Scenario:
-    """Scenario of a motion: the mean direction of the shaft's lead.
+    """Scenario of a motion, from the mean angle between the shaft and the smallest clearance.
 
     Args:
         shaft: displacement x, y of the centre over time [m], (times, 2).
-        clearance_angle: where the clearance is smallest, or contact is [rad], (times,).
-        weight: of each instant, such as its contact impulse; the same for all when None. Instants
-            at which the shaft stands still do not count.
+        clearance_angle: angle of the smallest clearance or of the contact [rad], (times,).
+        weight: weight of each instant, such as its contact impulse; None for equal weights.
+            Instants at which the shaft does not move have no weight.
 
     Raises:
-        ValueError: the shaft stands still whenever there is weight.
+        ValueError: the shaft does not move at any instant with a weight.
     """
     lead = shaft_lead(shaft, clearance_angle)
     weights = np.ones(len(lead)) if weight is None else np.asarray(weight, float)
@@ -91,14 +91,14 @@ def motion_scenario(
 
 
 def shaft_lead(shaft: ArrayLike, clearance_angle: ArrayLike) -> FloatArray:
-    """Angle of the shaft less that of the smallest clearance, (-pi, pi] [rad], (times,).
+    """Angle of the shaft minus angle of the smallest clearance, (-pi, pi] [rad], (times,).
 
     Args:
         shaft: displacement x, y of the centre over time [m], (times, 2).
-        clearance_angle: where the clearance is smallest [rad], (times,).
+        clearance_angle: angle of the smallest clearance [rad], (times,).
 
     Returns:
-        nan where the shaft stands still.
+        The angles; nan at instants at which the shaft does not move.
     """
     x, y = np.asarray(shaft, float).T
     radius = np.hypot(x, y)
@@ -112,6 +112,6 @@ def smallest_clearance_angle(gap: ArrayLike, angle: ArrayLike) -> FloatArray:
 
     Args:
         gap: of each tip over time [m], (times, tips).
-        angle: of each tip [rad], (tips,), in the frame that is wanted.
+        angle: of each tip [rad], (tips,), in the rotating or static frame, as the result.
     """
     return np.asarray(np.asarray(angle, float)[np.argmin(np.asarray(gap, float), axis=1)])

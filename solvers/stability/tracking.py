@@ -1,4 +1,4 @@
-"""Eigenvalues followed continuously along a line of parameters (Fig. 12)."""
+"""Continuous branches of eigenvalues along a line of parameters (Fig. 12)."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 def track(parameter: FloatArray, values: ComplexArray) -> ComplexArray:
     """Reorder spectra so that each column is one continuous branch.
 
-    Each spectrum is assigned to the straight continuation of the branches found so far, with the
-    least sum of squared distances: branches that only cross keep their direction. Where two
-    branches truly meet, which is which beyond the meeting is a convention.
+    The branches are extrapolated linearly to the next parameter, and its eigenvalues are assigned
+    to them with the least sum of squared distances. Branches that cross therefore keep their
+    direction. Where two branches coincide, their order beyond this point is arbitrary.
 
     Args:
         parameter: position along the line, strictly monotonic, (m,).

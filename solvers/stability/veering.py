@@ -1,10 +1,10 @@
 """Modes with one nodal diameter over the stiffness of the shaft springs.
 
-The shaft springs add kappa s s^H, of rank one, to the stiffness of the block k = 1 (s is the
-displacement of the centre). Each frequency therefore rises with kappa, up to the frequency of the
-same rank with a clamped centre, and never beyond the next one of the block: branches veer, and
-the n-th frequency is the n-th branch (Weyl's and Cauchy's inequalities). So nothing has to be
-guessed to follow them.
+The shaft springs add the rank-one matrix kappa s s^H to the stiffness of the block k = 1, where s
+is the displacement of the centre. By the inequalities of Weyl and Cauchy, each frequency rises with
+kappa up to the frequency of the same rank with a clamped centre and never passes the next
+frequency of the block. The branches therefore veer and do not cross: the n-th branch is the n-th
+frequency at every stiffness.
 """
 
 from __future__ import annotations
@@ -23,12 +23,13 @@ from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen, gyroscopi
 class ShaftVeering:
     """Branches of frequencies over spring stiffness."""
 
-    stiffness: FloatArray  #: of each of the two springs [N/m], (stiffnesses,)
+    stiffness: FloatArray  #: stiffness kappa of each of the two springs [N/m], (stiffnesses,)
     frequency: FloatArray  #: [rad/s], (stiffnesses, branches)
-    spring_share: FloatArray  #: share of the strain energy in the springs, as `frequency`
+    spring_share: FloatArray  #: share of the strain energy in the springs, (stiffnesses, branches)
     clamped: FloatArray  #: frequencies with a clamped centre [rad/s], (branches,)
     direction: tuple[str, ...]
-    """Way at rest of each, (branches,): backward, then forward; "both" without Coriolis forces."""
+    """Direction of travel of each branch in rotating axes, (branches,): "backward", then "forward";
+    "both" without Coriolis forces."""
 
 
 def shaft_veering(
@@ -46,7 +47,7 @@ def shaft_veering(
         mass: of the block, (n, n).
         centre: s of the springs' stiffness kappa s s^H, (n,); a unit coordinate vector.
         springs: stiffnesses kappa [N/m], (stiffnesses,).
-        branches: how many of the lowest.
+        branches: number of branches, from the lowest.
     """
     frequency, share = np.empty((2, len(springs), branches))
     unit = np.outer(centre, centre.conj())
@@ -78,22 +79,23 @@ def whirl_veering(
     springs: FloatArray,
     branches: int,
 ) -> ShaftVeering:
-    """Compute the families at speed, for waves that travel backward and forward.
+    """Follow the lowest frequencies of block k = 1 at speed, for backward and forward waves.
 
-    Signed frequencies rise with kappa backward, and fall forward; neither cross.
+    The signed frequencies of backward waves rise with kappa and those of forward waves fall. The
+    branches of one direction do not cross.
 
     Args:
         matrices: mass, stiffness K_Omega without springs, Coriolis forces of the block, (n, n).
-        elastic: stiffness of the material alone, that strain energy is counted by, (n, n).
-        centre: as of `shaft_veering`.
+        elastic: elastic stiffness without softening, for the strain energy, (n, n).
+        centre: s of the springs' stiffness kappa s s^H, (n,); a unit coordinate vector.
         springs: stiffnesses kappa [N/m], (stiffnesses,).
-        branches: how many of the lowest of each way.
+        branches: number of branches in each direction, from the lowest.
     """
     mass, stiffness, coriolis = matrices
     size, unit = len(mass), np.outer(centre, centre.conj())
 
     def chosen(size: int) -> NDArray[np.int64]:
-        """Lowest backward waves, then lowest forward ones, where w descends."""
+        """Positions of the lowest backward and then the lowest forward waves; w descends."""
         ranks = np.arange(branches)
         return np.concatenate([size - 1 - ranks, size + ranks])
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import scipy.linalg as la
 from coupled_system import UNIT, six_modes
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.coupling.springs import CouplingModes
-from bladewhirl.solvers.stability.floquet import Floquet, coupled_floquet, exponentials, floquet
+from bladewhirl.solvers.stability.floquet import Floquet, coupled_floquet, floquet
 from bladewhirl.solvers.stability.growth import eigenvalues, growth_rate
 
 
@@ -95,14 +94,6 @@ def test_a_rotor_that_turns_agrees_with_its_autonomous_form(speed: float) -> Non
     distance = np.abs(expected[:, None] - result.multipliers)
     assert distance.min(axis=0) == pytest.approx(0.0, abs=1e-9)
     assert distance.min(axis=1) == pytest.approx(0.0, abs=1e-9)
-
-
-@pytest.mark.parametrize("size", [1e-3, 0.3, 3.0, 40.0])
-def test_exponentials_are_those_of_scipy(size: float) -> None:
-    matrices = size * np.random.default_rng(2).normal(size=(3, 4, 4)) / 4.0
-    expected = la.expm(matrices)
-    error = np.abs(exponentials(matrices) - expected).max(axis=(1, 2))
-    assert np.all(error < 1e-12 * np.abs(expected).max(axis=(1, 2)) * max(size, 1.0))
 
 
 def test_a_step_errs_with_the_seventh_power_of_its_length(monkeypatch: pytest.MonkeyPatch) -> None:
