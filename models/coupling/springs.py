@@ -6,8 +6,8 @@ With alpha = theta - Omega t and mass-normalised modes
     u(alpha)   = sum_j a_j (u_cj cos k_j alpha + u_sj sin k_j alpha)             on the rotor
 
 cosines of different k are orthogonal on the circle, so each nodal diameter has its own equations;
-see `bladewhirl.models.coupling.equations`. The paper's system, Eq. (9), has one casing and two rotor
-pairs, all with k = 1 and a = 1 (`paper_modes`).
+see `bladewhirl.models.coupling.equations`. The paper's system, Eq. (9), has one casing and two
+rotor pairs, all with k = 1 and a = 1 (`paper_modes`).
 """
 
 from __future__ import annotations
