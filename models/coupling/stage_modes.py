@@ -89,9 +89,7 @@ class RadialModes:
 
     frequency: FloatArray  #: [rad/s], (modes,)
     nodal_diameter: IntArray  #: (modes,)
-    column: (
-        IntArray  #: column in the real Fourier basis, (modes,); -1 without symmetry
-    )
+    column: IntArray  #: column in the real Fourier basis, (modes,); -1 without symmetry
     family: tuple[str, ...]  #: of each mode
     angles: FloatArray  #: of tips or nodes, equally spaced [rad], (points,)
     motion: Callable[[IntArray], tuple[FloatArray, FloatArray]]
