@@ -106,7 +106,7 @@ def _with_output(text: str, outputs: list[str]) -> str:
 def write(app: Sphinx) -> None:
     """Write pages of the gallery, then run all pages."""
     source = Path(app.srcdir)
-    gallery.write(source / "gallery", source / "built" / "gallery")
+    gallery.write(source / "gallery")
     run_pages(source)
 
 

@@ -17,6 +17,7 @@ from typer.main import get_command
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.check import FIXED_PHRASES, TABLE_ERRORS
 from bladewhirl.models.case.excitation import EXCITATIONS
 from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.table import Table
@@ -26,6 +27,13 @@ from bladewhirl.solvers.march.schema import RESULT, SWEEP, schema_table
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.sweeps.sweep import Sweep
+
+PHRASES = (
+    FIXED_PHRASES
+    | dict.fromkeys(TABLE_ERRORS, "a table")
+    | dict.fromkeys(["tuple_type", "list_type"], "an array")
+)
+"""Expected values by the type of pydantic's error, if the error does not contain them."""
 
 
 def case_keys() -> str:
@@ -95,21 +103,10 @@ def _expected(field: FieldInfo) -> str:
 
 
 def _phrase(error: Any) -> str:
-    context = error.get("ctx", {})
-    match error["type"]:
-        case "expected":
-            return re.sub(r" \(neither.*\)", "", context["expected"])
-        case "literal_error":
-            return str(context["expected"]).replace("'", '"')
-        case "bool_type":
-            return "true or false"
-        case "string_type":
-            return "text"
-        case "model_type" | "model_attributes_type" | "dict_type":
-            return "a table"
-        case "tuple_type" | "list_type":
-            return "an array"
-    raise ValueError(f"no words for {error}")
+    """Return the expected value of an error of pydantic."""
+    if phrase := PHRASES.get(error["type"]):
+        return phrase
+    return re.sub(r" \(neither.*\)", "", str(error["ctx"]["expected"]).replace("'", '"'))
 
 
 def _tables(annotation: Any) -> Iterator[type[Table]]:

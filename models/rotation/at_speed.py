@@ -11,7 +11,6 @@ import scipy.sparse.linalg as spla
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
-from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
@@ -106,22 +105,6 @@ def tip_recess(
     if turning is None or case.rotation.clearance == "hot":
         return disk.model.tip_recess
     return disk.model.tip_recess - turning.growth_at(turning.omega if omega is None else omega)
-
-
-def check_effects(case: Case, what: str, *known: Effects) -> None:
-    """Raise an error if an analysis does not support the rotation effects of a case.
-
-    Args:
-        case: case with the effects.
-        what: name of the analysis for the message.
-        known: effects that the analysis supports, in addition to "none".
-
-    Raises:
-        CaseError: the case has other effects.
-    """
-    if case.rotation.effects not in ("none", *known):
-        choice = " or ".join(f'"{each}"' for each in ("none", *known))
-        raise CaseError([case_fault(case, "rotation.effects", f"{choice} for {what}")])
 
 
 def turning_disk(case: Case, at_rest: BladedDiskModel, reference: float) -> TurningDisk | None:

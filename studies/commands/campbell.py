@@ -69,7 +69,7 @@ def campbell(
         folder = Path(f"{case.stem}-campbell")
     if html is not None:
         checked_target(html, ".html")
-    stage = stage_of_file(case, overrides, "a Campbell diagram", "centrifugal", "full")
+    stage = stage_of_file(case, overrides)
     reference = stage.reference_frequency
     first, last = speeds.values(reference).tolist()
     diagram = study.campbell(

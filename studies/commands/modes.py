@@ -65,7 +65,7 @@ def modes(
     for name, value in unused.items():
         if output is None and value is not None:
             raise UserError(f"{name}: expected a folder for the pictures, -o DIR")
-    stage = study.stage_of_file(case, overrides, "modes", "centrifugal", "full")
+    stage = study.stage_of_file(case, overrides)
     if output is not None:
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
     computed = study.modes(stage)

@@ -22,11 +22,6 @@ MOST_POINTS = 100_000
 """Largest COUNT of a range; larger ones are typing errors."""
 
 
-HIGH = 100.0
-"""Multiple of the reference frequency above which a speed without a unit, next to a speed with a
-unit, is taken as an error."""
-
-
 def parsed(option: str, read: Callable[[str], Any], expected: str) -> Callable[[str], Any]:
     """Return the parser of an option; its errors name the option and the expected values.
 
@@ -151,11 +146,6 @@ def parse_span(option: str, text: str, *, unit: str = "", counted: bool = False)
         raise UserError(f"{option} {text}: expected {form}, with ends that are {units}") from None
     if not 2 <= count <= MOST_POINTS:
         raise UserError(f"{option} {text}: expected a COUNT from 2 to {MOST_POINTS}")
-    for end, other in ((start, stop), (stop, start)):
-        if not unit and end.kind != other.kind and end.kind == "normalised" and end.value > HIGH:
-            raise UserError(
-                f'{option} {text}: expected a unit at both ends or at none: "{end.given:g} rpm"?'
-            )
     return Span(f"{option} {text}", start, stop, count)
 
 

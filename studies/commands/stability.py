@@ -121,7 +121,7 @@ def stability(
     if output is None and speed is None and not json:
         folder = Path(f"{case.stem}-stability")
     system = couple(
-        stage_of_file(case, overrides, "the stability of coupled modes", "centrifugal", "full"),
+        stage_of_file(case, overrides),
         modes=modes,
         damped=damped,
         with_pi=not no_pi,

@@ -57,7 +57,7 @@ def veering(
     if interval is not None and not interval[0] > 0.0:
         raise UserError(f"--stiffnesses {interval[0]:g}: expected a START above zero")
     folder = output if output is not None or json else Path(f"{case.stem}-veering")
-    stage = stage_of_file(case, overrides, "veering", "centrifugal", "full")
+    stage = stage_of_file(case, overrides)
     springs = study.spring_stiffnesses(stage.case, interval)
     diagrams = study.veering(stage, families=families, stiffnesses=springs)
     if folder is not None:

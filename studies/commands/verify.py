@@ -8,7 +8,9 @@ from typing import Annotated
 import typer
 
 from bladewhirl.studies.commands.options import AsJson
+from bladewhirl.studies.commands.output import emit, table
 from bladewhirl.studies.commands.progress import progress_bar
+from bladewhirl.studies.modal.columns import Column
 
 FAILED = 1
 """Exit code if the error of a case exceeds its tolerance."""
@@ -40,7 +42,7 @@ def verify(
     from bladewhirl.models.inputs.errors import UserError, writing
     from bladewhirl.postprocess.plotting.files import checked_target
     from bladewhirl.postprocess.reports.page import write_page
-    from bladewhirl.studies.verification.table import print_table
+    from bladewhirl.studies.verification.table import HEAD, SUBJECTS, cells
     from bladewhirl.studies.verification.table import verify as run_cases
 
     if json and markdown:
@@ -54,7 +56,14 @@ def verify(
     elif markdown:
         typer.echo(done.to_markdown(), nl=False)
     else:
-        print_table(done)
+        columns = [Column(name, name) for name in ("quantity", *HEAD[4:])]
+        columns.append(Column("", "verdict"))
+        for subject, outcomes in done.by_subject().items():
+            rows = [dict(zip(HEAD, cells(outcome), strict=True)) for outcome in outcomes]
+            for row in rows:
+                row["quantity"] += f"\n  {row['source']}"
+            emit(None, table(rows, columns, SUBJECTS[subject]), json=False)
+        typer.echo(done.summary)
     if html is not None:
         with writing(html):
             typer.echo(f"Wrote {write_page(done.page(), html)}.", err=json or markdown)

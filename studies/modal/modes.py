@@ -10,13 +10,11 @@ import xarray as xr
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import faults_from, read_case
-from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import Speed
 from bladewhirl.models.modal.full_stage import ModalStage, Whirl, modal_stage
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import is_first_of_pair
-from bladewhirl.models.rotation.at_speed import check_effects
 from bladewhirl.models.rotation.whirl_modes import Direction, WhirlModes, directions
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.studies.modal.columns import Column, quantity, rows_of
@@ -76,16 +74,12 @@ def speed_of(value: Any, label: str) -> Speed:
         ) from None
 
 
-def stage_of_file(
-    file: Path, overrides: list[str] | None, what: str, *known: Effects
-) -> ModalStage:
+def stage_of_file(file: Path, overrides: list[str] | None) -> ModalStage:
     """Return the finite element models and modes of a case file.
 
     Args:
         file: the case file.
         overrides: "KEY=VALUE" as in --set.
-        what: description of the analysis, for errors.
-        known: rotation effects supported by the analysis.
 
     Raises:
         CaseError: all faults of the case, naming the file or --set.
@@ -93,7 +87,6 @@ def stage_of_file(
     values = overrides or []
     case = read_case(file, values)
     with faults_from(file, values):
-        check_effects(case, what, *known)
         return modal_stage(case)
 
 

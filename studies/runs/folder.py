@@ -11,7 +11,6 @@ from hashlib import sha256
 from importlib import metadata
 from pathlib import Path, PurePosixPath
 from platform import platform
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from bladewhirl.files import write_atomically
@@ -50,27 +49,9 @@ def check_free(directory: Path, *, overwrite: bool) -> None:
 
     Raises:
         UserError: the path exists and is not an empty folder; with ``overwrite``, it is not a
-            folder, or contains something other than a run; or files cannot be made there.
+            folder, or contains something other than a run.
     """
-    if directory.exists():
-        _check_replaceable(directory, overwrite=overwrite)
-    existing = nearest_existing(directory)
-    try:
-        with TemporaryDirectory(dir=existing):
-            pass
-    except OSError as error:
-        raise UserError(
-            f"{directory}: cannot be made or written: no files can be written into {existing} ({error.strerror})"
-        ) from None
-
-
-def nearest_existing(directory: Path) -> Path:
-    """Return the folder if it exists, otherwise the nearest of its parents that exists."""
-    return next(path for path in (directory, *directory.absolute().parents) if path.exists())
-
-
-def _check_replaceable(directory: Path, *, overwrite: bool) -> None:
-    if directory.is_dir() and not any(directory.iterdir()):
+    if not directory.exists() or (directory.is_dir() and not any(directory.iterdir())):
         return
     if not overwrite:
         raise UserError(

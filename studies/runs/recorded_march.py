@@ -226,7 +226,8 @@ def check_room(directory: Path, needed: int) -> None:
     Raises:
         UserError: the space is not sufficient.
     """
-    free = shutil.disk_usage(folder.nearest_existing(directory)).free
+    existing = next(path for path in (directory, *directory.absolute().parents) if path.exists())
+    free = shutil.disk_usage(existing).free
     if free < needed + SPARE_BYTES:
         raise UserError(
             f"{directory}: expected {(needed + SPARE_BYTES) / 1e6:.0f} MB of free space on the disk, "

@@ -9,11 +9,6 @@ from importlib import import_module, metadata
 from math import isfinite
 from typing import Any
 
-from rich import box
-from rich import table as rich_table
-from rich.console import Console
-from rich.markup import escape
-
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.reports.page import Page, Section, Table
 from bladewhirl.studies.verification.case import CASES, Outcome, VerificationCase, rows
@@ -178,25 +173,3 @@ def verify(
         if progress is not None:
             progress(done, len(chosen))
     return Verification(outcomes=tuple(outcomes))
-
-
-def print_table(done: Verification) -> None:
-    """Print the table for a terminal."""
-    table = rich_table.Table(title=done.summary, box=box.SIMPLE_HEAD, title_justify="left")
-    table.add_column("quantity, source", ratio=1, overflow="fold")
-    for head in ("reference", "ours", "error", "allowed"):
-        table.add_column(head, justify="right", no_wrap=True)
-    table.add_column("", no_wrap=True)
-    for subject, outcomes in done.by_subject().items():
-        table.add_section()
-        table.add_row(f"[bold]{SUBJECTS[subject]}[/]")
-        for outcome in outcomes:
-            verdict, quantity, source, _, *numbers, _ = map(escape, cells(outcome))
-            style = "green" if outcome.passed else "bold red"
-            table.add_row(
-                f"{quantity}\n[dim]{source}[/]",
-                *numbers,
-                f"{outcome.tolerance:.2g}",
-                f"[{style}]{verdict}[/]",
-            )
-    Console().print(table)

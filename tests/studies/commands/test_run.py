@@ -247,8 +247,7 @@ def test_where_nothing_can_be_written(tmp_path: Path) -> None:
     out = tmp_path / "file" / "deep" / "out"
     with pytest.raises(UserError) as error:
         bw.run(quick(), out)
-    reason = f"no files can be written into {tmp_path / 'file'} (Not a directory)"
-    assert [*error.value.lines] == [f"{out}: cannot be made or written: {reason}"]
+    assert [*error.value.lines] == [f"{out}: cannot be written (Not a directory)"]
 
 
 def test_a_disk_without_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -186,8 +186,6 @@ def test_a_span_includes_its_ends_and_takes_units() -> None:
     assert speeds.values(reference) == pytest.approx([0.5, 2.5])
     with pytest.raises(UserError, match="expected a START of zero or more and a STOP above"):
         parse_span("--speeds", "3000 rpm:0.5").values(reference)
-    with pytest.raises(UserError, match=r'a unit at both ends or at none: "9000 rpm"\?'):
-        parse_span("--speeds", "2000rpm:9000")
     for wrong in ("1 mm:2 mm", "1:2:3", "a:b"):
         with pytest.raises(UserError, match=r"--speeds .* expected START:STOP"):
             parse_span("--speeds", wrong)
