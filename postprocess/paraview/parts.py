@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+import meshio
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
@@ -36,7 +37,6 @@ from bladewhirl.postprocess.paraview.boxes import (
     casing_boxes,
     rotor_boxes,
 )
-from bladewhirl.postprocess.paraview.grids import Grid
 from bladewhirl.postprocess.pictures.symbols import StageSymbols
 
 HOLDERS = ("springs", "dampers", "struts")
@@ -97,7 +97,7 @@ class StageParts:
         )
         self.names = self._part_names()
         self._cells = [
-            {name: body.on_cells(values) for name, values in self._cell_data(body).items()}
+            {name: [body.on_cells(values)] for name, values in self._cell_data(body).items()}
             for body in self._bodies
         ]
         self._faces = [body.quads() if surface else body.lines() for body in self._bodies]
@@ -115,7 +115,7 @@ class StageParts:
         rotor = dict.fromkeys(map(str, self._dataset["rotor_part"].values))
         return [*(name or "other beams" for name in rotor), "casing", *HOLDERS]
 
-    def grids(self) -> Iterator[dict[str, Grid]]:
+    def grids(self) -> Iterator[dict[str, meshio.Mesh]]:
         """Yield for each record the grids of the parts by name."""
         for records in self._portions:
             stage = self._enlarged(records, self.exaggeration)
@@ -200,14 +200,13 @@ class StageParts:
 
     def _body(
         self, number: int, drawn: Array, angle: float, fields: dict[str, Array], index: int
-    ) -> Grid:
+    ) -> meshio.Mesh:
         """Return the grid of bladed disk or casing; `drawn` are the corners in its axes (corner, 2)
         [m]."""
         rest = self._rest[number]
-        return Grid(
+        return meshio.Mesh(
             points=_turned(rest, angle),
-            kind="quad" if self._bodies[number].solid else "line",
-            cells=self._faces[number],
+            cells=[("quad" if self._bodies[number].solid else "line", self._faces[number])],
             point_data={
                 "warp": _in_space(rotate(drawn - rest[:, :2], angle)),
                 **{name: values[index] for name, values in fields.items()},
@@ -248,19 +247,20 @@ class StageParts:
             "contact_force": _in_space(contact_forces(dataset, records, rotating=self._rotating)),
         }
 
-    def _contact(self, nodes: Array, angle: float, fields: dict[str, Array], index: int) -> Grid:
+    def _contact(
+        self, nodes: Array, angle: float, fields: dict[str, Array], index: int
+    ) -> meshio.Mesh:
         """Return the grid of the tips with contact forces, in front of the blades, where arrows are
         visible."""
         rest, blade = self._tips_at_rest, np.arange(len(self._tips))
-        return Grid(
+        return meshio.Mesh(
             points=_turned(rest, angle),
-            kind="vertex",
-            cells=blade[:, None],
+            cells=[("vertex", blade[:, None])],
             point_data={
                 "warp": _in_space(rotate(nodes[self._tips] - rest[:, :2], angle)),
                 **{name: values[index] for name, values in fields.items()},
             },
-            cell_data={"blade": blade},
+            cell_data={"blade": [blade]},
         )
 
     def _supports(
@@ -270,7 +270,7 @@ class StageParts:
         wall: Array,
         nodes: Array,
         turns: tuple[Array, Array],
-    ) -> Grid | None:
+    ) -> meshio.Mesh | None:
         """Return springs, dampers, struts and links as lines; None if there are none.
 
         Ends on a body have the `displacement` of the body, to first order, and its `warp`.
@@ -292,15 +292,14 @@ class StageParts:
             return None
         places = [np.concatenate(strokes).reshape(-1, 2) for strokes in (rest, enlarged, drawn)]
         first = self.names.index(HOLDERS[0])
-        return Grid(
+        return meshio.Mesh(
             points=_in_space(places[0]),
-            kind="line",
-            cells=np.arange(len(places[0])).reshape(-1, 2),
+            cells=[("line", np.arange(len(places[0])).reshape(-1, 2))],
             point_data={
                 "warp": _in_space(places[2] - places[0]),
                 "displacement": _in_space((places[2] - places[1]) / self.exaggeration),
             },
-            cell_data={"part": first + np.repeat(np.arange(len(HOLDERS)), count)},
+            cell_data={"part": [first + np.repeat(np.arange(len(HOLDERS)), count)]},
         )
 
 

@@ -12,8 +12,10 @@ from pathlib import Path
 from pprint import pformat
 from typing import Any
 
+import meshio
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from bladewhirl.files import claim, owned, replacing, write_atomically
 from bladewhirl.postprocess.fields.kinematics import (
@@ -23,7 +25,6 @@ from bladewhirl.postprocess.fields.kinematics import (
     history,
     sampling_hint,
 )
-from bladewhirl.postprocess.paraview.grids import Grid, write_vtu
 from bladewhirl.postprocess.paraview.parts import StageParts
 
 logger = logging.getLogger(__name__)
@@ -160,6 +161,22 @@ def write_series(
     return index
 
 
+def write_vtu(path: Path, mesh: meshio.Mesh) -> None:
+    """Write a mesh with cells of one kind in single precision as a binary .vtu file."""
+    ((kind, cells),) = ((block.type, block.data) for block in mesh.cells)
+    single = meshio.Mesh(
+        _single(mesh.points),
+        [(kind, _single(cells))],
+        {name: _single(values) for name, values in mesh.point_data.items()},
+        {name: [_single(values)] for name, (values,) in mesh.cell_data.items()},
+    )
+    meshio.write(path, single, "vtu", binary=True, compression=None)
+
+
+def _single(values: NDArray[Any]) -> NDArray[Any]:
+    return values.astype(np.float32 if values.dtype.kind == "f" else np.int32)
+
+
 def _write_index(path: Path, entries: list[str]) -> None:
     write_atomically(
         path,
@@ -193,7 +210,7 @@ def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[st
     }
 
 
-def undeformed_mesh(dataset: xr.Dataset) -> Grid:
+def undeformed_mesh(dataset: xr.Dataset) -> meshio.Mesh:
     """Return both bodies as one line mesh at t = 0, with named sets as 0/1 arrays on cells and
     points.
 
@@ -222,10 +239,9 @@ def undeformed_mesh(dataset: xr.Dataset) -> Grid:
     part = dataset["rotor_part"].values.astype(str)
     for name in np.unique(part):
         cell_data[name] = _members(cells, np.flatnonzero(part == name))
-    return Grid(
+    return meshio.Mesh(
         points=np.pad(np.vstack([rotor, ring]), ((0, 0), (0, 1))),
-        kind="line",
-        cells=np.vstack([rotor_lines, ring_lines]),
+        cells=[("line", np.vstack([rotor_lines, ring_lines]))],
         point_data={
             "rotor": is_rotor,
             "casing": 1 - is_rotor,
@@ -233,7 +249,7 @@ def undeformed_mesh(dataset: xr.Dataset) -> Grid:
             "centre": _members(len(is_rotor), dataset["centre_node"].values.reshape(1)),
             "blade": blade,
         },
-        cell_data=cell_data,
+        cell_data={name: [values] for name, values in cell_data.items()},
     )
 
 

@@ -8,6 +8,7 @@ the shaft in the axes of the case, for its dampers in rotating axes, as in the m
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import pairwise
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -20,7 +21,6 @@ SPRING = 0.075  #: length of a spring at rest
 ZIGZAG = 0.016  #: half of the width of a spring
 TEETH = 7
 DASHPOT = 0.013  #: half of the width of a damper
-CUP = 3.0  #: length of the cup of a damper, relative to half of its width
 GROUND = 0.022  #: half of the width of a piece of ground
 HATCHES = 4
 BESIDE = 0.048  #: angle between a spring or strut and the damper next to it [rad]
@@ -193,16 +193,18 @@ def _holders(dataset: xr.Dataset, radius: float, clearance: float) -> list[Holde
 def sample(kind: str, start: Array, end: Array) -> Symbols:
     """Return a spring, damper or strut, one of `KINDS`, from a point (2,) to another."""
     width = float(0.18 * np.linalg.norm(end - start))
-    return Symbols()._replace(**{kind: DRAW[kind](start[None], end[None], width)})
+    return Symbols()._replace(**{kind: _placed(SHAPES[kind], start[None], end[None], width)})
 
 
 def _strokes(parts: Iterable[Symbol], masses: Array = NO_MASSES) -> Symbols:
     """Combine strokes of symbols and the discs of masses."""
-    strokes: dict[str, list[Array]] = {kind: [NO_STROKES] for kind in (*DRAW, "ground")}
+    strokes: dict[str, list[Array]] = {kind: [NO_STROKES] for kind in (*SHAPES, "ground")}
     for kind, start, end, size, grounded in parts:
-        strokes[kind].append(DRAW[kind](start, end, WIDTHS[kind] * size))
+        strokes[kind].append(_placed(SHAPES[kind], start, end, WIDTHS[kind] * size))
         if grounded is not None:
-            strokes["ground"].append(_grounds(end, _unit(grounded), GROUND * size))
+            half = GROUND * size
+            ground = _placed(GROUND_SHAPE, end, end + half * _unit(grounded), half)
+            strokes["ground"].append(ground)
     return Symbols(masses=masses, **{kind: np.concatenate(s) for kind, s in strokes.items()})
 
 
@@ -221,71 +223,61 @@ def _positive(dataset: xr.Dataset, name: str, count: int) -> NDArray[np.bool_]:
     return np.asarray(values, dtype=np.bool_)
 
 
-def _zigzags(start: Array, end: Array, half_width: float) -> Array:
-    """Return strokes of springs from start to end (spring, 2): straight, teeth, straight."""
-    knots = np.concatenate([[0.0], np.linspace(0.2, 0.8, TEETH), [1.0]])
-    side = np.zeros(len(knots))
-    side[2:-2] = np.where(np.arange(len(knots) - 4) % 2, -1.0, 1.0)
-    aside = rotate(_unit(end - start), np.pi / 2) * half_width
-    points = start[:, None] + knots[:, None] * (end - start)[:, None]
-    points = points + side[:, None] * aside[:, None]
-    return np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2, 2)
-
-
-def _dashpots(start: Array, end: Array, half_width: float) -> Array:
-    """Return strokes of dampers from start to end (damper, 2): rod and piston, cup and rod."""
-    span = end - start
-    length = np.linalg.norm(span, axis=1)
-    cup = np.minimum(0.5 * CUP * half_width, 0.35 * length)
-    # Coordinates along and across the damper from its middle, in units of half the cup and half the
-    # width.
-    corners = np.array(
-        [[0, 0], [0, -0.6], [0, 0.6], [1, -1], [1, 1], [-1, -1], [-1, 1], [1, 0]], dtype=np.float64
-    )
-    along, aside = _unit(span), rotate(_unit(span), np.pi / 2)
-    points = ((start + end) / 2)[:, None] + (
-        corners[:, :1] * (cup[:, None] * along)[:, None]
-        + corners[:, 1:] * (half_width * aside)[:, None]
-    )
-    piston, left, right, foot_left, foot_right, top_left, top_right, bottom = points.swapaxes(0, 1)
-    lines = [
-        [start, piston],
-        [left, right],
-        [top_left, foot_left],
-        [foot_left, foot_right],
-        [foot_right, top_right],
-        [bottom, end],
-    ]
-    return np.moveaxis(np.array(lines), 2, 0).reshape(-1, 2, 2)
-
-
-def _grounds(at: Array, away: Array, half_width: float) -> Array:
-    """Return strokes of hatched ground at points; `away` (point, 2) is the direction into the
-    ground."""
-    aside = rotate(away, np.pi / 2) * half_width
-    line = np.stack([at - aside, at + aside], axis=1)[:, None]
-    place = np.linspace(-0.7, 1.0, HATCHES)[:, None]
-    top = at[:, None] + place * aside[:, None]
-    foot = top + (0.55 * away * half_width)[:, None] - 0.45 * aside[:, None]
-    hatches = np.stack([top, foot], axis=2)
-    return np.concatenate([line, hatches], axis=1).reshape(-1, 2, 2)
-
-
 def _unit(vectors: Array) -> Array:
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.asarray(np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0))
 
 
-def _bars(start: Array, end: Array, half_width: float) -> Array:
-    """Return strokes of struts."""
-    return np.stack([start, end], axis=1)
+def _joined(points: list[tuple[float, float]]) -> Array:
+    """Return the strokes between successive points, (stroke, 2, 2)."""
+    return np.array([[start, end] for start, end in pairwise(points)])
+
+
+def _placed(shape: Array, start: Array, end: Array, half_width: float) -> Array:
+    """Return the strokes of a shape from each start to each end, (symbol * stroke, 2, 2).
+
+    Args:
+        shape: strokes in units of the length (first coordinate) and of half the width (second).
+        start: (symbol, 2) [m].
+        end: (symbol, 2) [m].
+        half_width: half of the width of the symbols [m].
+    """
+    span = (end - start)[:, None, None]
+    aside = rotate(_unit(span), np.pi / 2) * half_width
+    strokes = start[:, None, None] + shape[..., :1] * span + shape[..., 1:] * aside
+    return np.asarray(strokes.reshape(-1, 2, 2))
 
 
 KINDS = {"springs": "spring", "dampers": "damper", "struts": "strut or rigid link"}
 """Names of the symbols that connect two points."""
 
-DRAW = {"springs": _zigzags, "dampers": _dashpots, "struts": _bars}
-"""Functions that make strokes from start (symbol, 2), end (symbol, 2) and half the width [m]."""
-
 WIDTHS = {"springs": ZIGZAG, "dampers": DASHPOT, "struts": 0.0}
 """Half widths of the symbols."""
+
+SHAPES = {
+    "springs": _joined(
+        [
+            (0.0, 0.0),
+            *zip(np.linspace(0.2, 0.8, TEETH), [0, 1, -1, 1, -1, 1, 0], strict=True),
+            (1.0, 0.0),
+        ]
+    ),
+    "dampers": np.concatenate(
+        [
+            _joined([(0.0, 0.0), (0.5, 0.0)]),
+            _joined([(0.5, -0.6), (0.5, 0.6)]),
+            _joined([(0.35, -1.0), (0.65, -1.0), (0.65, 1.0), (0.35, 1.0)]),
+            _joined([(0.65, 0.0), (1.0, 0.0)]),
+        ]
+    ),
+    "struts": _joined([(0.0, 0.0), (1.0, 0.0)]),
+}
+"""Strokes of the symbols, as `_placed` takes them."""
+
+GROUND_SHAPE = np.concatenate(
+    [
+        _joined([(0.0, -1.0), (0.0, 1.0)]),
+        *(_joined([(0.0, y), (0.55, y - 0.45)]) for y in np.linspace(-0.7, 1.0, HATCHES)),
+    ]
+)
+"""Strokes of hatched ground: a line across, and hatches into the ground."""

@@ -15,7 +15,6 @@ import xarray as xr
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.paraview import parts as vtk_parts
 from bladewhirl.postprocess.paraview import series as vtk_series
-from bladewhirl.postprocess.paraview.grids import Grid, write_vtu
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.pictures.drawing import Drawing, Frame
 
@@ -67,12 +66,13 @@ class TestIndex:
         self, result: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         written = []
+        write = vtk_series.write_vtu
 
-        def die(path: Path, grid: Grid) -> None:
+        def die(path: Path, grid: meshio.Mesh) -> None:
             written.append(path)
             if len(written) == 1 + 4 * 3 + 2:  # the mesh, three instants, half of one
                 raise KeyboardInterrupt
-            write_vtu(path, grid)
+            write(path, grid)
 
         monkeypatch.setattr(vtk_series, "write_vtu", die)
         with pytest.raises(KeyboardInterrupt):
