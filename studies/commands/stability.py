@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -21,9 +21,6 @@ from bladewhirl.studies.commands.options import (
 from bladewhirl.studies.commands.output import emit, facts, table
 from bladewhirl.studies.commands.progress import progress_bar
 from bladewhirl.studies.modal.columns import texts
-
-if TYPE_CHECKING:
-    pass
 
 SPEEDS: Any = "0.6:3:600"
 KAPPAS: Any = "0:1000:300"

@@ -317,12 +317,9 @@ def _relative(difference: FloatArray, reference: float) -> FloatArray:
 
 
 def _plain(data: xr.Dataset) -> dict[str, Any]:
-    """Return a dataset as a JSON document."""
+    """Return a dataset as a JSON document; numbers that are not finite are null."""
     columns = {str(name): data[name].values.tolist() for name in [*data.coords, *data.data_vars]}
-    return {name: _without_nan(value) for name, value in (columns | data.attrs).items()}
-
-
-def _without_nan(value: Any) -> Any:
-    if isinstance(value, list):
-        return [_without_nan(item) for item in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
+    document: dict[str, Any] = json.loads(
+        json.dumps(columns | data.attrs), parse_constant=lambda constant: None
+    )
+    return document

@@ -15,8 +15,8 @@ from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.pictures.render import animation_records, render_animation
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion
-from bladewhirl.studies.modal.coupled_mode import divergent_motion, fastest_mode, motion_dataset
 from bladewhirl.studies.modal.coupled_system import EvenSystem
+from bladewhirl.studies.modal.stability import divergent_motion, fastest_mode, motion_dataset
 from bladewhirl.studies.runs.figures_folder import save_figures
 from bladewhirl.studies.runs.folder import case_files
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, is_unstable
 from bladewhirl.solvers.stability.zones import UnstableZones, unstable_zones
-from bladewhirl.studies.modal.coupled_mode import divergent_motion
+from bladewhirl.studies.modal.stability import divergent_motion
 from bladewhirl.studies.paper.claim import Measures, measures
 from bladewhirl.studies.paper.trials import Evidence, NotTestableError
 

@@ -20,8 +20,8 @@ from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.solvers.stability.growth import is_unstable
 from bladewhirl.studies.modal.campbell import campbell, draw_campbell
-from bladewhirl.studies.modal.coupled_mode import fastest_mode
 from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
+from bladewhirl.studies.modal.stability import fastest_mode
 from bladewhirl.studies.modal.stability_chart import spectrum_along, stability_chart
 from bladewhirl.studies.modal.veering import draw_veering, veering
 from bladewhirl.studies.paper.claims_modal import EXAMPLE, RANGE

@@ -37,14 +37,14 @@ class Approach(NamedTuple):
     steps: int  #: number of steps until well after the contact
 
 
-def bars_in_impact(name: str, elements: int = ELEMENTS) -> Approach:
+def bars_in_impact(name: str) -> Approach:
     """Return two bars before their contact."""
     contact = reference("contact")
     known = (contact["bars"] | reference("published")["bars"])[name]
     bar = known.get("bar", contact["bar"])
     shape = {key: bar[key] for key in ("length", "young_modulus", "density")}
     areas = [area for area in known["area"] if area is not None]
-    bars = [Bar(area=area, elements=elements, **shape) for area in areas]
+    bars = [Bar(area=area, elements=ELEMENTS, **shape) for area in areas]
     speeds = [
         body.rigid * velocity for body, velocity in zip(bars, known["velocity"], strict=False)
     ]

@@ -6,8 +6,6 @@ import json
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from importlib import import_module, metadata
-from math import isfinite
-from typing import Any
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.reports.page import Page, Section, Table
@@ -64,15 +62,11 @@ class Verification:
 
     def to_json(self) -> str:
         """Return a JSON document; non-finite values are null."""
-        rows: list[dict[str, Any]] = []
-        for outcome in self.outcomes:
-            row = asdict(outcome) | {"passed": outcome.passed}
-            infinite = {k for k, v in row.items() if isinstance(v, float) and not isfinite(v)}
-            rows.append(row | dict.fromkeys(infinite))
+        rows = [asdict(outcome) | {"passed": outcome.passed} for outcome in self.outcomes]
         document = {
             "version": metadata.version("bladewhirl"),
             "passed": self.passed,
-            "cases": rows,
+            "cases": json.loads(json.dumps(rows), parse_constant=lambda constant: None),
         }
         return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 

@@ -3,13 +3,11 @@
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 from places import ROOT
 
 import bladewhirl as bw
 from bladewhirl.models.case.file import read_case, with_values
-from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.runs.prepare import prepare
@@ -58,33 +56,3 @@ def test_full_length_gives_what_the_page_says(full: Run) -> None:
     assert f"{sum(share > 0.0 for share in summary.contact_share)} of 22" == touched
     assert summary.energy_residual <= 1e-8
     assert summary.complementarity_residual <= 1e-10
-
-
-def test_springs_let_six_modes_grow_until_they_touch() -> None:
-    """As fast as the comment in the file says, which is what the stability analysis gives."""
-    case = read_case(ROOT / "examples" / "coupled_modes.toml")
-    result, report = march_in_memory(prepare(case))
-    summary = summarise(result, report)
-    assert summary.energy_residual <= 1e-8
-    assert summary.regime == "sustained"
-    time = result["time"].values
-    touched = result["contact_steps"].values.any(axis=1)
-    assert time[touched][0] == pytest.approx(1.2, abs=0.05)
-    size = np.linalg.norm(result["rotor_displacement"].values, axis=1)
-    growing = (time > 0.6) & (time < 1.1)
-    rate = np.polyfit(time[growing], np.log(size[growing]), 1)[0]
-    assert rate == pytest.approx(6.8654, rel=1e-3)
-    assert result["coupling_work"].values[-1] > 0.0
-
-
-@pytest.mark.parametrize("name", ["casing_on_struts", "shrouded_fan", "unequal_shaft"])
-def test_lowest_modes_solve_the_eigenproblem(name: str) -> None:
-    stage = modal_stage(read_case(ROOT / "examples" / f"{name}.toml"), 6)
-    bodies = ((stage.disk, stage.disk_modes), (stage.casing, stage.casing_modes))
-    for body, modes in bodies:
-        structure, shapes = body.structure, modes.fields(np.arange(6))
-        square = modes.frequency[:6] ** 2
-        assert np.all(np.diff(square) >= 0.0)
-        np.testing.assert_allclose(shapes.T @ structure.mass @ shapes, np.eye(6), atol=1e-8)
-        strain = shapes.T @ structure.stiffness @ shapes
-        np.testing.assert_allclose(strain, np.diag(square), atol=1e-6 * square[-1])

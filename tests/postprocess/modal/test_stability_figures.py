@@ -20,8 +20,8 @@ from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum, pl
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion
 from bladewhirl.solvers.stability.growth import growth_rate
-from bladewhirl.studies.modal.coupled_mode import motion_dataset
 from bladewhirl.studies.modal.coupled_system import EvenSystem
+from bladewhirl.studies.modal.stability import motion_dataset
 from bladewhirl.studies.modal.stability_chart import spectrum_along, stability_chart, truncation
 
 UNIT = 250.0

@@ -140,18 +140,12 @@ def test_damping_takes_energy_as_a_growing_circle_does(tmp_path: Path) -> None:
         assert balance == pytest.approx(energy - energy[0])
 
 
-def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
-    folder = tmp_path / "mode"
-    line = refusal("stability", FAN_STAGE, "--speed", "2", "--kappa", "500", "-o", folder)
-    assert "there is no divergent mode to draw" in line
-    assert not folder.exists()
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["--speed", "1", "--kappa", "-1"], "--kappa -1: expected a number of zero or more"),
         (["--speed", "1"], "--speed, --kappa: expected both"),
+        (["--speed", "2", "--kappa", "500"], "there is no divergent mode to draw"),
         (["--speed", "1e300", "--kappa", "1"], "--speed 1e300: expected multiples of"),
         (["--speeds", "1:2"], "--speeds 1:2: expected START:STOP:COUNT"),
         (

@@ -36,14 +36,6 @@ def test_a_point_holds_growth_eigenvalues_mode_and_scenario(tmp_path: Path) -> N
     point.to_netcdf(tmp_path / "point.nc", engine="h5netcdf")
 
 
-def test_text_is_a_speed_too_and_a_stable_point_has_no_scenario() -> None:
-    rpm = 2.0 * fan_stage().reference_frequency * 30.0 / np.pi
-    point = bw.stability(fan_stage(), speed=f"{rpm} rpm", kappa=500.0)
-    assert float(point["speed"]) == pytest.approx(2.0)
-    assert not bool(point["unstable"])
-    assert "scenario" not in point
-
-
 def test_a_chart_agrees_with_its_points(tmp_path: Path) -> None:
     chart = bw.stability(fan_stage(), speed=SPEEDS, kappa=KAPPAS, modes="all")
     assert chart["growth"].dims == ("kappa", "speed")

@@ -94,14 +94,6 @@ def test_more_modes_at_rest_come_nearer_to_waves_at_speed() -> None:
     assert errors[1] < 3e-4
 
 
-def test_an_even_system_without_rotation() -> None:
-    system = coupled("fan_stage", effects="none")
-    assert system.modes.coriolis is None
-    assert system.rotation is None
-    assert "rotation_effects" not in system.options()
-    assert system.rotor_alone(1.0) == {}
-
-
 @pytest.mark.parametrize("modes", ["six", "all"])
 def test_zones_at_speed_are_where_growth_is(modes: str) -> None:
     system = coupled("fan_stage", modes)
