@@ -1,8 +1,7 @@
-"""Figures of a coupled mode in time: deformed shapes (Fig. 13), orbits and phases (Fig. 14)."""
+"""Figures of a coupled mode in time: deformed shapes (Fig. 13) and phases (Fig. 14)."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -24,43 +23,8 @@ from bladewhirl.postprocess.plotting.style import (
     styled,
 )
 from bladewhirl.postprocess.plotting.titles import set_title, speed_label
-from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
-MILLI, MICRO = 1e3, 1e6
-
-ARROWS = 8
-"""Number of arrows along an orbit."""
-
-ARROW: Mapping[str, Any] = {
-    "arrowstyle": "-|>,head_width=0.11,head_length=0.22",
-    "color": COLOURS["k = 1"],
-    "shrinkA": 0.0,
-    "shrinkB": 0.0,
-}
-
-
-@styled
-def plot_orbits(orbit: xr.Dataset) -> Figure:
-    """Draw the shaft's growing orbit in rotating and static axes, Fig. 14(a) and (b).
-
-    Arrows show the direction of motion; each title gives the measured whirl.
-
-    Args:
-        orbit: from `orbits.shaft_orbit`.
-    """
-    figure = new_figure(height=0.06)
-    panels = figure.subplots(1, 2, sharex=True, sharey=True)
-    edge = 1.1 * MICRO * float(orbit["radius"].max())
-    for axes, frame in zip(panels, FRAMES, strict=True):
-        path = MICRO * orbit[frame].values
-        axes.plot(*path.T, color=COLOURS["rotor"], linewidth=0.6)
-        for record in np.linspace(0.0, len(path) - 1.0, ARROWS + 1).astype(np.int64)[1:]:
-            axes.annotate("", path[record], path[record - 1], arrowprops=ARROW)
-        axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge), xlabel="x [µm]")
-        axes.set_title(f"{frame} frame\n{whirl(orbit, frame).text}")
-    panels[0].set_ylabel("y [µm]")
-    _title(figure, "Growing orbit of the shaft, until the clearance closes", orbit)
-    return figure
+MILLI = 1e3
 
 
 @styled

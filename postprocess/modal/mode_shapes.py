@@ -1,26 +1,18 @@
-"""Pictures of mode shapes (Fig. 6), undeformed and deformed, with the centre marked; also as
-GIF."""
+"""Pictures of mode shapes (Fig. 6), undeformed and deformed, with the centre marked."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
-from matplotlib.colors import Normalize, to_rgb
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.enlarged import magnify
 from bladewhirl.postprocess.fields.kinematics import casing_rows, line_rows, ring_angles, rotate
-from bladewhirl.postprocess.pictures.films import shared_palette, write_gif
-from bladewhirl.postprocess.pictures.offscreen import Pixels
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -68,12 +60,6 @@ middle."""
 
 CENTRE_RESTS = 1e-6
 """Share of the largest displacement below which the centre is regarded as at rest."""
-
-GIF_SIZE = 0.085
-"""Width of a GIF [m], at `GIF_DPI` dots an inch."""
-
-GIF_DPI = 180
-GIF_COLOURS = 128
 
 
 class Outline:
@@ -123,53 +109,39 @@ class Outline:
         return np.asarray(factor * self._shift @ coordinates)
 
 
-class DrawnShape:
-    """Drawing of a body: undeformed in grey, deformed in the colours of its displacement."""
+def draw_shape(
+    axes: Axes, outline: Outline, coordinates: FloatArray, motion: FloatArray
+) -> LineCollection:
+    """Draw a body: undeformed in grey, deformed in the colours of its displacement, which are
+    returned for the colour bar.
 
-    def __init__(
-        self, axes: Axes, outline: Outline, motion: FloatArray, *, linewidth: float
-    ) -> None:
-        """Prepare axes that fit the complete motion (..., modes)."""
-        self._outline, self.largest = outline, outline.largest(motion)
-        self._factor = DRAWN * outline.radius / self.largest
-        rest = LineCollection([*outline.rest], color=COLOURS["rest"], linewidth=0.5 * linewidth)
-        axes.add_collection(rest)
-        self.lines = LineCollection(
-            [],
-            cmap=SEQUENTIAL,
-            norm=Normalize(0.0, 1.0),
-            linewidth=linewidth,
-            capstyle="round",
-        )
-        axes.add_collection(self.lines)
-        size = 4.5 * linewidth
-        (self.rest,) = axes.plot(
-            0.0,
-            0.0,
-            "x",
-            color=COLOURS["total"],
-            zorder=4,
-            markersize=0.7 * size,
-            label="centre at rest",
-        )
-        (self.centre,) = axes.plot(
-            [], [], "o", color=COLOURS["k = 1"], zorder=3, markersize=size, label="centre displaced"
-        )
-        reach = outline.radius
-        for instant in np.atleast_2d(motion):
-            drawn = outline.moved(instant, self._factor)
-            reach = max(reach, float(np.linalg.norm(drawn, axis=-1).max()))
-        limits = (-MARGIN * reach, MARGIN * reach)
-        axes.set(aspect="equal", xlim=limits, ylim=limits)
-        axes.set_axis_off()
-
-    def show(self, coordinates: FloatArray) -> None:
-        """Draw the displacement for modal coordinates (modes,)."""
-        points = self._outline.moved(coordinates, self._factor)
-        pieces = np.stack([points[:, :-1], points[:, 1:]], axis=-2)
-        self.lines.set_segments([*pieces.reshape(-1, 2, 2)])
-        self.lines.set_array((self._outline.size(coordinates) / self.largest).ravel())
-        self.centre.set_data(*self._outline.centre(coordinates, self._factor)[:, None])
+    Args:
+        axes: the panel.
+        outline: lines of the body.
+        coordinates: modal coordinates (modes,).
+        motion: modal coordinates (..., modes) of all instants, which the panel fits and to whose
+            largest displacement colours and lengths refer.
+    """
+    largest = outline.largest(motion)
+    factor = DRAWN * outline.radius / largest
+    axes.add_collection(LineCollection([*outline.rest], color=COLOURS["rest"], linewidth=0.4))
+    points = outline.moved(coordinates, factor)
+    pieces = np.stack([points[:, :-1], points[:, 1:]], axis=-2)
+    lines = LineCollection(
+        [*pieces.reshape(-1, 2, 2)], cmap=SEQUENTIAL, norm=Normalize(0.0, 1.0), linewidth=0.8
+    )
+    lines.set_array((outline.size(coordinates) / largest).ravel())
+    axes.add_collection(lines)
+    axes.plot(
+        0.0, 0.0, "x", color=COLOURS["total"], markersize=2.5, zorder=4, label="centre at rest"
+    )
+    centre = outline.centre(coordinates, factor)
+    axes.plot(*centre, "o", color=COLOURS["k = 1"], markersize=3.6, label="centre displaced")
+    drawn = [outline.moved(instant, factor) for instant in np.atleast_2d(motion)]
+    reach = MARGIN * max(outline.radius, np.linalg.norm(drawn, axis=-1).max())
+    axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
+    axes.set_axis_off()
+    return lines
 
 
 @styled
@@ -198,24 +170,25 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
             axes.set_axis_off()
             continue
         coordinates = np.eye(modes)[mode]
-        shape = DrawnShape(axes, outline, coordinates, linewidth=0.8)
-        shape.show(coordinates)
+        lines = draw_shape(axes, outline, coordinates, coordinates)
         mode_data = data.isel({f"{prefix}_mode": mode})
-        share = float(np.linalg.norm(outline.centre(coordinates, 1.0)) / shape.largest)
+        share = float(
+            np.linalg.norm(outline.centre(coordinates, 1.0)) / outline.largest(coordinates)
+        )
         moves = f"centre {100 * share:.1f} %" if share > CENTRE_RESTS else "centre at rest"
         purity = float(mode_data[f"{prefix}_purity"])
         k = int(mode_data[f"{prefix}_nodal_diameter"])
         axes.set_title(mode_title(str(mode_data[f"{prefix}_family"].values), k, purity))
-        lines = [*_frequency(data, float(mode_data[f"{prefix}_frequency"])).split(" = "), moves]
+        words = [*_frequency(data, float(mode_data[f"{prefix}_frequency"])).split(" = "), moves]
         if purity < PURE:
-            lines.append(f"k = {k}: {100 * purity:.0f} %" if k >= 0 else "no nodal diameter")
+            words.append(f"k = {k}: {100 * purity:.0f} %" if k >= 0 else "no nodal diameter")
         if f"{prefix}_direction" in data:
-            lines.append(str(mode_data["rotor_direction"].values))
-            lines.append(f"static: {mode_data['rotor_direction_static'].values}")
+            words.append(str(mode_data["rotor_direction"].values))
+            words.append(f"static: {mode_data['rotor_direction_static'].values}")
         below = {"transform": axes.transAxes, "ha": "center", "va": "top"}
-        axes.text(0.5, -0.02, "\n".join(lines), **below)
+        axes.text(0.5, -0.02, "\n".join(words), **below)
     figure.colorbar(
-        shape.lines,
+        lines,
         ax=[*panels],
         location="right",
         label="displacement / largest one [–]",
@@ -249,13 +222,12 @@ def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
     crests = "tips furthest ahead, ↺" if body == "bladed-disk" else "wall furthest out"
     for number, axes in enumerate(panels):
         record = len(coordinates) * number // (4 * (INSTANTS - 1))
-        shape = DrawnShape(axes, outline, coordinates, linewidth=0.8)
-        shape.show(coordinates[record])
+        lines = draw_shape(axes, outline, coordinates[record], coordinates)
         _mark_crests(axes, _crest(data, prefix, coordinates[record], k), k, f"crest: {crests}")
         degrees = 90 * number // (INSTANTS - 1)
         axes.set_title("start" if not number else f"{degrees}° of its period")
     figure.colorbar(
-        shape.lines, ax=[*panels], label="displacement / largest [–]", shrink=0.8, ticks=[0, 1]
+        lines, ax=[*panels], label="displacement / largest [–]", shrink=0.8, ticks=[0, 1]
     )
     frame = "rotating frame" if body == "bladed-disk" else "static frame"
     hertz = _frequency(data, float(data[f"{prefix}_frequency"].values[0]))
@@ -288,46 +260,6 @@ def _crest(data: xr.Dataset, prefix: str, coordinates: FloatArray, k: int) -> fl
         angle = data["casing_angle"].values
         along = data["casing_shape"].values[:, 0] @ coordinates
     return float(-np.angle(along @ np.exp(-1j * k * angle)) / k) if k else 0.0
-
-
-def animate_mode(data: xr.Dataset, body: Body, path: Path) -> Path:
-    """Write one period of a mode as a GIF that loops; return its path.
-
-    Args:
-        data: a mode in time, from `mode_motion`.
-        body: that moves.
-        path: path of the file; an older file is replaced when the new one is complete.
-    """
-    pictures = _pictures(data, body)
-    named = [to_rgb(COLOURS[name]) for name in ("total", "rest", "k = 1")]
-    shades = colormaps[SEQUENTIAL](np.linspace(0, 1, 64))[:, :3]
-    meant = np.vstack([[1.0, 1.0, 1.0], *named, shades])
-    palette = shared_palette(meant, pictures[len(pictures) // 8], GIF_COLOURS)
-    with replacing(path) as draft:
-        write_gif(draft, pictures, palette)
-    return path
-
-
-@styled
-def _pictures(data: xr.Dataset, body: Body) -> list[Pixels]:
-    prefix = "rotor" if body == "bladed-disk" else "casing"
-    coordinates = data[f"{prefix}_displacement"].values
-    outline = Outline(data, body)
-    figure = new_figure(width=GIF_SIZE, height=1.13 * GIF_SIZE)
-    axes = figure.subplots()
-    shape = DrawnShape(axes, outline, coordinates, linewidth=1.4)
-    note = _frequency(data, float(data[f"{prefix}_frequency"].values[0]))
-    words = f"{data.attrs['case']}\n{data.attrs['title']}\n{note}"
-    axes.set_title(words, fontsize=9, linespacing=1.3)
-    canvas = FigureCanvasAgg(figure)
-    figure.set_dpi(GIF_DPI)
-    pictures = []
-    for instant in coordinates:
-        shape.show(instant)
-        canvas.draw()  # type: ignore[no-untyped-call]  # untyped in matplotlib
-        pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
-        pictures.append(pixels[..., :3].copy())
-    return pictures
 
 
 def mode_title(family: str, nodal_diameter: int, purity: float = 1.0) -> str:

@@ -35,18 +35,17 @@ def write_gif(path: Path, pictures: Iterable[Pixels], palette: Image.Image) -> N
         first.save(file, "GIF", save_all=True, append_images=frames, duration=duration, loop=0)
 
 
-def shared_palette(exact: Array, sample: Pixels, colours: int = 256) -> Image.Image:
+def shared_palette(exact: Array, sample: Pixels) -> Image.Image:
     """Return the palette of a GIF.
 
     Args:
         exact: colours that are kept exactly (colour, 3), between 0 and 1.
         sample: picture from which the other colours are taken.
-        colours: number of colours.
     """
     kept = np.round(255 * exact).astype(np.uint8).ravel().tolist()
-    edges = Image.fromarray(sample).quantize(colours - len(exact)).getpalette() or []
+    edges = Image.fromarray(sample).quantize(256 - len(exact)).getpalette() or []
     palette = Image.new("P", (1, 1))
-    palette.putpalette((kept + edges)[: 3 * colours])
+    palette.putpalette((kept + edges)[: 3 * 256])
     return palette
 
 

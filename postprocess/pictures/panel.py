@@ -79,7 +79,8 @@ class Panel:
             write(scene.plotter, bar, 0.085, 11, indent=-SQUARE)
         write_title(scene.plotter, dataset)
         self._time = write(scene.plotter, "", TOPS["time"], 22)
-        write(scene.plotter, f"speed\n{speed_text(dataset)}", TOPS["speed"], 13)
+        if dataset.attrs["speed"]:  # zero for a mode
+            write(scene.plotter, f"speed\n{speed_text(dataset)}", TOPS["speed"], 13)
         write(
             scene.plotter, "\n".join(filter(None, [*shown, note])), TOPS["frame"], 13, color=FAINT
         )

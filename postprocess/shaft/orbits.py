@@ -21,7 +21,6 @@ LONG_LINE = 5000
 """Number of points above which a line is a raster image in a PDF, because the file would be too
 large."""
 
-SEEN = 0.3  #: least size of a turn with arrows, as a share of half the axes
 TINY = 0.05
 """Ratio of the radius of an orbit to the clearance below which the clearance is not drawn."""
 
@@ -32,12 +31,6 @@ CLEARANCE_LINE: dict[str, Any] = {
     "linestyle": "--",
     "linewidth": 1.2,
     "zorder": 3,  # above the path, which covers it in a growing motion
-}
-ARROW = {
-    "arrowstyle": "-|>,head_width=0.25,head_length=0.5",
-    "color": COLOURS["rotor"],
-    "shrinkA": 0.0,
-    "shrinkB": 0.0,
 }
 MILLI = 1e3
 
@@ -88,9 +81,9 @@ def shaft_orbit(
 def plot_orbit(orbit: xr.Dataset) -> Figure:
     """Draw an orbit from `shaft_orbit` in rotating and static axes, and its late radius over time.
 
-    The complete motion is pale; the last two turns are black, with arrows. Titles give the whirl
-    over the last third. The axes fit the clearance; if the orbit is much smaller, they fit the
-    orbit, and the title gives the clearance.
+    The complete motion is pale, the last two turns are black. Titles give direction and frequency
+    of the whirl over the last third. The axes fit the clearance; if the orbit is much smaller, they
+    fit the orbit, and the title gives the clearance.
     """
     late = last_turns(orbit)
     clearance, radius = orbit.attrs["smallest_clearance"], float(orbit["radius"].max())
@@ -111,8 +104,6 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
         _draw_path(axes, scale * orbit[frame].values)
         long = len(turn) > LONG_LINE
         axes.plot(*turn.T, color=COLOURS["rotor"], label=f"last {drawn}", rasterized=long)
-        for share in (0.2, 0.5, 0.8) if np.ptp(turn, axis=0).max() > SEEN * edge else ():
-            _draw_arrow(axes, turn, share)
         axes.set_title(f"{frame} frame\n{whirl(late_part(orbit), frame).text}")
     panels[FRAMES[0]].set_ylabel(f"y [{unit}]")
     panels[FRAMES[1]].tick_params(labelleft=False)
@@ -152,10 +143,3 @@ def _draw_path(axes: Axes, place: Array) -> None:
     ends: dict[str, Any] = {"color": COLOURS["rotor"], "linestyle": "none", "markersize": 4}
     axes.plot(*place[:1].T, marker="o", markerfacecolor="white", label="start", **ends)
     axes.plot(*place[-1:].T, marker="s", label="end", **ends)
-
-
-def _draw_arrow(axes: Axes, path: Array, share: float) -> None:
-    """Draw an arrow head on a path, at the share `share` of its length."""
-    travelled = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
-    ahead = int(np.searchsorted(travelled, share * travelled[-1]))
-    axes.annotate("", path[ahead], path[ahead - 1], arrowprops=ARROW)

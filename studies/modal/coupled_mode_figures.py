@@ -9,11 +9,12 @@ import numpy as np
 from bladewhirl.files import claim, replacing, write_atomically
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import writing
-from bladewhirl.postprocess.modal.coupled_modes import plot_orbits, plot_phases, plot_shapes
+from bladewhirl.models.inputs.units import handy
+from bladewhirl.postprocess.modal.coupled_modes import plot_phases, plot_shapes
 from bladewhirl.postprocess.modal.motion import coupled_mode_motion
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.pictures.render import animation_records, render_animation
-from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion
 from bladewhirl.studies.modal.coupled_system import EvenSystem
 from bladewhirl.studies.modal.stability import divergent_motion, fastest_mode, motion_dataset
@@ -72,8 +73,9 @@ def draw_coupled_mode(
         "shapes": (plot_shapes(moving, records), shapes),
     }
     if motion.nodal_diameter == 1:
-        orbit = shaft_orbit(moving).assign_attrs(case=stage.modal.case.title, kappa=kappa)
-        figures["orbit"] = plot_orbits(orbit), orbit
+        title = f"{stage.modal.case.title}, κ = {handy(kappa, 'N/m', 4)}"
+        orbit = shaft_orbit(moving).assign_attrs(case_title=title, kappa=kappa)
+        figures["orbit"] = plot_orbit(orbit), orbit
     save_figures(folder, figures, overwrite=overwrite)
     if films:
         with writing(folder):

@@ -18,7 +18,6 @@ from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.modal.full_stage import ModalStage, Whirl
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.modal.mode_shapes import (
-    animate_mode,
     mode_title,
     plot_mode_shapes,
     plot_travelling_wave,
@@ -26,6 +25,7 @@ from bladewhirl.postprocess.modal.mode_shapes import (
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
 from bladewhirl.postprocess.modal.scenarios import plot_scenario
 from bladewhirl.postprocess.paraview.series import export_vtk
+from bladewhirl.postprocess.pictures.render import render_animation
 from bladewhirl.studies.modal.mode_names import ChosenMode, choose_modes, family_of, modes_of
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, scenario_dataset, whirling_modes
 from bladewhirl.studies.runs.figures_folder import save_figures
@@ -180,5 +180,5 @@ def _film(
         save_figures(folder, {f"{stem}-wave": (figure, motion)}, overwrite=overwrite)
     with writing(folder):
         claim(folder, [film.name], overwrite=overwrite)
-        animate_mode(motion, mode.body, film)
+        render_animation(motion, film, np.arange(motion.sizes["time"]))
         export_vtk(motion, folder / f"{stem}-vtk", frames=PICTURES, overwrite=overwrite)

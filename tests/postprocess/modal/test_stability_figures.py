@@ -10,14 +10,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.collections import QuadMesh
-from synthetic_result import synthetic_result
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.coupling.springs import CouplingModes, paper_modes
 from bladewhirl.models.coupling.stage_modes import StageModes
-from bladewhirl.postprocess.modal.coupled_modes import plot_orbits, plot_phases
+from bladewhirl.postprocess.modal.coupled_modes import plot_phases
 from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum, plot_truncation
-from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion
 from bladewhirl.solvers.stability.growth import growth_rate
 from bladewhirl.studies.modal.coupled_system import EvenSystem
@@ -126,14 +124,3 @@ def test_phases_and_their_difference() -> None:
     figure = plot_phases(data)
     shaft = np.asarray(figure.axes[0].lines[0].get_ydata(), dtype=np.float64)
     assert np.nanmax(np.abs(np.diff(shaft))) < 10.0  # wrapped jumps are breaks, not strokes
-
-
-def test_orbits_are_named_as_measured() -> None:
-    """The synthetic shaft whirls backward in rotating axes, forward in static ones."""
-    orbit = shaft_orbit(synthetic_result(growth=5.0))
-    figure = plot_orbits(orbit)
-    titles = [axes.get_title() for axes in figure.axes]
-    assert [title.split("\n")[1].split(",")[0] for title in titles] == ["backward", "forward"]
-    drawn = np.asarray(figure.axes[0].lines[0].get_xydata(), dtype=np.float64)
-    assert drawn == pytest.approx(1e6 * orbit["rotating"].values)
-    assert len(figure.axes[0].texts) == 8  # arrows

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 import synthetic_result as synthetic
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.text import Annotation
 from numpy.typing import NDArray
 
 from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
@@ -55,12 +53,6 @@ class TestShaftOrbit:
         assert whirl(orbit, "static").rate == pytest.approx(synthetic.SPEED, rel=1e-12)
 
 
-def arrows(axes: Axes) -> list[Array]:
-    """Vectors of the arrows of a panel."""
-    heads = [child for child in axes.get_children() if isinstance(child, Annotation)]
-    return [np.array([*head.xy, *np.subtract(head.xy, head.xyann)]) for head in heads]
-
-
 class TestPlotOrbit:
     def figure(self, **parameters: float) -> Figure:
         return plot_orbit(shaft_orbit(synthetic.synthetic_result(**parameters)))  # type: ignore[arg-type]
@@ -74,14 +66,6 @@ class TestPlotOrbit:
             assert axes.get_xlim() == axes.get_ylim() == pytest.approx((-1.1, 1.1))
         assert "backward, 11.1 Hz" in rotating.get_title()
         assert "forward, 1.59 Hz" in static.get_title()
-
-    def test_arrows_point_the_way_the_shaft_goes(self) -> None:
-        for axes, sense in zip(self.figure().axes[:2], (-1.0, 1.0), strict=True):
-            found = arrows(axes)
-            assert len(found) == 3
-            for x, y, dx, dy in found:
-                assert np.hypot(x, y) == pytest.approx(1e3 * RADIUS)
-                assert sense * (x * dy - y * dx) > 0
 
     @pytest.mark.parametrize(("records", "seconds"), [(401, 0.4 / 3), (2001, 4 * np.pi / RATE)])
     def test_strong_lines_are_the_last_two_turns_within_the_last_third(
@@ -102,4 +86,3 @@ class TestPlotOrbit:
         for axes in plot_orbit(shaft_orbit(result)).axes[:2]:
             assert "no single frequency" in axes.get_title()
             assert axes.get_xlim() == (-1.0, 1.0)
-            assert not arrows(axes)

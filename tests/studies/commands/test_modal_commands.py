@@ -14,7 +14,6 @@ import pytest
 import xarray as xr
 from command_line import answer, refusal
 from matplotlib.figure import Figure
-from PIL import Image
 from places import EXAMPLES
 from report_pages import Parsed
 
@@ -23,6 +22,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.postprocess.modal import motion
 from bladewhirl.studies.modal import campbell as modal_campbell
+from bladewhirl.studies.modal import mode_pictures
 from bladewhirl.studies.modal import veering as modal_veering
 
 SMALL = ("--set", "bladed_disk.blades=5", "--set", "bladed_disk.elements_per_blade=2")
@@ -57,6 +57,11 @@ def test_a_clamped_case_lists_its_own_modes_first_and_stays_normalised() -> None
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_pictures_and_films(case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(motion, "PICTURES", 4)
+    monkeypatch.setattr(
+        mode_pictures,
+        "render_animation",
+        lambda motion, path, records: path.write_text(str(records)),
+    )
     folder = tmp_path / "pictures"
     chosen = ("--shapes", "1F:0,1F:1,casing:rigid", "--animate", "1F:1")
     answer("modes", case, *SMALL, "-o", folder, *chosen)
@@ -69,9 +74,7 @@ def test_pictures_and_films(case: Path, tmp_path: Path, monkeypatch: pytest.Monk
     }
     assert {path.name for path in folder.iterdir() if path.is_file()} == listed(folder)
     assert (folder / "1F-1-vtk" / "series.pvd").is_file()
-    with Image.open(folder / "1F-1.gif") as film:
-        assert getattr(film, "n_frames", 1) == 4
-        assert film.info["loop"] == 0
+    assert (folder / "1F-1.gif").read_text() == "[0 1 2 3]"
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
