@@ -17,8 +17,6 @@ from synthetic_sweep import synthetic_sweep
 
 import bladewhirl as bw
 from bladewhirl.postprocess.pictures.web_page import render_page
-from bladewhirl.postprocess.reports.page import Page, Section, Table, write_page
-from bladewhirl.studies.modal.campbell import write_campbell_page
 
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), ""
@@ -80,44 +78,12 @@ def animation(folder: Path, title: str) -> Path:
     return render_page(result, folder / "film.html", np.array([0, 9, 19]))
 
 
-def campbell_diagrams(folder: Path, title: str) -> Path:
-    """Campbell diagrams to point at."""
-    small = {
-        "title": title,
-        "bladed_disk.blades": 7,
-        "bladed_disk.elements_per_blade": 2,
-        "casing.elements": 14,
-        "reduction.fixed_interface_modes": 20,
-    }
-    path = folder / "campbell.html"
-    write_campbell_page(bw.campbell(bw.with_values(bw.Case(), small)), path)
-    return path
-
-
-def table(folder: Path, title: str) -> Path:
-    """A page of words alone, as of a verification."""
-    words = Table(name="a", title=title, rows=[(title, title)], caption=title)
-    page = Page(
-        title=title,
-        subject=title,
-        verdict=title,
-        tone="open",
-        reason=title,
-        warnings=[title],
-        figures=[(title, title, title)],
-        sections=[Section(name="a", title=title, blocks=[words])],
-    )
-    return write_page(page, folder / "page.html")
-
-
 @pytest.mark.parametrize(
     ("make", "drawn"),
     [
         (run_page, ['class="main-svg"', "blades in contact, largest force"]),
         (sweep_page, ['class="main-svg"', "sustained (1)"]),
-        (campbell_diagrams, ['class="main-svg"', "Campbell diagram"]),
         (animation, []),
-        (table, []),
     ],
 )
 def test_titles_and_cases_are_words(

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from bladewhirl.models.case.file import loads
-from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
+from bladewhirl.studies.sweeps.points import Outcome, Point, Work, march_point
 
 CASE = loads("""
 bladed_disk = { blades = 8, elements_per_blade = 2 }
@@ -43,15 +43,6 @@ def deadly(work: Work, point: Point) -> Outcome:
     if point.number == DEADLY:
         os._exit(1)
     return {"number": np.array(point.number)}
-
-
-def deadly_once(work: Work, point: Point) -> Outcome:
-    """Die at one point the first time only."""
-    mark = Path(work.histories) / "died"
-    if point.number == DEADLY and not mark.exists():
-        mark.touch()
-        os._exit(1)
-    return Failure(reason=f"point {point.number}")
 
 
 def of_another_version(work: Work, point: Point) -> Outcome:

@@ -159,16 +159,6 @@ def test_a_point_that_kills_every_worker_fails_alone(
     assert failed == {sweep_work.DEADLY}
 
 
-def test_a_worker_that_dies_once_is_forgiven(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(workers, "march_point", sweep_work.deadly_once)
-    outcomes: dict[int, Outcome] = dict(
-        march_points(work(tmp_path), POINTS, scheduler=None, workers=2)
-    )
-    assert outcomes == {i: Failure(reason=f"point {i}") for i in range(6)}
-
-
 def test_workers_of_another_version_are_reported_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
