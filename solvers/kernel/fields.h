@@ -16,7 +16,7 @@ static inline int64_t partner_columns(int64_t h, int64_t half)
 
 /* Sum modal coordinates over rows with weights. Each sum is stored in the partner of its column, or
  * in its column if `half` is zero. */
-static inline void column_sums(const Matrix *weight, const double *x, int64_t half, double *out)
+INLINED void column_sums(const Matrix *weight, const double *x, int64_t half, double *out)
 {
     int64_t rows = weight->rows, columns = weight->columns;
     for (int64_t h = 0; h < columns; h += LANES) {
@@ -34,7 +34,7 @@ static inline void column_sums(const Matrix *weight, const double *x, int64_t ha
 }
 
 /* Compute a linear combination of all rows of a matrix. */
-static inline void combine_rows(const Matrix *rows, const double *factor, double *out)
+INLINED void combine_rows(const Matrix *rows, const double *factor, double *out)
 {
     int64_t width = rows->columns, i = 0;
     for (; i + 3 * LANES <= width; i += 3 * LANES) {
@@ -59,8 +59,8 @@ static inline void combine_rows(const Matrix *rows, const double *factor, double
 }
 
 /* Store the sums of `folded_fields` at the nodes n, N/2 - n, N/2 + n and N - n. */
-static inline void unfold(Lanes cos_even, Lanes cos_odd, Lanes sin_even, Lanes sin_odd, int64_t i,
-                          int64_t middle, const double *start, double *out)
+INLINED void unfold(Lanes cos_even, Lanes cos_odd, Lanes sin_even, Lanes sin_odd, int64_t i,
+                    int64_t middle, const double *start, double *out)
 {
     Lanes near = add(cos_even, cos_odd), far = sub(cos_even, cos_odd);
     Lanes turned = add(sin_even, sin_odd), back = sub(sin_even, sin_odd);
@@ -150,7 +150,7 @@ static inline void hermite_weights(const double *restrict places, double turned,
         /* By rounding, the position may be node `nodes`, which is node 0. If displacements diverge,
          * which ends the march, the position may be any number. */
         start = start >= 0.0 ? start : 0.0;
-        element[j] = (int64_t)(start < nodes ? start : 0.0);
+        element[j] = (int32_t)(start < nodes ? start : 0.0); /* unlike int64_t, with AVX2 */
         hermite[j] = rest * rest * (1.0 + 2.0 * xi);
         hermite[width + j] = length * xi * rest * rest;
         hermite[2 * width + j] = xi * xi * (3.0 - 2.0 * xi);
@@ -184,22 +184,21 @@ static inline void sum_radial(const Rotor *rotor, const Casing *casing, const do
     column_sums(&field->slope_weight, y, field->slope_half, f->slope.at);
 }
 
-/* Compute the value of a nodal Hermite field under each tip. Returns 0 at the first NaN, otherwise
- * 1. */
+/* Compute the value of a nodal Hermite field under each tip. Returns 0 if any value is NaN. */
 static inline int field_at_tips(const FieldScratch *f, double *out)
 {
     const double *value = f->nodal.at, *slope = f->nodal_slope.at;
     int64_t width = f->hermite.columns;
+    int finite = 1;
     for (int64_t j = 0; j < f->element.size; j++) {
         int64_t e = f->element.at[j];
         const double *weight = f->hermite.at + j;
         double at_tip = (weight[0] * value[e] + weight[width] * slope[e])
                         + (weight[2 * width] * value[e + 1] + weight[3 * width] * slope[e + 1]);
         out[j] = at_tip;
-        if (at_tip != at_tip)
-            return 0;
+        finite &= at_tip == at_tip;
     }
-    return 1;
+    return finite;
 }
 
 /* Compute the gap of each tip from the columns of u_r, w and w'. Returns whether all |u_r| are

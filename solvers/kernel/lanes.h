@@ -22,6 +22,9 @@
 #define HALF_WIDTH 2
 #endif
 
+/* Function whose `Lanes` stay in registers: a call would pass them through memory. */
+#define INLINED static inline __attribute__((always_inline))
+
 /* Define a type of `count` lanes in vectors of `width` doubles, and its operations. */
 #define DEFINE_LANES(Type, prefix, count, width)                                                   \
     typedef double Type##Vector __attribute__((vector_size(8 * (width))));                         \

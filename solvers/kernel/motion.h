@@ -34,9 +34,10 @@ static inline void turn_slots(Motion *x) { *x = (Motion){x->now, x->new, x->old,
 /* Compute x_{n+1} without forces from x_n and x_{n-1}, with the coefficients a and b. */
 static inline void predict_body(const Body *body, Motion x)
 {
+    const double *a = body->a.at, *b = body->b.at;
     for (int64_t i = 0; i < x.entries; i += LANES) {
-        Lanes before = mul(load(body->b.at + i), load(x.old + i));
-        store(x.new + i, muladd(load(body->a.at + i), load(x.now + i), before));
+        Lanes before = mul(load(b + i), load(x.old + i));
+        store(x.new + i, muladd(load(a + i), load(x.now + i), before));
     }
 }
 

@@ -49,7 +49,8 @@ class CentralDifference:
     """The scheme of Carpenter, Taylor and Katona (1991) with damping and sliding friction.
 
     The scheme is of second order without contact. The contact conditions are satisfied at the end
-    of each step. The complementarity residual of a step is
+    of each step. An instance must not march in two threads at the same time, because its calls
+    share working arrays. The complementarity residual of a step is
     max_j |min(g_j, W_jj lambda_j)| / max(clearance, max_j |g_p,j|), where the gaps g are computed
     from the corrected displacements.
 
@@ -87,6 +88,7 @@ class CentralDifference:
         signed = problem.sliding == "signed"
         self._wheel_speed = problem.rotor.tip_radius * problem.speed if signed else None
         self._numbers = _numbers(problem, time_step)
+        self._scratch = Struct("Scratch", **self._working_arrays())
 
     def init(self) -> CentralDifferenceState:
         """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
@@ -144,7 +146,7 @@ class CentralDifference:
             self._numbers,
             Struct("State", **arrays),
             Struct("Records", **records),
-            Struct("Scratch", **self._scratch()),
+            self._scratch,
             state.step,
             steps,
             every,
@@ -162,8 +164,8 @@ class CentralDifference:
             "tips": len(self._problem.rotor.tip_angle),
         }
 
-    def _scratch(self) -> Arrays:
-        """Return the working arrays of the kernel."""
+    def _working_arrays(self) -> Arrays:
+        """Return the working arrays of the kernel, which every call overwrites."""
         rotor, casing = self._arrangements
         _, _, springs, dampers, _ = self._stage
         tips, wide = len(self._rotor.spread), len(self._rotor.position)
