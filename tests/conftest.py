@@ -1,8 +1,10 @@
 """Fixtures that several test modules share."""
 
 import os
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from statistics import median
 
 # As the command line does; read when NumPy is first loaded.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -15,12 +17,27 @@ settings.register_profile("house", deadline=None, derandomize=True, database=Non
 settings.load_profile("house")
 
 PROCESSOR_BUDGET = 2.0
-"""Processor time that a test may take unless it is marked slow, children included [s]."""
+"""Processor time that a test may take unless it is marked slow, children included, on a machine
+that takes `PACE` for a reference loop [s]."""
+
+PACE = 0.012
+"""Processor time of the reference loop on the machine for which the budget is given [s]."""
 
 
 def processor_seconds() -> float:
     """Return the processor time of this process and its ended children."""
     return sum(os.times()[:4])
+
+
+def slowness() -> float:
+    """Return how much longer than `PACE` the reference loop takes now, at least 1."""
+
+    def seconds() -> float:
+        start = time.process_time()
+        sum(i * i % 7 for i in range(300_000))
+        return time.process_time() - start
+
+    return max(1.0, median(seconds() for _ in range(5)) / PACE)
 
 
 @pytest.hookimpl(wrapper=True)
@@ -29,12 +46,12 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     before = processor_seconds()
     yield
     used = processor_seconds() - before
-    # Beside other processes on the same core a test needs up to twice the processor time.
-    load = os.getloadavg()[0] / (os.cpu_count() or 1)
-    share = min(max(load, 1.5 if "PYTEST_XDIST_WORKER" in os.environ else 1.0), 2.0)
-    if used > share * PROCESSOR_BUDGET and item.get_closest_marker("slow") is None:
+    if used <= PROCESSOR_BUDGET or item.get_closest_marker("slow") is not None:
+        return
+    budget = PROCESSOR_BUDGET * slowness()
+    if used > budget:
         pytest.fail(
-            f"took {used:.1f} s of processor time, expected at most {PROCESSOR_BUDGET:g} s;"
+            f"took {used:.1f} s of processor time, expected at most {budget:.1f} s on this machine;"
             " make its stage smaller or its march shorter, or mark it slow"
         )
 

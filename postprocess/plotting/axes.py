@@ -132,7 +132,7 @@ class Labels:
                     ha="left" if dx > 0 else "right" if dx < 0 else "center",
                     va="bottom" if dy > 0 and not leader else "top" if dy < 0 else "center",
                     color=colour,
-                    fontsize=6.5,
+                    fontsize=7,
                     zorder=7,
                     bbox={"boxstyle": "square,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.8},
                     arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.4}

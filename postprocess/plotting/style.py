@@ -1,10 +1,10 @@
 """Common style of all figures: sizes, fonts, colours with a fixed meaning, and saving.
 
-Figures are drawn at the width at which they are printed: no text is smaller than 6.5 points in a
-column of 8 cm. Neither a display nor pyplot is used.
+Figures are drawn at the width at which they are printed: no text is smaller than 7 points in a
+column of 85 mm. Neither a display nor pyplot is used.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
@@ -22,7 +22,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 INCH = 0.0254  #: [m]
-COLUMN_WIDTH = 0.08  #: one column of a page [m]
+COLUMN_WIDTH = 0.085  #: one column of a page [m]
 FULL_WIDTH = 0.17  #: the text width of a page [m]
 
 COLOURS: Mapping[str, str] = {
@@ -67,7 +67,12 @@ STYLE: Mapping[str, Any] = {
     "savefig.dpi": 300,
     "agg.path.chunksize": 10000,
     "pdf.fonttype": 42,  # TrueType: text in PDFs stays text
+    "svg.fonttype": "none",  # text stays text
+    "svg.hashsalt": "bladewhirl",  # the same figure gives the same file
 }
+
+FORMATS = ("png", "pdf")
+"""Default formats of a figure."""
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
@@ -106,29 +111,35 @@ def time_axis(*panels: Axes) -> None:
 
 
 @styled
-def save_figure(figure: Figure, path: str | Path, data: xr.Dataset | None = None) -> list[Path]:
-    """Save a figure as PNG and PDF, and its data as netCDF in the same folder; return the paths.
+def save_figure(
+    figure: Figure,
+    path: str | Path,
+    data: xr.Dataset | None = None,
+    formats: Sequence[str] = FORMATS,
+) -> list[Path]:
+    """Save a figure in one or more formats, with its data as netCDF; return the paths.
 
     Args:
         figure: drawn in the common style.
-        path: target, whose folder is created if needed; a suffix .png or .pdf is replaced by .png,
-            .pdf and .nc.
+        path: target, whose folder is created if needed; a suffix .png, .pdf or .svg is replaced.
         data: data of the figure; None writes no netCDF file.
+        formats: "png", "pdf" or "svg".
     """
     path = Path(path)
-    name = path.stem if path.suffix in (".png", ".pdf") else path.name
-    png, pdf, beside = (path.with_name(f"{name}{suffix}") for suffix in (".png", ".pdf", ".nc"))
+    name = path.stem if path.suffix in (".png", ".pdf", ".svg") else path.name
+    pictures = [path.with_name(f"{name}.{suffix}") for suffix in formats]
     layout = figure.get_layout_engine()
     if layout is not None and figure.axes:
         layout.execute(figure)  # once, instead of twice for each file
         figure.set_layout_engine(None)
-    with replacing(png) as draft:
-        figure.savefig(draft, format="png", pil_kwargs={"compress_level": 3})  # twice as fast
-    with replacing(pdf) as draft:
-        figure.savefig(draft, format="pdf")
+    for picture, suffix in zip(pictures, formats, strict=True):
+        faster: Any = {"pil_kwargs": {"compress_level": 3}} if suffix == "png" else {}
+        with replacing(picture) as draft:
+            figure.savefig(draft, format=suffix, **faster)
     figure.set_layout_engine(layout)
     if data is None:
-        return [png, pdf]
+        return pictures
+    beside = path.with_name(f"{name}.nc")
     with replacing(beside) as draft:
         write_netcdf(data, draft)
-    return [png, pdf, beside]
+    return [*pictures, beside]

@@ -9,6 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.textpath import TextPath
 
+from bladewhirl.postprocess.plotting.style import INCH, styled
+
 MOST_LETTERS = 40
 """Largest number of characters of a title per inch of the figure's width."""
 
@@ -41,6 +43,21 @@ def set_title(figure: Figure, case: str, shown: str) -> None:
     name = "".join(c if in_font(ord(c)) else "\N{REPLACEMENT CHARACTER}" for c in name)
     lines = [_cut(line, figure) for line in (name, *shown.splitlines()) if line]
     figure.suptitle("\n".join(lines), parse_math=False)
+
+
+@styled
+def refit(figure: Figure, *, title: str | None = None, width: float | None = None) -> None:
+    """Change the title and the width of a figure, which keeps its height.
+
+    Args:
+        figure: drawn in the common style.
+        title: new title; an empty one removes the title, None keeps it.
+        width: new width [m]; None keeps it.
+    """
+    if width is not None:
+        figure.set_figwidth(width / INCH)
+    text = figure.get_suptitle() if title is None else title
+    figure.suptitle("\n".join(_cut(line, figure) for line in text.splitlines()), parse_math=False)
 
 
 def _cut(line: str, figure: Figure) -> str:

@@ -37,7 +37,7 @@ class SweepFigures:
 
 
 def leave_figures(directory: Path) -> dict[str, str]:
-    """Write `LEFT_BY_A_SWEEP` into the folder of a sweep, as PNG and PDF with their data.
+    """Write `LEFT_BY_A_SWEEP` into the folder of a sweep, as PNG with their data.
 
     Returns:
         the figures that could not be drawn, with the reasons.
@@ -51,5 +51,5 @@ def leave_figures(directory: Path) -> dict[str, str]:
             except ViewError as error:
                 left_out[name] = str(error)
             else:
-                save_figure(figure, directory / name, data)
+                save_figure(figure, directory / name, data, ["png"])
     return left_out

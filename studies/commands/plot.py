@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -55,15 +55,33 @@ def plot(
         Path | None,
         output_option(f"Folder for the figures; by default DIR/{PLOTS}."),
     ] = None,
+    format_name: Annotated[
+        Literal["png", "pdf", "svg"] | None,
+        typer.Option("--format", help="Format of the pictures. By default both png and pdf."),
+    ] = None,
+    width: Annotated[
+        float | None,
+        typer.Option(
+            metavar="MM",
+            min=40,
+            max=500,
+            help="Width, such as 85 for a column or 170 for a page.",
+        ),
+    ] = None,
+    title: Annotated[
+        str | None, typer.Option(help='Title in place of the one of the figure; "" for none.')
+    ] = None,
     overwrite: Replace = False,
 ) -> None:
-    """Draw figures of a run or a sweep as PNG and PDF, with the data of each figure as netCDF.
+    """Draw figures of a run or a sweep, with the data of each figure as netCDF.
 
     Without a NAME the available figures are listed. Without a time window, spectrum and
     contact-classes of a run show the last third of the time.
     """
     from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.postprocess.fields.kinematics import ViewError
+    from bladewhirl.postprocess.plotting.style import FORMATS
+    from bladewhirl.postprocess.plotting.titles import refit
     from bladewhirl.studies.runs.figures_folder import save_figures
 
     of_sweep = _is_sweep(directory)
@@ -85,6 +103,7 @@ def plot(
             f"{directory}: expected no --from or --to for a sweep, which has no time window"
         )
     folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
+    formats = [format_name] if format_name else FORMATS
     with _opened(directory, start, end) as figures:
         for name in figure_names if ALL in names else dict.fromkeys(names):
             try:
@@ -94,8 +113,9 @@ def plot(
                     raise
                 typer.echo(f"{name} left out: {error}", err=True)
                 continue
-            save_figures(folder, {name: (figure, drawn)}, overwrite=overwrite)
-            typer.echo(f"Wrote {folder / name}.png, .pdf and .nc.")
+            refit(figure, title=title, width=width and width / 1000)
+            save_figures(folder, {name: (figure, drawn)}, overwrite=overwrite, formats=formats)
+            typer.echo(f"Wrote {folder / name}.{', .'.join(formats)} and .nc.")
 
 
 @contextmanager

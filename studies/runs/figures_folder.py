@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import xarray as xr
@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 
 from bladewhirl.files import claim
 from bladewhirl.models.inputs.errors import UserError, writing
-from bladewhirl.postprocess.plotting.style import save_figure
-from bladewhirl.studies.runs.folder import FIGURE_ENDS
+from bladewhirl.postprocess.plotting.style import FORMATS, save_figure
 
 
 def check_figure_folder(folder: Path | None, *, overwrite: bool) -> None:
@@ -29,7 +28,11 @@ def check_figure_folder(folder: Path | None, *, overwrite: bool) -> None:
 
 
 def save_figures(
-    folder: Path, figures: Mapping[str, tuple[Figure, xr.Dataset]], *, overwrite: bool = False
+    folder: Path,
+    figures: Mapping[str, tuple[Figure, xr.Dataset]],
+    *,
+    overwrite: bool = False,
+    formats: Sequence[str] = FORMATS,
 ) -> None:
     """Save figures with their data into a folder, listed in its manifest.
 
@@ -37,12 +40,13 @@ def save_figures(
         folder: target folder, made if it does not exist.
         figures: figures with their data, by the name of their files.
         overwrite: whether to replace existing files that the program did not write.
+        formats: formats of the pictures.
 
     Raises:
         UserError: a file cannot be written, or exists and was not written by the program.
     """
     with writing(folder):
-        files = [f"{name}{suffix}" for name in figures for suffix in FIGURE_ENDS]
+        files = [f"{name}.{suffix}" for name in figures for suffix in (*formats, "nc")]
         claim(folder, files, overwrite=overwrite)
         for name, (figure, data) in figures.items():
-            save_figure(figure, folder / name, data)
+            save_figure(figure, folder / name, data, formats)

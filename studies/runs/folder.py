@@ -27,7 +27,6 @@ PROVENANCE_NAME = "provenance.json"
 SUMMARY_NAME = "summary.json"
 MESH_NAME = "mesh"  #: name of the copy of a mesh file, without its suffix
 VTK_NAME = "vtk"
-FIGURE_ENDS = (".png", ".pdf", ".nc")
 ORBIT_NAME, ENERGY_NAME = "orbit.png", "energy.png"
 REPORT_NAME = "report.html"
 FAILURES_NAME = "failures.json"  #: file with the failed points of a sweep, and the reasons
@@ -172,7 +171,7 @@ def _dependencies() -> Iterator[tuple[str, str]]:
 def files_of_run(case: Case) -> tuple[str, ...]:
     """Return the names of the files of a run of a case, without the ParaView series."""
     figures = [
-        f"{Path(name).stem}{end}" for name in (ORBIT_NAME, ENERGY_NAME) for end in FIGURE_ENDS
+        f"{Path(name).stem}{end}" for name in (ORBIT_NAME, ENERGY_NAME) for end in (".png", ".nc")
     ]
     made = (RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, CHECKPOINT_NAME)
     return (*case_files(case), *made, *figures)

@@ -107,8 +107,8 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
         orbit, energies = shaft_orbit(result), strain_energies(result)
         summary = summarise(result, report, orbit=orbit, energies=energies)
         write_summary(summary, directory / folder.SUMMARY_NAME)
-        save_figure(plot_orbit(orbit), directory / folder.ORBIT_NAME, orbit)
-        save_figure(plot_energy(energies), directory / folder.ENERGY_NAME, energies)
+        save_figure(plot_orbit(orbit), directory / folder.ORBIT_NAME, orbit, ["png"])
+        save_figure(plot_energy(energies), directory / folder.ENERGY_NAME, energies, ["png"])
         return Run(
             directory=directory,
             end_reason=result.attrs["end_reason"],

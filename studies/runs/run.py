@@ -41,7 +41,7 @@ def run(
     """March a case, and write all its results into a folder.
 
     These are written: case.toml (and a copy of its mesh file), provenance.json, result.nc,
-    summary.json, orbit and energy (.png, .pdf and their data) and vtk/. Nothing is written before
+    summary.json, orbit and energy (.png and their data) and vtk/. Nothing is written before
     the case is validated. Ctrl-C ends the march properly: all outputs are written for the time
     marched, and the end reason of the run is "interrupted".
 

@@ -32,10 +32,10 @@ class TestFiguresOfARun:
     def test_are_one_column_wide_with_legible_text_inside(self, figure: Figure) -> None:
         figure.draw_without_rendering()
         width, height = figure.get_size_inches()
-        assert width * 0.0254 == pytest.approx(0.08)
+        assert width * 0.0254 == pytest.approx(0.085)
         shown = [t for t in figure.findobj(Text) if isinstance(t, Text) and t.get_text()]
         assert len(shown) > 5
-        assert min(float(text.get_fontsize()) for text in shown) >= 6.5
+        assert min(float(text.get_fontsize()) for text in shown) >= 7.0
         drawn = figure.get_tightbbox()
         assert min(drawn.x0, drawn.y0) >= 0
         assert drawn.x1 <= width
@@ -79,10 +79,10 @@ class TestSaveFigure:
         paths = style.save_figure(self.figure(), tmp_path / "map.png")
         assert [path.name for path in paths] == ["map.png", "map.pdf"]
         height, width, _ = imread(paths[0]).shape
-        assert (width, height) == (944, 590)  # 80 x 50 mm at 300 dots an inch
+        assert (width, height) == (1003, 590)  # 85 x 50 mm at 300 dots an inch
         media = re.search(rb"/MediaBox \[\s*0 0 ([\d.]+) ([\d.]+)", paths[1].read_bytes())
         assert media is not None
-        assert float(media[1]) == pytest.approx(72 * 0.08 / 0.0254)
+        assert float(media[1]) == pytest.approx(72 * 0.085 / 0.0254)
 
     def test_a_dataset_goes_to_netcdf(self, tmp_path: Path) -> None:
         data = strain_energies(synthetic_result(records=9))

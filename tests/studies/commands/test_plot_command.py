@@ -49,6 +49,16 @@ def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
         assert data.time.values[[0, -1]] == pytest.approx([0.1, 0.2])
 
 
+def test_a_figure_for_a_paper(directory: Path) -> None:
+    options = ["--format", "svg", "--width", "85", "--title", "Rub of a fan"]
+    printed = answer("plot", directory, "orbit", *options).stdout
+    assert printed.endswith("orbit.svg and .nc.\n")
+    text = (directory / "plots" / "orbit.svg").read_text()
+    assert 'width="240.94' in text  # points
+    assert "Rub of a fan" in text
+    assert "rpm)" not in text  # the title that it has by default
+
+
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [

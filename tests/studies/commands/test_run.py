@@ -36,8 +36,8 @@ RUNNER = CliRunner()
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
 
 FILES = [
-    *("case.toml", "checkpoint.npz", "energy.nc", "energy.pdf", "energy.png", "manifest.json"),
-    *("orbit.nc", "orbit.pdf", "orbit.png", "provenance.json", "result.nc", "summary.json"),
+    *("case.toml", "checkpoint.npz", "energy.nc", "energy.png", "manifest.json"),
+    *("orbit.nc", "orbit.png", "provenance.json", "result.nc", "summary.json"),
 ]
 
 

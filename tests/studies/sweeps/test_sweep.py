@@ -108,7 +108,7 @@ def test_full_histories_are_runs_of_the_size_that_was_told(
 def test_figures_are_left(swept: Path) -> None:
     names = {path.name for path in swept.iterdir()}
     for stem in LEFT_BY_A_SWEEP:
-        assert {f"{stem}.png", f"{stem}.pdf", f"{stem}.nc"} <= names
+        assert {f"{stem}.png", f"{stem}.nc"} <= names
 
 
 def test_an_interrupted_sweep_is_finished_with_the_same_bits(
