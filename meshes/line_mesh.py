@@ -36,7 +36,7 @@ class LineMesh:
     node_sets: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> node numbers
     line_sets: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> line numbers
     sectors: IntArray | None = None
-    """Nodes of each sector, in the same order in every sector, (sectors, nodes a sector)."""
+    """Nodes of each sector, in the same order in every sector, (sectors, nodes per sector)."""
 
     def __post_init__(self) -> None:
         freeze(self)
@@ -91,7 +91,7 @@ def points_along(given: FloatArray, elements: int) -> FloatArray:
     their chords. The first and the last point are returned without rounding.
 
     Args:
-        given: points on the centre line in order, consecutive ones different [m], (points, 2).
+        given: points on the centre line in order [m], (points, 2); neighbours must differ.
         elements: number of elements.
     """
     share = np.linspace(0.0, 1.0, elements + 1)[:, None]

@@ -14,8 +14,7 @@ W, W_SLOPE, U, U_SLOPE = range(4)
 
 @dataclass(frozen=True, kw_only=True)
 class RingMesh:
-    """A closed ring of equal curved elements; element i is between nodes i and i + 1 (mod
-    elements)."""
+    """A closed ring of equal curved elements; element i joins nodes i and i + 1 (mod elements)."""
 
     elements: int  #: number of elements and of nodes
     radius: float  #: radius of the ring [m]

@@ -17,10 +17,9 @@ def rotational_sectors(
     """Find the sectors of a mesh with rotational symmetry.
 
     A mesh is symmetric if a rotation by 2 pi / len(tips) about the origin maps every node to a
-    node, every line to a line and tip n to tip n + 1. Sections and materials of lines are not
-    compared; whether a mesh of equal sectors is tuned is determined from its matrices. Sector n
-    contains tip n and, as far as possible, nodes that are connected to it by lines. The centre
-    belongs to no sector.
+    node, every line to a line and tip n to tip n + 1. Sections and materials are not compared here;
+    differences between blades follow from the matrices. Sector n contains tip n and, as far as
+    possible, nodes that are connected to it by lines. The centre belongs to no sector.
 
     Args:
         points: positions of the nodes, with the centre at the origin, (nodes, 2).
@@ -29,7 +28,7 @@ def rotational_sectors(
         centre: node at the origin.
 
     Returns:
-        nodes of each sector, in the same order in every sector, (sectors, nodes a sector); None
+        nodes of each sector, in the same order in every sector, (sectors, nodes per sector); None
         without symmetry.
     """
     sectors = len(tips)
@@ -65,7 +64,7 @@ def symmetric_points(points: FloatArray, sectors: IntArray) -> FloatArray:
 
     Args:
         points: positions of the nodes, (nodes, 2).
-        sectors: nodes of each sector, (sectors, nodes a sector).
+        sectors: nodes of each sector, (sectors, nodes per sector).
     """
     turns = np.exp(2j * np.pi * np.arange(len(sectors)) / len(sectors))[:, None]
     places = points[sectors] @ np.array([1.0, 1.0j])

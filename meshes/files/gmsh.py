@@ -34,7 +34,7 @@ VALUE = re.compile(
 )
 
 ALONE = "lines"
-"""Name of the group for lines that are in no group, because meshio cannot read such elements."""
+"""Name of the group for all lines without a group, because meshio cannot read such elements."""
 
 LARGEST_NUMBER = 10_000_000
 """Largest number of a node, and largest count of nodes or elements; meshio allocates arrays of this
@@ -134,7 +134,7 @@ def _check_numbers(line: bytes) -> None:
 
 
 def _is_member(mesh: meshio.Mesh, block: int, name: str, tag: int) -> Any:
-    """Return whether each cell of a block is in a physical group.
+    """Return for each cell of a block whether it is in a physical group.
 
     Files of version 4.1 have sets of cells, files of version 2.2 have tags.
     """
@@ -168,7 +168,7 @@ def _homes(lines: IntArray, entity: IntArray, group: IntArray) -> IntArray:
 
 
 def _data(size: int, groups: Mapping[str, IntArray]) -> dict[str, FloatArray]:
-    """Return data encoded in the names of groups, NaN for members without a value."""
+    """Return data encoded in the names of groups; NaN for nodes or lines without a value."""
     data: dict[str, FloatArray] = {}
     for group, members in groups.items():
         match = VALUE.fullmatch(group)

@@ -42,12 +42,12 @@ class GroupedLines:
 
     @property
     def is_rigid(self) -> NDArray[np.bool_]:
-        """Whether each line is a rigid link, (lines,)."""
+        """Mask of the lines that are rigid links, (lines,)."""
         return self._has(RIGID)
 
     @property
     def is_beam(self) -> NDArray[np.bool_]:
-        """Whether each line is a beam, that is, neither a spring nor a rigid link, (lines,)."""
+        """Mask of the lines that are beams, that is, not springs or rigid links, (lines,)."""
         return ~self._has(RIGID, *SPRING)
 
     def _has(self, *names: str) -> NDArray[np.bool_]:

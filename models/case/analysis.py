@@ -36,21 +36,21 @@ WHOLE = 1e-6
 
 
 class Reduction(Table):
-    """Craig-Bampton reduction of the bladed disk on its tips and centre, and modes of both."""
+    """Craig-Bampton reduction of the bladed disk to tips and centre, and modes for the march."""
 
     fixed_interface_modes: Annotated[int, count(1)] = 110
-    """Number of fixed-interface modes of all blades together (eta in the paper, Section 2.2). 110
-    are five per blade for the paper's 22, with an error of 5F below 1 %; scale it with the number
-    of blades. bladewhirl show prints the errors."""
+    """Number of fixed-interface modes of all blades together (eta in the paper, Section 2.2). The
+    default is five per blade for 22 blades, with which the frequencies of family 5F have errors
+    below 1 %; scale it with the number of blades. bladewhirl show prints the errors."""
     modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "all"
-    """Modes that a march keeps: "all"; "six", the paper's truncated space of Eqs (4)-(10),
-    "1F:1,suspension:1,casing:1"; or any others by name, FAMILY:k on the bladed disk and
-    casing:FAMILY:k on the casing, without ":k" in all nodal diameters, "*" for every family;
-    "casing:k" is the lowest radial mode. Loads and start are projected."""
+    """Modes that a march keeps: "all"; "six", the paper's truncated space of Eqs (4)-(10), which is
+    "1F:1,suspension:1,casing:1"; or names, FAMILY:k on the bladed disk and casing:FAMILY:k on the
+    casing. Without ":k" a name selects all nodal diameters; "*" is every family; "casing:k" is the
+    lowest radial mode. Loads and initial motion are projected on the modes."""
 
 
 class Damping(Table):
-    """Modal damping of both structures."""
+    """Modal damping of bladed disk and casing."""
 
     ratio: NumberOrZero = 0.005
     """Damping ratio xi of every mode (not in the paper; suspension transients decay within about
@@ -64,19 +64,20 @@ class Contact(Table):
     """Coulomb friction coefficient (paper, Table 2)."""
     sliding: Literal["permanent", "signed"] = "permanent"
     """"permanent": friction drags every tip against the rotation ("sliding is assumed" in the
-    paper); "signed": it follows the sign of the relative velocity, without sticking: at speed 0,
+    paper); "signed": friction opposes the relative velocity, and tips never stick; at speed 0,
     where tips should stick, rounding decides the sign."""
     tip_rotation: StrictBool = False
-    """Let the angle of a tip on the casing follow u_t / R."""
+    """Add u_t / R, with the tangential displacement u_t of a tip, to the angle of the tip on the
+    casing."""
     restitution: NumberOrZero = 0.0
-    """Speed of a tip after an impact over that before, 0 to 1, with march.scheme = "moreau-jean".
-    """
+    """Ratio of the speeds of a tip after and before an impact, 0 to 1, for march.scheme =
+    "moreau-jean"."""
     penalty_stiffness: Stiffness = 1e9
-    """Force of a tip over its depth in the casing, with march.scheme = "penalty" [N/m]. One that
-    the time step does not resolve is refused."""
+    """Contact force per depth of penetration, for march.scheme = "penalty" [N/m]. A stiffness that
+    is too large for the time step is an error."""
     stick_speed: PositiveVelocity = 0.01
-    """Relative speed from which on friction is whole, with march.scheme = "penalty" [m/s]; below it
-    a tip creeps that should stick."""
+    """Relative speed above which friction has its full value, for march.scheme = "penalty" [m/s].
+    Below this speed friction is smaller, and tips creep instead of sticking."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error for a restitution above one, which would generate energy."""
@@ -87,13 +88,12 @@ class Contact(Table):
 class Initial(Table):
     """Motion at t = 0 in the rotating frame at angle 0; the casing is at rest.
 
-    Tips and centre move as given; the rest of the bladed disk follows as it would statically.
+    Tips and centre have the given motion; all other nodes of the bladed disk follow statically.
     """
 
     centre_velocity: VelocityPair = (0.0, 0.0)
-    """Velocity of the centre, x and y [m/s]. The degrees of freedom between centre and tips follow
-    statically, which differs by a factor of 4 to 45 in its effect from a motion of the centre's
-    mass only."""
+    """Velocity of the centre, x and y [m/s]. The nodes between centre and tips follow statically;
+    the effect differs by a factor of 4 to 45 from that of a motion of the centre's mass only."""
     centre_displacement: DisplacementPair = (0.0, 0.0)
     """Displacement of the centre, x and y [m]."""
     tip_velocity: VelocityRows | None = Field(
@@ -104,33 +104,33 @@ class Initial(Table):
     tip_displacement: DisplacementRows | None = Field(
         default=None, examples=["[[0.0, 0.0], [0.0, 0.0], ...]"]
     )
-    """Displacement of each tip, radial and tangential [m], blades x 2; left out: 0."""
+    """Displacement of each tip, radial and tangential [m], blades x 2; default 0."""
 
 
 class Coupling(Table):
     """Coupling of bladed disk and casing through frame and bearings (Eqs 4-10)."""
 
     stiffness: StiffnessOrZero = 0.0
-    """kappa [N/m] (0 in the paper's Table 2)."""
+    """Stiffness kappa of the springs [N/m] (0 in the paper's Table 2)."""
     modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "six"
-    """Modes that the springs couple, of those that a march keeps, named as in reduction.modes: on
-    the bladed disk 1F to 5F and suspension, on the casing the lowest radial mode of each nodal
-    diameter."""
+    """Modes that the springs couple, named as in reduction.modes. Springs can couple the modes that
+    a march keeps: on the bladed disk 1F to 5F and suspension, on the casing the lowest radial mode
+    of each nodal diameter."""
     amplitude: Literal["paper", "physical"] = "paper"
-    """Amplitudes at the springs: "paper" one for each mode, "physical" those of the mass-normalised
-    modes."""
+    """Radial amplitude of each mode at the springs: "paper" is 1 for every mode, "physical" is the
+    amplitude of the mass-normalised mode."""
     pi: StrictBool = True
-    """Keep the factor pi of the integral in Eq. (8); Eq. (9) drops it."""
+    """Keep the factor pi of the integral in Eq. (8), which Eq. (9) omits."""
 
 
 class March(Table):
-    """The march in time."""
+    """The march, that is, the time integration."""
 
     speed: RotationSpeed = Speed(1.05)
-    """Speed of rotation: a number counts multiples of the reference frequency, the lowest
-    free-centre frequency of the full bladed disk (also when clamped); text is absolute, "2500 rpm",
-    "42 Hz" (revolutions per second) or "262 rad/s". 0 and negative are allowed (1.05 in the paper,
-    Section 4.3)."""
+    """Speed of rotation. A number is a multiple of the reference frequency, the lowest frequency of
+    the full bladed disk with a free centre (even if this case clamps it). Text is an absolute
+    speed: "2500 rpm", "42 Hz" (revolutions per second) or "262 rad/s". Zero and negative speeds are
+    allowed (1.05 in the paper, Section 4.3)."""
     time_step: Time = 1e-6
     """Time step [s] (paper, Section 4.2). The error is of second order for free motion and of first
     order in contact: halve the step to see its effect."""
@@ -139,15 +139,15 @@ class March(Table):
     record_step: Time = 1e-4
     """Time between records [s], a whole number of time steps."""
     displacement_limit: Length | None = Field(default=None, examples=["0.5"])
-    """Radial or tangential displacement of a blade tip, or radial one of the casing, at which a
-    divergent march ends [m]; a blade's length when left out, where a linear model has nothing left
-    to say. It is off by a tenth from a third of that length on, but transients pass that and decay
-    (a choice)."""
+    """Displacement at which a march ends as divergent [m]: radially or tangentially at a blade tip,
+    or radially at the casing. The default is the length of a blade, far beyond the range of a
+    linear model. The model has errors of a tenth at a third of this length, but larger transients
+    may still decay (a choice)."""
     scheme: SchemeName = "central-difference"
     """Contact law and time integration. "central-difference": Lagrange multipliers and sliding
     friction, as in the paper; fast. "moreau-jean": impacts with contact.restitution, friction with
     stick and slip. "penalty": elastic contact of contact.penalty_stiffness, regularised friction
-    below contact.stick_speed. The last two ignore contact.sliding."""
+    below contact.stick_speed. "moreau-jean" and "penalty" ignore contact.sliding."""
 
     @property
     def steps(self) -> int:

@@ -36,21 +36,21 @@ Factors = tuple[Annotated[float, number("positive")], ...]
 
 
 class TaperStation(Table):
-    """A section along the blade; keys left out are as in bladed_disk.blade."""
+    """A section along the blade; keys that are left out have the values of bladed_disk.blade."""
 
     width: Length | None = None
     """Size out of the plane [m]."""
     thickness: Length | None = None
     """Size in the plane [m]."""
     material: StrictStr | None = None
-    """Name in material.named."""
+    """Name of a material in material.named."""
 
 
 class CentrePoint(Table):
     """Point on the centre line of a blade."""
 
     span: Annotated[float, number("positive")]
-    """Share of the way from root to tip, by radius."""
+    """Radial distance from the root, as a share of the distance from root to tip."""
     angle: Angle
     """Angle from the radial line through the root [rad]."""
 
@@ -59,11 +59,11 @@ class Shroud(BeamSection):
     """A ring of beams from blade to blade."""
 
     radius: Length
-    """Radius at which it meets the blades [m]."""
+    """Radius at which the shroud meets the blades [m]."""
     elements: Annotated[int, count(1)] = 1
-    """Beams from blade to blade; a straight one, or several on the arc."""
+    """Number of beams from blade to blade: one straight beam, or several along the arc."""
     cuts: Blades = ()
-    """Blades after which the ring is cut; none: it is closed."""
+    """Blades after which the ring is cut; an empty list is a closed ring."""
 
 
 class DiskRing(BeamSection):
@@ -72,45 +72,45 @@ class DiskRing(BeamSection):
     thickness: Length = 0.03
     """Size in the plane of motion [m]."""
     radius: Length
-    """Radius at which it meets the spokes [m]."""
+    """Radius at which the ring meets the spokes [m]."""
 
 
 class PointMass(Table):
     """A mass at a radius, on all blades or on some."""
 
     radius: LengthOrZero
-    """0 for the centre, else from root to tip [m]."""
+    """Radius [m]: 0 at the centre, otherwise between root and tip."""
     mass: Mass
-    """Each [kg]."""
+    """Mass on each blade, or at the centre [kg]."""
     inertia: Inertia = 0.0
-    """Rotary inertia, each [kg m2]."""
+    """Rotary inertia on each blade, or at the centre [kg m2]."""
     blades: Blades | None = None
     """Blades with the mass; all by default."""
 
 
 class Mistuning(Table):
-    """Differences between blades: factors, one a blade, or random ones."""
+    """Differences between blades: a list with one factor for each blade, or random factors."""
 
     stiffness: Factors = ()
-    """On Young's modulus of each blade."""
+    """Factors on Young's modulus of each blade."""
     mass: Factors = ()
-    """On the density of each blade."""
+    """Factors on the density of each blade."""
     length: Factors = ()
-    """Factors on the length from root to tip. Shrouds and masses along the blade keep their radius:
-    the part beyond the last of them changes length. Sections of a taper stay with their elements.
-    """
+    """Factors on the length of each blade from root to tip. Shrouds and masses along the blade keep
+    their radius: only the part beyond the outermost of them changes length. Sections of a taper
+    stay with their elements."""
     stiffness_spread: NumberOrZero = 0.0
-    """Standard deviation of random factors about 1."""
+    """Standard deviation, about 1, of random factors on Young's modulus."""
     mass_spread: NumberOrZero = 0.0
-    """The same for the density."""
+    """Standard deviation, about 1, of random factors on the density."""
     length_spread: NumberOrZero = 0.0
-    """The same for the length."""
+    """Standard deviation, about 1, of random factors on the length."""
     seed: Annotated[int, count(0)] = 0
     """Seed of the random factors; each quantity has a random stream of its own."""
 
     def factors(self, name: str, blades: int) -> FloatArray:
-        """Return the factors on stiffness, mass or length: the listed ones, random ones or ones,
-        (blades,)."""
+        """Return the factors on stiffness, mass or length, (blades,): the list if there is one,
+        otherwise random factors."""
         listed = getattr(self, name)
         if listed:
             return np.array(listed)
@@ -142,14 +142,14 @@ MassRows = Annotated[tuple[PointMass, ...], rows('{ radius = "0.4 m", mass = "50
 
 
 class DiskSection(BeamSection):
-    """The rectangular section of the disk's beams, thicker by default."""
+    """The rectangular section of the disk's beams, by default thicker than that of the blades."""
 
     thickness: Length = 0.03
     """Size in the plane of motion [m]."""
 
 
 class BladedDisk(Table):
-    """Beams: blades from root to tip, a disk of spokes and a rim polygon through the roots."""
+    """A bladed disk of beams: blades from root to tip, spokes, and a rim through the roots."""
 
     blades: Annotated[int, count(3)] = 22
     """Number of blades (paper, Section 2.1)."""
@@ -160,39 +160,40 @@ class BladedDisk(Table):
     elements_per_blade: Annotated[int, count(1)] = 10
     """Beam elements along each blade (paper, Section 2.1)."""
     blade: BeamSection = BeamSection()
-    """Section of the blades: width out of the plane, thickness in it [m] (paper, Table 1; 10 mm
-    must be in the plane for k_o to be 500 blade stiffnesses)."""
+    """Section of the blades: width out of the plane of motion, thickness in the plane [m] (paper,
+    Table 1; only with the 10 mm in the plane is k_o equal to 500 blade stiffnesses)."""
     taper: TaperRows = ()
     """Sections of the blades from root to tip at equal distances, linear in between, rows of {
-    thickness = "12 mm", width = "0.1 m" }; what is left out is as in blade."""
+    thickness = "12 mm", width = "0.1 m" }; keys that are left out have the values of blade."""
     centre_line: CentreRows = ()
     """Points on the smooth centre line of the blades after the root, rows of { span = 0.5, angle =
     "4 deg" }: share of the radial distance from root to tip, and angle from the radial line through
-    the root; the last has span = 1. None: straight and radial. The tips keep their position, the
-    roots move."""
+    the root; the last has span = 1. Without points the blades are straight and radial. The tips
+    keep their position, the roots move."""
     shrouds: ShroudRows = ()
     """Rings of beams from blade to blade, rows of { radius = "0.4 m", width = "20 mm", thickness =
     "5 mm" }; elements = 3 follows the arc with three beams, cuts = [21] leaves the ring open after
     blade 21."""
     disk_kind: Literal["spokes-and-rim", "spokes", "rim", "rigid"] = "spokes-and-rim"
-    """"spokes-and-rim" (the paper), "spokes", "rim": a ring connected to the centre by springs,
-    which needs a point mass there, or "rigid". Spokes are beams from the centre to each root: where
-    they overlap near the centre, each has its full mass and stiffness."""
+    """"spokes-and-rim" (the paper), "spokes", "rim" or "rigid". "rim" is a ring that springs
+    connect to the centre, which then needs a point mass. Spokes are beams from the centre to each
+    root; near the centre, where spokes overlap, each of them has its full mass and stiffness."""
     disk: DiskSection = DiskSection()
     """Section of spokes and rim [m]; 30 mm in the plane is a choice (the paper has "a dedicated set
-    of beams"), which puts the suspension modes at 2.53."""
+    of beams"), with which the suspension modes are at 2.53 reference frequencies."""
     disk_rings: RingRows = ()
     """More rings within the disk, rows of { radius = "25 mm", thickness = "20 mm" }; they cut the
     spokes."""
     web_radial: Stiffness = 1e9
-    """Stiffness of each spring from centre to root for disk = "rim" [N/m]."""
+    """Radial stiffness of each spring from centre to root for disk_kind = "rim" [N/m]."""
     web_tangential: Stiffness = 1e9
-    """The same spring across the radius [N/m]."""
+    """Tangential stiffness of each spring from centre to root for disk_kind = "rim" [N/m]."""
     tip_mass: Mass = 0.0
     """Point mass at each tip [kg]."""
     point_masses: MassRows = ()
-    """More point masses, rows of { radius = "0.4 m", mass = "50 g" }, on all blades or with blades
-    = [0, 7] on some; with inertia = "2 kg cm2"; radius = 0 is the centre."""
+    """More point masses, rows of { radius = "0.4 m", mass = "50 g" }. They are on all blades, or
+    only on those of a list such as blades = [0, 7]; inertia = "2 kg cm2" adds a rotary inertia;
+    radius = 0 is the centre."""
     mistuning: Mistuning = Mistuning()
     """Mistuning: factors on stiffness, mass and length as lists with one entry per blade, or the
     standard deviation of random factors about 1, with a seed. A longer blade has a smaller
@@ -204,9 +205,9 @@ class BladedDisk(Table):
             '{ file = "a.msh", unit = "mm", sections.blades = { width = 0.1, thickness = 0.01 } }'
         ],
     )
-    """A mesh file instead, left out here: its unit of length, its groups of nodes that are the tips
-    and the centre (tips = "tips", centre = "centre"), sections of its groups of lines; all other
-    keys of [bladed_disk] are then left out."""
+    """Mesh file that replaces all other keys of [bladed_disk]; by default there is none. The table
+    has the file, its unit of length, the names of its groups of nodes at the tips and at the centre
+    (tips = "tips", centre = "centre"), and sections of its groups of lines."""
 
     @property
     def cut_radii(self) -> list[float]:

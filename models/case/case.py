@@ -1,9 +1,9 @@
 """The case: the immutable contents of a case file, in SI units.
 
 Make a case by keyword, ``Case(march=March(speed=1.2))``, or read one with `read_case`. Defaults are
-values of the paper, or a choice where the paper gives none; the description of each key says
-which. Numbers are in SI units; text includes a unit, "1 mm". New kinds of geometry are added as
-optional tables.
+values of the paper, or choices where the paper gives no value; the description of each key states
+its source. Numbers are in SI units; text includes a unit, "1 mm". New kinds of geometry are added
+as optional tables.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from bladewhirl.models.sections.rectangular import Material
 
 
 class Case(Table):
-    """A bladed disk on its shaft, a casing, a load and a speed; the default is the fan stage.
+    """A bladed disk on its shaft, a casing, a load and a speed; by default the paper's fan stage.
 
     Raises:
         CaseError: the case is invalid; the error lists all faults, as for a case file. Other tables
@@ -74,7 +74,7 @@ class Case(Table):
                 raise CaseError(faults_of(error, tables)) from None
 
     def __repr__(self) -> str:
-        """Return the title, and a line for each table with the keys that are not at defaults."""
+        """Return the title, and a line for each table with the keys that differ from defaults."""
         changed = self.model_dump(exclude_defaults=True, exclude_none=True)
         changed["excitation"] = {"type": self.excitation.type, **changed.get("excitation", {})}
         rows = [f"{name:<13}{shown(table)}" for name, table in changed.items() if name != "title"]

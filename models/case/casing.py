@@ -25,8 +25,8 @@ SAME_ANGLE = 1e-9
 """Difference below which two angles count as equal [rad]."""
 
 ELEMENTS_PER_LOBE = 4
-"""Smallest number of elements per wave. With fewer, the error of the clearance, which is a cubic
-polynomial between nodes, exceeds 2 % of the amplitude."""
+"""Smallest number of elements per wave. With fewer elements, the error of the clearance, which is a
+cubic polynomial between nodes, exceeds 2 % of the amplitude."""
 
 
 class Station(Table):
@@ -44,13 +44,13 @@ class SpringSupport(Table):
     angle: Angle
     """Angle from the x axis [rad]."""
     radial: StiffnessOrZero = 0.0
-    """Stiffness [N/m]."""
+    """Radial stiffness [N/m]."""
     tangential: StiffnessOrZero = 0.0
-    """Stiffness [N/m]."""
+    """Tangential stiffness [N/m]."""
     radial_damping: DampingOrZero = 0.0
-    """Damping [N s/m]."""
+    """Radial damping [N s/m]."""
     tangential_damping: DampingOrZero = 0.0
-    """Damping [N s/m]."""
+    """Tangential damping [N s/m]."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error for a support without stiffness and damping."""
@@ -67,12 +67,12 @@ class Strut(BeamSection):
     angle: Angle
     """Angle of the foot on the wall from the x axis [rad]."""
     inclination: Angle = 0.0
-    """Angle from the outward normal to the strut, counter-clockwise, less than a quarter turn
-    either way [rad]."""
+    """Angle from the outward normal to the strut, counter-clockwise, less than a quarter turn in
+    either direction [rad]."""
     length: Length
     """Length [m]."""
     ends: Literal["pinned", "built-in"] = "pinned"
-    """Pinned: a bar. Built in: a beam."""
+    """A pinned strut is a bar, a built-in strut is a beam."""
     damping: DampingOrZero = 0.0
     """Damping along the strut [N s/m]."""
 
@@ -87,11 +87,11 @@ class Casing(Table):
     """A ring of curved beams at tip_radius + clearance."""
 
     elements: Annotated[int, count(3)] = 40
-    """Number of curved beam elements (paper, Section 2.1). Four per wavelength give its frequency
-    to 0.5 %; twice the number of blades gives four to every wave that the blades can distinguish.
-    """
+    """Number of curved beam elements (paper, Section 2.1). With four elements per wavelength the
+    error of a frequency is 0.5 %. Twice the number of blades gives four elements to every wave that
+    the blades can distinguish."""
     clearance: LengthOrZero = 1e-3
-    """Gap between tips and casing at rest [m] (paper, Table 1); its mean where there are lobes."""
+    """Gap between tips and casing at rest [m] (paper, Table 1); the mean gap if there are lobes."""
     clearance_lobes: Annotated[
         tuple[Lobe, ...], rows('{ lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }')
     ] = ()
@@ -103,44 +103,47 @@ class Casing(Table):
     thickness_lobes: Annotated[
         tuple[Lobe, ...], rows('{ lobes = 2, amplitude = "1 mm", phase = "30 deg" }')
     ] = ()
-    """Waves of the wall's thickness, rows as of clearance_lobes, on top of wall.thickness or of the
-    stations."""
+    """Waves of the wall's thickness, rows as in clearance_lobes, added to wall.thickness or to
+    thickness_stations."""
     thickness_stations: Annotated[
         tuple[Station, ...], rows('{ angle = "90 deg", thickness = "12 mm" }')
     ] = ()
-    """Thickness of the wall at angles, rows of { angle = "90 deg", thickness = "12 mm" }, linear in
-    between and around; where there are any, wall.thickness is unused."""
+    """Thickness of the wall at angles, rows of { angle = "90 deg", thickness = "12 mm" }, with
+    linear interpolation between them around the ring. If there are rows, wall.thickness is not
+    used."""
     stiffened_arcs: Annotated[
         tuple[Arc, ...], rows('{ start = "30 deg", end = "60 deg", thickness = "20 mm" }')
     ] = ()
-    """Stretches of wall that differ, rows of { start = "30 deg", end = "60 deg", thickness = "20
-    mm" } with any of thickness, width, young_modulus and density; what is left out is as elsewhere.
-    All sections are centred on the same circle. Arcs that end at nodes, every 9 degrees with 40
-    elements, converge best."""
+    """Arcs of the wall with another section or material, rows of { start = "30 deg", end = "60
+    deg", thickness = "20 mm" } with any of thickness, width, young_modulus and density; keys that
+    are left out have the values of the wall. All sections are centred on the same circle. Results
+    converge fastest if arcs end at nodes, which are 9 degrees apart with 40 elements."""
     curvature: Literal["exact", "shallow"] = "exact"
-    """Bending strain, "exact" or "shallow" (not in the paper; a free exact ring has its three rigid
-    motions, a shallow one has not)."""
+    """Bending strain, "exact" or "shallow" (not in the paper; a ring without supports has its three
+    rigid motions with "exact" only)."""
     support: Annotated[float, quantity("N/m2", "not negative")] = 1508.0
     """Uniform elastic support, radial and tangential [N/m per metre of circumference] (not in the
-    paper; puts the casing's lowest mode at 0.055, which is "very low" as the paper says, for modal
-    work)."""
+    paper; the lowest casing frequency is then 0.055 reference frequencies, "very low" as in the
+    paper)."""
     springs: Annotated[
         tuple[SpringSupport, ...], rows('{ angle = "90 deg", radial = "1 MN/m" }')
     ] = ()
     """Springs from the wall to the ground, rows of { angle = "90 deg", radial = "1 MN/m",
     tangential = 0, radial_damping = "2 kN s/m", tangential_damping = 0 }, in addition to support.
-    With springs or struts that prevent its rotation, rotation = "free" may be used. Dampers act in
-    a march, where contact is then of first order in march.time_step; modes are undamped."""
+    If springs or struts prevent a rigid rotation of the ring, rotation = "free" is possible.
+    Dampers act in a march, in which the error of contact is then of first order in march.time_step;
+    modes are computed without dampers."""
     struts: Annotated[
         tuple[Strut, ...], rows('{ angle = "90 deg", length = "300 mm", thickness = "8 mm" }')
     ] = ()
     """Straight struts from the wall to the ground, rows of { angle = "90 deg", inclination = 0,
     length = "300 mm", width = "100 mm", thickness = "10 mm", ends = "pinned", damping = 0 }; with
-    ends = "built-in" they also bend, and converge best with feet at nodes. They have mass, but no
-    modes of their own. With damping, contact is of first order in march.time_step."""
+    ends = "built-in" they also bend, and results converge fastest if their feet are at nodes.
+    Struts have mass, but no internal modes. With damping, the error of contact is of first order in
+    march.time_step."""
     rotation: Literal["free", "fixed"] = "fixed"
-    """Rigid rotation of the ring, "free" or "fixed" (not in the paper; free, friction would spin
-    the ring up)."""
+    """Rigid rotation of the ring, "free" or "fixed" (not in the paper; with "free" friction would
+    spin the ring up)."""
 
     @property
     def clearance_profile(self) -> RingProfile:
@@ -157,8 +160,8 @@ class Casing(Table):
         )
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield errors for a negative clearance or thickness, for too many lobes for the elements,
-        and for stations or arcs that overlap."""
+        """Yield errors for a negative clearance or thickness, for more lobes than the elements
+        resolve, and for stations or arcs that overlap."""
         most = self.elements // ELEMENTS_PER_LOBE
         for key in ("clearance_lobes", "thickness_lobes"):
             if any(row.lobes > most for row in getattr(self, key)):

@@ -23,7 +23,7 @@ TAG_ERRORS = ("union_tag_not_found", "union_tag_invalid")
 """pydantic's errors about the type of the excitation."""
 
 FIXED_PHRASES = {"bool_type": "true or false", "string_type": "text"}
-"""Expected values by the type of pydantic's error."""
+"""Text of the expected value for each type of pydantic error."""
 
 TABLE_ERRORS = ("model_type", "model_attributes_type", "dict_type")
 

@@ -1,4 +1,4 @@
-"""The `[excitation]` table of a case: the load on a stage, one model a type."""
+"""The `[excitation]` table of a case: the load on a stage, with one class for each type."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ class CasingDistortion(Table):
     """A pulse on one casing mode (the paper's scenario A)."""
 
     type: Literal["casing-distortion"] = "casing-distortion"
-    """Force over [0, duration] on the lowest radial casing mode of a nodal diameter, w = +cos k
-    theta in the static frame, mass-normalised."""
+    """Force during [0, duration] on the lowest radial casing mode with nodal diameter k, which is
+    mass-normalised and follows w = +cos k theta in the static frame."""
     nodal_diameter: Annotated[int, count(1)] = 1
     """Nodal diameter k of the mode, at most half the casing's elements."""
     modal_force: Annotated[float, quantity("N/kg^0.5", "not negative")] = 3e4
@@ -40,22 +40,23 @@ class CasingDistortion(Table):
     duration: TimeOrZero = 0.15
     """Duration of the load [s] (the paper: a "short time interval")."""
     shape: Literal["rectangular", "half-sine"] = "rectangular"
-    """Course in time, "rectangular" or "half-sine"."""
+    """Force as a function of time, "rectangular" or "half-sine"."""
 
 
 class Imbalance(Table):
     """A force along +x at the centre, constant in the rotating frame (scenario B).
 
-    The unbalance m e is given, or follows from ``clearance_speed``; either is None.
+    The unbalance m e is given, or follows from ``clearance_speed``; exactly one of them is None.
     """
 
     type: Literal["imbalance"] = "imbalance"
-    """Force m e Omega^2 at the centre along +x of the rotating frame, constant there: along blade 0
-    unless a mesh or a sketch has that elsewhere. Give clearance_speed or unbalance, not both."""
+    """Force m e Omega^2 at the centre, constant along +x of the rotating frame. Blade 0 is on this
+    axis unless a mesh or a sketch places it elsewhere. Give clearance_speed or unbalance, not both.
+    """
     clearance_speed: PositiveSpeed | None = None
     """Speed at which the static response just closes the clearance: a number is in multiples of the
-    reference frequency (see march.speed), text such as "2500 rpm" is absolute. Without unbalance it
-    is 0.95, the lowest speed of the paper's Table 2."""
+    reference frequency (see march.speed), text such as "2500 rpm" is absolute. If unbalance is not
+    given either, the speed is 0.95, the lowest of the paper's Table 2."""
     unbalance: Annotated[float, quantity("kg m", "not negative")] | None = Field(
         default=None, examples=[0.59]
     )
@@ -84,12 +85,12 @@ class Harmonic(Table):
     type: Literal["harmonic"] = "harmonic"
     """Force cos(2 pi frequency t) at the centre along x of a frame."""
     force: Annotated[float, quantity("N", "not negative")] = 1e3
-    """Amplitude [N]; the default moves the default shaft by 0.03 mm."""
+    """Amplitude [N]; as a static force the default deflects the default shaft by 0.03 mm."""
     frequency: Annotated[float, quantity("Hz")] = 40.0
     """Frequency in cycles per second [Hz]; the default is near the first blade bending of the
     default stage."""
     frame: Literal["rotating", "static"] = "static"
-    """Frame that the force is fixed in, "rotating" or "static"."""
+    """Frame in which the force is fixed, "rotating" or "static"."""
 
 
 def _empty_is_none(value: object) -> object:

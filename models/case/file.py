@@ -22,7 +22,7 @@ MOST_LETTERS = 2**24
 
 _DEEP_KEY = re.compile(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){50}")
 """Pattern of a dotted key of more than 50 parts; the memory that tomllib needs grows with the
-square of their number."""
+square of the number of parts."""
 
 SET = "--set"
 """Name used in place of the file in faults of overridden keys."""
@@ -30,7 +30,7 @@ SET = "--set"
 LOAD_TYPE = "excitation.type"
 
 SPRINGS = ("shaft.stiffness", "shaft.suspension_frequency")
-"""Two keys of which each removes the other when it is set."""
+"""Two keys that exclude each other: setting one of them removes the other."""
 
 
 def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
@@ -68,8 +68,7 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
         overrides: texts "KEY=VALUE" with a dotted key, which may lead into inline tables, and a
             TOML value. A value that is not TOML and does not start with a quote or a bracket is
             taken as a string. A value that is a table replaces the entire table:
-            ``excitation={type="none"}``. A new excitation.type removes the keys that it does not
-            have.
+            ``excitation={type="none"}``. A new excitation.type removes the keys of other types.
 
     Raises:
         CaseError: the text is not TOML, or the case is invalid; the error lists all faults.
@@ -95,7 +94,7 @@ def with_values(case: Case, values: Mapping[str, Any]) -> Case:
     None resets a key to its default: ``{"damping.ratio": None}``. For a key that has rows, a list
     replaces all rows: ``{"bladed_disk.point_masses": [{"radius": "10 cm", "mass": "2 kg"}]}``.
     Setting one of shaft.stiffness and shaft.suspension_frequency removes the other. A new
-    excitation.type removes the keys that it does not have.
+    excitation.type removes the keys of other types.
 
     Raises:
         CaseError: the new case is invalid; the error lists all faults.
@@ -129,7 +128,7 @@ def override_values(overrides: Iterable[str]) -> dict[str, Any]:
 
 @contextmanager
 def faults_from(file: str | PathLike[str], overrides: Iterable[str]) -> Iterator[None]:
-    """Add to the faults raised inside where their key was set: by an override or in the file.
+    """Add the source of the key, an override or the file, to faults raised in this context.
 
     Args:
         file: file from which the case was read.

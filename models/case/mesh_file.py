@@ -66,22 +66,22 @@ class MeshSection(BeamSection):
 class MeshTable(Table):
     """A mesh file of lines in the plane z = const, and the meaning of its groups.
 
-    Its groups of nodes and of lines are the stage's sets, by their names. The file is read when
-    the table is made, so that the number of blades and their tips are known from then on.
+    The groups of nodes and of lines become sets of the stage with the same names. The file is read
+    when the table is made, because the case needs the number of blades and their tips.
     """
 
     file: Annotated[str, BeforeValidator(_path)]
-    """Gmsh's .msh, .vtu or Abaqus's .inp; its path from the case file's folder."""
+    """Path of a mesh file (.msh of Gmsh, .vtu or .inp of Abaqus), relative to the case file."""
     unit: Annotated[str | float, PlainValidator(_unit)] = 1.0
     """Unit of length in the file, such as "mm" [m]."""
     tips: StrictStr = "tips"
-    """Group of nodes: the blade tips, in any order. Blade 0 is the one nearest to +x, others follow
-    counter-clockwise."""
+    """Name of the group of nodes at the blade tips, in any order. The tip of blade 0 is the one
+    nearest to +x; the other blades follow counter-clockwise."""
     centre: StrictStr = "centre"
-    """Group of nodes: the one at the origin, on the shaft."""
+    """Name of the group with the node at the origin, on the shaft."""
     sections: dict[str, MeshSection] = Field(default={})
-    """Section of each group of lines, { width, thickness, material }, the last where it is one of
-    material.named. Lines left out have their sections in the file."""
+    """Section of each group of lines, { width, thickness, material }; material, a name in
+    material.named, may be left out. Other lines have the sections in the file."""
     tip_radius: Length | None = None
     """Radius from which the clearance is measured [m]; the largest tip radius by default."""
 
@@ -231,7 +231,7 @@ def _lines_only(mesh: GroupedLines) -> GroupedLines:
 
 
 def _short(path: str) -> str:
-    """Return a path, relative to the working directory if that is shorter, without its start if
-    it is too long for a message."""
+    """Return a path, or its form relative to the working directory if shorter; the start of a path
+    that is too long for a message is cut."""
     path = min(path, os.path.relpath(path), key=len)
     return path if len(path) <= LONGEST_VALUE - 2 else f"...{path[5 - LONGEST_VALUE :]}"

@@ -11,16 +11,16 @@ from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.sections.rectangular import Material, NamedMaterial
 
 Bound = tuple[str, float, float, float, str]
-"""Key, its value, smallest and largest plausible value, and the words after them in a message."""
+"""Key, its value, smallest and largest plausible value, and the words after these in a message."""
 
 STIFFEST = 1e13
 """Largest plausible stiffness of a spring [N/m]; a cube of steel of 1 m has 2e11 N/m."""
 
 IN_TIP_RADII = {"width": 1.0, "thickness": 1.0, "length": 100.0}
-"""Largest plausible dimensions of a beam over the tip radius."""
+"""Largest plausible dimensions of a beam, divided by the tip radius."""
 
 CLEARANCES = (1e-6, 0.1)
-"""Smallest and largest plausible clearance over the tip radius; zero is allowed as well."""
+"""Smallest and largest plausible clearance, divided by the tip radius; zero is also allowed."""
 
 
 def _bounds(case: Case) -> Iterator[Bound]:

@@ -11,8 +11,8 @@ from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness, quantity
 from bladewhirl.models.inputs.table import Inconsistency, Table
 
 Effects = Literal["none", "centrifugal", "full"]
-"""Rotation effects: none; centrifugal tension with its geometric stiffness, and spin softening;
-or these and Coriolis forces."""
+"""Rotation effects: none; "centrifugal", which is tension with its geometric stiffness and spin
+softening; or "full", which adds Coriolis forces."""
 
 
 class Rotation(Table):
@@ -20,12 +20,12 @@ class Rotation(Table):
 
     effects: Effects = "none"
     """"none", as in the paper; "centrifugal": tension in blades and disk with its geometric
-    stiffness, spin softening and static growth of the tips; "full": Coriolis forces as well. All at
-    march.speed."""
+    stiffness, spin softening and static growth of the tips; "full": Coriolis forces as well. The
+    effects are those at march.speed."""
     clearance: Literal["hot", "cold"] = "hot"
-    """State in which casing.clearance is measured: "hot", at march.speed; "cold", at rest: the
-    static growth of the tips at march.speed is subtracted from it, which needs effects other than
-    "none"."""
+    """State in which casing.clearance is measured: "hot", at march.speed; "cold", at rest. The
+    static growth of the tips at march.speed is subtracted from a cold clearance, which therefore
+    needs effects other than "none"."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error for a cold clearance without rotation effects, where tips do not grow."""
@@ -37,39 +37,41 @@ class Rotation(Table):
 
 
 class Shaft(Table):
-    """The two springs that carry the centre; it does not rotate in the plane."""
+    """The two springs that carry the centre, which does not rotate in the plane."""
 
     stiffness: Stiffness = 3.4e7
-    """Stiffness of each of the two springs, x and y, or of the one along x [N/m] (paper, Section
-    2.1)."""
+    """Stiffness of each spring [N/m]; if stiffness_y is given, of the spring along x (paper,
+    Section 2.1)."""
     stiffness_y: Stiffness | None = Field(default=None, examples=["2e7"])
-    """Stiffness of the spring along y [N/m], if different."""
+    """Stiffness of the spring along y [N/m], if different from that along x."""
     suspension_frequency: Annotated[float, quantity("Hz")] | None = Field(
         default=None, examples=["300 Hz"]
     )
-    """Required frequency of the suspension pair, of the full bladed disk at rest [Hz], in place of
+    """Required frequency of the suspension modes of the full bladed disk at rest [Hz], in place of
     shaft.stiffness; bladewhirl show prints the resulting stiffness of both springs. Frequencies
-    near the first bending family of the blades cannot be reached: the message states the nearest
-    possible frequencies."""
+    near the first bending family of the blades cannot be reached; an error message then states the
+    nearest possible frequencies."""
     frame: Literal["rotating", "static"] = "rotating"
-    """Frame of unequal springs: "rotating", fixed in the bladed disk like a shaft that is not
-    round, with constant matrices; "static", fixed in space like unequal bearings, with a stiffness
-    that varies twice per revolution about the mean of both. Modes are then those on the mean. With
-    rotation.effects = "full" the response of a symmetric rotor is that on fixed unequal bearings;
-    without Coriolis and centrifugal terms the variation excites the suspension at speeds near its
-    frequency, an artefact."""
+    """Frame in which unequal springs are fixed: "rotating", in the bladed disk, like a shaft that
+    is not round, with constant matrices; "static", in space, like unequal bearings. In rotating
+    axes a static stiffness varies twice per revolution about the mean of both springs; modes are
+    computed with the mean. With rotation.effects = "full" a symmetric rotor responds as on unequal
+    bearings. Without Coriolis and centrifugal terms the variation excites the suspension at speeds
+    near its frequency, which is an artefact."""
     damping: DampingOrZero = 0.0
-    """Damping parallel to each spring, or to the one along x [N s/m]. With dampers, contact is of
-    first order in march.time_step; with rotation.effects = "full" they act within the step."""
+    """Damping parallel to each spring [N s/m]; if damping_y is given, to the spring along x.
+    Dampers respond to contact one step late, an error of first order in march.time_step; with
+    rotation.effects = "full" they respond within the step."""
     damping_y: DampingOrZero | None = Field(default=None, examples=["1e3"])
-    """Damping along y [N s/m], if different."""
+    """Damping along y [N s/m], if different from that along x."""
     damping_frame: Literal["rotating", "static"] = "rotating"
     """Frame of the dampers: "rotating", internal damping, which acts on the velocity in rotating
     axes and destabilises forward whirl above its critical speed; "static", bearing damping, c (v +
-    Omega z x u), which stabilises it. "static" needs rotation.effects = "full" and equal dampers.
+    Omega z x u), which stabilises forward whirl. "static" needs equal dampers and rotation.effects
+    = "full".
     """
     clamped: StrictBool = False
-    """Hold the centre instead."""
+    """Fix the centre instead of supporting it by springs."""
 
     @model_serializer(mode="wrap")
     def _springs_in_one_way(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:

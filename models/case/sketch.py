@@ -1,4 +1,4 @@
-"""Table of a case for a bladed disk drawn node by node, with checks between its parts."""
+"""Table of a case for a bladed disk drawn node by node, and checks that its parts fit together."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Part = SketchMember | SketchMass | SketchSpring | SketchLink
 
 
 class SketchTable(Table):
-    """A bladed disk drawn node by node, one sector of it repeated."""
+    """A bladed disk drawn node by node: one sector, which is repeated."""
 
     sectors: Annotated[int, count(1)] = 1
     nodes: tuple[SketchNode, ...] = ()
@@ -85,7 +85,7 @@ class SketchTable(Table):
 
 
 Faults = Iterator[tuple[str, str]]
-"""Pairs of a part of a sketch and the text of what was expected of it."""
+"""Pairs of the name of a part of a sketch and a text that completes "expected ..."."""
 
 
 def _parts(sketch: SketchTable) -> Iterator[tuple[str, Part]]:

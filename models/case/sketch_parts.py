@@ -41,7 +41,7 @@ def _reference(value: object) -> str:
 
 
 def split_reference(reference: str) -> tuple[str, int]:
-    """Split a reference into the name of the node and the number of sectors to it."""
+    """Split a reference into the name of the node and the offset of its sector."""
     match = _REFERENCE.fullmatch(reference)
     assert match is not None  # checked when made
     return match["name"], int(match["shift"] or 0)
@@ -106,8 +106,8 @@ class SketchSpring(Table):
 
     node: Reference
     other: Reference | None = None  #: second node; None is the rotating frame
-    radial: StiffnessOrZero = 0.0  #: along the radius of the first node, x at the origin [N/m]
-    tangential: StiffnessOrZero = 0.0  #: across that radius, y at the origin [N/m]
+    radial: StiffnessOrZero = 0.0  #: along the first node's radius; along x at the origin [N/m]
+    tangential: StiffnessOrZero = 0.0  #: across this radius; along y at the origin [N/m]
     rotation: Annotated[float, quantity("N m", "not negative")] = 0.0  #: against rotation [N m/rad]
     sectors: Chosen = None
 
@@ -118,7 +118,7 @@ class SketchSpring(Table):
 
 
 class SketchLink(Table):
-    """A rigid link: the led node moves as if on a rigid arm of the leader."""
+    """A rigid link: the led node moves as if a rigid arm connected it to the leader."""
 
     leader: Reference
     led: Reference
@@ -145,7 +145,7 @@ class SketchEdit(Table):
 
 
 class SketchSet(Table):
-    """A named set of nodes, which contains these nodes of every sector."""
+    """A named set that contains the listed nodes of every sector."""
 
     name: StrictStr
     nodes: tuple[Reference, ...]

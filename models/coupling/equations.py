@@ -46,36 +46,38 @@ class CoupledEquations:
 
     name: tuple[str, ...]  #: names for tables; modes may share a name
     frequency: FloatArray
-    """Natural frequency without the springs [rad/s], (modes,); negative where its square is."""
+    """Natural frequency without the springs [rad/s], (modes,); negative if its square is negative.
+    """
     damping: FloatArray  #: D [1/s], (modes, modes)
     harmonics: IntArray  #: nodal diameters k of the radial waves, (harmonics,)
     casing: FloatArray  #: A_k: cosine, sine part on the casing [kg^-1/2], (harmonics, 2, modes)
-    rotor: FloatArray  #: B_k: the same for the blade tips, in rotating axes
-    turning: FloatArray | None  #: J, (modes, modes); None if no frame makes them autonomous
+    rotor: FloatArray  #: B_k: cosine, sine part at the tips, in rotating axes, likewise
+    turning: FloatArray | None  #: J, (modes, modes); None if no autonomous frame exists
     coriolis: FloatArray | None = None  #: G, (modes, modes); zero if None
     softening: FloatArray | None = None  #: S, (modes, modes); zero if None
     centre: FloatArray | None = None
     """x and y of the centre in rotating axes [kg^-1/2], (2, modes); used by the anisotropy only."""
     anisotropy: float = 0.0  #: half the difference of the stationary shaft springs [N/m]
     pairs: bool = False
-    """Whether modes are pairs, cosine before sine, and all matrices commute with their rotation."""
+    """True if modes are pairs, cosine before sine, and all matrices commute with J."""
 
     @property
     def blocks(self) -> tuple[CoupledEquations, ...]:
-        """Sets of equations that are independent of each other: here this one."""
+        """Sets of equations that are independent of each other; here only these equations."""
         return (self,)
 
     def drag(self, speed: ArrayLike) -> FloatArray:
-        """D + 2 Omega G at speeds [rad/s] of any shape (...), as (..., modes, modes) [1/s]."""
+        """Return D + 2 Omega G at speeds [rad/s] of any shape (...): (..., modes, modes) [1/s]."""
         twice = 2.0 * np.asarray(speed)[..., None, None]
         return self.damping + twice * (0.0 if self.coriolis is None else self.coriolis)
 
     def factors(self, *, with_pi: bool = True) -> FloatArray:
-        """Integrals f_k of cos^2(k theta) over a turn, (harmonics,); over pi unless `with_pi`."""
+        """Return integrals f_k of cos^2(k theta) over a turn, (harmonics,); over pi if not
+        `with_pi`."""
         return (np.pi if with_pi else 1.0) * np.where(self.harmonics == 0, 2.0, 1.0)
 
     def springs(self, angle: ArrayLike, kappa: float, *, with_pi: bool = True) -> FloatArray:
-        """K* at angles Omega t [rad] of any shape (...), as (..., modes, modes) [1/s^2].
+        """Return K* at angles Omega t of any shape (...), as (..., modes, modes) [1/s^2].
 
         Args:
             angle: [rad].
@@ -91,7 +93,7 @@ class CoupledEquations:
     def stiffness(
         self, angle: ArrayLike, kappa: float, *, speed: float = 0.0, with_pi: bool = True
     ) -> FloatArray:
-        """Return the stiffness matrix of the coordinates x; arguments as for `springs`.
+        """Return the stiffness matrix of the coordinates x; see `springs` for the arguments.
 
         ``speed``, Omega [rad/s], only scales the softening, Omega^2 S.
         """
@@ -106,7 +108,7 @@ class CoupledEquations:
     def autonomous(
         self, speed: ArrayLike, kappa: ArrayLike, *, with_pi: bool = True
     ) -> tuple[FloatArray, FloatArray]:
-        """Matrices of y' and y in the frame that makes the equations autonomous.
+        """Return the matrices of y' and y in the frame that makes the equations autonomous.
 
         Args:
             speed: Omega [rad/s].
@@ -137,7 +139,7 @@ class CoupledEquations:
     def state_matrix(
         self, speed: ArrayLike, kappa: ArrayLike, *, with_pi: bool = True
     ) -> FloatArray:
-        """Matrix of the first-order system for (y, y'), (..., 2 modes, 2 modes); see `autonomous`.
+        """Return the matrix of the first-order system for (y, y'), (..., 2 modes, 2 modes).
 
         This is the negative of A in Eq. (21), so that a positive real part means growth.
         """
@@ -147,10 +149,11 @@ class CoupledEquations:
     def whirl_matrix(
         self, speed: ArrayLike, kappa: ArrayLike, *, with_pi: bool = True
     ) -> FloatArray | ComplexArray:
-        """Matrix of half size for cosine-sine pairs, (..., modes, modes) [rad/s].
+        """Return the matrix of half size for cosine-sine pairs, (..., modes, modes) [rad/s].
 
         With z = y_c + i y_s = X exp(i mu t), its eigenvalues are mu, and the first half of each
-        eigenvector is X. It is real if there is no damping and the bladed disk has mirror symmetry.
+        eigenvector is X. The matrix is real if there is no damping and the bladed disk has mirror
+        symmetry.
         """
         drag, stiffness = (
             np.asarray(part[..., ::2, ::2] + 1j * part[..., 1::2, ::2], dtype=np.complex128)
@@ -179,13 +182,13 @@ class CoupledEquations:
 
 
 def companion(by_position: Matrix, by_rate: Matrix, unit: float = 1.0) -> Matrix:
-    """Matrix of the first-order system of x'' = by_position x + by_rate x', (..., 2 n, 2 n).
+    """Return the first-order matrix of x'' = by_position x + by_rate x', (..., 2 n, 2 n).
 
     The state is (unit x, x').
 
     Args:
-        by_position: (..., n, n).
-        by_rate: (..., n, n), broadcast with `by_position`.
+        by_position: matrix that multiplies x, (..., n, n).
+        by_rate: matrix that multiplies x', (..., n, n), broadcast with `by_position`.
         unit: a typical frequency [rad/s], so that both halves of the state have similar sizes.
     """
     n = by_position.shape[-1]
@@ -197,7 +200,7 @@ def companion(by_position: Matrix, by_rate: Matrix, unit: float = 1.0) -> Matrix
 
 
 def difference_of_axes(centre: FloatArray, angle: ArrayLike) -> FloatArray:
-    """X^T X - Y^T Y at angles Omega t [rad] of any shape (...), as (..., modes, modes) [1/kg].
+    """Return X^T X - Y^T Y at angles Omega t of any shape (...), as (..., modes, modes) [1/kg].
 
     Args:
         centre: x and y of the centre in rotating axes [kg^-1/2], (2, modes).
@@ -209,6 +212,6 @@ def difference_of_axes(centre: FloatArray, angle: ArrayLike) -> FloatArray:
 
 
 def _rotation(angle: FloatArray) -> FloatArray:
-    """Rotation matrices, (..., 2, 2)."""
+    """Return rotation matrices, (..., 2, 2)."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.stack([np.stack([cos, -sin], axis=-1), np.stack([sin, cos], axis=-1)], axis=-2)

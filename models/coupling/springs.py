@@ -32,7 +32,7 @@ SIX_NAMES = ("casing k=1", "1F k=1", "suspension")
 
 @dataclass(frozen=True, kw_only=True)
 class CouplingModes:
-    """Modes that are coupled by the springs: each entry is a cosine/sine pair or a single mode.
+    """Modes that springs couple; each entry of the arrays is a cosine/sine pair or a single mode.
 
     The real coordinates are in the order of the entries, cosine before sine. The coordinates of
     the paper's system are (v_c, v_s, u_c, u_s, u_co, u_so). A single mode with k > 0 is a mode of
@@ -40,14 +40,14 @@ class CouplingModes:
     """
 
     name: tuple[str, ...]  #: name of each entry for tables and legends
-    on_casing: BoolArray  #: body of each entry: casing, otherwise rotor, (entries,)
+    on_casing: BoolArray  #: true for a mode of the casing, false for the rotor, (entries,)
     nodal_diameter: IntArray  #: k of each entry, (entries,)
     frequency: FloatArray
     """Natural frequency of each entry without the springs [rad/s], (entries,); negative if its
     square is negative, which happens beyond a critical speed."""
     amplitude: FloatArray  #: radial amplitude at the springs [kg^-1/2], (entries,)
     damping_ratio: FloatArray  #: modal damping ratio of each entry, (entries,)
-    paired: BoolArray  #: whether the entry is a cosine/sine pair, (entries,)
+    paired: BoolArray  #: true for a cosine/sine pair, (entries,)
     coriolis: FloatArray | None = None
     """G of the coordinates for Omega = 1 rad/s, zero on the casing, (size, size); None if zero."""
     softening: FloatArray | None = None  #: S = K_G1 - M_t of the coordinates, (size, size)
@@ -74,7 +74,7 @@ class CouplingModes:
 
     @property
     def is_sine(self) -> BoolArray:
-        """Whether each coordinate is the sine of a pair, (size,)."""
+        """Mask of the coordinates that are the sine of a pair, (size,)."""
         return np.asarray(np.arange(self.size) > self.cosine[self.entry])
 
     @property
@@ -89,7 +89,7 @@ class CouplingModes:
 
     @property
     def frame_rate(self) -> FloatArray:
-        """Turns r of the invariant coordinates of each entry per turn of the rotor, (entries,)."""
+        """Turns of each entry's autonomous coordinates per turn of the rotor, (entries,)."""
         share = np.where(self.on_casing, 0.5, -0.5)
         single = np.isin(self.nodal_diameter, self.nodal_diameter[~self.paired])
         turned = np.where(single, self.on_casing, share)  # a single mode cannot be turned
@@ -125,17 +125,15 @@ class CouplingModes:
         return tuple(self.harmonic(k).equations for k in self.harmonics)
 
     def over_entries(self, matrix: FloatArray | None) -> ComplexArray:
-        """Return the complex matrix over the entries for a real one over the coordinates.
-
-        The real matrix must commute with J (see `equations`).
-        """
+        """Return the complex matrix over entries of a real matrix over coordinates that commutes
+        with J."""
         if matrix is None:
             return np.zeros((self.entries, self.entries), dtype=np.complex128)
         crossed = matrix[np.ix_(self.cosine + self.paired, self.cosine)]
         return matrix[np.ix_(self.cosine, self.cosine)] + 1j * self.paired[:, None] * crossed
 
     def take(self, chosen: IntArray | BoolArray | Sequence[int]) -> CouplingModes:
-        """Keep some entries, by a mask or by positions."""
+        """Return the modes with some entries only, chosen by a mask or by positions."""
         kept = np.arange(self.entries)[np.asarray(chosen)]
         arrays = {item.name: getattr(self, item.name)[kept] for item in fields(self)[1:7]}
         coordinates = [c for i in kept for c in np.flatnonzero(self.entry == i)]
@@ -147,7 +145,7 @@ class CouplingModes:
         return CouplingModes(name=name, coriolis=coriolis, softening=softening, **arrays)
 
     def harmonic(self, k: int) -> CouplingModes:
-        """Keep the entries of nodal diameter k."""
+        """Return the modes with the entries of nodal diameter k only."""
         return self.take(self.nodal_diameter == k)
 
 
@@ -191,7 +189,7 @@ class CoupledEntries:
         return coordinates, self.numbers[coordinates]
 
     def places(self, rotor_modes: int) -> IntArray:
-        """Return the number of each coordinate in the list of rotor, then casing modes, (size,)."""
+        """Return the position of each coordinate if casing modes follow rotor modes, (size,)."""
         return self.numbers + rotor_modes * self.modes.on_casing[self.modes.entry]
 
     @property
@@ -203,20 +201,20 @@ class CoupledEntries:
         }
 
     def among(self, on_rotor: IntArray, on_casing: IntArray) -> IntArray:
-        """Positions of the entries whose modes have these numbers on their bodies."""
+        """Return the positions of the entries whose modes have the given numbers on their body."""
         there = np.isin(self.number, on_rotor), np.isin(self.number, on_casing)
         return np.flatnonzero(np.where(self.modes.on_casing, there[1], there[0]))
 
     def take(self, chosen: IntArray | Sequence[int]) -> Self:
-        """Keep some entries, by positions."""
+        """Return the modes with some entries only, chosen by positions."""
         return replace(self, modes=self.modes.take(chosen), number=self.number[chosen])
 
     def with_unit_amplitudes(self) -> Self:
-        """Give every mode the amplitude one of the paper, with the sign of its amplitude."""
+        """Replace every amplitude by 1, the amplitude of the paper, with the same sign."""
         return replace(self, modes=replace(self.modes, amplitude=np.sign(self.modes.amplitude)))
 
     def six_modes(self) -> Self:
-        """Keep the k = 1 pairs of the paper: casing, 1F, suspension, in this order (Eqs 4-9).
+        """Return only the k = 1 pairs of the paper, in the order casing, 1F, suspension (Eqs 4-9).
 
         Raises:
             ValueError: a pair is missing. With a clamped centre there is no suspension pair.
@@ -258,5 +256,5 @@ class CouplingSprings(CoupledEntries):
         return float(np.sqrt(highest))
 
     def stiffness(self, *, angle: ArrayLike) -> FloatArray:
-        """K* of the coupled coordinates at an angle Omega t [rad], (..., size, size) [1/s^2]."""
+        """Return K* of the coordinates at an angle Omega t [rad], (..., size, size) [1/s^2]."""
         return self.modes.equations.springs(angle, self.kappa, with_pi=self.with_pi)

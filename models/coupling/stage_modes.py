@@ -26,10 +26,10 @@ RADIAL_SHARE = 1.0 / 3.0
 ring with k nodal diameters, so 1/2 for k = 1; in extensional modes it is 1 / (1 + k^2)."""
 
 SMALLEST_AMPLITUDE = 1e-9
-"""Modes with a smaller share of the largest radial amplitude of their body are not coupled."""
+"""Smallest radial amplitude of a coupled mode, relative to the largest amplitude of its body."""
 
 ROUNDING = 1e-9
-"""Share of a matrix below which entries that are zero by mirror symmetry are rounding errors."""
+"""Largest rounding error of entries that are zero by mirror symmetry, over the largest entry."""
 
 Fields = Callable[[IntArray], FloatArray]
 
@@ -61,7 +61,7 @@ def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
 
 
 def at_speed(stage: StageModes, matrices: RotationMatrices, effects: Effects) -> StageModes:
-    """Return the modes at rest with the rotation matrices of the rotor.
+    """Add the Coriolis and softening matrices of the rotor to the coupled modes.
 
     Args:
         stage: coupled modes at rest.
@@ -87,18 +87,18 @@ def at_speed(stage: StageModes, matrices: RotationMatrices, effects: Effects) ->
 class RadialModes:
     """Radial motion of the modes of one body at the springs."""
 
-    frequency: FloatArray  #: [rad/s], (modes,)
-    nodal_diameter: IntArray  #: (modes,)
+    frequency: FloatArray  #: natural frequency [rad/s], (modes,)
+    nodal_diameter: IntArray  #: nodal diameter of each mode, (modes,)
     column: IntArray  #: column in the real Fourier basis, (modes,); -1 without symmetry
-    family: tuple[str, ...]  #: of each mode
-    angles: FloatArray  #: of tips or nodes, equally spaced [rad], (points,)
+    family: tuple[str, ...]  #: family of each mode, (modes,)
+    angles: FloatArray  #: angles of tips or casing nodes, equally spaced [rad], (points,)
     motion: Callable[[IntArray], tuple[FloatArray, FloatArray]]
     """Function that takes numbers of modes and returns their radial and tangential displacement at
     these points [kg^-1/2], (points, chosen) each."""
 
     @property
     def is_cyclic(self) -> bool:
-        """Whether each mode has one nodal diameter."""
+        """True if each mode has one nodal diameter."""
         return bool(np.all(self.column >= 0))
 
     def amplitudes(
@@ -109,7 +109,7 @@ class RadialModes:
         Of each cosine and sine pair only the cosine mode is returned.
 
         Args:
-            selected: which modes, (modes,).
+            selected: mask of modes, (modes,).
             radial_only: leave out modes that are not radial, see `is_radial`.
 
         Returns:
@@ -133,8 +133,8 @@ def coupled_entries(
 
     From the bladed disk, these are the suspension pair and the modes of `FAMILIES`. From the
     casing, they are the lowest radial mode of each nodal diameter below half the number of
-    elements, if the bladed disk has modes with this nodal diameter. The amplitude of a mode is that
-    of the cos k theta part of its radial displacement at the tips or casing nodes.
+    elements, if the bladed disk has modes with this nodal diameter. The amplitude of a mode belongs
+    to the cos k theta part of its radial displacement at the tips or casing nodes.
 
     Args:
         rotor: modes of the bladed disk, ascending.
@@ -217,7 +217,7 @@ def wall_motion(
 
 
 def is_radial(outward: FloatArray, along: FloatArray) -> BoolArray:
-    """Return which casing modes are radial, so that springs and distortions act on them.
+    """Return a mask of the radial casing modes, on which springs and casing distortions act.
 
     Args:
         outward: w at the nodes, (nodes, modes).

@@ -23,14 +23,14 @@ from bladewhirl.models.modal.labels import LabelledModes
 
 
 def standing_obstacles(modal: ModalStage, *, damped: bool) -> tuple[str, ...]:
-    """Return the reasons why no frame makes a coupled stage autonomous; empty if one does.
+    """Return the reasons why no frame makes a coupled stage autonomous; empty if there is one.
 
     The casing must be axisymmetric, stationary shaft springs must be equal, and all damping must
     be modal.
 
     Args:
         modal: finite element models with their modes.
-        damped: whether point dampers are part of the equations.
+        damped: include point dampers in the equations.
     """
     shaft, casing = modal.case.shaft, modal.casing
     obstacles = []
@@ -52,11 +52,12 @@ def coupled_waves(
 
     Args:
         modal: finite element models with their modes.
-        modes: "all" (families 1F to 5F, the suspension and the lowest radial casing modes; without
-            identical sectors, the same number of lowest modes), names as in `reduction.modes`,
-            or "six" (the modes of the paper; if blades differ, all modes of their families).
-        damped: whether to add the modal damping and the dampers of shaft and supports.
-        physical: whether to use the computed amplitudes of the modes instead of one.
+        modes: "all" (families 1F to 5F, the suspension and the lowest radial casing modes; if
+            sectors differ, as many of the lowest modes of the bladed disk), names as in
+            `reduction.modes`, or "six" (the modes of the paper; if blades differ, all modes of
+            their families).
+        damped: add the modal damping and the dampers of shaft and supports.
+        physical: use the computed amplitudes of the modes; if false, every amplitude is 1.
 
     Raises:
         ValueError: the stage does not have the modes, or the blades are not evenly spaced.
@@ -150,7 +151,7 @@ def _with_waves(
     angle: FloatArray,
     harmonics: IntArray,
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return the modes with radial motion, their fields and their waves, and drop the others."""
+    """Return the numbers, fields and waves of the chosen modes that move radially."""
     fields = modes.fields(chosen)
     waves = wave_parts(radial(fields), angle, harmonics)
     size = np.linalg.norm(waves, axis=(0, 1))

@@ -2,8 +2,7 @@
 
 scikit-fem has no mesh of lines in the plane. Each element is therefore an interval [0, L_e] of a
 one-dimensional mesh without connections; the elements are connected by common degrees of freedom.
-A Hermite element of scikit-fem caches values of the first mesh it is used with, so each call makes
-a new one.
+A Hermite element of scikit-fem caches values of its first mesh, so each call makes a new element.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ class LineAssembler:
     """Assembler of weak forms over lines, made by `straight_beams` or `curved_beams`."""
 
     basis: Any  #: scikit-fem basis over the flat mesh
-    node_dofs: IntArray  #: degrees of freedom of each node, (nodes, DoF a node)
+    node_dofs: IntArray  #: degrees of freedom of each node, (nodes, DoF per node)
 
     @property
     def points(self) -> FloatArray:
@@ -48,9 +47,9 @@ class LineAssembler:
 
         Args:
             form: weak form, see `forms`.
-            transform: matrix of each element from nodal axes to element axes, (elements, DoF an
-                element, DoF an element).
-            skew: whether the form is skew-symmetric; if not, it is symmetric.
+            transform: matrix of each element from nodal axes to element axes, (elements, DoF per
+                element, DoF per element).
+            skew: true for a skew-symmetric form, false for a symmetric form.
             coefficients: coefficients of the form, either one value for each element, (elements,),
                 or one for each quadrature point, (elements, points), see `points`.
         """
@@ -69,13 +68,13 @@ class LineAssembler:
 
 
 def straight_beams(lengths: FloatArray, lines: IntArray, nodes: int) -> LineAssembler:
-    """Bernoulli beams with axial stiffness, DoF (u, w, w') at each node; ``lengths`` [m]."""
+    """Return an assembler of straight Bernoulli beams, DoF (u, w, w') per node; ``lengths`` [m]."""
     return _assembler(ElementLineP1() * ElementLineHermite(), lengths, lines, nodes)
 
 
 def curved_beams(lengths: FloatArray, lines: IntArray, nodes: int) -> LineAssembler:
-    """Curved beams with Hermite functions for u and w, DoF (u, u', w, w') at each node; ``lengths``
-    along the arc [m]."""
+    """Return an assembler of curved beams with Hermite functions for u and w, DoF (u, u', w, w')
+    per node; ``lengths`` along the arc [m]."""
     return _assembler(ElementLineHermite() * ElementLineHermite(), lengths, lines, nodes)
 
 
@@ -87,6 +86,6 @@ def _assembler(element: Element, lengths: FloatArray, lines: IntArray, nodes: in
     topology = MeshLine1(np.zeros((1, nodes)), np.ascontiguousarray(lines.T), validate=False)
     dofs = Dofs(topology, element)
     basis = Basis(flat, element, dofs=dofs, intorder=6, disable_doflocs=True)
-    per_node = len(dofs.nodal_dofs)  # numbered node by node; nodes behind the last line's count too
+    per_node = len(dofs.nodal_dofs)  # numbered node by node, also nodes without lines
     node_dofs = np.arange(per_node * nodes, dtype=np.int64).reshape(nodes, per_node)
     return LineAssembler(basis=basis, node_dofs=node_dofs)

@@ -44,7 +44,7 @@ def node_springs(model: BeamModel, node_dofs: IntArray) -> sp.csr_array:
 def node_expansion(model: BeamModel, node_dofs: IntArray) -> sp.csr_array:
     """Return the matrix from the free DoF to the motion of every node, (3 nodes, free DoF).
 
-    A led node moves with its leader as on a rigid arm: displacement u + theta x (p - p_leader).
+    A rigid arm connects a led node to its leader: displacement u + theta x (p - p_leader).
 
     Args:
         model: beam model with the rigid links.
@@ -86,15 +86,14 @@ FIRST, SECOND, ROTATION = range(COMPONENTS)
 
 @dataclass(frozen=True, kw_only=True)
 class BladedDiskModel:
-    """A bladed disk in its rotating frame: straight Bernoulli beams with axial stiffness, 3 DoF a
-    node.
+    """A bladed disk in its rotating frame: straight Bernoulli beams, 3 DoF per node.
 
     The centre node does not rotate. Springs in x and y support it; if clamped, it is fixed.
     """
 
     model: BeamModel
     structure: Structure
-    expansion: sp.csr_array  #: first, second, rotation of each node, (3 nodes, size)
+    expansion: sp.csr_array  #: matrix from free DoF to the motion of each node, (3 nodes, size)
 
     @property
     def mesh(self) -> LineMesh:
@@ -138,7 +137,7 @@ class BladedDiskModel:
         return column if one_each else np.full_like(column, NO_COLUMN)
 
     def cartesian(self, shapes: FloatArray) -> FloatArray:
-        """Displacements along x and y and rotation of every node, (nodes, 3, fields).
+        """Return displacements along x and y and rotation of every node, (nodes, 3, fields).
 
         Args:
             shapes: fields on the free DoF, (size, fields).
@@ -163,7 +162,7 @@ def assemble_bladed_disk(
         model: beams, masses, springs and links.
         shaft_stiffness: stiffness of both springs at the centre, or one value each for x and y
             [N/m].
-        clamped: whether the centre is fixed instead.
+        clamped: fix the centre instead of supporting it by springs.
     """
     mesh = model.mesh
     assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
@@ -224,7 +223,7 @@ def nodal_to_line_axes(mesh: LineMesh) -> FloatArray:
 
 
 def _sector_layout(mesh: LineMesh, node_dofs: IntArray) -> SectorLayout | None:
-    """Sectors of the free DoF; None if nodes are tied or fixed in some of the sectors only."""
+    """Return sectors of the free DoF; None if nodes are tied or fixed in some sectors only."""
     if mesh.sectors is None:
         return None
     dofs = node_dofs[mesh.sectors].reshape(len(mesh.sectors), -1)
@@ -239,7 +238,7 @@ def _sector_layout(mesh: LineMesh, node_dofs: IntArray) -> SectorLayout | None:
 
 
 def _rounding(mesh: LineMesh) -> float:
-    """Bound on the relative error of matrix entries that is due to rounded coordinates.
+    """Return a bound on the relative error of matrix entries due to rounded coordinates.
 
     The error of the angle of a point, 2 pi n / N, is 2 pi eps, so a point at radius R is accurate
     to 2 pi eps R. The relative error of the length L of a line, and the error of its direction,

@@ -41,7 +41,7 @@ def case_beam_model(case: Case) -> BeamModel:
     """Return the beams, masses, springs and links of the bladed disk of a case.
 
     Raises:
-        CaseError: parts that do not fit together, tips that reach into the casing.
+        CaseError: parts do not fit together, or tips reach into the casing.
     """
     mesh = case.bladed_disk.mesh
     if mesh is not None:
@@ -98,7 +98,7 @@ def case_casing(case: Case) -> CasingModel:
 
 
 def case_clearance(case: Case) -> FloatArray:
-    """Clearance and its derivative by the arc length s at each node of the casing [m, 1],
+    """Return the clearance and its derivative by the arc length s at each casing node [m, 1],
     (elements, 2)."""
     profile, casing = case.casing.clearance_profile, _ring(case)
     slope = profile.lobe_slope(casing.angles) / casing.radius
@@ -106,10 +106,9 @@ def case_clearance(case: Case) -> FloatArray:
 
 
 def tip_in_sector(disk: BladedDiskModel) -> tuple[int, int]:
-    """Positions of the radial and tangential DoF of the blade tip among the DoF of a sector.
+    """Return the positions of the tip's radial and tangential DoF among the DoF of a sector.
 
-    They fix the phase of cosine and sine modes. Without sectors there are no such pairs; then the
-    positions are arbitrary.
+    These DoF fix the phase of cosine and sine modes. Without sectors the positions are arbitrary.
     """
     layout = disk.structure.layout
     if layout is None:
@@ -154,8 +153,8 @@ def numbers_within_reach(case: Case) -> Iterator[None]:
     """Turn floating-point errors raised inside into an error of the case.
 
     Raises:
-        CaseError: sizes or material so extreme that matrices overflow, are numerically singular or
-            lose definiteness. The error names the implausible values of the case, if any.
+        CaseError: sizes or materials are too extreme: matrices overflow, are singular or lose
+            definiteness. The error names the implausible values of the case, if any.
     """
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"), warnings.catch_warnings():

@@ -97,7 +97,7 @@ def strut(
         section: section and material of the strut.
         length: length of the strut [m].
         inclination: angle from the outward normal to the strut, counter-clockwise [rad].
-        ends: whether both ends are pinned or both are built in.
+        ends: "pinned" or "built-in", for both ends.
         damping: damping along the strut [N s/m].
     """
     cos, sin = np.cos(inclination), np.sin(inclination)
@@ -160,7 +160,7 @@ TANGENTIAL, TANGENTIAL_SLOPE, RADIAL, RADIAL_SLOPE = range(4)
 
 @dataclass(frozen=True, kw_only=True)
 class CasingModel:
-    """A casing in the static frame, with Hermite functions for u and w: 4 DoF a node."""
+    """A casing in the static frame, with Hermite functions for u and w: 4 DoF per node."""
 
     mesh: RingMesh
     properties: WallProperties  #: mean properties of each element, (elements,)
@@ -202,7 +202,7 @@ def assemble_casing(
         wall: section of the wall.
         curvature: exact strains, or the shallow-arch bending strain w'' (see `elements`).
         support: uniform elastic support, radial and tangential [N/m per metre of circumference].
-        rotation: whether a rigid rotation of the ring is free or fixed.
+        rotation: "free" or "fixed" rigid rotation of the ring.
         supports: springs and struts at angles.
     """
     count = mesh.elements

@@ -16,7 +16,7 @@ logger = logging.getLogger(__name__)
 DOFS_PER_NODE = 3  #: two displacements and a rotation
 
 FIELDS = 3
-"""Largest number of copies of all shapes of a reduced stage that are in memory at a time."""
+"""Largest number of copies of the shapes of a reduced stage that are in memory at once."""
 
 BYTES_PER_ENTRY = 64
 """Memory of the complex mass, stiffness and shapes of a sector, for each entry of one matrix."""
@@ -31,7 +31,7 @@ bytes for each entry of a sector matrix, seconds for each unit of (size of a sec
 a constant number of seconds."""
 
 DENSE_BYTES, DENSE_SECONDS = 70, 1e-9
-"""Bytes and seconds as above for a structure without symmetry, by its full size."""
+"""Bytes per matrix entry and seconds per unit of size^3 of a structure without symmetry."""
 
 LARGE_BYTES, LARGE_SECONDS = 2e9, 30.0
 """Memory [bytes] and time [s] above which a stage is reported as large."""
@@ -42,7 +42,7 @@ class Cost:
     """Lower bound of the cost of a stage; rotation effects and mistuned blades increase it."""
 
     dofs: int  #: degrees of freedom of the full bladed disk
-    modes: int  #: number of its modes to compute
+    modes: int  #: number of modes of the bladed disk to compute
     memory: float  #: memory [bytes]
     time: float  #: processor time [s]
 
@@ -59,7 +59,7 @@ def stage_cost(case: Case) -> Cost:
     """Return the cost of the reduced stage of a case, assuming identical blades.
 
     Raises:
-        CaseError: parts of the bladed disk that do not fit together.
+        CaseError: parts of the bladed disk do not fit together.
     """
     blades, dofs = case.blades, DOFS_PER_NODE * len(case_beam_model(case).mesh.points)
     modes = case.reduction.fixed_interface_modes + 2 * blades + 2

@@ -32,7 +32,7 @@ NO_COLUMN = -1
 
 
 def real_dft(sectors: int) -> FloatArray:
-    """Orthonormal real DFT over sectors, (sectors, sectors): x = F u, u = F^T x (Eqs 11-13).
+    """Return the orthonormal real DFT, (sectors, sectors): x = F u, u = F^T x (Eqs 11-13).
 
     If the centre moves by a distance `a`, its components in the axes of sector n are
     a (cos n alpha, -sin n alpha). Their transforms are a sqrt(N/2) in k = 1 and zero in every other
@@ -48,28 +48,28 @@ def real_dft(sectors: int) -> FloatArray:
 
 
 def nodal_diameter_of(column: int) -> int:
-    """Nodal diameter of a column of the real DFT."""
+    """Return the nodal diameter of a column of the real DFT."""
     return (column + 1) // 2
 
 
 def nodal_diameters(sectors: int) -> range:
-    """All nodal diameters of a structure with N sectors: 0..floor(N/2)."""
+    """Return all nodal diameters of a structure with N sectors: 0..floor(N/2)."""
     return range(sectors // 2 + 1)
 
 
 def is_pair(k: int, sectors: int) -> bool:
     """Return whether modes of nodal diameter k are pairs of a cosine and a sine mode.
 
-    They are single modes for k = 0 and k = N/2.
+    Modes with k = 0 or k = N/2 are single.
     """
     return 0 < 2 * k < sectors
 
 
 def wave_parts(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:
-    """Cosine and sine parts of fields, sampled at angles equally spaced over the full circle.
+    """Return cosine and sine parts of fields that are sampled at equal steps around the circle.
 
     A field sum_k a_k cos k theta + b_k sin k theta has the parts a_k and b_k; k is at most half
-    the number of angles N. For k = N/2 the samples do not determine both parts; those with the
+    the number of angles N. For k = N/2 the samples do not determine both parts; the parts with the
     least a_k^2 + b_k^2 are returned.
 
     Args:
@@ -101,7 +101,7 @@ class SectorLayout:
 
     sector_dofs: IntArray
     """Degrees of freedom of each sector in polar axes, in the same order in every sector,
-    (sectors, DoF a sector)."""
+    (sectors, DoF per sector)."""
     centre_dofs: IntArray  #: x, y, rotation of the centre node, (3,); -1 if there is none
     rounding: float = 0.0
     """Bound on the relative change of matrix entries between sectors by rounded coordinates."""
@@ -117,7 +117,7 @@ class SectorLayout:
         return self.sector_dofs.size + int(np.count_nonzero(self.centre_dofs >= 0))
 
     def basis(self, k: int) -> sp.csc_array:
-        """Orthonormal complex basis of nodal diameter k, (size, DoF of the block).
+        """Return the orthonormal complex basis of nodal diameter k, (size, DoF of the block).
 
         The centre's translation along (1, i)/sqrt(2) belongs to k = 1: a turn of the structure by
         one sector multiplies it by exp(-i alpha), and also the sector values exp(i n alpha).
@@ -173,7 +173,7 @@ class SectorLayout:
     def blocks(self, *matrices: sp.csr_array) -> Iterator[tuple[int, tuple[ComplexArray, ...]]]:
         """Yield each nodal diameter with the dense Hermitian blocks of the matrices.
 
-        Where sectors differ, the blocks are those of the mean of all sectors.
+        If sectors differ, the blocks belong to the mean of all sectors.
         """
         means = [self._mean_sector(matrix) for matrix in matrices]
         for k in nodal_diameters(self.sectors):
@@ -207,7 +207,7 @@ class SectorLayout:
         return total / count, np.array(np.unravel_index(known, shape))
 
     def _turned(self, mean: tuple[FloatArray, IntArray], k: int) -> ComplexArray:
-        """Block k of a matrix without a centre, from its `_mean_sector`."""
+        """Return block k of a matrix without a centre, from its `_mean_sector`."""
         count, per_sector = self.sector_dofs.shape
         values, (on, row, column) = mean
         turned = values * np.exp(2j * np.pi * ((k * on) % count) / count)

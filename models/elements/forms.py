@@ -26,7 +26,7 @@ def straight_stiffness(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
 
 @BilinearForm  # type: ignore[untyped-decorator]
 def mass(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
-    """Kinetic energy: rho A (u^2 + w^2), the same for straight and curved beams.
+    """Kinetic energy of straight and curved beams: rho A (u^2 + w^2).
 
     A uniform elastic support in both directions has the same form.
     """

@@ -16,16 +16,16 @@ from bladewhirl.models.elements.cyclic import SectorLayout
 class Structure:
     """Mass and stiffness of a structure on its free degrees of freedom, sparse and symmetric."""
 
-    mass: sp.csr_array  #: [kg, kg m, kg m2], (size, size)
-    stiffness: sp.csr_array  #: springs included [N/m, N, N m], (size, size)
+    mass: sp.csr_array  #: mass matrix [kg, kg m, kg m2], (size, size)
+    stiffness: sp.csr_array  #: stiffness with springs [N/m, N, N m], (size, size)
     springs: sp.csr_array  #: the springs' part of the stiffness, (size, size)
     node_dofs: IntArray  #: DoF of each node, (nodes, components); -1 if fixed
     layout: SectorLayout | None  #: sectors; None if the structure has none
     constraints: FloatArray
-    """Fields v that no motion x contains: v^T M x = 0, (size, constraints); often there are none.
-    """
+    """Fields v to which every motion x is orthogonal, v^T M x = 0, (size, constraints); may be
+    empty."""
     at_rest: Structure | None = None
-    """The same structure without rotation effects; None if this one has none itself."""
+    """The structure without rotation effects; None if this structure has no rotation effects."""
     gyroscopic: sp.csr_array | None = None
     """Skew matrix 2 Omega G of the Coriolis forces, which multiplies velocities
     [N s/m, N s, N m s], (size, size)."""
@@ -42,7 +42,7 @@ class Structure:
 
     @cached_property
     def is_cyclic(self) -> bool:
-        """Whether mass and stiffness are identical in all sectors, as found from the matrices."""
+        """True if the mass and stiffness matrices are identical in all sectors."""
         return self.layout is not None and self.layout.is_symmetry_of(
             self.mass, self.stiffness, self.springs
         )

@@ -1,7 +1,7 @@
 """Beam model of a bladed disk, before matrices are assembled: beams, masses, springs, rigid links.
 
-A beam model is made from the standard disk, a `Sketch` or a mesh file. The checks apply to all of
-them: unconnected parts, unusable sets.
+A beam model is made from the standard disk, a `Sketch` or a mesh file. All three are checked for
+unconnected parts and unusable sets.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ class PointMasses:
 class NodeSprings:
     """Springs between nodes, or between a node and the rotating frame.
 
-    They act on the relative displacement of both ends, along the axes of the first end (radial and
-    tangential, or x and y at the origin), and on the relative rotation.
+    Springs act on the relative displacement of both ends, along the axes of the first end (radial
+    and tangential, or x and y at the origin), and on the relative rotation.
     """
 
     node: IntArray = field(default_factory=_ints)  #: first end, (springs,)
@@ -65,8 +65,7 @@ class NodeSprings:
 
 @dataclass(frozen=True, kw_only=True)
 class RigidLinks:
-    """Rigid links: each led node moves as if on a rigid arm of its leader, which is not led
-    itself."""
+    """Rigid links: a rigid arm connects each led node to its leader; leaders are not led nodes."""
 
     led: IntArray = field(default_factory=_ints)  #: led nodes, (links,)
     leader: IntArray = field(default_factory=_ints)  #: leader of each led node, (links,)
@@ -114,7 +113,7 @@ class BeamModel:
 
     @property
     def tip_recess(self) -> FloatArray:
-        """Distance of each tip inward from `tip_radius` [m], (blades,)."""
+        """`tip_radius` minus the radius of each tip [m], (blades,)."""
         radii = np.linalg.norm(self.mesh.points[self.tips], axis=1)
         recess = self.tip_radius - radii
         return np.where(np.abs(recess) <= ROUNDING * self.tip_radius, 0.0, recess)
@@ -207,7 +206,7 @@ def _massless(model: BeamModel, key: str) -> Iterator[Fault]:
     mass, inertia = np.zeros(count), np.zeros(count)
     np.add.at(mass, model.masses.node, model.masses.mass)
     np.add.at(inertia, model.masses.node, model.masses.inertia)
-    inertia[model.mesh.node_sets["centre"]] = np.inf  # it does not rotate
+    inertia[model.mesh.node_sets["centre"]] = np.inf  # the centre does not rotate
     for node in np.flatnonzero(bare & ((mass <= 0.0) | (inertia <= 0.0))):
         expected = f"a beam, or a mass with rotary inertia, at {_node(model, int(node))}"
         yield Fault(key=key, expected=expected)
@@ -239,7 +238,7 @@ def _loose_parts(model: BeamModel, key: str) -> Iterator[Fault]:
 
 
 def part_outside(model: BeamModel, radius: float) -> str | None:
-    """Return in words the part that is farthest outside a radius [m]; None if there is none."""
+    """Return in words the part that is farthest outside a radius [m]; None if all are inside."""
     away = np.linalg.norm(model.mesh.points, axis=1)
     node = int(away.argmax())
     if away[node] <= radius * (1.0 + OUTSIDE):
@@ -248,8 +247,7 @@ def part_outside(model: BeamModel, radius: float) -> str | None:
 
 
 def _part(model: BeamModel, node: int) -> str:
-    """Return in words the part that a node belongs to and its position; if the part has no name,
-    the node."""
+    """Return in words the part of a node, or the node if its part has no name, and the position."""
     lines = np.flatnonzero((model.mesh.lines == node).any(axis=1))
     names = [model.mesh.line_parts[line] for line in lines if model.mesh.line_parts[line]]
     return f"part {names[0]!r} at {_at(model, node)}" if names else _node(model, node)

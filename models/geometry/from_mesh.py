@@ -130,7 +130,7 @@ def _summed(size: int, places: IntArray, values: FloatArray) -> FloatArray:
 def _table(
     data: Mapping[str, FloatArray], names: Sequence[str], size: int
 ) -> tuple[IntArray, FloatArray]:
-    """Return the positions at which any of the data is not zero, and all data there,
+    """Return the positions at which any of the data is not zero, and the data at these positions,
     (names, positions)."""
     rows = [np.nan_to_num(data.get(name, np.zeros(size))) for name in names]
     table = np.stack(rows)
@@ -146,7 +146,7 @@ TIP_RADII = (1e-3, 10.0)
 
 
 def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
-    """Read the mesh file of a case and make a beam model of it.
+    """Make a beam model of the mesh file of a case.
 
     Nodes and lines keep the order of the file. A mesh that is rotationally symmetric with a
     relative tolerance of 1e-6 gets sectors, and its points are made exactly symmetric.

@@ -56,8 +56,8 @@ class Sketch:
             outermost tip.
 
     Raises:
-        CaseError: an invalid value, raised as each part is drawn. Parts that do not fit together
-            are reported by `case`, `build` and `table`.
+        CaseError: a value is invalid, at the call that draws the part; or parts do not fit
+            together, when `case`, `build` or `table` is used.
     """
 
     def __init__(self, sectors: int = 1, *, tip_radius: float | str | None = None) -> None:
@@ -107,7 +107,7 @@ class Sketch:
             name: name of the node.
             x: coordinate in sector 0 [m].
             y: coordinate in sector 0 [m].
-            shared: whether all sectors share the node.
+            shared: make a single node that all sectors share.
 
         Returns:
             the name.
@@ -183,8 +183,9 @@ class Sketch:
         Args:
             node: first node.
             other: second node; None for the rotating frame.
-            radial: stiffness along the radius of ``node``, or along x at the origin [N/m].
-            tangential: stiffness across that radius, or along y at the origin [N/m].
+            radial: stiffness along the radius of ``node``; along x if ``node`` is at the origin
+                [N/m].
+            tangential: stiffness across this radius; along y if ``node`` is at the origin [N/m].
             rotation: stiffness against rotation [N m/rad].
             sectors: sectors that have the spring.
         """
@@ -201,7 +202,7 @@ class Sketch:
         )
 
     def link(self, leader: str, led: str, *, sectors: Iterable[int] | None = None) -> None:
-        """Add a rigid link: the node ``led`` moves as if on a rigid arm of the node ``leader``."""
+        """Add a rigid link: a rigid arm connects the node ``led`` to the node ``leader``."""
         self._add("links", SketchLink, led, leader=leader, led=led, sectors=_chosen(sectors))
 
     def set(self, name: str, *nodes: str) -> None:
@@ -209,7 +210,7 @@ class Sketch:
         self._add("sets", SketchSet, name, name=name, nodes=nodes)
 
     def move(self, sector: int, node: str, x: float | str, y: float | str = 0.0) -> None:
-        """Move a node of one sector; its new coordinates are those of sector 0 [m]."""
+        """Move a node of one sector to new coordinates, given in the axes of sector 0 [m]."""
         self._add("edits", SketchEdit, node, sector=sector, node=node, at=(x, y))
 
     def change(
@@ -227,8 +228,8 @@ class Sketch:
         Args:
             sector: number of the sector.
             member: name of the member.
-            stiffness: factor on Young's modulus.
-            mass: factor on the density.
+            stiffness: factor on Young's modulus of the member.
+            mass: factor on the density of the member.
             section: new section or sections; None keeps those of the member.
             path: new points of the centre line [m]; None keeps those of the member.
 

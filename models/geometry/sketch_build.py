@@ -35,15 +35,15 @@ node along the member."""
 CENTRE = "centre"
 
 SHORTEST = 1e-12
-"""Distance over the size of a member below which two of its points coincide."""
+"""Distance between two points of a member, over its size, below which the points coincide."""
 
 
 def build_sketch(sketch: SketchTable) -> BeamModel:
     """Repeat a sketch sector by sector and make a beam model of it.
 
     Nodes are numbered sector by sector, in the order in which members use them; shared nodes come
-    last. If the sketch has no equal sectors with one blade each, such sectors are searched for in
-    the complete mesh.
+    last. If sectors differ or have several blades, equal sectors with one blade each are searched
+    for in the complete mesh.
 
     Raises:
         CaseError: parts that do not fit together; the error names each part.
@@ -94,7 +94,7 @@ class _Drawing:
                 self._lay(member, sector)
 
     def mesh(self) -> LineMesh:
-        """Return the mesh of all nodes and lines, with sets, and with sectors if all are equal."""
+        """Return the mesh of all nodes and lines, with sets, and with sectors if they are equal."""
         sets = {
             name: [self._at_node(node, s) for s in range(self._sketch.sectors) for node in nodes]
             for name, nodes in self._sets.items()
@@ -118,7 +118,7 @@ class _Drawing:
         )
 
     def properties(self) -> LineProperties:
-        """Sections of all lines."""
+        """Return the sections of all lines."""
         sections = [
             s for member in self._sketch.members for s in self._sections.get(member.name, [])
         ]
@@ -126,7 +126,7 @@ class _Drawing:
         return LineProperties(**dict(zip(names, np.hstack(sections), strict=True)))
 
     def masses(self) -> PointMasses:
-        """Point masses of all sectors."""
+        """Return the point masses of all sectors."""
         masses = [
             (self._at_node(mass.node, sector), mass.mass, mass.inertia)
             for mass in self._sketch.masses
@@ -136,7 +136,7 @@ class _Drawing:
         return PointMasses(node=node.astype(np.int64), mass=mass, inertia=inertia)
 
     def springs(self) -> NodeSprings:
-        """Springs of all sectors."""
+        """Return the springs of all sectors."""
         ends, stiffness = [], []
         for spring in self._sketch.springs:
             for sector in self._sectors_of(spring):
@@ -147,7 +147,7 @@ class _Drawing:
         return NodeSprings(node=node, other=other, stiffness=np.array(stiffness).reshape(-1, 3))
 
     def links(self) -> RigidLinks:
-        """Rigid links of all sectors."""
+        """Return the rigid links of all sectors."""
         links = [
             (self._at_node(link.led, sector), self._at_node(link.leader, sector))
             for link in self._sketch.links

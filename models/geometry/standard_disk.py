@@ -20,25 +20,25 @@ FINE_STATIONS = 32
 """Number of stations per element at which the taper of a part of a blade is sampled."""
 
 BETWEEN = np.arange(1, 8) / 8.0
-"""Positions between the ends, from 0 to 1, at which a curved part or an arc is sampled."""
+"""Positions along a curved part or an arc, from 0 to 1, at which it is sampled."""
 
 MakeSection = Callable[[BeamSection], Section]
 
 
 def bladed_disk_sketch(given: BladedDisk, section: MakeSection) -> Sketch:
-    """Draw a bladed disk; by default that of the paper's Fig. 3(a).
+    """Draw a bladed disk; the default table gives the bladed disk of the paper's Fig. 3(a).
 
     Each sector has one blade with elements of nearly equal length, whose tip is on the radial line
     of the sector, and the part of the disk below the blade. Node sets: ``tips``, ``roots``,
-    ``centre``. Line sets: ``blades``, and ``spokes``, ``rim``, ``rings``, ``shrouds`` if there are
-    any.
+    ``centre``. Line sets: ``blades``, and ``spokes``, ``rim``, ``rings`` and ``shrouds`` if the
+    disk has these parts.
 
     Args:
         given: table with sizes and parts.
         section: function that converts a section of the case to a section with its material.
 
     Raises:
-        CaseError: a centre line that does not lead outward everywhere.
+        CaseError: the radius of the centre line does not increase everywhere.
     """
     sketch = Sketch(given.blades, tip_radius=given.tip_radius)
     blade = _Blade(given)
@@ -105,7 +105,7 @@ class _Blade:
             self._angle = lambda span: float(smooth(span))
 
     def node_at(self, radius: float) -> str:
-        """Return the name of the node at a radius that the case mentions."""
+        """Return the name of the node at a radius of the case."""
         return next(name for name, node_radius in self._radius.items() if node_radius == radius)
 
     def polar(self, radius: float, stretch: float = 1.0) -> tuple[float, float]:
@@ -123,7 +123,7 @@ class _Blade:
         return r * float(np.cos(angle)), r * float(np.sin(angle))
 
     def path(self, ends: tuple[float, float], stretch: float = 1.0) -> list[tuple[float, float]]:
-        """Return points of the centre line between two radii [m]; none if it is straight."""
+        """Return points of a curved centre line between two radii [m]; a straight line has none."""
         if not self.is_curved:
             return []
         return [self.point(ends[0] + s * (ends[1] - ends[0]), stretch) for s in BETWEEN]
@@ -142,8 +142,8 @@ class _Blade:
         return [(a, b, int(n)) for (a, b), n in zip(pairwise(names), counts, strict=True)]
 
     def radius(self, name: str, stretch: float = 1.0) -> float:
-        """Return the radius of a node [m]; ``stretch``, a factor on the length, moves only the
-        tip."""
+        """Return the radius of a node [m]; ``stretch``, a factor on the blade length, moves only
+        the tip."""
         return self._root + stretch * self._span if name == "tip" else self._radius[name]
 
 
@@ -185,8 +185,8 @@ def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, section: Make
 
 
 def _piece_of(taper: list[Section], ends: tuple[float, float], elements: int) -> list[Section]:
-    """Return the stations of a piece of a blade: those of the taper if the piece is the complete
-    blade, otherwise closely spaced ones."""
+    """Return the stations of a piece of a blade: the stations of the taper for the complete blade,
+    otherwise closely spaced stations."""
     if not taper or ends == (0.0, 1.0):
         return taper
     shares = np.linspace(*ends, FINE_STATIONS * elements + 1)

@@ -63,7 +63,7 @@ class UserError(Exception):
 
 
 class Hint(UserWarning):
-    """A valid but implausible value, or one that could be chosen better."""
+    """Warning about a valid value that is implausible or could be chosen better."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +71,7 @@ class Fault:
     """One fault of a case."""
 
     file: str = ""  #: path of the case file, or "--set"; empty for a case made in Python
-    key: str = ""  #: dotted key as in the file; empty if the fault is of the entire file
+    key: str = ""  #: dotted key as in the file; empty if the entire file is at fault
     value: object = None  #: value of the key as in the file; None if there is no value
     expected: str  #: text that completes "expected ..."
 
@@ -83,11 +83,11 @@ class Fault:
 
 
 class CaseError(UserError):
-    """Error of a case with one or more faults."""
+    """Error that lists one or more faults of a case."""
 
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(faults)
-        super().__init__(self.faults)  # so that it can be pickled
+        super().__init__(self.faults)  # so that the error can be pickled
 
     @property
     def lines(self) -> list[str]:
@@ -97,7 +97,7 @@ class CaseError(UserError):
 
 @contextmanager
 def faults_in(file: str) -> Iterator[None]:
-    """Add the name ``file`` to faults raised inside without the name of a file."""
+    """Set the file name of faults that are raised in this context without a file name."""
     try:
         yield
     except CaseError as error:
@@ -110,7 +110,7 @@ def writing(target: Path) -> Iterator[None]:
     """Turn errors of the operating system while writing into errors for the user.
 
     Raises:
-        UserError: a file or folder cannot be written; the error names it and the reason.
+        UserError: a file or folder cannot be written; the error names its path and the reason.
     """
     try:
         yield

@@ -27,7 +27,7 @@ EXPECTED = "expected"
 """Type of the errors raised here, and the key of the phrase in their context."""
 
 SMALLEST = 1.0 / LARGEST
-"""Smallest quantity above zero; squares and ratios of smaller ones exceed double precision."""
+"""Smallest accepted positive quantity, so that its squares and ratios are in double precision."""
 
 MOST = 100_000
 """Largest number of blades, elements or modes; a larger one is assumed to be a typing error."""
@@ -62,7 +62,7 @@ _EXAMPLES = {
 
 
 def expectation(phrase: str, reason: object = "") -> PydanticCustomError:
-    """Return the error that states the expected value and, in parentheses, the reason."""
+    """Return an error with the expected value and, in parentheses, the reason of the error."""
     phrase = f"{phrase} ({reason})" if reason else phrase
     return PydanticCustomError(EXPECTED, "expected {expected}", {"expected": phrase})
 

@@ -2,8 +2,8 @@
 
 A name selects modes of the bladed disk (FAMILY or FAMILY:k) or of the casing (casing:FAMILY or
 casing:FAMILY:k). Without ":k" it selects all nodal diameters; * is any family. "casing:k" is the
-lowest radial casing mode with k nodal diameters, rigid or flexible, which the springs between the
-bodies couple; "casing" selects this mode for every k. Both modes of a degenerate pair are always
+lowest radial casing mode with k nodal diameters, rigid or flexible, which springs may couple to the
+bladed disk; "casing" selects this mode for every k. Both modes of a degenerate pair are always
 selected together.
 """
 
@@ -56,7 +56,7 @@ class NamedModes:
     nodal_diameter: IntArray  #: nodal diameter of each mode, (modes,)
 
     def numbers(self, name: ModeName) -> IntArray:
-        """Return the numbers of the modes with a name, ascending."""
+        """Return the numbers of the modes that a name selects, ascending."""
         here = np.array([name.family in (EVERY, family) for family in self.family], dtype=np.bool_)
         if name.nodal_diameter is not None:
             here &= self.nodal_diameter == name.nodal_diameter
@@ -97,7 +97,7 @@ def chosen_modes(
         radial: lowest radial casing modes by nodal diameter; empty without cyclic symmetry.
 
     Raises:
-        ValueError: the stage has no modes with a name.
+        ValueError: a name selects no mode of the stage.
     """
     if choice == ALL:
         return np.arange(len(rotor.family)), np.arange(len(casing.family))

@@ -19,7 +19,7 @@ class Inconsistency(NamedTuple):
     key: str  #: key to report
     expected: str  #: text that completes "expected ..."
     others: tuple[str, ...] = ()  #: keys whose values contradict the value of `key`
-    value: object = None  #: value to show, if it is not the value of `key`
+    value: object = None  #: value to show in place of the value of `key`
     place: str = ""  #: name of a part of the table that has no key, shown in place of a key
 
 

@@ -54,10 +54,10 @@ def rotation(text: str, unit: Literal["rad/s", "turn/s"]) -> float:
     """Convert text such as "2500 rpm", "50 Hz" (turns per second) or "314 rad/s" to ``unit``.
 
     In pint, Hz is 1/s and therefore equal to rad/s. Here Hz means turns per second, and 1/s is an
-    error, because it could mean either.
+    error, because it could mean turns or radians per second.
 
     Raises:
-        ValueError: the text is not valid, see `to_si`.
+        ValueError: the text is not a number with a unit of angular speed, or is too large.
     """
     quantity = _parse(text)
     if any(name.endswith("hertz") for name, _ in quantity.unit_items()):
@@ -72,11 +72,11 @@ _SCALED = re.compile(r"(m|s|g|N|Pa|Hz)\b")
 
 
 def handy_unit(amount: float, unit: str) -> tuple[str, float]:
-    """Return a unit with a suitable prefix for an amount, and the number of these in one SI unit.
+    """Return a unit with a prefix that suits an amount, and the factor that converts to the unit.
 
-    Prefixes above one (k, M, G) are used if the number is at least 1, the unit itself and smaller
-    prefixes if it is at least 0.1: 300 MPa, 0.5 mm, 0.2 s. Lengths are in metres from 1 m on.
-    Lengths and times have no prefixes above one.
+    The unit is the largest one in which the amount is at least 0.1 (without prefix, or with m or µ)
+    or at least 1 (with k, M or G): 0.5 mm, 0.2 s, 300 MPa. Metres are used from 1 m on. Lengths and
+    times do not get the prefixes k, M and G.
 
     Args:
         amount: amount in the SI unit, zero or positive.
@@ -94,7 +94,7 @@ def handy_unit(amount: float, unit: str) -> tuple[str, float]:
 
 
 def handy(value: float, unit: str, digits: int = 6) -> str:
-    """Return an SI value as text with a unit of suitable prefix, "500 mm", as valid in a case."""
+    """Return a value in SI units as text with a suitable prefix, "500 mm", for use in a case."""
     name, scale = handy_unit(abs(value), unit)
     return f"{scale * value:.{digits}g} {name}"
 
@@ -104,7 +104,7 @@ class Speed:
     """A speed of rotation as the user wrote it: positive, zero or negative.
 
     A number is a multiple of a reference frequency. Text has a unit: rpm, Hz (turns per second) or
-    rad/s; it is stored so that a case is written as it was read.
+    rad/s; the text is stored unchanged, so that a case is written as it was read.
 
     Raises:
         ValueError: the value is not a finite number, or text that is not valid for `rotation`.

@@ -1,7 +1,6 @@
 """Make the arrays of a stage in a result from the finite element models and their modes.
 
-This module is separate from `stage_arrays` because solvers import the latter without finite
-elements.
+Solvers import `stage_arrays` without finite elements; this module is therefore separate.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ DRAWN = (
     *("thickness", "width", "young_modulus"),
     *("thickness_change", "width_change", "young_modulus_change"),
 )
-"""Properties of lines that results contain; for a casing only the first three."""
+"""Properties of lines in a result; a result contains only the first three for a casing."""
 
 
 def stage_arrays(
@@ -38,8 +37,7 @@ def stage_arrays(
     Args:
         case: case of the stage.
         disk: the bladed disk.
-        disk_modes: modes of the full or the reduced bladed disk, with fields on its free degrees of
-            freedom.
+        disk_modes: modes of the full or the reduced bladed disk, with fields on the free DoF.
         disk_family: family of each mode of the bladed disk, (rotor modes,).
         casing: the casing.
         casing_modes: modes of the casing.

@@ -37,8 +37,8 @@ from bladewhirl.models.rotation.at_speed import TurningDisk, turning_disk
 from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, WhirlModes, whirl_modes
 
 Frequencies = Mapping[int, FloatArray]
-"""Frequencies by nodal diameter in ascending order [rad/s]; a pair has one entry. Without symmetry,
-all frequencies are under the key -1."""
+"""Frequencies by nodal diameter in ascending order [rad/s]; a pair has one entry. The key -1 has
+all frequencies of a structure without symmetry."""
 
 
 def lowest_frequencies(structure: Structure, count: int) -> Frequencies:
@@ -70,7 +70,7 @@ def lowest_frequencies(structure: Structure, count: int) -> Frequencies:
 
 
 def family_errors(modes: Modes, family: list[str], full: Frequencies) -> dict[str, float]:
-    """Return the largest relative frequency error of each family within the range of ``full``.
+    """Return the largest relative frequency error of each family among the modes in ``full``.
 
     Args:
         modes: modes of a reduced model.
@@ -112,9 +112,9 @@ class Whirl:
         return np.flatnonzero(named & (self.nodal_diameter == nodal_diameter))
 
     def real_parts(self, chosen: IntArray) -> Modes:
-        """Return two real fields for each of some modes: Re p and -Im p.
+        """Return two real fields for each chosen mode: Re p and -Im p.
 
-        The motion of the mode is Re p cos(w t) - Im p sin(w t).
+        The motion of a mode is Re p cos(w t) - Im p sin(w t).
         """
         fields, twice = self.modes.fields(chosen), np.repeat(chosen, 2)
         return Modes(
@@ -130,7 +130,7 @@ class Whirl:
 
 @dataclass(frozen=True, kw_only=True)
 class ModalStage:
-    """Bladed disk, with a free and with a clamped centre, and casing, without reduction.
+    """Casing and bladed disk, the latter with a free and with a clamped centre, without reduction.
 
     With rotation.effects = "centrifugal", the modes are computed at the speed of the case. With
     "full", the modes are computed at rest, and the whirling modes at the speed of the case.
@@ -146,7 +146,7 @@ class ModalStage:
     clamped_modes: LabelledModes
     casing_modes: LabelledModes
     at_speed: tuple[TurningDisk, TurningDisk] | None
-    """Bladed disk with a free and with a clamped centre; None without rotation effects."""
+    """Bladed disk at speed with a free and with a clamped centre; None without rotation effects."""
 
     @property
     def turning(self) -> TurningDisk | None:
@@ -169,8 +169,8 @@ class ModalStage:
         return self.clamped_whirl if self.case.shaft.clamped else self.free_whirl
 
     def _whirl(self, centre: int) -> Whirl | None:
-        """Compute whirling modes: all of them, or for a large bladed disk with unequal sectors
-        those of the lowest families."""
+        """Compute all whirling modes; for a large bladed disk with unequal sectors only the modes
+        of the lowest families."""
         if self.at_speed is None or self.case.rotation.effects != "full":
             return None
         structure = self.at_speed[centre].disk.structure
@@ -207,7 +207,7 @@ class ModalStage:
         return self._arrays(modes.expand(disk_modes), modes.family, disk_modes, casing_modes)
 
     def whirl_arrays(self, whirling: IntArray, casing_modes: IntArray) -> StageArrays:
-        """Return the arrays of the stage with some whirling modes, as two real fields each.
+        """Return the arrays of the stage with some whirling modes; each mode has two real fields.
 
         Args:
             whirling: numbers of modes in the attribute `disk_whirl`.

@@ -2,12 +2,12 @@
 
 On a cyclic structure every mode is stored as complex amplitudes in one sector. All modes of
 hundreds of blades then fit in memory, and the suspension pair is chosen from all modes, not only
-from those that are shown.
+from the modes that are shown.
 
 The labels of a structure with unequal sectors follow from its *tuned twin*, a cyclic structure
-whose sectors are the mean of all sectors. Each mode is expanded in the modes of the twin. It gets
-the family with the largest share in this expansion. Its nodal diameter is the one with the largest
-share, and this share is its purity.
+whose sectors are the mean of all sectors. Each mode is expanded in the modes of the twin. The mode
+gets the family with the largest share in this expansion. The nodal diameter of the mode is the one
+with the largest mass-weighted share of its motion; this share is its purity.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ class LabelledModes(ModeTable):
 
     family: tuple[str, ...]  #: "1F", "2F", ..., "suspension", "rigid", (modes,)
     amplitudes: tuple[ComplexArray | FloatArray, ...]
-    """Complex amplitudes of each mode in one sector (see `cyclic`) [kg^-1/2]; the full field if
-    the column is -1."""
+    """Complex amplitudes of each mode in one sector (see `cyclic`) [kg^-1/2]; its full field if the
+    column is -1."""
     layout: SectorLayout | None  #: sectors of the structure
     size: int  #: number of free degrees of freedom of the structure
 
@@ -67,7 +67,7 @@ class LabelledModes(ModeTable):
         return NamedModes(family=self.family, nodal_diameter=self.nodal_diameter)
 
     def one_a_pair(self) -> IntArray:
-        """Return the numbers of the modes without the sine modes of pairs, ascending."""
+        """Return the numbers of all modes except the sine modes of pairs, ascending."""
         return np.flatnonzero((self.column % 2 != 0) | (self.column == 0))
 
     def take(self, chosen: IntArray | slice) -> LabelledModes:
@@ -121,8 +121,7 @@ def mode_families(
 ) -> tuple[str, ...]:
     """Return the family of each mode.
 
-    It follows from the rank of the mode if sectors are equal or there are none, otherwise from the
-    tuned twin.
+    The family follows from the tuned twin if sectors differ, otherwise from the rank of the mode.
 
     Args:
         structure: structure of the modes.
@@ -156,7 +155,7 @@ def _names(structure: Structure, modes: Modes, reference: tuple[int, int], body:
 def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> LabelledModes:
     """Return all modes of a structure if it is cyclic, otherwise of its tuned twin."""
     layout = structure.layout
-    assert layout is not None  # both callers look
+    assert layout is not None  # both callers check this
     squares, shares, columns, diameters, amplitudes = [], [], [], [], []
     matrices = (structure.mass, structure.stiffness, structure.springs, structure.elastic)
     for k, (mass, stiffness, springs, elastic) in layout.blocks(*matrices):
@@ -177,7 +176,7 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
     order = np.argsort(np.concatenate(squares), kind="stable")
     modes = Modes(
         frequency=natural_frequencies(structure, np.concatenate(squares)[order]),
-        shapes=np.zeros((0, len(order))),  # not expanded: labels need none
+        shapes=np.zeros((0, len(order))),  # labels need no fields
         column=np.concatenate(columns)[order],
         nodal_diameter=np.concatenate(diameters)[order],
         purity=np.ones(len(order)),
@@ -195,7 +194,7 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
 
 def _in_springs(springs: ComplexArray, vectors: ComplexArray) -> FloatArray:
     """Return twice the energy of the springs in each vector, (m,)."""
-    rows = np.flatnonzero(springs.any(axis=1))  # only a few
+    rows = np.flatnonzero(springs.any(axis=1))  # springs act on few rows
     in_springs = vectors[rows]
     return np.asarray(
         np.sum(in_springs.conj() * (springs[np.ix_(rows, rows)] @ in_springs), axis=0).real
@@ -203,8 +202,7 @@ def _in_springs(springs: ComplexArray, vectors: ComplexArray) -> FloatArray:
 
 
 def _families_of_twin(structure: Structure, modes: Modes, twin: LabelledModes) -> list[str]:
-    """Return the family of each mode: the one with the largest share in the expansion of the mode
-    in the modes of the twin."""
+    """Return for each mode the family with the largest share of its expansion in the twin."""
     layout = structure.layout
     assert layout is not None  # it has a twin
     names = list(dict.fromkeys(twin.family))
