@@ -1,7 +1,7 @@
-"""Build backend: setuptools, with the C sources of the marches and a compiler for them.
+"""Build backend: setuptools, which also compiles the C sources of the time integration.
 
-Where no C compiler is on the path, the `ziglang` package serves as one. A build is for this machine
-or, with `BLADEWHIRL_PORTABLE=1`, for all processors of its kind (`solvers/kernel/variants.h`).
+Without a C compiler, the `ziglang` package is used. The result is optimised for this machine;
+with `BLADEWHIRL_PORTABLE=1`, it runs on all processors of the same architecture.
 """
 
 from __future__ import annotations
@@ -25,30 +25,30 @@ MODULE = "bladewhirl.solvers.kernel._kernel"
 
 
 def compiler() -> str | None:
-    """C compiler of the environment, of Python, or any on the path."""
+    """Return the C compiler named by `CC` or by Python's configuration, or one on the path."""
     names = [os.environ.get("CC"), sysconfig.get_config_var("CC"), "cc", "gcc", "clang"]
     return next((name for name in names if name and shutil.which(shlex.split(name)[0])), None)
 
 
 def requirements() -> list[str]:
-    """Packages for the build beside those in pyproject.toml."""
+    """Return the packages that the build needs in addition to those in pyproject.toml."""
     return [] if compiler() else ["ziglang>=0.13"]
 
 
 def write_source() -> None:
-    """Write the extension's source: the marches and what Python needs to call them."""
+    """Write the C source of the extension module: the marches, and the wrappers for Python."""
     from cffi import FFI
 
     header = (KERNEL / "kernel.h").read_text()
     ffi = FFI()
     ffi.cdef("\n".join(line for line in header.splitlines() if not line.startswith("#")))
     ffi.set_source(MODULE, '#include "variants.c"', py_limited_api=True)
-    (KERNEL / "_kernel.c").unlink(missing_ok=True)  # a new one, so that headers are read anew
+    (KERNEL / "_kernel.c").unlink(missing_ok=True)  # a new file is always compiled
     ffi.emit_c_code(str(KERNEL / "_kernel.c"))
 
 
 def build(step: Callable[..., str], *arguments: Any) -> str:
-    """Do a step of setuptools with a compiler and its flags in the environment."""
+    """Write the C source, set compiler and flags in the environment, call a setuptools step."""
     write_source()
     command = compiler() or f"{shlex.quote(sys.executable)} -m ziglang cc"
     os.environ["CC"], os.environ["LDSHARED"] = command, f"{command} -shared"
@@ -63,7 +63,7 @@ def build(step: Callable[..., str], *arguments: Any) -> str:
         return step(*arguments)
     except (Exception, SystemExit):
         raise SystemExit(
-            f"bladewhirl: {command!r} failed to build its C sources, see above; install a C "
+            f"bladewhirl: {command!r} failed to compile the C sources, see above; install a C "
             "compiler and the headers of Python and the C library (on Debian: apt-get install gcc "
             "libc6-dev python3-dev)"
         ) from None
@@ -85,11 +85,11 @@ def build_wheel(directory: str, config_settings: Any = None, metadata: str | Non
 
 
 def build_editable(directory: str, config_settings: Any = None, metadata: str | None = None) -> str:
-    """Build an editable installation; the extension lies beside its sources."""
+    """Build an editable installation, with the compiled extension in the source folder."""
     return build(build_meta.build_editable, directory, config_settings, metadata)
 
 
 def build_sdist(directory: str, config_settings: Any = None) -> str:
-    """Pack the sources."""
+    """Build the source distribution."""
     write_source()
     return setuptools_sdist(directory, config_settings)

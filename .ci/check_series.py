@@ -1,9 +1,9 @@
-"""Opens a series in ParaView and does with it what a user does; run by `.ci/paraview`.
+"""Check that ParaView reads, warps and draws an exported series; called by `.ci/paraview`.
 
-    pvbatch .ci/paraview.py SERIES.pvd FIRST LAST FRAMES PICTURE.png
+    pvbatch .ci/check_series.py SERIES.pvd FIRST LAST FRAMES PICTURE.png
 
-FIRST and LAST are the times that the series covers [s]. Runs in ParaView's own Python, 5.11 or
-later, without bladewhirl; expects a run in which blades touch.
+FIRST and LAST are the start and end time of the series [s], FRAMES is its number of instants.
+Requires ParaView 5.11 or later, not bladewhirl, and a series in which blades touch the casing.
 """
 
 import sys
@@ -11,12 +11,12 @@ import sys
 from paraview import servermanager, simple
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
-ARROW = 0.1  # length of the longest force [m]
-SLACK = 1e-3  # of a record, relative to the window
+ARROW = 0.1  # length of the arrow of the largest force [m]
+SLACK = 1e-3  # tolerance of the first and last time, relative to the duration
 
 
 def parts_of(composite):
-    """Datasets by the name of their part, as ParaView's Multiblock Inspector shows them."""
+    """Return the datasets of a multiblock by the name that ParaView shows for each block."""
     found = {}
     for number in range(composite.GetNumberOfBlocks()):
         block = composite.GetBlock(number)
@@ -33,19 +33,19 @@ def parts_of(composite):
 
 
 def expect(held, what):
-    """Say what holds; leave where it does not."""
+    """Print the outcome of a check; exit with code 1 if the check failed."""
     print(("ok: " if held else "FAILED: ") + what)
     if not held:
         sys.exit(1)
 
 
 def points(dataset):
-    """Points of a dataset (point, 3)."""
+    """Return the points of a dataset (point, 3)."""
     return vtk_to_numpy(dataset.GetPoints().GetData())
 
 
 def busiest_time(series):
-    """The time at which most tips feel a force, and their number, by the series itself."""
+    """Return the time at which most tips have a contact force, and the number of these tips."""
     best = (-1, 0.0)
     for time in series.TimestepValues:
         series.UpdatePipeline(time)
@@ -56,7 +56,7 @@ def busiest_time(series):
 
 
 def main():
-    """Open the series that the command line names, and check what a user would do with it."""
+    """Open the series named on the command line; check times, parts, warping and arrows."""
     path, first, last, frames, picture = sys.argv[1:]
     first, last, frames = float(first), float(last), int(frames)
     version = simple.GetParaViewVersion()
@@ -82,7 +82,7 @@ def main():
 
     moved = {name: vtk_to_numpy(p.GetPointData().GetArray("warp")) for name, p in rest.items()}
     warp = simple.WarpByVector(Input=series)
-    expect(warp.Vectors[1] == "warp", "Warp By Vector takes warp by itself")
+    expect(warp.Vectors[1] == "warp", "Warp By Vector selects the array warp by default")
     warp.ScaleFactor = 1.0
     warp.UpdatePipeline(time)
     warped = parts_of(servermanager.Fetch(warp))
