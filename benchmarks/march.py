@@ -1,15 +1,14 @@
-"""Speed of the contact march as ratios that any machine can give: `python benchmarks/march.py`.
+"""Ratios of computing times of the contact march: `python benchmarks/march.py`.
 
-Three things are timed in turn, in one process: the kernel in C with everything on (contact, ledger,
-a record every 100 steps), the kernel on the same stage with `rotation.effects = "full"`, and the
-march without rotation in plain NumPy (`Reference`). All run on the paper's stage in three states;
-with rotation the stage marches there by itself and so may have other contacts:
+Three programs are timed alternately in one process: the C kernel (with contact, energy ledger and a
+record every 100 steps), the C kernel with `rotation.effects = "full"`, and the march without
+rotation effects in NumPy (`Reference`). The timings start from three states of the paper's stage.
+A march with rotation effects leads to each state, too, so the contacts may differ there.
 
-* no contact: the imbalance load sets in;
-* few contacts: the imbalance case at 0.3 s, blades 21 to 3 rubbing;
-* half of the blades: the distortion case at 0.2 s, with a push of 150 ms. It diverges and would be
-  stopped at its displacement limit before; with the limit raised it goes on to the contact state in
-  which divergent runs spend their time.
+* no contact: the imbalance case after 0.1 ms;
+* few contacts: the imbalance case at 0.3 s, when five blades rub;
+* half of the blades: the distortion case at 0.2 s, with a push of 150 ms. The motion diverges; the
+  displacement limit is raised, because the march would end before 0.2 s otherwise.
 """
 
 from __future__ import annotations
@@ -37,12 +36,12 @@ TIME_STEP = 1e-6  # s
 RECORD_EVERY = 100
 COMPARED_STEPS = 500
 KERNEL_STEPS, NUMPY_STEPS = 2000, 25
-OUT_OF_REACH = 10.0  # m
+OUT_OF_REACH = 10.0  # raised displacement limit [m]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """A march at a point of its history."""
+    """A problem, its scheme, and the state from which timings start."""
 
     name: str
     problem: ContactProblem
@@ -50,7 +49,7 @@ class Setting:
     state: CentralDifferenceState
 
     def kernel(self, steps: int) -> float:
-        """Contacts a step."""
+        """March with the C kernel; return the mean number of contacts per step."""
         _, chunk, end = self.scheme.advance(self.state, steps)
         if end is not None:
             raise RuntimeError(f"{self.name}: the march ended")
@@ -58,7 +57,7 @@ class Setting:
         return float(chunk.contact_steps[1:].sum() / whole)
 
     def numpy(self) -> tuple[Reference, ReferenceState]:
-        """Return the march in NumPy and its start, one step later."""
+        """Return the march in NumPy and its initial state, one step after `state`."""
         every = CentralDifference(self.problem, TIME_STEP, 1)
         _, chunk, _ = every.advance(self.state, 2)
         before, now = np.hstack([chunk.rotor_displacement, chunk.casing_displacement])
@@ -66,7 +65,7 @@ class Setting:
         return plain, replace(plain.init(), step=int(chunk.step[1]), before=before, now=now)
 
     def difference(self) -> float:
-        """Largest difference between kernel and NumPy over a stretch, by the largest value."""
+        """Return the largest difference of C and NumPy displacements, over the largest value."""
         every = CentralDifference(self.problem, TIME_STEP, 1)
         plain, begin = self.numpy()
         _, expected, _ = plain.advance(begin, COMPARED_STEPS, 1)
@@ -77,7 +76,7 @@ class Setting:
 
 
 def settings() -> list[tuple[Setting, Setting]]:
-    """The three states, each without and with the effects of rotation."""
+    """Return the three states of the module docstring, each without and with rotation effects."""
 
     def reached(name: str, example: str, changes: list[str], steps: int) -> tuple[Setting, Setting]:
         both = []
@@ -101,20 +100,20 @@ def settings() -> list[tuple[Setting, Setting]]:
 
 
 def microseconds(work: Callable[[int], object], steps: int) -> float:
-    """Processor time a step, which other processes disturb little."""
+    """Return the processor time per step [µs] of a function that marches a number of steps."""
     start = time.thread_time()
     work(steps)
     return (time.thread_time() - start) / steps * 1e6
 
 
 def main() -> None:
-    """Time everything in turn, many times; print the best, which other processes disturb least."""
+    """Time the three programs alternately, many times; print the shortest time of each."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--repeat", type=int, default=100, help="how often everything is timed")
+    parser.add_argument("--repeat", type=int, default=100, help="number of timings of each program")
     repeat = parser.parse_args().repeat
     table = Table(title=f"Contact march, best of {repeat} interleaved timings")
     for column in (
-        "state", "contacts a step", "the same, full", "kernel [µs]", "full [µs]", "NumPy [µs]",
+        "state", "contacts per step", "contacts, full", "kernel [µs]", "full [µs]", "NumPy [µs]",
         "full / kernel", "NumPy / kernel",
         "kernel and NumPy differ by",
     ):  # fmt: skip

@@ -1,13 +1,11 @@
-"""Speed-up of sweeps by cores: `python benchmarks/sweep.py [--workers 2]`.
+"""Parallel efficiency of sweeps: `python benchmarks/sweep.py [--workers 2]`.
 
-Points of a sweep of the imbalance case, between 0.95 and 1.15, are marched by the processes as
-`bladewhirl sweep` uses: one of them alone, then all at a time, in turn, in one session. Each turn
-gives every working process the same points, so that none waits for one with more contact. What is
-timed is all that a point costs (stage, march, analysis), per step of its march; starting workers
-and compiling is not. The best turn counts. The efficiency is the time that a worker takes alone
-over the time that it takes beside the others: 1 where they don't slow each other down. On a machine
-with other work the same ratio of processor times tells how far it is the workers that are in each
-other's way.
+Worker processes march points of a sweep of the imbalance case, with speeds from 0.95 to 1.15 ω₁:
+in each turn first one worker alone, then all workers at once. All workers march the same points, so
+that no worker has more contact than another. The time per step includes the model and the analysis
+of a point, not the start of the workers. The shortest time of all turns is printed. The efficiency
+is the time of a worker alone over the time of a worker among all: 1 if workers do not slow each
+other down. On a machine with other load, compare processor times instead of wall-clock times.
 """
 
 from __future__ import annotations
@@ -33,7 +31,7 @@ EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 
 
 def planned(duration: float, points: int) -> Plan:
-    """A sweep of that many points, each marched for so long [s]."""
+    """Return a sweep of a number of points, each marched for a duration [s]."""
     case = read_case(EXAMPLES / "imbalance.toml", [f"march.duration={duration!r}"])
     speeds = [0.95 + 0.2 * point / points for point in range(points)]
     grid = make_grid(case, {"march.speed": speeds}, large=False)
@@ -41,14 +39,14 @@ def planned(duration: float, points: int) -> Plan:
 
 
 class Cost(NamedTuple):
-    """Cost of the points of a worker."""
+    """Times that workers need for their points."""
 
-    wall: float  #: [s]
-    processor: float  #: mean of the workers [s]
+    wall: float  #: wall-clock time of all workers together [s]
+    processor: float  #: processor time, mean of the workers [s]
 
 
 def processor_time(work: Work, points: list[Point]) -> float:
-    """Return the processor time of points [s]."""
+    """March points in this process; return the processor time [s]."""
     began = time.process_time()
     for point in points:
         outcome = march_point(work, point)
@@ -58,7 +56,7 @@ def processor_time(work: Work, points: list[Point]) -> float:
 
 
 def cost(pool: ProcessPoolExecutor, plan: Plan, workers: int, points: int) -> Cost:
-    """Return the times of a number of workers for the same points each."""
+    """Let each of a number of workers march the same points; return the times."""
     work = Work(case=dumps_case(plan.case), layout=plan.layout, histories="")
     began = time.perf_counter()
     chosen = [Point(number=number, values=plan.grid.values(number)) for number in range(points)]
@@ -67,11 +65,11 @@ def cost(pool: ProcessPoolExecutor, plan: Plan, workers: int, points: int) -> Co
 
 
 def main() -> None:
-    """Measure and print."""
+    """Measure the times and print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--workers", type=int, default=cores())
-    parser.add_argument("--points", type=int, default=2, help="of each worker in a turn")
-    parser.add_argument("--duration", type=float, default=0.5, help="of each march [s]")
+    parser.add_argument("--points", type=int, default=2, help="points of each worker in a turn")
+    parser.add_argument("--duration", type=float, default=0.5, help="duration of each march [s]")
     parser.add_argument("--turns", type=int, default=3)
     given = parser.parse_args()
     plan = planned(given.duration, max(2, given.points))
