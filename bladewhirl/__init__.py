@@ -6,26 +6,26 @@ A case in, a result out::
 
     case = bw.Case(excitation={"type": "imbalance"}, march={"speed": 1.2, "duration": "20 ms"})
     run = bw.run(case, "runs/first", frames=0)
-    print(run)  # regime and why, end, orbit, energies, contacts, ledger, files
-    with run.open() as result:  # an xarray.Dataset in SI units, read when used
+    print(run)  # regime with its reasons, end, orbit, energies, contacts, ledger, files
+    with run.open() as result:  # an xarray.Dataset in SI units, loaded when used
         bw.save_figure(bw.plot.orbit(result), "runs/first/my_orbit.png")
 
-The public names, in the order of work:
+The public names, in the order of a study:
 
-Describe a stage and what it meets
-    `read_case` reads a case file, `Case` holds its tables as arguments, `case_from` takes nested
+Describe a stage and its load
+    `read_case` reads a case file, `Case` takes its tables as arguments, `case_from` takes nested
     dicts, `with_values` changes keys ("march.speed") and `dumps_case` gives the text of a file.
     `Sketch`, with `Section` and `Material`, draws a bladed disk of your own design. Numbers are in
     SI units, or text with a unit, such as "0.5 mm".
-Build it
+Build the model
     `build_stage` makes finite elements of bladed disk and casing, and the reduced model.
-Before any march
-    `modes`, `campbell`, `veering`, `stability`: frequencies by family and nodal diameter,
-    coincidence speeds, how both depend on the shaft, and which coupled modes grow, as Datasets.
-March
+Analyse modes, before a march
+    `modes` returns frequencies by family and nodal diameter, `campbell` coincidence speeds,
+    `veering` frequencies over the stiffness of the shaft, `stability` growth rates, as Datasets.
+March in time
     `run` marches one case, `run_sweep` a case over ranges of its keys (`resume_sweep` finishes an
     interrupted sweep), `convergence` varies time step and modes. Each writes a folder.
-Look
+Read and draw results
     `open_result` and `open_sweep` return Datasets. Functions of a result, or of a time window of a
     result in seconds: the shaft (`shaft_orbit`, `whirl_history`, `shaft_spectrum`,
     `shaft_spectrogram`, `poincare_map`), blades and casing (`gap`, `contact_force`,
@@ -34,14 +34,14 @@ Look
     `amplitude_growth`).
     `plot` has a function for each figure, `save_figure` writes one; `render` makes stills, films
     and pages, `export_vtk` a series for ParaView, `report` one HTML page of a run or a sweep.
-Trust
-    `verify` recomputes problems with known answers and compares.
-Errors
+Verify the program
+    `verify` compares computed results with known solutions.
+Handle errors
     Every error that a user can correct is a `UserError`, whose `lines` name file, key, value and
     the expected value: `CaseError`, `ResultError`, `ViewError` (a time, window or file that makes
-    no sense) and `OffScreenError` (nothing to draw pictures with).
+    no sense) and `OffScreenError` (the system cannot draw pictures without a display).
 
-Names are loaded when first used. The command ``bladewhirl`` does the same from a shell.
+Names are loaded when first used. The shell command ``bladewhirl`` offers the same functions.
 """
 
 import lazy_loader as _lazy_loader
@@ -51,8 +51,7 @@ __all__ += ["__version__"]
 
 
 def __getattr__(name: str) -> object:
-    """Return a public name, imported at its first use; the version is that of the installed
-    package."""
+    """Import and return a public name, or the version of the installed package."""
     if name == "__version__":
         from importlib import metadata
 

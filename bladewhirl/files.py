@@ -18,19 +18,19 @@ from tempfile import TemporaryDirectory
 
 MANIFEST_NAME = "manifest.json"
 FILES = "files written by bladewhirl"
-"""Key of the list in a manifest."""
+"""Key under which a manifest lists files."""
 
 PREFIX = ".bladewhirl-"
-"""Prefix of the private folders of drafts; a folder left by a killed run may be removed."""
+"""Start of the names of the temporary folders in which files are written."""
 
 
 @contextmanager
 def replacing(target: Path) -> Iterator[Path]:
-    """Yield a draft that replaces the target when complete and is removed on failure.
+    """Yield the path of a draft, which replaces the target at the end of the `with` block.
 
-    The draft is in a new private folder next to the target, so that a link placed there by others
-    is not followed. A target that is a link is replaced; the file that the link points to does not
-    change.
+    An error in the block removes the draft. The draft is in a new private folder next to the
+    target, so that no link of another user is followed. If the target is a link, the link is
+    replaced, not the file to which it points.
 
     Raises:
         OSError: the target is a folder or a device, or the system refuses.
@@ -47,7 +47,7 @@ def replacing(target: Path) -> Iterator[Path]:
 
 
 def remove_leftovers(folder: Path) -> None:
-    """Remove drafts of killed processes; no other process may be writing into the folder."""
+    """Remove drafts of killed processes. No other process must be writing into the folder."""
     for left in folder.glob(f"{PREFIX}*"):
         if left.is_dir() and not left.is_symlink():
             shutil.rmtree(left, ignore_errors=True)
@@ -60,8 +60,8 @@ def write_atomically(target: Path, content: str | bytes) -> None:
 
 
 def listed(folder: Path) -> set[str]:
-    """Return the names listed in the manifest of a folder, empty without a manifest; subfolders are
-    separated by ``/``."""
+    """Return the names in the manifest of a folder, such as ``vtk/series.pvd``; none without a
+    manifest."""
     try:
         content = json.loads((folder / MANIFEST_NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -71,16 +71,16 @@ def listed(folder: Path) -> set[str]:
 
 
 def claim(folder: Path, names: Iterable[str], *, overwrite: bool = False) -> None:
-    """List files in the manifest before they are written; the folder is made if it does not exist.
+    """List files in the manifest of a folder before writing them; make the folder if missing.
 
     Args:
         folder: folder of the files and of the manifest.
         names: names of the files, relative to the folder.
-        overwrite: also replace existing files that the manifest does not list.
+        overwrite: allow existing files that the manifest does not list.
 
     Raises:
         FileExistsError: a file exists that the manifest does not list.
-        OSError: a link stands in place of a folder that the program makes itself.
+        OSError: a folder that the program would make is a symbolic link.
     """
     new, known = set(names), listed(folder)
     _refuse_links(folder, new)
@@ -90,7 +90,7 @@ def claim(folder: Path, names: Iterable[str], *, overwrite: bool = False) -> Non
 
 
 def claim_file(path: Path, *, overwrite: bool = False) -> None:
-    """Check one file and list it if its folder has a manifest; no manifest is made.
+    """Check that a file may be written; list it in the manifest of its folder, if there is one.
 
     Raises:
         FileExistsError: the file exists and is not in the manifest of its folder.
@@ -112,7 +112,7 @@ def check_file(path: Path, *, overwrite: bool = False) -> None:
 
 
 def owned(folder: Path) -> Iterator[Path]:
-    """Yield the regular files listed in the manifests of a folder and its subfolders, no links."""
+    """Yield the files, except links, that the manifests of a folder and its subfolders list."""
     for place, _, names in os.walk(folder):
         here = Path(place)
         above = [root for root in (here, *here.parents) if root.is_relative_to(folder)]
@@ -126,7 +126,7 @@ def owned(folder: Path) -> Iterator[Path]:
 
 
 def _refuse_links(folder: Path, names: Iterable[str]) -> None:
-    """Raise an error if a link stands in place of a subfolder of a folder of the program."""
+    """Raise an error if a subfolder that the program would make is a symbolic link."""
     inside = {(folder / name).parent for name in names} - {folder}
     if (folder.parent / MANIFEST_NAME).exists():
         inside.add(folder)

@@ -6,10 +6,10 @@
         figure = bw.plot.orbit(result, start=0.2)
         bw.save_figure(figure, "orbit")
 
-Most functions take a result of `bw.open_result` and a time window [s], or a sweep of
-`bw.open_sweep` where their docstring says so. They are the figures of `bladewhirl plot`, listed in
-`postprocess/plotting/figures.toml`; hyphens in names become underscores. `campbell`, `veering` and
-`shaft_veering` take datasets of `bw.campbell` and `bw.veering`.
+Most functions draw a result of `bw.open_result` in a time window [s], or a sweep of
+`bw.open_sweep`, as their docstring says. Each draws the figure of the same name of
+`bladewhirl plot`, with underscores for hyphens. `campbell`, `veering` and `shaft_veering` draw
+datasets of `bw.campbell` and `bw.veering`.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Plot(Protocol):
 
 
 def _plot(name: str) -> Plot:
-    """Return the function that draws a figure of the registry, documented by its captions."""
+    """Return the function that draws a figure of the registry; its docstring is the caption."""
 
     def draw(dataset: xr.Dataset, start: float | None = None, end: float | None = None) -> Figure:
         from bladewhirl.postprocess.fields.kinematics import ViewError
@@ -66,19 +66,18 @@ if TYPE_CHECKING:
 
 
 def campbell(data: xr.Dataset, frame: Literal["rotating", "static"] = "rotating") -> Figure:
-    """Draw the Campbell diagram of `bw.campbell(case)`, in rotating axes or as seen from the
-    casing."""
+    """Draw the Campbell diagram of `bw.campbell(case)`, in the rotating or the static frame."""
     from bladewhirl.postprocess.modal.campbell import plot_campbell
 
     return plot_campbell(data, frame)
 
 
 def veering(data: xr.Dataset, families: int | None = None) -> Figure:
-    """Draw frequencies over nodal diameter with a free and a clamped centre, of `bw.veering(case)`.
+    """Draw frequencies over nodal diameter, with a free and with a clamped centre of the disk.
 
     Args:
-        data: from `bw.veering`.
-        families: number of families. All when None.
+        data: result of `bw.veering`.
+        families: number of families, or None for all.
     """
     from bladewhirl.postprocess.modal.veering import plot_families
 
@@ -86,7 +85,7 @@ def veering(data: xr.Dataset, families: int | None = None) -> Figure:
 
 
 def shaft_veering(data: xr.Dataset) -> Figure:
-    """Draw modes with one nodal diameter over the stiffness of the shaft, of `bw.veering(case)`."""
+    """Draw the modes with k = 1 of `bw.veering(case)` over the stiffness of the shaft."""
     from bladewhirl.postprocess.modal.veering import plot_shaft_veering
 
     return plot_shaft_veering(data)
