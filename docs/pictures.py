@@ -1,9 +1,9 @@
-"""Makes the pictures that README.md shows, with the commands a user would type.
+"""Draw the pictures of README.md with commands of bladewhirl.
 
     python docs/pictures.py
 
-needs what `bladewhirl render` needs, and two minutes. PNGs are reduced to a palette.
-The film is one revolution of the rub of imbalance.toml.
+The script takes two minutes. It reduces the colours of PNGs to a palette. The film shows one
+revolution of the rub in imbalance.toml.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE
 DOCS = Path(__file__).parent
 EXAMPLES = DOCS.parent / "examples"
 BLADEWHIRL = Path(sys.executable).with_name("bladewhirl")
-COLOURS = 256  #: of a palette
-FRAMES, REVOLUTION = 36, ("--from", "0.9 s", "--to", "0.92367 s")  #: of the film
-FILM = (560, 420, 64)  #: its width and height [pixels], its colours
+COLOURS = 256  #: number of colours of a palette
+FRAMES, REVOLUTION = 36, ("--from", "0.9 s", "--to", "0.92367 s")  #: pictures, times of the film
+FILM = (560, 420, 64)  #: width and height [pixels] and number of colours of the film
 
 GALLERY = {
     "curved_blades": "curved blades",
@@ -42,14 +42,14 @@ GALLERY = {
     "unequal_bearings": "unequal bearings",
     "damped_supports": "springs and dampers",
 }
-"""Examples in the gallery, and what is written above them."""
+"""Title above the picture of each example in the gallery."""
 
-CELL, HEAD, ACROSS = 270, 30, 4  #: of the gallery: width, room for the text [pixels], columns
-PLAIN = 96  #: colours of its palette: few make a small file
+CELL, HEAD, ACROSS = 270, 30, 4  #: gallery: width of a cell and height of a title [pixels], columns
+PLAIN = 96  #: number of colours of the gallery: few colours make a small file
 
 
 def bladewhirl(*arguments: str | Path) -> None:
-    """Run a command of the program; its failure is this script's."""
+    """Run a command of bladewhirl; raise a CalledProcessError if the command fails."""
     subprocess.run([BLADEWHIRL, *arguments], check=True, stdout=subprocess.DEVNULL)
 
 
@@ -60,7 +60,7 @@ def keep(
     method: Image.Quantize = Image.Quantize.MEDIANCUT,
     widest: int = 2400,
 ) -> None:
-    """Put a picture beside this script, small: at most so wide [pixels], with so many colours."""
+    """Save a picture in docs/ with few colours, at most `widest` pixels wide."""
     (DOCS / name).parent.mkdir(exist_ok=True)
     with Image.open(picture) as image:
         image.thumbnail((widest, 2 * widest), Image.Resampling.LANCZOS)
@@ -69,7 +69,7 @@ def keep(
 
 
 def keep_film(film: Path, name: str) -> None:
-    """Put a GIF beside this script, small."""
+    """Save a GIF in docs/, reduced to the size and number of colours of `FILM`."""
     width, height, colours = FILM
     with Image.open(film) as frames:
         wait = frames.info["duration"]
@@ -83,7 +83,7 @@ def keep_film(film: Path, name: str) -> None:
 
 
 def gallery(folder: Path) -> Path:
-    """Draw the examples side by side."""
+    """Draw the examples side by side; return the path of the picture."""
     rows = -(-len(GALLERY) // ACROSS)
     sheet = Image.new("RGB", (ACROSS * CELL, rows * (CELL + HEAD)), "white")
     font = ImageFont.truetype(FONT, round(0.55 * HEAD))
@@ -103,7 +103,7 @@ def gallery(folder: Path) -> Path:
 
 
 def main() -> None:
-    """Make all pictures."""
+    """Draw all pictures and save them in docs/."""
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
         distortion, imbalance, chart = (folder / n for n in ("distortion", "imbalance", "chart"))

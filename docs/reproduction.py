@@ -1,11 +1,11 @@
-"""Writes what `bladewhirl reproduce` found into the pages and README.md.
+"""Write the results of `bladewhirl reproduce` into the documentation.
 
     bladewhirl reproduce -o REPRODUCTION
     python docs/reproduction.py REPRODUCTION
 
-These are the scorecard of reproduction.md, paper_figures.md with its pictures, and the count in
-README.md; the rest of a page is left as it is. reproduction.md names the commit that the checkout
-is at, which has to be the one that REPRODUCTION was made from.
+The script replaces the scorecard in reproduction.md, the figures in paper_figures.md and the counts
+of verdicts in README.md. reproduction.md names the commit of the checkout, so run the script at the
+commit with which REPRODUCTION was computed.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ DOCS = Path(__file__).parent
 PAGE, README = DOCS / "reproduction.md", DOCS.parent / "README.md"
 FIGURES, PICTURES = DOCS / "paper_figures.md", "paper_figures"
 COUNT = re.compile(r"(?<=<!-- scorecard -->\n).*?(?=\n<!-- scorecard end -->)", re.DOTALL)
-"""The sentence of README.md on the scorecard."""
+"""Pattern of the sentence in README.md that counts the verdicts."""
 
 AFTER_INTRODUCTION = re.compile(r"^## .*", re.DOTALL | re.MULTILINE)
-"""All of a page from its first heading on."""
+"""Pattern of a page from the first heading of level 2 to the end."""
 
-WIDTH, COLOURS = 1000, 256  #: of a picture [pixels], of its palette
+WIDTH, COLOURS = 1000, 256  #: largest width [pixels] and number of colours of a picture
 
 CARD = re.compile(r"(?<=^## Scorecard\n).*?(?=^## )", re.DOTALL | re.MULTILINE)
-"""What stands below the page's first heading."""
+"""Pattern of the text of the section "Scorecard"."""
 
 
 def main(folder: str) -> None:
-    """Write them all."""
+    """Write scorecard, counts and figures from the folder of a reproduction."""
     card = json.loads((Path(folder) / "scorecard.json").read_text(encoding="utf-8"))
     replace(PAGE, CARD, "\n" + "\n".join(scored(card)) + "\n\n")
     replace(README, COUNT, sentence(card))
@@ -47,10 +47,10 @@ def main(folder: str) -> None:
 
 
 def replace(path: Path, part: re.Pattern[str], text: str) -> None:
-    """Write another text into a part of a file.
+    """Replace the part of a file that matches a pattern.
 
     Raises:
-        SystemExit: the file has no such part.
+        SystemExit: no part of the file matches.
     """
     before = path.read_text(encoding="utf-8")
     match = part.search(before)
@@ -60,13 +60,13 @@ def replace(path: Path, part: re.Pattern[str], text: str) -> None:
 
 
 def commit() -> str:
-    """Name of the commit that the checkout is at."""
+    """Return the abbreviated hash of the commit of the checkout."""
     command = ["git", "-C", str(DOCS), "rev-parse", "--short=10", "HEAD"]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
 def sentence(scorecard: dict[str, Any]) -> str:
-    """The count in words."""
+    """Return a sentence that counts the claims by verdict."""
     counts = ", ".join(counted(verdict, number) for verdict, number in scorecard["counts"].items())
     return (
         f"`bladewhirl reproduce`: of {len(scorecard['claims'])} claims {counts};"
@@ -75,7 +75,7 @@ def sentence(scorecard: dict[str, Any]) -> str:
 
 
 def scored(scorecard: dict[str, Any]) -> Iterator[str]:
-    """The scorecard as Markdown."""
+    """Yield the lines of the scorecard in Markdown."""
     yield from (sentence(scorecard).split(";")[0] + ".", "")
     yield from ("| condition | |", "|---|---|", f"| commit | {commit()} |")
     for name, value in scorecard["conditions"].items():
@@ -88,7 +88,7 @@ def scored(scorecard: dict[str, Any]) -> Iterator[str]:
 
 
 def table(claims: list[dict[str, Any]]) -> Iterator[str]:
-    """Claims of the scorecard as a Markdown table."""
+    """Yield the lines of a Markdown table of claims."""
     yield from ("| | claim | paper | ours | verdict |", "|---|---|---|---|---|")
     for row in claims:
         cells = (row[name].replace("|", "\\|") for name in ("text", "paper", "ours", "verdict"))
@@ -96,7 +96,7 @@ def table(claims: list[dict[str, Any]]) -> Iterator[str]:
 
 
 def figures(drawn: Path, scorecard: dict[str, Any]) -> Iterator[str]:
-    """Our pictures like the paper's figures, kept small, with the claims that they bear on."""
+    """Save our versions of the paper's figures; yield Markdown with pictures and their claims."""
     for number, figure in PAPER_FIGURES.items():
         yield from (f"## Figure {number}: {figure.caption}", "")
         for panel in figure.panels:

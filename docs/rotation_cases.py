@@ -1,10 +1,10 @@
-"""Sweeps the paper's contact cases with rotation effects; makes what rotation_cases.md shows.
+"""Sweep the paper's contact cases with rotation effects; draw the figures of rotation_cases.md.
 
     python docs/rotation_cases.py FOLDER
 
-Sweeps and runs that FOLDER holds already are taken as they are; the others are made there, in half
-an hour on one core. The numbers of every point go to rotation_cases.csv beside this script, the
-figures to PNGs with a palette.
+Sweeps and runs that are not yet in FOLDER are computed, which takes half an hour for all of them on
+one core. The numbers of all points are written to docs/rotation_cases.csv, the figures to
+docs/rotation_*.png.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ from bladewhirl.postprocess.sweep.frequency_map import LINES, MODE_DASHES, frequ
 from bladewhirl.postprocess.sweep.quantities import cell_edges
 
 CASES = {"casing_distortion": ("casing distortion", 1.5), "imbalance": ("imbalance", 3.0)}
-"""Case files, with their name in figures and the length of their marches [s]."""
+"""Title in figures and duration of the marches [s] of each case file."""
 
 EFFECTS = {"none": COLOURS["rotor"], "centrifugal": COLOURS["other k"], "full": COLOURS["k = 0"]}
 SPEEDS = (0.95, 1, 1.05, 1.1, 1.15, 1.2, 1.25, 1.3, 1.35, 1.39, 1.45, 1.5, 1.6, 1.7, 1.8, 1.9, 2)
-CRITICAL = 1.8797  #: speed from which on "centrifugal" is refused
-SHOWN = 1.05  #: speed of the orbits
+CRITICAL = 1.8797  #: critical speed; "centrifugal" is refused from this speed on
+SHOWN = 1.05  #: speed at which orbits are drawn
 MARKERS = {"divergent": "^", "sustained": "o", "damped": "v"}
-FLOOR, TOP, REACH = 1e-3, 10.0, 2.9  #: of the maps: amplitudes [mm], frequency / reference
-STEADY = 10.0  #: scatter of a whirl that is drawn at most [Hz]
-TURNS = 4  #: of the orbit at its end, drawn in full
+FLOOR, TOP, REACH = 1e-3, 10.0, 2.9  #: limits of the maps: amplitudes [mm], frequency / ω₁
+STEADY = 10.0  #: largest scatter of a whirl frequency that is drawn [Hz]
+TURNS = 4  #: number of last revolutions that the orbits show
 
 NUMBERS = (
     "end_time growth_rate shaft_radius_max late_radius whirl_frequency whirl_scatter"
@@ -48,7 +48,7 @@ SHARES = {"suspension": "suspension", "k = 0": "1F k=0", "k = 1": "1F k=1", "res
 
 
 def made(folder: Path, command: tuple[str, ...], case: str, effects: str) -> Path:
-    """Return the folder of a sweep or a run of a case with some effects, made if missing."""
+    """Return a folder; if it does not exist, write the sweep or run of a command into it."""
     if not folder.exists():
         changes = ("--set", f"rotation.effects={effects}")
         length = ("--set", f"march.duration={CASES[case][1]}")
@@ -57,7 +57,7 @@ def made(folder: Path, command: tuple[str, ...], case: str, effects: str) -> Pat
 
 
 def swept(folder: Path, case: str, effects: str) -> xr.Dataset:
-    """Sweep of a case over the speed with some effects."""
+    """Return the sweep of a case over the speed with some rotation effects."""
     allowed = [speed for speed in SPEEDS if effects != "centrifugal" or speed < CRITICAL]
     over = f"march.speed={','.join(map(str, allowed))}"
     sweep = made(folder / f"{case}-{effects}", ("sweep", "--over", over), case, effects)
@@ -65,7 +65,7 @@ def swept(folder: Path, case: str, effects: str) -> xr.Dataset:
 
 
 def orbit(folder: Path, case: str, effects: str) -> xr.Dataset:
-    """Orbit of a case at `SHOWN` with some effects."""
+    """Return the orbit of a case at the speed `SHOWN` with some rotation effects."""
     speed = ("--set", f"march.speed={SHOWN}", "--frames", "0")
     run = made(folder / f"{case}-{effects}-run", ("run", *speed), case, effects)
     with bw.open_result(run) as result:
@@ -73,7 +73,7 @@ def orbit(folder: Path, case: str, effects: str) -> xr.Dataset:
 
 
 def rows(case: str, effects: str, sweep: xr.Dataset) -> Iterator[dict[str, Any]]:
-    """One row of the table for each point: lengths in mm, frequencies in Hz."""
+    """Yield a row of the table for each point: lengths in mm, frequencies in Hz."""
     for number, speed in enumerate(sweep["march_speed"].values):
         point = sweep.isel(march_speed=number)
         first = point.sel(mode="1F k=1")
@@ -94,7 +94,7 @@ def rows(case: str, effects: str, sweep: xr.Dataset) -> Iterator[dict[str, Any]]
 
 @styled
 def plot_radii(table: list[dict[str, Any]]) -> Figure:
-    """Late radius and whirl over the speed, by effects, with the regime of each point."""
+    """Draw shaft radius and whirl frequency late in the march over speed, with the regimes."""
     figure = Figure(figsize=(FULL_WIDTH / INCH, 4.6), layout="constrained")
     axes = figure.subplots(2, 2, sharex=True, sharey="row")
     for column, (case, (title, _)) in enumerate(CASES.items()):
@@ -105,7 +105,7 @@ def plot_radii(table: list[dict[str, Any]]) -> Figure:
             sizes = [float(row["late_radius"]) for row in rows]
             radius.plot(speed, sizes, color=colour, linewidth=0.7)
             turning = [float(row["whirl_frequency"]) for row in rows]
-            steady = [  # too short a march has no scatter
+            steady = [  # the scatter of a short march is NaN, its whirl is drawn
                 row["whirl_rotating"] != "none" and not float(row["whirl_scatter"]) > STEADY
                 for row in rows
             ]
@@ -136,7 +136,7 @@ def plot_radii(table: list[dict[str, Any]]) -> Figure:
 
 @styled
 def plot_maps(sweeps: dict[tuple[str, str], xr.Dataset]) -> Figure:
-    """Spectra of the shaft over the speed, rotating frame, with the waves of one nodal diameter."""
+    """Draw spectra of the shaft over speed in the rotating frame, with the waves of k = 1."""
     figure = Figure(figsize=(FULL_WIDTH / INCH, 4.6), layout="constrained")
     axes = figure.subplots(len(CASES), len(EFFECTS), sharex=True, sharey=True)
     for panel, ((case, effects), sweep) in zip(axes.flat, sweeps.items(), strict=True):
@@ -173,7 +173,7 @@ def _map(axes: Axes, one: xr.Dataset) -> Any:
 
 @styled
 def plot_orbits(orbits: dict[tuple[str, str], xr.Dataset]) -> Figure:
-    """Ends of the orbits in static axes."""
+    """Draw the last revolutions of the orbits in the static frame."""
     figure = Figure(figsize=(FULL_WIDTH / INCH, 4.9), layout="constrained")
     axes = figure.subplots(len(CASES), len(EFFECTS))
     for panel, ((case, effects), orbit) in zip(axes.flat, orbits.items(), strict=True):
@@ -195,7 +195,7 @@ def plot_orbits(orbits: dict[tuple[str, str], xr.Dataset]) -> Figure:
 
 
 def main(folder: Path) -> None:
-    """Make table and figures."""
+    """Write the table and draw the figures."""
     kinds = [(case, effects) for case in CASES for effects in EFFECTS]
     sweeps = {kind: swept(folder, *kind) for kind in kinds}
     table = [row for kind, sweep in sweeps.items() for row in rows(*kind, sweep)]

@@ -1,13 +1,13 @@
 """Code blocks of a page, executed one after the other in a folder.
 
-```` ```python ```` blocks share one namespace, lines of ```` ```console ```` blocks are commands.
-A comment on the line above changes that:
+All ```` ```python ```` blocks share a namespace; lines of ```` ```console ```` blocks are commands.
+A comment on the line above a block has these effects:
 
-    <!-- file: stage.toml -->       the block is written to that file
-    <!-- not run: reason -->        the block needs what is not here, a cluster for instance
-    <!-- markdown: reason -->       the output of the block is a part of the page
+    <!-- file: stage.toml -->       the block is written to the file, not executed
+    <!-- not run: reason -->        the block is not executed, as it needs a cluster, for instance
+    <!-- markdown: reason -->       the output of the block is Markdown and part of the page
 
-`python blocks.py PAGE FOLDER` runs a page and prints a JSON list of what each block printed.
+`python blocks.py PAGE FOLDER` runs a page and prints the outputs of its blocks as a JSON list.
 """
 
 from __future__ import annotations
@@ -42,19 +42,19 @@ class Block:
 
     language: str
     code: str
-    mark: str  #: "file", "not run", "markdown" or nothing
-    argument: str  #: name of the file, or reason
-    start: int  #: place in the text
-    end: int
+    mark: str  #: "file", "not run", "markdown" or empty
+    argument: str  #: file name or reason after the mark
+    start: int  #: index of the first character in the page
+    end: int  #: index after the last character
 
     @property
     def runs(self) -> bool:
-        """Whether the block runs or writes a file."""
+        """True if the block is executed or written to a file."""
         return self.mark == "file" or (self.language in RUN and self.mark != "not run")
 
 
 def blocks(text: str) -> Iterator[Block]:
-    """Code blocks of a page in order."""
+    """Yield the code blocks of a page in order."""
     for match in _BLOCK.finditer(text):
         yield Block(
             language=match["language"],
@@ -67,10 +67,10 @@ def blocks(text: str) -> Iterator[Block]:
 
 
 class Session:
-    """Execution of the blocks of one page in a folder with the examples, as in a checkout.
+    """Execution of the blocks of one page.
 
     Args:
-        folder: to work in; made, with a link to the examples.
+        folder: working folder, made if missing; it gets a link to the examples.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -82,7 +82,7 @@ class Session:
             examples.symlink_to(ROOT / "examples")
 
     def run(self, block: Block) -> str:
-        """Return the output of the block.
+        """Execute a block, or write it to its file; return the printed output.
 
         Raises:
             RuntimeError: a command failed.

@@ -1,9 +1,9 @@
 """Generated parts of pages: output of blocks, references, pictures.
 
-Blocks of pages with `executed: true` at their head run before pages are read. A page is run again
-when it changes or the package does.
-`<!-- generated: NAME -->` stands for a part of `reference.GENERATED`, and
-`<!-- picture: FILE | words -->` for a picture that the blocks have made.
+The blocks of pages with `executed: true` in the front matter are run before Sphinx reads the pages,
+if the page or the package changed since the last run. `<!-- generated: NAME -->` is replaced by the
+text NAME of `reference.GENERATED`, `<!-- picture: FILE | words -->` by a picture from the blocks
+with an alternative text.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def _state() -> str:
 
 
 def fill(app: Sphinx, document: str, source: list[str]) -> None:
-    """Put in the generated parts of a page."""
+    """Insert outputs, references and pictures into the source of a page."""
     folder, text = Path(app.srcdir), source[0]
     if _HEAD.match(text):
         text = _with_output(text, printed(folder, document))
@@ -90,7 +90,7 @@ def fill(app: Sphinx, document: str, source: list[str]) -> None:
 
 
 def _with_output(text: str, outputs: list[str]) -> str:
-    """Return a page with what each block printed below it."""
+    """Insert the output of each block below the block; return the text of the page."""
     parts, last = [], 0
     running = [block for block in blocks.blocks(text) if block.runs]
     for block, output in zip(running, outputs, strict=True):
@@ -111,7 +111,7 @@ def write(app: Sphinx) -> None:
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Write and run before pages are read, fill when a page is read."""
+    """Register `write`, to be called before pages are read, and `fill`, called for each page."""
     app.connect("builder-inited", write)
     app.connect("source-read", fill)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

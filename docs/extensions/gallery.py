@@ -1,6 +1,6 @@
 """A page for each case in examples/: header, drawing, properties, Campbell diagram, film, orbit.
 
-The blocks of these pages are executed like those of all other pages.
+Like other pages, the pages of the gallery contain code blocks that are executed.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from blocks import ROOT
 import bladewhirl as bw
 
 LONGEST, FRAMES = 0.6, 20
-"""Longest march under a load [s], and number of pictures of a film."""
+"""Longest duration of a march under a load [s], and number of pictures of a film."""
 
 
 def write(pages: Path) -> None:
-    """Write a page for each example, and the index with their drawings."""
+    """Write a page for each example, and an index page with drawings of all examples."""
     pages.mkdir(exist_ok=True)
     rows, names = [], []
     for example in sorted((ROOT / "examples").glob("*.toml")):
@@ -37,7 +37,7 @@ def write(pages: Path) -> None:
 
 
 def _keep(page: Path, text: str) -> None:
-    """Write a page if it changed, so that Sphinx reads only what is new."""
+    """Write a page if its text changed, so that Sphinx reads changed pages only."""
     if not page.exists() or page.read_text(encoding="utf-8") != text:
         page.write_text(text, encoding="utf-8")
 
@@ -55,7 +55,7 @@ def _page(example: Path, case: bw.Case) -> Iterator[str]:
         yield "## Campbell diagram"
         yield _console(f"bladewhirl campbell {file} -o campbell")
         yield _picture("campbell/campbell-static.png", f"{case.title}: Campbell diagram")
-    duration = case.march.duration  # motion that grows by itself needs all the time
+    duration = case.march.duration  # a motion that grows without a load needs the whole duration
     if case.excitation.type != "none":
         duration = min(duration, LONGEST)
     if case.excitation.type != "none" or case.initial.model_fields_set:

@@ -12,11 +12,11 @@ from packaging.utils import canonicalize_name
 
 PERMISSIVE = re.compile(r"\b(MIT|BSD|Apache|PSF|Python Software Foundation|ISC)\b")
 OTHERS = {"certifi": "Mozilla Public License 2.0"}
-"""Known and allowed besides: certificates, whose licence asks for changes to be published only."""
+"""Other allowed licences: certifi's licence only requires that changes of certifi are published."""
 
 
 def dependencies() -> dict[str, str]:
-    """Licence of each dependency, and of what they depend on, by name."""
+    """Return the licences of direct and indirect dependencies, by name of the package."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     waiting, seen = [Requirement(each) for each in project["dependencies"]], set[str]()
     while waiting:
@@ -46,7 +46,7 @@ def _licence(name: str) -> str:
 
 
 def table() -> str:
-    """Name, version and licence of each."""
+    """Return a Markdown table of dependencies with installed version and licence."""
     rows = "\n".join(
         f"| {name} | {distribution(name).version} | {licence} |"
         for name, licence in dependencies().items()

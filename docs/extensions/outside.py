@@ -1,4 +1,4 @@
-"""Types in signatures: short, linked to other libraries without fetching their inventories."""
+"""Shorten types in signatures, and link them to pages of other libraries without downloads."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ PAGES = {
     "Callable": f"{PYTHON}collections.abc.html#collections.abc.Callable",
     "Exception": f"{PYTHON}exceptions.html#Exception",
 }
-"""Pages of names, by the end of the full name."""
+"""Addresses of the pages of types, by the last part of the full name."""
 
 ARRAY_LIKE = re.compile(r"\S*_?Buffer \|.*_NestedSequence\[[^\[\]]*\]")
-"""`numpy.typing.ArrayLike`, as it is written out."""
+"""Pattern of the union of types for which `numpy.typing.ArrayLike` stands."""
 
 
 def link(
     app: Sphinx, env: BuildEnvironment, node: pending_xref, inside: nodes.Element
 ) -> nodes.reference | None:
-    """A link to the page of a name that is not ours."""
+    """Return a link to the page of a type of another library; None for other references."""
     page = PAGES.get(node.get("reftarget", "").rpartition(".")[2])
     if node.get("refdomain") != "py" or page is None:
         return None
@@ -43,7 +43,7 @@ def link(
 
 
 def plain(app: Sphinx, *_: object) -> None:
-    """Simplify parameter types to what Python checks, with "array-like" for NumPy's."""
+    """Shorten parameter types: omit `Annotated` metadata, write "array-like" for NumPy's union."""
     for types in app.env.current_document.autodoc_annotations.values():
         for name, hint in types.items():
             short = re.sub(r"Annotated\[((?:[^\[\],]|\[[^\]]*\])*),.*\]", r"\1", hint)
@@ -51,7 +51,7 @@ def plain(app: Sphinx, *_: object) -> None:
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Resolve references that Sphinx does not find; keep types short."""
+    """Register `link`, for references that Sphinx does not resolve, and `plain`."""
     app.connect("missing-reference", link)
     app.connect("object-description-transform", plain, priority=400)  # before types are listed
     return {"parallel_read_safe": True, "parallel_write_safe": True}

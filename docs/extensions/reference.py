@@ -33,11 +33,11 @@ PHRASES = (
     | dict.fromkeys(TABLE_ERRORS, "a table")
     | dict.fromkeys(["tuple_type", "list_type"], "an array")
 )
-"""Expected values by the type of pydantic's error, if the error does not contain them."""
+"""Description of the expected value for each type of pydantic error that does not contain one."""
 
 
 def case_keys() -> str:
-    """Every key of a case file: what it expects, its default, its meaning."""
+    """Return all keys of a case file, each with expected value, default and description."""
     parts = ["".join(_entries(Case, "", ""))]
     for name, field in Case.model_fields.items():
         tables = [] if name == "sketch" else list(_tables(field.annotation))
@@ -74,13 +74,13 @@ def _entry(key: str, field: FieldInfo, described: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    """Text as the value of an option of a directive."""
+    """Return a text in quotes, as value of an option of a Sphinx directive."""
     return "'" + text.replace("'", "''") + "'"
 
 
 def _default(field: FieldInfo) -> str:
     if field.is_required():
-        return "none, it has to be given"
+        return "none; the key is required"
     value = field.get_default(call_default_factory=True)
     if isinstance(value, Speed):
         value = value.given
@@ -103,7 +103,7 @@ def _expected(field: FieldInfo) -> str:
 
 
 def _phrase(error: Any) -> str:
-    """Return the expected value of an error of pydantic."""
+    """Return the description of the value that a pydantic error expected."""
     if phrase := PHRASES.get(error["type"]):
         return phrase
     return re.sub(r" \(neither.*\)", "", str(error["ctx"]["expected"]).replace("'", '"'))
@@ -121,14 +121,14 @@ def _summary(thing: object) -> str:
 
 
 def _words(text: str) -> str:
-    """Return text as Markdown with escaped markup."""
+    """Return text as one line of Markdown with escaped markup."""
     return re.sub(
         r"(?<!`)([*_<>\[\]$#|{}])(?!`)", r"\\\1", " ".join(text.replace(r"\[", "[").split())
     )
 
 
 def commands() -> str:
-    """Every command with its arguments and options, as `--help` has them."""
+    """Return all commands with arguments and options, described as by `--help`."""
     group = get_command(app)
     assert isinstance(group, TyperGroup)
     return "".join(map(_command, group.commands.values()))
@@ -152,7 +152,7 @@ def _command(command: Any) -> str:
 
 
 def figures(kinds: Mapping[str, FigureKind], *, drawn: bool) -> str:
-    """Figures, with a picture of each where they are drawn."""
+    """Return name, function and caption of each figure, with a picture if `drawn`."""
     return "".join(_figure(kind, drawn=drawn) for kind in kinds.values())
 
 
@@ -175,7 +175,7 @@ _ROOMS = {
 
 
 def api() -> str:
-    """Return the public names by layer."""
+    """Return directives that document the public names, in sections by layer."""
     parts = []
     for title, room in _ROOMS.items():
         parts.append(f"## {title}\n\n```{{eval-rst}}\n")
@@ -214,4 +214,4 @@ GENERATED = {
     "api": api,
     "licences": licences.table,
 }
-"""Parts of pages by the name in `<!-- generated: NAME -->`."""
+"""Functions that return parts of pages, by the name in `<!-- generated: NAME -->`."""
