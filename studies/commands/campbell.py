@@ -24,7 +24,7 @@ OPERATING: Any = "0.6:2"
 
 SPECIAL_SPEEDS = (
     Column("waves_meet", "two waves merge and grow without contact from", ".6g"),
-    Column("clearance_gone", "the growth of the tips equals the cold clearance at", ".6g"),
+    Column("clearance_gone", "tip growth equals the clearance at rest at", ".6g"),
 )
 
 
@@ -56,7 +56,7 @@ def campbell(
     """Find coincidence speeds and draw Campbell diagrams, in the rotating and the static frame.
 
     Where k Ω = ω_casing + ω_rotor, Eq. (14), a forward wave on the casing and a backward wave on
-    the rotor travel at the same speed in space, and contact feeds both. The table lists the
+    the rotor travel at the same speed in space, and contact amplifies both. The table lists the
     coincidence speeds inside --speeds; JSON lists all speeds, for every nodal diameter and family.
     With --json or --html a folder is made only if -o names it.
     """

@@ -1,6 +1,6 @@
 """Command line: registers the commands.
 
-Each command is a function in a module of the same name. At import such a module may load the
+Each command is a function in a module of the same name. At import such a module must load the
 standard library and typer only; the command imports the rest when it runs, so that
 ``bladewhirl --help`` answers at once.
 """

@@ -13,12 +13,12 @@ from bladewhirl.studies.modal.columns import Column
 QUANTITIES = (
     Column("end_time", "end [ms]", ".4g", 1e3),
     Column("tip_displacement", "largest tip displacement [mm]", ".4g", 1e3),
-    Column("distance", "distance of the tips [%]", ".4g", 1e2),
+    Column("distance", "difference of tip displacements [%]", ".4g", 1e2),
     Column("impulse", "normal impulse [N s]", ".4g"),
     Column("friction_impulse", "friction impulse [N s]", ".4g"),
     Column("friction_work", "work of friction [J]", ".4g"),
     Column("energy", "energy at the end [J]", ".4g"),
-    Column("ledger", "energy less work, over the largest term", ".4g"),
+    Column("ledger", "mismatch of energy and work / largest term", ".4g"),
     Column("penetration", "deepest penetration [µm]", ".4g", 1e6),
     Column("step_cost", "cost of a step [µs]", ".4g", 1e6),
 )
@@ -27,7 +27,7 @@ QUANTITIES = (
 
 def compare(
     case: CaseFile,
-    output: Annotated[Path | None, output_option("Folder to make for a figure.")] = None,
+    output: Annotated[Path | None, output_option("Folder to make, for a figure.")] = None,
     overwrite: Overwrite = False,
     json: AsJson = False,
     overrides: Changes = None,
@@ -35,9 +35,9 @@ def compare(
     """March a case with every contact scheme, side by side.
 
     The schemes are central differences with multipliers, Moreau and Jean's impacts with sticking
-    friction, and a penalty: see march.scheme. Displacement, impulses, energy and cost are compared.
-    Distance is the distance of the tips from their positions with the first scheme. A step of the
-    last two schemes costs fifty to a hundred times as much as one of the first, so choose a short
+    friction, and a penalty, see march.scheme. Displacement, impulses, energy and cost are compared.
+    The differences of tip displacements are those from the first scheme. A step of the
+    last two schemes costs fifty to a hundred times as much as with the first, so choose a short
     march: --set march.duration=0.05.
     """
     from bladewhirl.models.case.file import faults_from, read_case

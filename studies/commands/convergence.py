@@ -50,7 +50,7 @@ def convergence(
         typer.Option(
             parser=several("--time-steps", in_si("s"), "times"),
             metavar="STEP,STEP,...",
-            help="Time steps in s or with a unit; by default 4, 2, 1 and 1/2 times the case's.",
+            help="Time steps in s or with a unit; by default 4, 2, 1, 1/2 times that of the case.",
         ),
     ] = None,
     modes: Annotated[
@@ -70,9 +70,9 @@ def convergence(
     """Study how a march depends on its time step and on its modes.
 
     The case is marched with several time steps, then with several numbers of fixed-interface modes.
-    The output lists differences of orbit and contact impulse, their order, and the kind of motion,
-    as in Section 4.2 of the paper. Figures with their data, convergence.json and the marches are
-    written into DIR.
+    The output lists differences of orbit and contact impulse from the finest march, the orders of
+    convergence, and the regimes of motion, as in Section 4.2 of the paper. Figures with their data,
+    convergence.json and the marches are written into DIR.
     """
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.studies.convergence.study import convergence as study

@@ -66,7 +66,7 @@ def _leave(error: OSError) -> NoReturn:
 
 @contextmanager
 def interruptible(remedy: str) -> Iterator[None]:
-    """After Ctrl-C print one line on how to continue."""
+    """On Ctrl-C, print one line that tells how to continue, and exit."""
     try:
         yield
     except KeyboardInterrupt:

@@ -41,9 +41,9 @@ def export(
     output: Annotated[Path | None, output_option(f"Folder to write; by default DIR/{VTK}.")] = None,
     overwrite: Replace = False,
 ) -> None:
-    """Write a series for ParaView: run its view.py, or open series.pvd and Warp By Vector.
+    """Write a series for ParaView: run its view.py, or open series.pvd and apply Warp By Vector.
 
-    Parts are rotor, casing, contact and supports. Warp By Vector with warp and factor 1 shows the
+    The parts are rotor, casing, contact, supports. Warp By Vector with warp and factor 1 shows the
     stage as bladewhirl render does. Fields: displacement, velocity, radial_displacement, gap, axial
     and bending strain and stress; part, blade, thickness; contact_force (for Glyph).
     An earlier series that bladewhirl wrote into the folder is replaced.

@@ -15,7 +15,7 @@ from bladewhirl.studies.modal.columns import Column
 if TYPE_CHECKING:
     from bladewhirl.meshes.files.groups import GroupedLines
 
-GROUPS = (Column("name", "group"), Column("kind", "of"), Column("members", "members", "d"))
+GROUPS = (Column("name", "group"), Column("kind", "kind"), Column("members", "members", "d"))
 
 
 def mesh(
@@ -75,7 +75,7 @@ def _content(source: Path, overrides: list[str]) -> GroupedLines:
 
 
 def _listing(lines: GroupedLines) -> tuple[Any, ...]:
-    """Return the size, groups and data of a mesh, to print."""
+    """Return size, groups and data of a mesh as lines and tables to print."""
     low, high = lines.points.min(axis=0), lines.points.max(axis=0)
     size = (
         f"{len(lines.points)} nodes, {len(lines.lines)} lines,"

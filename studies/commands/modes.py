@@ -27,8 +27,8 @@ def modes(
         str | None,
         typer.Option(
             metavar="NAMES",
-            help='Modes to picture: "1F:0,1F:1,suspension,casing:1F:2"; without ":k", of all nodal'
-            " diameters. Where blades differ, every mode of that name is drawn. By default 1F with"
+            help='Modes to draw: "1F:0,1F:1,suspension,casing:1F:2"; without ":k", all nodal'
+            " diameters. Where blades differ, all modes of a name are drawn. By default 1F with"
             " k = 0, 1, ... and the highest k, the suspension, and the lowest modes of the casing.",
         ),
     ] = None,
@@ -42,7 +42,7 @@ def modes(
         str | None,
         typer.Option(
             help="Wave of films: standing, forward or backward. By default the wave that"
-            " contact feeds: backward on the bladed disk, forward on the casing."
+            " contact amplifies: backward on the bladed disk, forward on the casing."
         ),
     ] = None,
     films: Annotated[bool, typer.Option(help="Write films, as GIF and as VTK series.")] = True,
@@ -53,10 +53,10 @@ def modes(
     casing.
 
     Normalised frequencies are multiples of the lowest frequency with a free centre, ω₁. Purity is
-    the share of its nodal diameter in a mode: 1 if all blades are equal. With -o these are written:
-    mode shapes; contact scenarios of the first k = 1 mode at the speed where it coincides with the
-    k = 1 mode of the casing; and films, with a picture of each travelling wave. With Coriolis
-    forces they show the waves at the speed of the case. With --json and no -o nothing is written.
+    the share of the listed nodal diameter in a mode: 1 if all blades are equal. -o DIR writes
+    pictures of mode shapes; contact scenarios of the first k = 1 mode at the speed at which it
+    coincides with the k = 1 mode of the casing; and films, with a picture of each travelling wave.
+    With Coriolis forces, pictures and films show the waves at the speed of the case.
     """
     from bladewhirl.studies.modal import modes as study
     from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures

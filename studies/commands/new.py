@@ -22,6 +22,6 @@ def new(
     if path.exists() and not force:
         raise UserError(f"{path}: already exists; --force overwrites it")
     with writing(path):
-        path.parent.stat()  # raises an error without the folder, which is not made
+        path.parent.stat()  # an error if the folder does not exist
         write_atomically(path, template())
     typer.echo(f"Wrote {path}.")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bladewhirl.models.inputs.units import Speed
 
 MOST_POINTS = 100_000
-"""Largest COUNT of a range; larger ones are typing errors."""
+"""Largest COUNT of a range; a larger number is taken as a typing error."""
 
 
 def parsed(option: str, read: Callable[[str], Any], expected: str) -> Callable[[str], Any]:
@@ -127,7 +127,7 @@ def parse_span(option: str, text: str, *, unit: str = "", counted: bool = False)
     Args:
         option: name of the option, for errors.
         text: "START:STOP"; each is a number in SI units or has a unit.
-        unit: SI unit of the ends; speeds if empty.
+        unit: SI unit of the ends; if empty, the ends are speeds.
         counted: whether "START:STOP:COUNT" is expected.
 
     Raises:
@@ -155,7 +155,7 @@ def output_option(help_text: str, metavar: str | None = None) -> Any:
 
 
 def span_option(name: str, help_text: str, *, unit: str = "", counted: bool = False) -> Any:
-    """Return the typer option of a `Span`; its default is text, which is parsed, too."""
+    """Return the typer option of a `Span`; its default is given as text, which typer parses."""
     parser = partial(parse_span, name, unit=unit, counted=counted)
     form = "START:STOP:COUNT" if counted else "START:STOP"
     return typer.Option(name, parser=parser, metavar=form, help=help_text)
@@ -168,7 +168,7 @@ RunFolder = Annotated[
 ]
 Changes = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Change the case: march.speed=1.2."),
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a key: march.speed=1.2."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Write into an existing folder.")]
@@ -185,7 +185,7 @@ Start = Annotated[
         "--from",
         parser=time_of("--from"),
         metavar="TIME",
-        help='Start of the window in seconds, or such as "0.8 ms"; by default that of the run.',
+        help='Start of the time window in s, or such as "0.8 ms"; by default the start of the run.',
     ),
 ]
 End = Annotated[
@@ -194,7 +194,7 @@ End = Annotated[
         "--to",
         parser=time_of("--to"),
         metavar="TIME",
-        help="End of the window; by default that of the run.",
+        help="End of the time window; by default the end of the run.",
     ),
 ]
 Rotating = Annotated[
@@ -205,16 +205,16 @@ Workers = Annotated[
 ]
 Scheduler = Annotated[
     str | None,
-    typer.Option(metavar="ADDRESS", help="An existing dask scheduler, tls://host:8786."),
+    typer.Option(metavar="ADDRESS", help="Address of a running dask scheduler, tls://host:8786."),
 ]
 
 
 def claim_output(target: Path, *, named: bool, overwrite: bool) -> None:
-    """Check that a file may be written, before the work of drawing it.
+    """Check that a file may be written, before it is computed.
 
     Args:
         target: the file.
-        named: whether the user named the file; otherwise it belongs to a folder of the program,
+        named: whether the user named the file; otherwise the file is in a folder of the program,
             with a manifest.
         overwrite: whether an existing file may be replaced even if bladewhirl did not write it.
 
@@ -231,7 +231,7 @@ def claim_output(target: Path, *, named: bool, overwrite: bool) -> None:
 
 
 def refuse_both(scheduler: str | None, workers: int | None) -> None:
-    """Refuse a scheduler together with a number of local workers."""
+    """Raise an error if both a scheduler and a number of local workers are given."""
     if scheduler is not None and workers is not None:
         raise UserError(
             "--scheduler, --workers: expected only one; a scheduler has its own workers"

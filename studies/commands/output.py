@@ -60,8 +60,8 @@ def emit(
         document: document printed with --json. It must not contain NaN.
         parts: tables and lines printed without --json.
         json: whether --json is set.
-        written: files and folders, None for one that was not written; with --json their names are
-            printed on standard error.
+        written: written files and folders, or None; with --json the names are printed on standard
+            error.
     """
     from json import dumps
 

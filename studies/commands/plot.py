@@ -40,9 +40,9 @@ def plot(
             # Rich would interpret brackets as markup.
             help="\n\n".join(
                 [
-                    "Figures, or all. Of a run:",
+                    "Names of figures, or all. Figures of a run:",
                     *captions(RUN_FIGURES),
-                    "Of a sweep:",
+                    "Figures of a sweep:",
                     *captions(SWEEP_FIGURES),
                 ]
             ).replace("[", r"\["),

@@ -42,8 +42,8 @@ def render(
         bool,
         typer.Option(
             "--sheet",
-            help="Several stills in one PNG: one for each --time, or --frames of them, by default"
-            " over the revolution with the strongest contact.",
+            help="Several stills in one PNG: one for each --time, or a number of --frames, by"
+            " default over the revolution with the strongest contact.",
         ),
     ] = False,
     page: Annotated[
@@ -55,13 +55,13 @@ def render(
     output: Annotated[
         Path | None,
         output_option(
-            "File to write; its suffix may stand for --gif, --mp4, --png or --html. "
-            "Otherwise animation.gif, animation.mp4, still.png, sheet.png, page.html in DIR."
+            "File to write; its suffix replaces --gif, --mp4, --png or --html. "
+            "By default animation.gif, animation.mp4, still.png, sheet.png or page.html in DIR."
         ),
     ] = None,
     frames: Annotated[
         int | None,
-        typer.Option(min=2, help="Number of pictures of an animation (120) or a sheet (9)."),
+        typer.Option(min=2, help="Number of pictures: by default 120, in a sheet 9."),
     ] = None,
     start: Start = None,
     end: End = None,
@@ -70,8 +70,8 @@ def render(
         typer.Option(
             parser=time_of("--time"),
             metavar="TIME",
-            help="Instant of a still; may be repeated. By default that of the largest contact force"
-            " (normal and friction), averaged over a record step.",
+            help="Instant of a still; may be given several times. By default the record with the"
+            " largest mean contact force (normal and friction) since the previous record.",
         ),
     ] = None,
     exaggeration: Annotated[
@@ -81,7 +81,7 @@ def render(
         ),
     ] = None,
     frame: Annotated[
-        FrameOfView, typer.Option(help="Axes in which the picture is drawn.")
+        FrameOfView, typer.Option(help="Frame of reference of the picture.")
     ] = "static",
     colour: Annotated[
         FieldOfColour, typer.Option(help="Field that colours beams and wall.")

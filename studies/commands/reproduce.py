@@ -37,8 +37,8 @@ def reproduce(
         float | None,
         typer.Option(
             "--speed-step",
-            help="Step of all sweeps over speed; the paper's maps have 0.005. By default 0.01"
-            " under distortion, 0.025 under imbalance, 0.35 for six modes under imbalance.",
+            help="Step of all sweeps over speed; the paper's maps have 0.005. By default 0.01 for"
+            " casing distortion, 0.025 for imbalance, 0.35 for imbalance with six modes.",
         ),
     ] = None,
     output: Annotated[Path, output_option("Folder of marches and scorecard.", "DIR")] = FOLDER,
@@ -52,7 +52,7 @@ def reproduce(
     ] = None,
     repeats: Annotated[
         int | None,
-        typer.Option(help="How often marches are repeated with a force changed by 1e-7.", min=1),
+        typer.Option(help="Number of marches per claim, with forces changed by 1e-7.", min=1),
     ] = None,
     workers: Workers = None,
     scheduler: Scheduler = None,

@@ -35,7 +35,7 @@ NAMES = {
     "suspension": "suspension modes, reduced model",
     "distortion.frequency": "casing mode loaded",
 }
-"""Columns of frequencies and speeds, with their names."""
+"""Labels of frequencies and speeds by key; `RATES` are the columns of their table."""
 
 MODES = (
     Column("nodal_diameter", "k", "d"),
@@ -45,20 +45,20 @@ MODES = (
 )
 PROPERTIES = (
     Column("bladed_disk_mass", "bladed disk [kg]", ".5g"),
-    Column("bladed_disk_parts", "its parts [kg]", ".3g"),
+    Column("bladed_disk_parts", "parts of the bladed disk [kg]", ".3g"),
     Column("casing_mass", "casing [kg]", ".5g"),
     Column("rotation_effects", "rotation effects, in modes and campbell"),
     Column("shaft_stiffness", "springs of the shaft [N/m]", ".5g"),
     Column("suspension_spring_share", "suspension, strain energy in the springs [%]", ".3g", 100.0),
     Column("imbalance.unbalance", "imbalance [kg m]", ".4g"),
-    Column("imbalance.force", "its force at this speed [N]", ".5g"),
-    Column("imbalance.closing", "its static response, share of the clearance [%]", ".3g", 100.0),
+    Column("imbalance.force", "imbalance, force at this speed [N]", ".5g"),
+    Column("imbalance.closing", "imbalance, static response / clearance [%]", ".3g", 100.0),
     Column("distortion.static_displacement", "static response of the loaded mode [mm]", ".4g", 1e3),
     Column("reduction.modes", "modes of the reduced model", "d"),
-    Column("reduction.boundary", "its boundary", "d"),
-    Column("reduction.fixed_interface_modes", "its fixed-interface modes", "d"),
+    Column("reduction.boundary", "boundary degrees of freedom", "d"),
+    Column("reduction.fixed_interface_modes", "fixed-interface modes", "d"),
     Column("reduction.internal", "inner degrees of freedom", "d"),
-    Column("reduction.frequency_error", "its errors against the full model [%]", ".2g", 100.0),
+    Column("reduction.frequency_error", "reduced model, frequency errors [%]", ".2g", 100.0),
     Column("symmetry", "symmetry"),
     Column("reduction.marched", "modes of the march", "d"),
     Column("marched", "method of the march"),
@@ -76,7 +76,7 @@ def show(
     overrides: Changes = None,
     json: AsJson = False,
     with_case: Annotated[
-        bool, typer.Option("--case", help="Print every key of the case after the figures.")
+        bool, typer.Option("--case", help="Print every key of the case after the properties.")
     ] = False,
     png: Annotated[
         bool, typer.Option("--png", help="Draw the stage: parts, sets, springs, supports.")

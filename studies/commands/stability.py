@@ -41,7 +41,7 @@ def stability(
         typer.Option(
             parser=stiffness_of("--kappa"),
             metavar="STIFFNESS",
-            help="One coupling stiffness [N/m]; with --speed.",
+            help="One coupling stiffness [N/m], together with --speed.",
         ),
     ] = None,
     speeds: Annotated[
@@ -67,8 +67,8 @@ def stability(
     modes: Annotated[
         str,
         typer.Option(
-            help='Which modes are coupled: "six" as in the paper, "all", or a list such as'
-            ' "casing:1,1F:1,2F:1,suspension"; without ":k", of all nodal diameters.'
+            help='Modes to couple: "six" as in the paper, "all", or a list such as'
+            ' "casing:1,1F:1,2F:1,suspension"; without ":k", modes of all nodal diameters.'
         ),
     ] = "six",
     damped: Annotated[
@@ -79,7 +79,9 @@ def stability(
     ] = False,
     physical: Annotated[
         bool,
-        typer.Option("--physical", help="Use the amplitude of each mode instead of one for all."),
+        typer.Option(
+            "--physical", help="Use the physical amplitude of each mode, not unit amplitudes."
+        ),
     ] = False,
     output: CaseFolder = None,
     films: Annotated[
@@ -92,9 +94,9 @@ def stability(
     """Chart growth rates over speed and coupling stiffness, or compute one point.
 
     Bladed disk and casing are coupled by springs of stiffness κ, which represent frame and
-    bearings. A chart shows the unstable zones, with borders by root finding, the eigenvalues along
-    --line and, for other modes than the six of the paper, the zones that are missing with those
-    six. One point (--speed and --kappa) gives growth rate and eigenvalues and, with -o, the
+    bearings. A chart shows the unstable zones, with borders by root finding, and the eigenvalues
+    along --line. If --modes is not "six", a figure shows zones that the six modes of the paper
+    miss. One point (--speed and --kappa) gives growth rate and eigenvalues and, with -o, the
     divergent mode in time. With --json and no -o nothing is written. If blades differ, growth rates
     are computed with dense matrices: --physical is required, "six" means 1F,suspension,casing:1
     with all modes of these families, and a chart has no borders of zones. With an uneven casing,
@@ -157,14 +159,14 @@ def stability(
 
 
 def _cause(document: dict[str, Any]) -> dict[str, str]:
-    """Return why the uncoupled bladed disk grows above a critical speed."""
+    """Return the cause of growth of the uncoupled bladed disk above a critical speed, if any."""
     if document.get("critical_speed") is None:
         return {}
     if document["rotation_effects"] == "centrifugal":
         return {"cause": "no Coriolis forces; only rotation.effects = full stabilises a rotor"}
     if document["waves_met"]:
-        return {"cause": "two of its waves have merged; it grows without damping"}
+        return {"cause": "two waves of the bladed disk have merged; they grow without damping"}
     if document["rotor_growth_rate"] <= 0.0:
         return {}
     limit = ", which no bearing damping stabilises" if document["holding_damping"] is None else ""
-    return {"cause": f"internal damping of its forward wave{limit}"}
+    return {"cause": f"internal damping of the forward wave{limit}"}

@@ -54,8 +54,8 @@ def sweep(
         Literal["damped"] | None,
         typer.Option(
             "--stop-when",
-            help="End a march early. damped: when its motion is free of contact and has too little"
-            " energy left for another one.",
+            help="End marches early. damped: when blades do not touch and the motion has too little"
+            " energy for another contact.",
         ),
     ] = None,
     resume: Annotated[
@@ -91,7 +91,7 @@ def sweep(
             new_sweep |= {"--set": overrides, "--histories": histories, "--stop-when": stop_when}
             unused = ", ".join(name for name, value in new_sweep.items() if value)
             if unused:
-                raise UserError(f"--resume {resume}: expected no {unused}, which its plan defines")
+                raise UserError(f"--resume {resume}: expected no {unused}, which the plan defines")
             result = resume_sweep(resume, scheduler=scheduler, workers=workers, watch=watch)
         elif case is None or not over or output is None:
             raise UserError("sweep: expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR")

@@ -31,8 +31,8 @@ def veering(
         Span | None,
         span_option(
             "--stiffnesses",
-            "Stiffness of each shaft spring, N/m or '1 kN/mm:1 MN/mm'; a thousandth to a"
-            " thousand times the case's by default.",
+            "Stiffness of each shaft spring, N/m or '1 kN/mm:1 MN/mm'; by default a thousandth"
+            " to a thousand times that of the case.",
             unit="N/m",
         ),
     ] = None,

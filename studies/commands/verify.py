@@ -36,7 +36,7 @@ def verify(
 ) -> None:
     """Compute cases with known results and compare the results, to check this installation.
 
-    Each case has a source, a quantity, its reference, the computed value, its error and tolerance.
+    Each case lists source, quantity, reference value, computed value, error and tolerance.
     The exit code is 1 if any case fails. All cases take about two minutes.
     """
     from bladewhirl.models.inputs.errors import UserError, writing
