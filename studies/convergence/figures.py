@@ -28,7 +28,7 @@ SCHEME_LINES: tuple[tuple[str, Any], ...] = (
     ("k = 1", (0, (5, 1.5))),
     ("k = 0", (0, (1.2, 1.2))),
 )
-"""Colour and dashes of each scheme, distinct without colour."""
+"""Colour and dashes of the line of each scheme."""
 
 
 @styled
@@ -61,7 +61,7 @@ def plot_time_steps(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_modes(data: xr.Dataset) -> Figure:
-    """Draw distances from the march with the most modes, and the error of the frequencies.
+    """Draw differences from the march with the most modes, and the error of the frequencies.
 
     Args:
         data: Dataset over `modes`, from `mode_convergence`.
@@ -110,13 +110,13 @@ def _finish(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
     for name in dict.fromkeys(data["regime"].values):
         axes.plot([], [], REGIME_MARKERS[name], color=COLOURS["rest"], markersize=4, label=name)
     head(figure, data, f"{MILLI * data.attrs['end']:.4g} ms")
-    # the longest label needs the width of the column
+    # one column, because labels are long
     figure.legend(loc="outside lower center", ncols=1)
 
 
 @styled
 def plot_schemes(data: xr.Dataset) -> Figure:
-    """Draw tips, impulse and energy over time for each scheme, with the cost of a step.
+    """Draw tip displacement, impulse and energy over time for each scheme, with the cost of a step.
 
     Args:
         data: from `schemes.compare_schemes`.

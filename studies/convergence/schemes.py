@@ -31,10 +31,10 @@ UNITS = {
     "energy": ("J", "energy of both bodies and of all springs"),
     "friction_work": ("J", "work of the friction forces since the start"),
     "penetration": ("m", "deepest penetration of any tip"),
-    "ledger": ("1", "largest mismatch of energy and work, over the largest term"),
+    "ledger": ("1", "largest mismatch of energy and work, divided by the largest term"),
     "distance": (
         "1",
-        "difference from the tips' displacements of the first scheme, over these, both rms",
+        "rms difference from the tip displacements of the first scheme, divided by their rms",
     ),
     "step_cost": ("s", "time of computing a step"),
 }
@@ -92,15 +92,14 @@ def schemes_document(data: xr.Dataset) -> dict[str, Any]:
 
 
 def _last_value(values: xr.DataArray) -> float | None:
-    """Return a number, or the last value of a history (of tips the largest displacement); None for
-    NaN."""
+    """Return a number, the last value of a history or the largest tip displacement; NaN: None."""
     if values.ndim:
         values = values.max() if values.name == "tip_displacement" else values.dropna("time")[-1]
     return float(values) if np.isfinite(values) else None
 
 
 def _marched(prepared: Prepared, number: int, progress: Progress | None) -> xr.Dataset:
-    """Return the histories of one scheme, with the displacements of tips (time, tip)."""
+    """March with one scheme; return its histories, with displacements of tips (time, tip)."""
     total = prepared.timing.steps
     chunks: list[Chunk] = []
     began, steps = time.perf_counter(), 0

@@ -1,8 +1,8 @@
 """Convergence of time integration in its time step and its modes: Section 4.2 of the paper.
 
-Runs that differ only in the time step, or only in the modes, are compared with the finest: distance
-of the shaft's orbits (root mean square in rotating axes, divided by the radius of the finest),
-total normal impulse, regime.
+Marches with different time steps, or with different numbers of modes, are compared with the finest
+march: by the distance of the shaft's orbits (root mean square in rotating axes, divided by the
+radius of the finest orbit), the total normal impulse and the regime.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Convergence:
     modes: xr.Dataset  #: from `mode_convergence`
 
     def as_json(self) -> dict[str, Any]:
-        """Return all numbers; null for missing numbers."""
+        """Return both datasets as a JSON document; missing numbers are null."""
         return {name: _plain(getattr(self, name)) for name in ("time_steps", "modes")}
 
 
@@ -72,8 +72,8 @@ def convergence(
 ) -> Convergence:
     """Study how a march depends on its time step and on its modes.
 
-    Figures with their data, convergence.json and the marches are written into the folder. A study
-    that continues or extends this one uses the marches again.
+    Figures with their data, convergence.json and the marches are written into the folder. A later
+    study in the same folder uses these marches again.
 
     Args:
         case: case to march.
@@ -133,7 +133,7 @@ def default_time_steps(case: Case) -> list[float]:
 
 
 def default_modes(case: Case) -> list[int]:
-    """Return the default numbers of fixed-interface modes, ascending: `SECTORS` of each blade.
+    """Return the default numbers of fixed-interface modes, ascending: `SECTORS` times the blades.
 
     Raises:
         CaseError: the bladed disk has too few degrees of freedom for at least two of these numbers.
@@ -153,7 +153,7 @@ def default_modes(case: Case) -> list[int]:
 def time_step_convergence(
     case: Case, time_steps: Sequence[float], store: RunStore, progress: Progress | None = None
 ) -> xr.Dataset:
-    """March a case with several time steps, see claim 16 (converged at 1e-6 s).
+    """March a case with several time steps, as for claim 16 of the paper (converged at 1e-6 s).
 
     Args:
         case: case with a `march.record_step` that is a multiple of each time step.
@@ -163,13 +163,13 @@ def time_step_convergence(
 
     Returns:
         Dataset over `time_step` [s]: `regime`; `radius_max`, largest displacement of the shaft [m];
-        `impulse`, total normal impulse on all blades [N s]; `distance` of the orbit from that of
-        the finest time step, and `impulse_error` relative to it (both zero at the finest; the
-        latter NaN without contact); `step_distance` and `step_impulse_error`, the same relative to
-        the next finer time step (NaN at the finest); `free_step_distance`, the step distance of the
-        orbits up to the first contact of any run. Attributes: `free_until` [s], the time of this
-        first contact; `displacement_order`, `impulse_order` and `free_order`, the observed orders
-        of `step_distance`, `step_impulse_error` and `free_step_distance`, see `observed_order`. The
+        `impulse`, total normal impulse on all blades [N s]; `distance` and `impulse_error`,
+        differences of orbit and impulse from the finest time step (`impulse_error` is NaN without
+        contact); `step_distance` and `step_impulse_error`, differences from the next finer time
+        step (NaN at the finest step); `free_step_distance`, `step_distance` of the orbits up to the
+        first contact in any march. Attributes: `free_until` [s], the time of this first contact;
+        `displacement_order`, `impulse_order` and `free_order`, the observed orders of
+        `step_distance`, `step_impulse_error` and `free_step_distance`, see `observed_order`. The
         order is two without contact, and one in contact. If contacts make the motion chaotic,
         differences stop decreasing, and the order over the complete march is near zero or NaN.
 
@@ -192,7 +192,7 @@ def time_step_convergence(
 def mode_convergence(
     case: Case, modes: Sequence[int], store: RunStore, progress: Progress | None = None
 ) -> xr.Dataset:
-    """March a case with several numbers of fixed-interface modes, see claim 17.
+    """March a case with several numbers of fixed-interface modes, as for claim 17 of the paper.
 
     The paper reports motion convergence: already with few modes the kind of motion no longer
     changes, while displacements do not converge asymptotically.
@@ -204,11 +204,11 @@ def mode_convergence(
         progress: called with the numbers of finished marches and of all marches.
 
     Returns:
-        Dataset over `modes`: the variables of `time_step_convergence`, where the finest run is that
-        with the most modes; `kept`, the number of modes after a pair at the limit is completed; and
-        `frequency_error`, the largest relative error in the first five families of the reduced
-        bladed disk (claim 5; NaN without these families). Attribute `motion_converged`: 1 if all
-        regimes are the same.
+        Dataset over `modes`: the variables of `time_step_convergence`, where the finest march has
+        the most modes; `kept`, the number of modes used, which may include one more mode to
+        complete a pair; `frequency_error`, the largest relative frequency error of the reduced
+        bladed disk in the families 1F to 5F (claim 5; NaN without these families). Attribute
+        `motion_converged`: 1 if all marches have the same regime.
 
     Raises:
         UserError: a march failed.
@@ -236,7 +236,7 @@ about 4/3."""
 def observed_order(size: FloatArray, change: FloatArray) -> float:
     """Compute the order p with which results approach the limit of size zero.
 
-    With an error C size^p neighbouring results differ by C (size_i^p - size_(i+1)^p), for any
+    If the error is C size^p, successive results differ by C (size_i^p - size_(i+1)^p), for any
     ratios of the sizes; p is a least-squares fit of this law to the logarithms of the changes.
 
     Args:
@@ -270,8 +270,7 @@ def _compared(
     store: RunStore,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """March a case with each value of a key; return the comparison with the last run, the
-    finest."""
+    """March a case with each value of a key; return differences from the last, finest march."""
     cases = [with_values(case, {key: value}) for value in values]
     store.make(cases, progress)
     failures = [

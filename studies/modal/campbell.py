@@ -42,7 +42,7 @@ def campbell(
 ) -> xr.Dataset:
     """Compute speeds at which waves on bladed disk and casing coincide, Eq. (14), and their modes.
 
-    Over `coincidence`, ascending: normalised_speed (divided by the reference frequency), speed
+    Variables over `coincidence`, ascending: normalised_speed (over the reference frequency), speed
     [rpm], the frequency of both modes [Hz] and whether the speed lies in the operating range. A
     coincidence is selected by family (of the bladed disk), casing_family and nodal_diameter::
 
@@ -53,8 +53,8 @@ def campbell(
     mode_body, mode_family and mode_nodal_diameter. `diagram.reset_index("coincidence")` can be
     saved to a file; `bladewhirl.plot.campbell` draws it.
 
-    Over `critical`, critical_speed (normalised) and critical_rpm, up to the last of `speeds`; there
-    are none without rotation effects. With rotation effects, the Dataset also has:
+    Over `critical`: critical_speed (normalised) and critical_rpm, up to the last of `speeds`; empty
+    without rotation effects. With rotation effects, the Dataset also has:
 
     - critical_family (of the branch at rest), critical_nodal_diameter and critical_spring_share,
       the share of the strain energy in the shaft springs;
@@ -70,7 +70,7 @@ def campbell(
     Args:
         case_or_stage: a case, or its stage; the centre is free or clamped as in the case.
         families: number of families of the bladed disk, without the suspension pair.
-        speeds: range of the diagrams, each a multiple of the reference frequency or text such as
+        speeds: ends of the diagrams, each a multiple of the reference frequency or text such as
             "2500 rpm".
         operating: operating range, in the same form.
 
@@ -167,7 +167,7 @@ CRITICAL_SPEEDS = (
     Column("rpm", "[rpm]", ".1f"),
     Column("spring_share", "strain energy in shaft springs [%]", ".3g", 100.0),
 )
-"""Columns of critical speeds and engine orders; their variables have a prefix."""
+"""Columns of critical speeds (variables "critical_...") and engine orders ("engine_order_...")."""
 
 
 def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
@@ -222,7 +222,7 @@ def write_campbell_page(diagram: xr.Dataset, path: Path, *, overwrite: bool = Fa
 
 
 def _of_families(modes: LabelledModes, families: set[str]) -> LabelledModes:
-    """Return the modes of some families, one of each pair."""
+    """Return the modes of some families, with one mode of each pair."""
     one = modes.one_a_pair()
     return modes.take(one[[modes.family[mode] in families for mode in one]])
 

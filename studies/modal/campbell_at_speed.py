@@ -1,6 +1,6 @@
 """Campbell diagram of a bladed disk with rotation effects.
 
-Its frequencies depend on the speed, backward and forward waves differ, and a speed at which a wave
+The frequencies depend on the speed, backward and forward waves differ, and a speed at which a wave
 has zero frequency in the rotating frame is a critical speed.
 """
 
@@ -43,7 +43,7 @@ def disk_waves(stage: ModalStage, turning: TurningDisk) -> dict[int, Waves]:
 
 
 def names_of(modes: LabelledModes) -> dict[int, list[str]]:
-    """Return the families by nodal diameter, the lowest first, one of each pair."""
+    """Return the families of each nodal diameter, lowest frequency first; a pair counts once."""
     one = modes.one_a_pair()
     return {
         int(k): [modes.family[i] for i in one[modes.nodal_diameter[one] == k]]
@@ -58,7 +58,7 @@ def meetings(
     names: Mapping[int, list[str]],
     highest: float,
 ) -> tuple[Coincidences, FloatArray]:
-    """Compute coincidences at speed, and the frequency of the bladed disk's wave at each [rad/s].
+    """Compute coincidences with rotation effects, and the frequencies of the disk waves [rad/s].
 
     Args:
         disk: waves of the bladed disk by nodal diameter.
@@ -207,7 +207,7 @@ def _speeds(
     speeds = np.array([row[0] for row in rows])
     name = {
         "critical": "critical speed",
-        "engine_order": "speed at which the frequency equals the engine order k",
+        "engine_order": "speed at which the frequency is k times the rotation frequency",
     }[kind]
     share_name = "share of the strain energy in the shaft springs"
     return {

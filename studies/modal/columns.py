@@ -70,5 +70,5 @@ def rows_of(data: xr.Dataset, columns: Sequence[Column], prefix: str = "") -> li
 def quantity(
     dims: str | tuple[str, ...], values: Any, unit: str, name: str = ""
 ) -> tuple[str | tuple[str, ...], Any, dict[str, str]]:
-    """Return a variable of a Dataset with its unit and, if there is one, its long name."""
+    """Return a variable of a Dataset with a unit and, if `name` is not empty, a long name."""
     return dims, values, {"units": unit} | ({"long_name": name} if name else {})

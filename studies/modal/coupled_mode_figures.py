@@ -84,7 +84,7 @@ def draw_coupled_mode(
 
 
 def _one_whirl(motion: CoupledMotion) -> IntArray:
-    """Return records over the last turn of the wave on the rotor in the static frame."""
+    """Return indices of records over the last turn of the rotor's wave in the static frame."""
     rate = abs(motion.rotor_wave_speed + motion.speed)
     span = min(2.0 * np.pi / rate if rate else np.inf, motion.time[-1])
     instants = motion.time[-1] - span * np.arange(SHAPES)[::-1] / SHAPES

@@ -2,8 +2,8 @@
 
 If each mode has one nodal diameter, the equations of different nodal diameters are uncoupled, and
 have constant coefficients in the frame that turns at half speed: `EvenSystem`. Otherwise waves of
-different nodal diameters are coupled; the coefficients are constant in rotating axes or, if in no
-frame, periodic: `System`. `couple` chooses between the two.
+different nodal diameters are coupled, and the coefficients are constant in rotating axes or
+periodic in all frames: `System`. `couple` chooses between the two classes.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class System:
     modes: CouplingModes | CoupledEquations  #: chosen modes
     with_pi: bool  #: whether the factor pi of Eq. (8) is kept
     damped: bool  #: whether the damping of the case is included
-    physical: bool
+    physical: bool  #: whether modes have physical amplitudes, not unit amplitudes
     reference: float  #: reference frequency by which speeds are normalised [rad/s]
     case: str = ""  #: title of the case
 
@@ -85,23 +85,23 @@ class EvenSystem(System):
 
     modes: CouplingModes  #: chosen modes
     stage: StageModes  #: chosen modes, with finite elements
-    all_modes: StageModes  #: all modes that couple, with physical amplitudes
+    all_modes: StageModes  #: all modes that springs can couple, with physical amplitudes
     #: matrices of the bladed disk; None without rotation effects
     rotation: RotationMatrices | None = None
 
     @property
     def six(self) -> CouplingModes:
-        """The six modes of the paper with the chosen amplitudes."""
+        """Six modes of the paper, with physical or unit amplitudes like the chosen modes."""
         six = self.all_modes.six_modes()
         return (six if self.physical else six.with_unit_amplitudes()).modes
 
     @property
     def is_six(self) -> bool:
-        """True if the chosen modes are the six of the paper."""
+        """True if the chosen modes are the six modes of the paper."""
         return set(self.modes.name) == set(SIX_NAMES)
 
     def options(self) -> dict[str, object]:
-        """Return the options for reports, with the rotation effects of the case if it has any."""
+        """Return the options for reports, including rotation effects if the case has any."""
         effects = self.stage.modal.case.rotation.effects
         return super().options() | ({} if effects == "none" else {"rotation_effects": effects})
 
@@ -109,11 +109,11 @@ class EvenSystem(System):
         """Compute the stability of the uncoupled bladed disk at a speed [rad/s].
 
         Returns:
-            Empty without rotation effects. Otherwise critical_speed (normalised), above which
-            K_Omega is indefinite; rotor_growth_rate [1/s] and its nodal diameter; if the rate is
-            positive, holding_damping [N s/m], the damping of each of two static bearings that
-            stabilises the disk (None if bearings cannot); and waves_met, whether the disk also
-            grows without damping.
+            Empty without rotation effects. Otherwise critical_speed (normalised), above which the
+            stiffness matrix is indefinite; rotor_growth_rate [1/s] with rotor_nodal_diameter;
+            holding_damping [N s/m], the damping of each of two static bearings that stabilises a
+            growing disk (None if bearings cannot); and waves_met, whether the disk grows also
+            without damping.
         """
         if self.rotation is None:
             return {}
@@ -159,14 +159,13 @@ def couple(
         modes: "six", "all" or names as in `reduction.modes`.
         damped: whether the damping of the case is included.
         with_pi: whether the factor pi of Eq. (8) is kept.
-        physical: whether each mode has its own amplitude; otherwise all have the same.
-        chart: whether more than one point is computed, which needs a frame with constant
+        physical: whether modes have physical amplitudes; otherwise all amplitudes are equal.
+        chart: whether several points are to be computed, which requires a frame with constant
             coefficients.
 
     Raises:
-        UserError: the stage does not have the modes, springs do not couple them, one amplitude is
-            used for modes with several nodal diameters, or a chart of a periodic system is
-            requested.
+        UserError: the stage lacks a mode, springs couple no chosen mode, modes with several nodal
+            diameters have equal amplitudes, or a chart of a periodic system is requested.
     """
     one_each = modal.casing.structure.is_cyclic and not np.any(
         modal.disk.blade_columns(modal.disk_modes.column) < 0
@@ -215,7 +214,7 @@ def couple_even(
     With rotation effects the matrices at speed are projected onto the modes at rest.
     """
     case, rotation = modal.case, None
-    if case.rotation.effects == "centrifugal":  # such modes are those at the case's speed
+    if case.rotation.effects == "centrifugal":  # `modal` has modes at speed
         effects = case.rotation.model_copy(update={"effects": "none"})
         at_rest = modal_stage(case.model_copy(update={"rotation": effects}))
         modal = replace(at_rest, case=case)

@@ -1,4 +1,4 @@
-"""Modes by name on the command line: "1F:1", "suspension", "casing:1F:2", or lists of them."""
+"""Names of modes on the command line: "1F:1", "suspension", "casing:1F:2", or lists of these."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def family_of(
 
 
 def modes_of(stage: ModalStage, body: Body) -> LabelledModes | Whirl:
-    """Return the modes of a body; whirling modes of the bladed disk with Coriolis forces."""
+    """Return the modes of a body; for a bladed disk with Coriolis forces, its whirling modes."""
     return (stage.disk_whirl or stage.disk_modes) if body == "bladed-disk" else stage.casing_modes
 
 

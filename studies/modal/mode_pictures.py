@@ -91,8 +91,7 @@ def draw_modes(
 
 
 def _lowest(stage: ModalStage) -> list[ChosenMode]:
-    """Return the default modes to draw: some of 1F, the suspension pair, the lowest of the
-    casing."""
+    """Return the default modes to draw: some 1F modes, the suspension, the lowest casing modes."""
     highest = int(modes_of(stage, "bladed-disk").nodal_diameter.max())
     disk = family_of(stage, "bladed-disk", "suspension", [1])
     first = [*range(min(PANELS - 1 - len(disk), highest)), highest]
@@ -146,8 +145,8 @@ def _shapes(stage: ModalStage, modes: list[ChosenMode]) -> Drawn:
 
 
 def _scenarios(stage: ModalStage) -> Drawn:
-    """Yield both contact scenarios, if a 1F pair moves the shaft and coincides with a mode of the
-    casing."""
+    """Yield figures of both scenarios, if a 1F pair moves the shaft and coincides with a casing
+    mode."""
     if stage.case.shaft.clamped:
         return
     for name, share in CASING_SHARES.items():

@@ -56,7 +56,7 @@ def full_stage(case_or_stage: Case | Stage | ModalStage) -> ModalStage:
 
 
 def speed_of(value: Any, label: str) -> Speed:
-    """Return a speed.
+    """Convert a number or a text to a speed.
 
     Args:
         value: multiples of the reference frequency, or text such as "2500 rpm".
@@ -101,11 +101,11 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
         modes = bladewhirl.modes(case)
         modes.frequency.sel(body="bladed-disk", centre="free", family="1F", nodal_diameter=1)
 
-    If all blades are equal, this returns two frequencies: those of the cosine and the sine mode of
-    a pair. `pattern` is cosine, sine or single. `direction` and `direction_static` are the
-    directions of waves in the rotating and in the static frame at the case's speed: backward,
-    forward or standing. With Coriolis forces the two waves of a pair differ in frequency, and
-    `pattern` is wave or single. `modes.reset_index("mode")` can be saved to a file.
+    If all blades are equal, this selects two frequencies: of the cosine and the sine mode of a
+    pair. `pattern` is cosine, sine or single. `direction` and `direction_static` are the directions
+    of waves in the rotating and in the static frame at the speed of the case: backward, forward or
+    standing. With Coriolis forces the two waves of a pair differ in frequency, and `pattern` is
+    wave or single. `modes.reset_index("mode")` can be saved to a file.
 
     Args:
         case_or_stage: a case, or its stage.
@@ -184,7 +184,7 @@ def _modes_of(
 def _directions_of_pairs(
     modes: LabelledModes, pattern: list[str], body: str, omega: float
 ) -> tuple[tuple[Direction, ...], tuple[Direction, ...]]:
-    """Return the directions of the waves of standing modes, in the rotating and the static frame.
+    """Return the directions of the waves of real modes, in the rotating and in the static frame.
 
     The two modes of a degenerate pair combine to a backward and a forward wave in the frame of the
     body: the backward wave is listed with the cosine mode, the forward wave with the sine mode.
@@ -206,7 +206,7 @@ def _pattern(modes: LabelledModes, number: int) -> str:
 def mode_lists(computed: xr.Dataset, count: int) -> dict[str, list[dict[str, Any]]]:
     """Return the JSON document of `modes`: the lowest modes of each body, ascending.
 
-    Both modes of a degenerate pair are listed; with rotation effects also the directions.
+    Both modes of a degenerate pair are listed; with rotation effects, also directions of waves.
 
     Args:
         computed: from `modes`.

@@ -33,13 +33,12 @@ HIGHEST = 2.0
 """Upper limit of the coincidence speed, relative to the sum of both frequencies."""
 
 CASING_SHARES = {"standard": 0.5, "inverted": 2.0}
-"""Ratio of the radial motion of the casing to that of the tips, for the pictures of both
-scenarios."""
+"""Ratio of casing amplitude to tip amplitude, in the picture of each scenario."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class WhirlingModes:
-    """A k = 1 mode of the rotor and one of the casing in coincidence, at the onset of contact."""
+    """Coincident k = 1 modes of rotor and casing, with amplitudes at which contact begins."""
 
     name: str  #: name of the rotor's mode
     shaft: float  #: displacement of the centre [m]
@@ -51,7 +50,7 @@ class WhirlingModes:
 
     @property
     def scenario(self) -> Scenario:
-        """Position of contact relative to the shaft's displacement."""
+        """Contact scenario: position of contact relative to the displacement of the shaft."""
         return mode_scenario(shaft=self.shaft, rotor=self.rotor, casing=self.casing)
 
 
@@ -63,8 +62,8 @@ def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F"
 
     Args:
         stage: finite element models with their modes.
-        casing_share: ratio of the radial motion of the casing to that of the tips; not 1, because
-            casing and tips would move together and never touch.
+        casing_share: ratio of casing amplitude to tip amplitude; not 1, because casing and tips
+            would move together and never touch.
         family: family of the bladed disk's mode.
 
     Raises:
@@ -101,9 +100,9 @@ def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F"
 def _backward_wave(
     stage: ModalStage, turning: TurningDisk, family: str, wall: float
 ) -> tuple[float, FloatArray]:
-    """Return frequency [rad/s] and field (size, 1) of a family's k = 1 wave at coincidence.
+    """Return frequency [rad/s] and field (size, 1) of the backward wave at the coincidence speed.
 
-    The field is the wave with its crest at angle 0.
+    The wave is that of a family with k = 1; the crest of the field is at angle 0.
 
     Raises:
         UserError: there is no coincidence speed.
@@ -119,7 +118,7 @@ def _backward_wave(
         if disk_waves.rank(float(speed), SHAFT * float(speed) - wall) == (rank, True)
     ]
     if not met:
-        raise UserError(f"{family}: its backward wave meets the casing's at no speed")
+        raise UserError(f"{family}: the backward wave coincides with the casing wave at no speed")
     structure = turning.matrices.at_speed(float(met[0]), "full")
     whirl = whirl_modes(structure)
     backward = np.array(whirl.direction) == "backward"

@@ -33,14 +33,14 @@ SPEEDS, KAPPAS = np.linspace(0.6, 3.0, 600), np.linspace(0.0, 1000.0, 300)
 """Speeds in multiples of the reference frequency and stiffnesses [N/m] of a chart."""
 
 RECORDS_PER_TURN = 48
-"""Number of records in a turn: twice that of a smooth animation."""
+"""Number of records in a turn of the rotor: twice the number for a smooth animation."""
 
 GROWTHS = 2.5
-"""Logarithm of the growth of the amplitude over the motion shown, if the numbers of turns
-permit."""
+"""Logarithm of the amplitude growth over the shown motion, unless the number of turns is limited
+by `FEWEST_TURNS` or `MOST_TURNS`."""
 
 FEWEST_TURNS, MOST_TURNS = 3, 40
-"""Smallest and largest number of turns of the rotor in the motion shown."""
+"""Smallest and largest number of turns of the rotor in the shown motion."""
 
 
 def stability(
@@ -56,7 +56,7 @@ def stability(
 ) -> xr.Dataset:
     """Compute growth rates of bladed disk and casing, coupled by springs of stiffness kappa.
 
-    Numbers for both speed and stiffness give one point: growth rate, eigenvalues, the fastest
+    A single speed and a single stiffness give one point: growth rate, eigenvalues, the fastest
     growing mode and its contact scenario. Arrays give a chart: the growth rate on a grid and, where
     each mode has one nodal diameter, the borders of unstable zones and the coincidence speeds.
 
@@ -68,7 +68,7 @@ def stability(
         modes: "six" as in the paper, "all", or names such as "casing:1,1F:1,suspension".
         damped: whether the damping of the case is included.
         with_pi: whether the factor pi of Eq. (8) is kept.
-        physical: whether each mode has its own amplitude; otherwise all have the same.
+        physical: whether modes have physical amplitudes; otherwise all amplitudes are equal.
         progress: called with the numbers of finished points and of all points.
 
     Raises:
@@ -91,7 +91,7 @@ def stability(
 
 
 def stability_point(system: System, omega: float, kappa: float) -> xr.Dataset:
-    """Compute growth rate, eigenvalues, fastest growing mode and its scenario at a point.
+    """Compute growth rate, eigenvalues, fastest growing mode and contact scenario at a point.
 
     If each mode has one nodal diameter, growth_rate_floquet is the growth rate from the monodromy
     matrix of the periodic system, an independent check of the autonomous form. It is missing at

@@ -34,7 +34,7 @@ STIFFNESS = {"units": "N/m", "long_name": "coupling stiffness"}
 def stability_chart(
     system: System, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
 ) -> xr.Dataset:
-    """Compute the growth rate over speed and stiffness, with the zones of an even system.
+    """Compute growth rates over speed and stiffness; for an `EvenSystem`, also the unstable zones.
 
     Args:
         system: the coupled modes.
@@ -62,7 +62,7 @@ def zones(
     """Compute the borders of unstable zones, and the coincidence speeds at which the zones start.
 
     Args:
-        system: system with the options.
+        system: system with reference frequency and options.
         modes: all coupled modes of the system, or some of them.
         omegas: speeds [rad/s], ascending.
         kappas: spring stiffnesses [N/m], ascending.
@@ -104,7 +104,7 @@ def _zone_variables(borders: UnstableZones, names: StringArray, unit: float) -> 
 
 
 def _ranges(system: System, omegas: FloatArray, kappas: FloatArray) -> xr.Dataset:
-    """Return an empty chart of a range."""
+    """Return a chart with its attributes only, without variables."""
     unit = system.reference
     return xr.Dataset(
         attrs={
@@ -118,7 +118,7 @@ def _ranges(system: System, omegas: FloatArray, kappas: FloatArray) -> xr.Datase
 
 
 def truncation(complete: xr.Dataset, few: xr.Dataset) -> xr.Dataset:
-    """Return the zones of all modes and of a few modes, labelled "all" or "few" by `zone_of`."""
+    """Join the zones of all modes and of a few modes; `zone_of` labels them "all" and "few"."""
     parts = [
         data[[str(name) for name in data.data_vars if str(name).startswith("zone_")]].assign(
             zone_of=("zone", np.full(data.sizes["zone"], label))
@@ -163,7 +163,7 @@ def spectrum_along(system: EvenSystem, omegas: FloatArray, kappa: float) -> xr.D
 
 
 def _branch_names(modes: CouplingModes, omega: float, spectrum: ComplexArray) -> StringArray:
-    """Name each branch at a speed after the single-mode wave with the nearest eigenvalue.
+    """Name each branch at a speed after the wave of an uncoupled mode with the nearest eigenvalue.
 
     Args:
         modes: the coupled modes.

@@ -64,16 +64,16 @@ MOTION = (
 )
 CHART = (
     Column("largest_growth_rate", "largest growth rate [1/s]", ".4g"),
-    Column("at_speed", "at the speed [ω₁]", ".4g"),
-    Column("at_kappa", "and the stiffness [N/m]", ".4g"),
+    Column("at_speed", "speed of the largest growth rate [ω₁]", ".4g"),
+    Column("at_kappa", "stiffness of the largest growth rate [N/m]", ".4g"),
     Column("unstable_share", "unstable share of the chart [%]", ".3g", 100.0),
 )
 ROTOR_ALONE = (
     Column("critical_speed", "critical speed [ω₁]", ".5g"),
     Column("rotor_growth_rate", "growth rate, bladed disk alone [1/s]", ".4g"),
-    Column("rotor_nodal_diameter", "its nodal diameter", "d"),
-    Column("cause", "its cause"),
-    Column("holding_damping", "damping of two static bearings that stops it [N s/m]", ".4g"),
+    Column("rotor_nodal_diameter", "nodal diameter of this growth", "d"),
+    Column("cause", "cause of this growth"),
+    Column("holding_damping", "damping of two static bearings against it [N s/m]", ".4g"),
 )
 """Columns of a point, its divergent mode, a chart and the uncoupled bladed disk."""
 
@@ -81,7 +81,7 @@ ROTOR_ALONE = (
 def point_report(
     system: System, omega: float, kappa: float, folder: Path | None, *, films: bool, overwrite: bool
 ) -> dict[str, Any]:
-    """Return growth rate and eigenvalues at a point; draw the divergent mode.
+    """Return growth rate and eigenvalues at a point; with a folder, draw the divergent mode.
 
     Args:
         system: the coupled modes.
@@ -133,7 +133,7 @@ def chart_report(
     overwrite: bool,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Return zones, coincidence speeds and the largest growth rate of a chart; draw it.
+    """Return zones, coincidence speeds and largest growth rate of a chart; with a folder, draw it.
 
     Args:
         system: the coupled modes.

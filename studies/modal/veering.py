@@ -21,8 +21,7 @@ from bladewhirl.studies.modal.modes import full_stage, modes
 from bladewhirl.studies.runs.figures_folder import save_figures
 
 STIFFNESSES, DECADES = 241, 3
-"""Number of stiffnesses of the shaft, and number of decades on either side of the case's
-stiffness."""
+"""Number of shaft stiffnesses, and decades below and above the stiffness of the case."""
 
 BRANCHES = 5
 """Number of modes drawn over the stiffness of the shaft."""
@@ -42,7 +41,7 @@ def veering(
 ) -> xr.Dataset:
     """Compute frequencies over nodal diameter, with free and clamped centre, and shaft stiffness.
 
-    Over `mode`, for the bladed disk and once per pair: frequency [Hz], normalised_frequency
+    Over `mode`, one for each pair of the bladed disk: frequency [Hz], normalised_frequency
     (divided by the reference frequency), purity and spring_share. A mode is selected by centre,
     family and nodal_diameter::
 
@@ -52,8 +51,9 @@ def veering(
     Over `stiffness` of each shaft spring [N/m] and `branch`, the modes with one nodal diameter:
     branch_frequency [Hz], normalised_branch_frequency and branch_spring_share, the share of the
     strain energy in the shaft springs; over `branch` clamped_frequency [Hz], the limit of each
-    branch, and normalised_clamped_frequency. With Coriolis forces modes have `direction` in
-    their index, and branches a branch_direction: waves in both directions, at the case's speed.
+    branch for rigid springs, and normalised_clamped_frequency. With Coriolis forces, modes and
+    branches are waves in both directions at the speed of the case: the index of modes has
+    `direction`, and branches have branch_direction.
     `diagrams.reset_index("mode")` can be saved to a file; `bladewhirl.plot.veering` and
     `shaft_veering` draw it.
 
@@ -135,7 +135,7 @@ def clamping_shifts(diagrams: xr.Dataset) -> dict[int, float]:
         diagrams: from `veering`.
     """
     frequency = diagrams["frequency"].to_series()
-    # Above a critical speed both waves of a pair may travel backward: they are distinguished by
+    # Above a critical speed both waves of a pair can travel backward: they are distinguished by
     # their order.
     order = frequency.groupby(level=frequency.index.names).cumcount().rename("order")
     ordered = frequency.to_frame().set_index(order, append=True)["frequency"]
@@ -146,7 +146,7 @@ def clamping_shifts(diagrams: xr.Dataset) -> dict[int, float]:
 
 
 def suspension_frequency(diagrams: xr.Dataset) -> float | None:
-    """Return the normalised frequency of the suspension pair, or its lower wave; None without one.
+    """Return the normalised frequency of the suspension pair, or of its lower wave, or None.
 
     Args:
         diagrams: from `veering`.
@@ -184,7 +184,7 @@ def draw_veering(diagrams: xr.Dataset, folder: Path, *, overwrite: bool = False)
 
 
 def _families(computed: xr.Dataset, families: int) -> xr.Dataset:
-    """Return the first families of the bladed disk and the suspension, one of each pair."""
+    """Return the first families of the bladed disk and the suspension, one mode of each pair."""
     names = ["suspension", *(f"{rank}F" for rank in range(1, families + 1))]
     chosen = (
         (computed["body"].values == "bladed-disk")

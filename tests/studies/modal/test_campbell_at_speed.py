@@ -183,5 +183,5 @@ def test_contact_scenarios_are_of_the_wave_where_it_meets_the_casing() -> None:
         assert modes.speed / stage.reference_frequency == pytest.approx(met[0], rel=1e-9)
         assert abs(modes.shaft) < 0.5 * abs(modes.rotor), name
     stiff = with_values(stage_case(), {"casing.support": 7.975e6})
-    with pytest.raises(UserError, match="meets the casing's at no speed"):
+    with pytest.raises(UserError, match="coincides with the casing wave at no speed"):
         whirling_modes(modal_stage(stiff), casing_share=0.5)
