@@ -26,7 +26,7 @@ VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 class Check:
     """Comparison of a measure with a criterion."""
 
-    text: str  #: measure, threshold, and our number
+    text: str  #: name of the measure, computed number, threshold
     met: bool
     essential: bool = False  #: the claim does not hold if this check fails
 
@@ -35,9 +35,9 @@ class Check:
 class Finding:
     """The outcome of judging a claim once."""
 
-    ours: str  #: our value, in the same form as the paper's
+    ours: str  #: computed value, in the form of the paper's value
     checks: tuple[Check, ...] = ()
-    obstacle: str = ""  #: why the claim could not be judged; empty if it could
+    obstacle: str = ""  #: why the claim cannot be judged; empty if the claim is judged
 
     @property
     def verdict(self) -> Verdict:
@@ -63,10 +63,10 @@ class Finding:
 
 
 Measures = Mapping[str, Any]
-"""Numbers, texts and flags by name, for the checks of a claim and for the text of our value."""
+"""Numbers, texts and flags by name, for the checks and the computed value of a claim."""
 
 Measure = Callable[..., Measures]
-"""Called with the marches of a claim, then its sweeps; with the `Evidence` if it has neither."""
+"""Function of the marches and sweeps of a claim, or of `Evidence` for a claim without them."""
 
 CRITERIA: Mapping[str, tuple[str, Callable[[float, float, float], bool]]] = {
     "near": ("{0:g} ± {1:g}{2}", lambda value, target, tolerance: abs(value - target) <= tolerance),
@@ -87,9 +87,9 @@ class Claim:
     figures: tuple[str, ...]  #: figures of the paper
     text: str  #: the claim in our words
     paper: str  #: the paper's value
-    ours: str  #: format of our value, with the names of measures
-    trials: tuple[str, ...]  #: names of the marches by which it is judged
-    sweeps: tuple[str, ...]  #: names of the sweeps by which it is judged
+    ours: str  #: format of the computed value, with names of measures in braces
+    trials: tuple[str, ...]  #: names of the marches by which the claim is judged
+    sweeps: tuple[str, ...]  #: names of the sweeps by which the claim is judged
     checks: tuple[Mapping[str, str], ...]  #: rows of checks.csv
     measure: Measure
 
@@ -145,7 +145,7 @@ CHECKS = table("checks")
 
 
 def measures(*numbers: int) -> Callable[[Measure], Measure]:
-    """Register the function that computes the measures of claims."""
+    """Return a decorator for the function that computes the measures of these claims."""
 
     def register(measure: Measure) -> Measure:
         for number in numbers:

@@ -39,7 +39,7 @@ def _percent(motion: Motion, start: float, end: float) -> dict[str, float]:
 
 @measures(16)
 def time_steps(coarse: Motion, chosen: Motion, fine: Motion) -> Measures:
-    """Return relative differences of orbits and impulses from those with the finest time step."""
+    """Return relative differences of orbits and impulses from the march with the finest step."""
     impulses = [float(m.result["contact_impulse"].sum()) for m in (chosen, fine)]
     if not impulses[1]:
         raise NotTestableError("no contact with the finest time step")
@@ -88,9 +88,10 @@ def divergence_under_distortion(motion: Motion) -> Measures:
 
 @measures(23, 24)
 def course_of_energy(motion: Motion) -> Measures:
-    """Return the onset of fast growth [s] and shares of the suspension [%], early and later.
+    """Return the onset of fast growth [s], and the energy shares of the suspension during and after
+    the transient [%].
 
-    The onset is the time at which the energy is ten times that at the end of the transient.
+    At the onset the energy is ten times the energy at the end of the transient.
     """
     if motion.end <= 2 * EARLY:
         raise NotTestableError(f"the march ended after {motion.end:.3g} s, in the transient")
@@ -123,7 +124,7 @@ def contact_side(motion: Motion) -> Measures:
 
 @measures(26)
 def whirl_in_time(motion: Motion) -> Measures:
-    """Return the whirl frequency in the first and the second half of the last third [Hz]."""
+    """Return the whirl frequency in both halves of the last third of a march [Hz]."""
     rates = np.abs(motion.late_whirl_rates)
     if not motion.diverges or len(rates) < 4:
         raise NotTestableError(f"{motion.regime.name} after {motion.end:.3g} s: too little growth")
@@ -134,14 +135,13 @@ def whirl_in_time(motion: Motion) -> Measures:
 
 @measures(28)
 def clamped_centre(first: Motion, second: Motion) -> Measures:
-    """Return the regimes of two marches."""
+    """Return the regimes of two marches with a clamped centre."""
     return {"first": first.regime.name, "second": second.regime.name}
 
 
 @measures(30)
 def limit_cycle(motion: Motion) -> Measures:
-    """Return radius [mm], ripple [mm] and steadiness of an orbit; whether it is a limit cycle is
-    judged by the ripple."""
+    """Return mean and range of the late radius of an orbit [mm], and measures of steadiness."""
     mean, size = motion.radius_between(*motion.late)
     growth = motion.regime.ripple
     values: dict[str, Any] = {
@@ -162,8 +162,8 @@ def limit_cycle(motion: Motion) -> Measures:
 
 @measures(31)
 def energies_of_both_loads(motion: Motion, other: Motion) -> Measures:
-    """Return the groups of modes with the most energy and their energies [J], and the energy under
-    the other load."""
+    """Return both groups of modes with the most energy, their energies [J], and the total energy
+    under the other load over the total energy under this load."""
     (leader, second, *_), energy = late_leaders(motion)
     return {
         "leader": leader,
@@ -176,8 +176,8 @@ def energies_of_both_loads(motion: Motion, other: Motion) -> Measures:
 
 @measures(35)
 def truncated_space(six: Motion, full: Motion) -> Measures:
-    """Return the groups with the most energy in the truncated space, and the largest radii in both
-    spaces [mm]."""
+    """Return the two groups of modes with the most energy in a march of six modes, and the largest
+    radii with six modes and with all modes [mm]."""
     (leader, second, *_), _energy = late_leaders(six)
     until = min(six.end, full.end)
     peak, full_peak = (float(m.radius[: m.record_at(until)].max()) for m in (six, full))
@@ -194,7 +194,7 @@ def truncated_space(six: Motion, full: Motion) -> Measures:
 
 @measures(37)
 def radii_over_coupling(*motions: Motion) -> Measures:
-    """Return regimes, first radius and ripple [mm], and the spread of the radii [%]."""
+    """Return regimes, radius and ripple of the first march [mm], and the spread of all radii [%]."""
     radii, ripples = np.transpose([motion.radius_between(*motion.late) for motion in motions])
     return {
         "regimes": ", ".join(sorted({motion.regime.name for motion in motions})),
@@ -206,8 +206,8 @@ def radii_over_coupling(*motions: Motion) -> Measures:
 
 @measures(39, 43, 44)
 def small_motions(motion: Motion) -> Measures:
-    """Return the motion of the shaft [mm] and of the casing [µm], and the early share of higher
-    modes [%]."""
+    """Return the motion of the shaft [mm] and of the casing [µm], and the energy share of higher
+    modes in the transient [%]."""
     return {
         "radius": MILLI * float(motion.radius.max()),
         "touched": motion.touched,
@@ -219,8 +219,8 @@ def small_motions(motion: Motion) -> Measures:
 
 @measures(45)
 def course_at_high_speed(motion: Motion, long: Motion, usual: Motion) -> Measures:
-    """Return the group with the most early energy, the share of other nodal diameters [%], and the
-    end of a longer march."""
+    """Return the group of modes with the most energy before 0.2 s, the energy share of nodal
+    diameters above 1 [%], and the end of a longer march."""
     return {
         "leader": descending(motion.share(0.0, 0.2))[0],
         "other k": _percent(motion, 0.0, motion.end)["other k"],

@@ -19,7 +19,7 @@ RANGE, KAPPAS = (0.6, 3.0), np.linspace(50.0, 1000.0, 20)
 """Speeds and spring stiffnesses [N/m] of Fig. 11."""
 
 BESIDE = np.linspace(-0.02, 0.02, 81)
-"""Offsets of the normalised speeds examined around a coincidence."""
+"""Differences from a coincidence speed at which stability is examined, normalised."""
 
 
 @measures(*range(1, 10))
@@ -29,7 +29,7 @@ def uncoupled_modes(evidence: Evidence) -> Measures:
 
 
 def _zones(evidence: Evidence) -> dict[str, UnstableZones]:
-    """Return zones A and B by the participating rotor mode: "1F" and "suspension"."""
+    """Return the paper's zones A and B, by their rotor mode: "1F" and "suspension"."""
     system = evidence.system
     unstable = unstable_zones(
         system.modes,
@@ -52,7 +52,7 @@ def _zones(evidence: Evidence) -> dict[str, UnstableZones]:
 
 @measures(10, 13)
 def unstable_zones_over_stiffness(evidence: Evidence) -> Measures:
-    """Return start and growing width of both zones, and the shape of the lower border of zone A."""
+    """Return start and width of zones A and B, and whether the lower border of zone A rises."""
     coincidences = [evidence.modal[f"{name}_coincidence"] for name in ("first", "suspension")]
     reference, listed = evidence.system.reference, []
     values: dict[str, Any] = {"borders": "no zone", "rises": False}
@@ -102,8 +102,7 @@ def _example_growth(evidence: Evidence) -> float:
 
 @measures(14)
 def no_instability_beside_the_zones(evidence: Evidence) -> Measures:
-    """Count unstable points outside the zones, and near coincidences of waves that travel the same
-    way.
+    """Count unstable points outside the zones, and near coincidences of two backward waves.
 
     Backward waves on both bodies coincide in static axes at Ω = (ω_r - ω_c) / k.
     """
@@ -131,7 +130,7 @@ def no_instability_beside_the_zones(evidence: Evidence) -> Measures:
 
 @measures(15)
 def divergent_mode(evidence: Evidence) -> Measures:
-    """Return directions of waves and whirl of the divergent mode, and its phase shift [°].
+    """Return directions of waves and whirl in the divergent mode, and the lead of the shaft [°].
 
     Raises:
         NotTestableError: no mode grows at the example point.

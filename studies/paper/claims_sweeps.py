@@ -33,8 +33,8 @@ def done_points(sweep: xr.Dataset) -> xr.Dataset:
 
 
 def _radii(sweep: xr.Dataset, ends: tuple[float, float]) -> tuple[Array, Array, float]:
-    """Return speeds, largest radii, and the ratio of the median radius inside an interval to that
-    outside."""
+    """Return speeds, largest radii, and the median radius inside an interval over the median
+    radius outside."""
     speed, radius = sweep["march_speed"].values, sweep["shaft_radius_max"].values
     inside = (speed >= ends[0]) & (speed <= ends[1])
     return speed, radius, float(np.median(radius[inside]) / np.median(radius[~inside]))
@@ -51,7 +51,7 @@ def _divergent_groups(speeds: Array, divergent: Array) -> list[tuple[float, floa
 
 @measures(18)
 def highest_around_the_coincidence(sweep: xr.Dataset) -> Measures:
-    """Return speed and size [mm] of the largest radius."""
+    """Return the largest radius [mm], its speed, and the ratio of median radii."""
     speed, radius, ratio = _radii(done_points(sweep), AROUND)
     peak = radius.argmax()
     return {"speed": float(speed[peak]), "radius": MILLI * radius[peak], "ratio": ratio}
@@ -108,8 +108,8 @@ def smaller_than_distortion(distortion: xr.Dataset, imbalance: xr.Dataset) -> Me
 
 @measures(34)
 def high_amplitudes_without_divergence(motion: Motion, sweep: xr.Dataset) -> Measures:
-    """Return the ratio of radii inside the paper's interval to those outside, and the energy peak
-    [J] of a march."""
+    """Return the ratio of median radii inside and outside the paper's interval, and the energy
+    peak [J] of a march."""
     sweep = done_points(sweep)
     _, _, ratio = _radii(sweep, HIGH)
     total = motion.energies["total"].values
@@ -128,9 +128,9 @@ def shifts_of_the_critical_speed(sweep: xr.Dataset) -> Measures:
     """Return shifts of the critical speed between coupling stiffnesses, relative to the step of the
     sweep.
 
-    The critical speed is taken as the middle of the divergent speeds, because all their peaks end
-    at the same limit. The step between speeds limits its accuracy, so a shift has to be larger than
-    the step.
+    The critical speed is taken as the mean of the divergent speeds, because all divergent marches
+    reach the same displacement limit. A shift counts only if it is larger than the step between
+    speeds, which limits the accuracy.
     """
     critical = {kappa: middle_of_divergence(sweep, kappa) for kappa in KAPPAS}
     missing = [f"{kappa:g}" for kappa, speed in critical.items() if np.isnan(speed)]

@@ -1,4 +1,4 @@
-"""Figures of the paper from our runs: panels of each figure, and functions that draw them."""
+"""Figures like those of the paper, drawn from our runs: panels and functions that draw them."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def draw_figures(
 
 
 def _draw(evidence: Evidence, panel: Panel, folder: Path) -> str:
-    """Draw a panel, and all others in its folder; return the obstacle if this is impossible."""
+    """Draw all panels of a folder; return an empty text, or the reason if this is impossible."""
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         try:
@@ -132,7 +132,7 @@ _MODAL: Mapping[str, Draw] = {
     "stability": _draw_chart,
     "coupled-mode": _draw_coupled_mode,
 }
-"""Functions that draw all pictures of a folder, by its name."""
+"""Functions that draw all pictures of a folder, by name of the folder."""
 
 
 def _draw_one(kind: str, source: str, name: str, evidence: Evidence, folder: Path) -> None:
@@ -149,7 +149,7 @@ def _draw_one(kind: str, source: str, name: str, evidence: Evidence, folder: Pat
 def _panel(row: Mapping[str, str]) -> Panel:
     """Return the panel for a row of figures.csv.
 
-    It is a picture of modes, or the figure of a run or sweep that the column `picture` names.
+    The column `picture` names a picture of modes, or a figure of a run or a sweep.
     """
     kind, source, name = row["kind"], row["source"], row["picture"]
     slug = "-".join(source.replace(",", "").split())

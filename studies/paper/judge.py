@@ -41,7 +41,7 @@ SMALLEST_STEP = 1e-4
 """Smallest step of a sweep over speed: 10,500 speeds."""
 
 REPEATS = 3
-"""Number of repeats of a claim on a march, each with a slightly different force."""
+"""Number of times that a march is judged, each time with a slightly different force."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +52,7 @@ class Plan:
     changes: Mapping[str, Any]  #: changes of all cases, by dotted key
     quick: bool
     repeats: int
-    speed_step: float | None = None  #: step of all sweeps over speed; if None, each has its own
+    speed_step: float | None = None  #: step of all sweeps over speed; None: step of each survey
 
     def __post_init__(self) -> None:
         """Check that the speed step is positive and not larger than the narrowest range.
@@ -100,7 +100,7 @@ def reproduce_claims(
     progress: Progress | None = None,
     watch: Watch | None = None,
 ) -> tuple[Scorecard, Evidence]:
-    """Judge claims, using again existing marches and sweeps in the folder.
+    """Judge claims; marches and sweeps that exist in the folder are used again.
 
     Args:
         plan: claims and conditions.
@@ -111,7 +111,7 @@ def reproduce_claims(
         watch: callbacks on the progress of sweeps.
 
     Returns:
-        the scorecard, and the evidence of the first repeat, still open, for figures.
+        the scorecard, and the evidence of the first repeat, which the caller closes after drawing.
 
     Raises:
         UserError: the folder cannot be written, or the scheduler does not answer.

@@ -22,18 +22,18 @@ FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 """Families with a frequency error in the paper."""
 
 PURE = 0.99
-"""Least share of a nodal diameter with which a mode without symmetry is assigned to it."""
+"""Smallest share of a nodal diameter in a mode that is assigned to this nodal diameter."""
 
 OPERATING = (0.6, 2.0)
 CROSSINGS = (0.7, 1.3)
-"""Range of normalised speeds in which the paper has first-family crossings."""
+"""Normalised speeds of operation, and of the paper's coincidences of the family 1F."""
 
 
 def modal_measures(case: Case, stage: ModalStage) -> dict[str, Any]:
     """Compute the modal numbers of a case with a free centre.
 
     Frequencies and speeds are normalised, changes and errors are in per cent, phases in degrees.
-    The errors are those of the reduced bladed disk by family; `errors` contains them, too.
+    `errors` and `error_FAMILY` are frequency errors of the reduced bladed disk.
 
     Raises:
         UserError: the stage lacks some of the modes.
@@ -45,8 +45,7 @@ def modal_measures(case: Case, stage: ModalStage) -> dict[str, Any]:
     for (family, _, k), speed in zip(
         coincidences["coincidence"].values, coincidences.values, strict=True
     ):
-        # In ascending order the first speed is that with the lowest casing mode of the nodal
-        # diameter.
+        # Speeds ascend, so the first speed belongs to the lowest casing mode.
         met.setdefault((family, int(k)), float(speed))
     crossings = {
         k: speed
@@ -91,9 +90,9 @@ def centre_motion(stage: ModalStage) -> dict[int, float]:
     """Return the largest motion of the centre relative to the largest motion of the mode, by nodal
     diameter.
 
-    The modes are computed without cyclic symmetry, which would imply the result: all modes up to
-    the frequency of the last family of Fig. 7(a). Modes that are not dominated by one nodal
-    diameter are left out (modes of different nodal diameter may have equal frequencies and mix).
+    The modes up to the last family of Fig. 7(a) are computed without cyclic symmetry, which would
+    imply the result. Modes that are not dominated by one nodal diameter are left out: modes of
+    different nodal diameters but nearly equal frequencies mix.
     """
     disk, structure = stage.free_disk, stage.free_disk.structure
     assert structure.layout is not None  # the bladed disk of a case consists of sectors

@@ -42,7 +42,7 @@ class Score:
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict over all repeats; "partly" if they differ."""
+        """Verdict over all repeats; "partly" if the repeats have different verdicts."""
         verdicts = {finding.verdict for finding in self.findings}
         return verdicts.pop() if len(verdicts) == 1 else "partly"
 
@@ -154,7 +154,7 @@ def scorecard_page(card: Scorecard, drawn: Mapping[str, Sequence[ReportFigure]])
     conditions = [(name.replace("_", " "), _text(v)) for name, v in card.conditions.items()]
     table = Table(name="conditions-table", title="", rows=conditions)
     return Page(
-        title="What holds of the paper",
+        title="Claims of the paper",
         subject=f"bladewhirl {card.conditions.get('bladewhirl', '')}".strip(),
         verdict=card.summary,
         tone="open",

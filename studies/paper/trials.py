@@ -36,11 +36,11 @@ QUICK_DURATION = 2.5
 """Duration of a quick march [s]: the casing distortion at 1.05 diverges within 1.8 to 2.1 s."""
 
 KAPPAS = (0.0, 500.0, 1000.0)
-"""Coupling stiffnesses of the truncated space [N/m] (paper, Section 4.3.3)."""
+"""Coupling stiffnesses of the marches with six modes [N/m] (paper, Section 4.3.3)."""
 
 
 CONTACT = {"casing.support": 7.975e6, "damping.ratio": 0.001}
-"""Keys by which the stage of the two scenarios differs from that of the modal analysis."""
+"""Keys by which the stage of both scenarios differs from the stage of the modal analysis."""
 
 CASES: Mapping[str, Case] = {
     "modal": Case(),
@@ -64,8 +64,7 @@ class NotTestableError(Exception):
 def changed(scenario: str, changes: Mapping[str, Any]) -> Case:
     """Return the case of a scenario with changed values, by dotted key.
 
-    Keys of `excitation` that belong to the load of the other scenario are left out, and so is the
-    title.
+    Changes of `excitation` that the load of this scenario does not have are ignored.
 
     Raises:
         CaseError: all faults of the new case.
@@ -98,7 +97,7 @@ class Survey:
 
         Args:
             coarse: whether to use the coarse step between speeds.
-            step: another step between speeds; that of the survey when None.
+            step: another step between speeds; if None, the step of the survey.
         """
         first, last = self.speeds
         step = step or (self.coarse_step if coarse else self.step)
@@ -113,7 +112,7 @@ class Trial:
 
     load: Load
     changes: Mapping[str, Any]  #: changes of the case, by dotted key
-    length: float  #: duration relative to that of the other marches
+    length: float  #: factor on the duration of the case
     repeated: bool  #: whether each repeat of a claim has its own march, with a perturbed force
 
 
@@ -132,7 +131,7 @@ TRIALS: Mapping[str, Trial] = {
     )
     for row in table("trials")
 }
-"""Marches in trials.csv by name: cases that start a contact, with changes as by --set."""
+"""Marches in trials.csv by name: a load of the paper, with changes of the case as by --set."""
 
 
 SURVEYS: Mapping[str, Survey] = {
@@ -155,9 +154,9 @@ class Evidence:
 
     directory: Path
     store: RunStore
-    changes: Mapping[str, Any] = field(default_factory=dict)  #: of all cases, by dotted key
+    changes: Mapping[str, Any] = field(default_factory=dict)  #: changes of all cases, by dotted key
     quick: bool = False  #: whether marches are short and sweeps coarse
-    speed_step: float | None = None  #: of all sweeps over speed; if None, their own
+    speed_step: float | None = None  #: step of all sweeps over speed; None: step of each survey
     repeat: int = 0  #: number of the repeat, which determines the perturbation of the force
     _open: ExitStack = field(default_factory=ExitStack)
     _motions: dict[str, Motion] = field(default_factory=dict)
@@ -201,7 +200,7 @@ class Evidence:
         return perturbed(self._timed(changed(trial.load, changes), trial.length), repeat)
 
     def motion(self, name: str) -> Motion:
-        """Return the measures of a march, which is made on first use.
+        """Return the measures of a march, which is computed on first use.
 
         Raises:
             NotTestableError: the march failed.
@@ -217,7 +216,7 @@ class Evidence:
         return self._motions[name]
 
     def sweep(self, name: str, watch: Watch | None = None) -> xr.Dataset:
-        """Return a sweep, which is made or finished on first use and opened once.
+        """Return a sweep, which is computed or completed on first use.
 
         Raises:
             NotTestableError: no point of the sweep could be marched.
@@ -254,7 +253,7 @@ class Evidence:
 
 
 def perturbed(case: Case, repeat: int) -> Case:
-    """Return the case with its force changed by a multiple of `PERTURBATION`."""
+    """Return the case with the force changed by `repeat` times `PERTURBATION`."""
     if repeat == 0:
         return case
     factor = 1.0 + repeat * PERTURBATION
@@ -272,7 +271,7 @@ def perturbed(case: Case, repeat: int) -> Case:
 
 
 def is_complete(directory: Path) -> bool:
-    """Return whether every point of a sweep has a result; failed points are marched again."""
+    """Return whether every point of a sweep has a result."""
     if not (directory / SWEEP_NAME).exists():
         return False
     with open_sweep(directory) as dataset:
