@@ -60,7 +60,7 @@ def check_free(directory: Path, *, overwrite: bool) -> None:
     if not directory.is_dir():
         raise UserError(f"{directory}: expected a folder to overwrite, found a file")
     if not is_run(directory):
-        raise UserError(f"{directory}: expected an empty folder or one of a run to overwrite")
+        raise UserError(f"{directory}: expected an empty folder or the folder of a run")
 
 
 def is_run(directory: Path) -> bool:
@@ -80,11 +80,7 @@ def read_provenance(directory: Path) -> dict[str, Any]:
 
 
 def case_files(case: Case) -> dict[str, bytes]:
-    """Return the content of the files needed to run a case again, by file name: case.toml and its
-    mesh file.
-
-    The mesh file may belong to the run that is to be replaced.
-    """
+    """Return the files needed to run a case again, content by name: case.toml and mesh file."""
     mesh = case.bladed_disk.mesh
     files = {CASE_NAME: portable_case(case).encode()}
     return files if mesh is None else files | {_copy_name(mesh): Path(mesh.file).read_bytes()}

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Window:
-    """Instants of a run in its ParaView series."""
+    """Time window of the ParaView series of a run, and its number of instants."""
 
     frames: int  #: number of instants, equally spaced; 0 for no series
-    start: float | None = None  #: start of the window [s]; that of the run if None
-    end: float | None = None  #: end of the window [s]; that of the run if None
+    start: float | None = None  #: start of the window [s]; None: start of the run
+    end: float | None = None  #: end of the window [s]; None: end of the run
     rotating: bool = False  #: whether rotating axes are used
 
     def check(self, duration: float) -> None:
@@ -51,8 +51,8 @@ class Run:
     end_reason: str  #: "completed", "divergent" or "interrupted"
     end_message: str  #: cause and remedy of an early end, in one line
     summary: Summary
-    symmetry: str  #: symmetry of both bodies and the resulting method
-    hints: tuple[str, ...]  #: hints for improvement
+    symmetry: str  #: symmetry of both bodies, and the method of their march
+    hints: tuple[str, ...]  #: hints on implausible values and on the sampling of the series
 
     def __rich__(self) -> Group:
         """Return a table of regime and reason, end, orbit, energies, contacts, quality of the
@@ -82,14 +82,14 @@ class Run:
         return str(self.directory)
 
     def open(self) -> xr.Dataset:
-        """Return the result, which is read when used; close it, or use ``with``."""
+        """Open the result, which is read when used; close it, or use ``with``."""
         from bladewhirl.postprocess.fields.result import open_result
 
         return open_result(self.directory)
 
 
 def write_outputs(directory: Path, report: Mapping[str, float], window: Window) -> Run:
-    """Write summary, figures and series of the result into a folder.
+    """Write summary, figures and ParaView series of a result into its folder.
 
     Args:
         directory: folder with result.nc.

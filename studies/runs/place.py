@@ -1,5 +1,5 @@
-"""Folder for the files of a new run: the final one, or a temporary one next to the run that is
-replaced."""
+"""Folder in which a new run is written: the final folder, or a temporary folder next to the run
+that it replaces."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ NEW, OLD = ".new", ".old"
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Lock a folder for this process; it is made if it does not exist.
+    """Lock a folder for this process; make the folder if it does not exist.
 
     Raises:
         UserError: another process has locked the folder.
@@ -38,7 +38,7 @@ def locked(folder: Path) -> Iterator[None]:
         try:
             yield
         finally:
-            # The path may no longer be this folder, if the folder was moved and another took its
+            # The path can be another folder now, if this folder was moved and another took its
             # place.
             with suppress(OSError):
                 if os.path.samestat(path.stat(), os.fstat(file.fileno())):
@@ -58,11 +58,11 @@ def _lock(file: BinaryIO) -> None:
 
 @contextmanager
 def taking_place(directory: Path) -> Iterator[Path]:
-    """Yield the folder to write a run into; at the end it replaces the run in ``directory``.
+    """Yield the folder to write a run into; at the end this folder replaces ``directory``.
 
     If there is no earlier run, the folder is ``directory`` itself. Files listed in the manifests of
-    the earlier run are removed, other files are moved into the new folder. If such a file has the
-    name of a file of the new run, it stays in a folder with the suffix ``.old``.
+    the earlier run are removed, other files are moved into the new folder. If another file has the
+    name of a file of the new run, it is kept in a folder with the suffix ``.old``.
 
     Raises:
         UserError: another process writes there, or the files of an interrupted earlier call are in

@@ -26,20 +26,20 @@ class Prepared:
     problem: ContactProblem
     timing: Timing
     scheme: Scheme[Any]
-    stop: FreeMotion | None = None  #: rule by which the march may end early
+    stop: FreeMotion | None = None  #: rule by which the march ends early; None: no early end
 
 
 def prepare(case: Case) -> Prepared:
-    """Build the stage of a case and factorise its march.
+    """Build the stage of a case and prepare its time integration.
 
     Raises:
-        CaseError: all faults that can only be detected here.
+        CaseError: all errors that prevent time integration.
     """
     return prepare_stage(build_stage(case))
 
 
 def prepare_stage(stage: Stage) -> Prepared:
-    """Factorise the march of a stage.
+    """Prepare the time integration of a stage: check it, and factorise the matrices.
 
     Raises:
         CaseError: all errors that prevent time integration.
@@ -49,7 +49,7 @@ def prepare_stage(stage: Stage) -> Prepared:
     with numbers_within_reach(case):
         try:
             scheme = make_scheme(problem, timing.time_step, timing.record_every, case.march.scheme)
-        except ValueError as error:  # the critical step of a stage was checked before
+        except ValueError as error:  # not the time step, which `contact_problem` has checked
             if case.march.scheme != "penalty":
                 raise
             raise CaseError(

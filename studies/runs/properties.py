@@ -40,8 +40,8 @@ and its purity, the share of this nodal diameter."""
 def stage_properties(stage: Stage) -> dict[str, Any]:
     """Compute masses, frequencies, time step, loads and sizes of a stage, as a JSON document.
 
-    Values that a stage does not have are None: those of the shaft springs with a clamped centre,
-    and those of loads that the case does not have.
+    Missing values are None: values of shaft springs if the centre is clamped, and values of loads
+    that the case does not have.
 
     Raises:
         CaseError: a property exceeds the largest float.
@@ -67,7 +67,7 @@ def _properties(stage: Stage) -> dict[str, Any]:
         # The lowest mode of each nodal diameter; with unequal sectors the lowest modes.
         "bladed_disk": _lowest_of_disk(stage),
         "shaft_stiffness": None if case.shaft.clamped else case.shaft.springs,  # x and y [N/m]
-        # The lower frequency of the pair, which at speed is named as at rest.
+        # The lower frequency of the pair. At speed, modes have the names of modes at rest.
         "suspension": _rate(stage, modes.frequency[pair[0]]) if pair else None,
         "suspension_spring_share": float(modes.spring_share[pair[0]]) if pair else None,
         "casing": _lowest_of_casing(stage),
@@ -112,8 +112,8 @@ def _rate(stage: Stage, rad_per_s: float) -> Rate:
 
 
 def _lowest_of_disk(stage: Stage) -> list[Mode]:
-    """Return the modes of the full model; mistuned modes get the names of those of the reduced
-    model."""
+    """Return the modes of the full model; mistuned modes get nodal diameter and purity of the
+    modes of the reduced model."""
     frequencies, modes = stage.disk_frequencies, stage.reduction.modes
     if NO_COLUMN not in frequencies:
         return [_mode(stage, k, values[0], 1.0) for k, values in frequencies.items()]
@@ -142,7 +142,7 @@ def _mode(stage: Stage, k: int, frequency: float, purity: float) -> Mode:
 
 
 def _imbalance(stage: Stage) -> dict[str, float] | None:
-    """Return the load of an imbalance at the case's speed; None without an imbalance."""
+    """Return imbalance, force and share of closed clearance at the speed of the case, or None."""
     if not isinstance(stage.case.excitation, Imbalance):
         return None
     size = unbalance(stage)
@@ -155,8 +155,8 @@ def _imbalance(stage: Stage) -> dict[str, float] | None:
 
 
 def _distortion(stage: Stage) -> dict[str, Any] | None:
-    """Return frequency and static response [m], the largest radial displacement, of the casing mode
-    that is loaded; None without a distortion, or if the mode has no stiffness."""
+    """Return the frequency of the loaded casing mode and its largest radial displacement under the
+    static load [m]; None without a casing distortion, or if the mode has no stiffness."""
     load = stage.case.excitation
     if not isinstance(load, CasingDistortion):
         return None

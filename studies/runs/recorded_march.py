@@ -47,8 +47,7 @@ SPARE_BYTES = 4_000_000
 a full disk."""
 
 FLUSH_TIME, FLUSH_RECORDS = 0.5, 4096
-"""Time [s], and number of records, after which records are written: a killed run loses at most
-these."""
+"""Largest time [s] and number of records between two writes, which a killed run can lose."""
 
 Activity = Literal["marching", "writing"]
 
@@ -78,7 +77,7 @@ def march_to_file(
         case_text: text of the case for the result, see `folder.portable_case`.
         progress: called with the activity, the number of finished steps and the number of all
             steps.
-        checkpoints: file for the state after every flush; no file when None.
+        checkpoints: file for the state after every write of records; no file if None.
         begin: checkpoint from which to continue the earlier march that wrote ``path``.
 
     Raises:
@@ -91,7 +90,7 @@ def march_to_file(
         def flush(chunk: Chunk, state: MarchState, wall_time: float) -> None:
             check_room(path.parent, 0)
             recorder.write(chunk)
-            # No checkpoint at an extra record at the end, which a longer march would not have.
+            # No checkpoint after an extra record at the end, which a longer march does not have.
             if checkpoints is not None and state.step <= prepared.timing.whole_steps + 1:
                 checkpoint = Checkpoint(
                     case=digest,
@@ -207,7 +206,7 @@ def state_at(prepared: Prepared, begin: Checkpoint) -> Any:
     """Return the state of the scheme at a checkpoint.
 
     Raises:
-        UserError: the march ends before the checkpoint, or the checkpoint is of another scheme or
+        UserError: the march ends before the checkpoint, or the checkpoint belongs to another scheme or
             stage.
     """
     steps = int(begin.state["step"])

@@ -36,25 +36,24 @@ def render(
     orbit: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Draw a run without a display; the suffix of the file selects the kind of picture.  ``.gif``
+    """Draw a run without a display; the suffix of the file selects the kind of picture. ``.gif``
     and ``.mp4`` are films, ``.html`` is a film for any browser with zoom and values at the pointer,
-    ``.png`` is a still. With several times, a number of frames or a time window a PNG is a sheet of
-    stills.
+    ``.png`` is a still, or a sheet of stills if several times, a number of frames or a time window
+    are given.
 
     Args:
         result: an open result, a run, the folder of a run, or its result.nc.
         path: path of the file; an older file is replaced.
-        time: instant of a still, or instants of a sheet [s]; the instant of the largest force when
-            None.
-        frames: number of pictures of a film (120 when None) or of a sheet (9 when None).
-        start: start of a film or a sheet [s]. Without start and end a film is around the strongest
-            contact, and a sheet shows the revolution with it.
+        time: instant of a still, or instants of a sheet [s]; if None, a still shows the instant of
+            the largest contact force.
+        frames: number of pictures; if None, 120 in a film and 9 in a sheet.
+        start: start of a film or a sheet [s]. Without start and end, a film is around the strongest
+            contact, and a sheet covers the revolution with the strongest contact.
         end: end of a film or a sheet [s].
-        exaggeration: factor of displacements and clearance, 1 for their true size; chosen when
-            None.
+        exaggeration: factor on displacements and clearance, 1 for true size; automatic if None.
         frame: "static" or "rotating" axes.
         colour: field that colours beams and wall, such as "stress".
-        orbit: whether an inset of stills, GIF and MP4 shows the orbit of the shaft.
+        orbit: whether stills, GIF and MP4 have an inset with the orbit of the shaft.
         progress: called with the numbers of finished and of all pictures of a film.
 
     Returns:
@@ -75,7 +74,7 @@ def render(
     kind = target.suffix.lower()
     windowed = any(value is not None for value in (frames, start, end))
     if time is not None and (windowed or kind != ".png"):
-        raise ViewError(f"{target}: expected time for a still or a sheet, or frames, start and end")
+        raise ViewError(f"{target}: expected time with .png only, without frames, start and end")
     look: dict[str, Any] = {"exaggeration": exaggeration, "frame": frame, "colour": colour}
     with opened(result) as dataset, writing(target):
         if kind == ".png" and not windowed and not isinstance(time, Sequence):
@@ -98,8 +97,7 @@ def render(
 def window_records(
     result: xr.Dataset, path: Path, *, frames: int | None, start: float | None, end: float | None
 ) -> IntArray:
-    """Return the records of a sheet if the path ends in .png, otherwise those of a film; see
-    `render`."""
+    """Return the records of a sheet if the path ends in .png, otherwise the records of a film."""
     from bladewhirl.postprocess.pictures import render as pictures
 
     if path.suffix.lower() == ".png":

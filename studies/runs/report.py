@@ -67,4 +67,4 @@ def _sweep_page(directory: Path) -> Page:
 
 
 PAGES = {RESULT_NAME: _run_page, SWEEP_NAME: _sweep_page}
-"""Functions that make the page of a folder, by its main file."""
+"""Functions that make the report of a folder, by name of the main file in the folder."""

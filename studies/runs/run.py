@@ -51,8 +51,8 @@ def run(
         overwrite: whether to replace the run in an existing folder when the new run is finished;
             files that do not belong to the old run are kept.
         frames: number of frames of the ParaView series in vtk/; 0 for no series.
-        start: start of the series [s]; that of the run when None.
-        end: end of the series [s]; that of the run when None.
+        start: start of the series [s]; if None, the start of the run.
+        end: end of the series [s]; if None, the end of the run.
         rotating: whether the series is in rotating axes.
         progress: called with the activity, the number of finished steps and the number of all
             steps, many times a second while marching.
@@ -101,9 +101,9 @@ def resume(
     Args:
         directory: folder of the run.
         overrides: a longer duration, such as "march.duration=6".
-        frames: number of frames of the ParaView series, as for `run`.
-        rotating: as for `run`.
-        progress: as for `run`.
+        frames: number of frames of the ParaView series; 0 for no series.
+        rotating: whether the series is in rotating axes.
+        progress: callback, see `run`.
 
     Raises:
         UserError: the folder contains no run that can be continued, a key other than the duration
@@ -133,7 +133,7 @@ def _read_checkpoint(directory: Path) -> Checkpoint:
         return read_checkpoint(path)
     except (OSError, ValueError) as error:
         raise UserError(
-            f"{path}: expected the state that a run was in when it ended ({error});"
+            f"{path}: expected the state in which a run ended ({error});"
             f" bladewhirl run {directory / folder.CASE_NAME} --overwrite runs it anew"
         ) from None
 

@@ -33,7 +33,7 @@ MOST_POINTS = 10_000_000
 """Largest number of points of a range; more are regarded as a typing error."""
 
 ON_GRID = Decimal("1e-6")
-"""Tolerance for including the stop of a range, as a share of a step."""
+"""Tolerance for including the stop of a range, relative to the step."""
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*", re.ASCII)
 
@@ -64,7 +64,7 @@ class Axis:
 
 @dataclass(frozen=True, kw_only=True)
 class Grid:
-    """All points of a sweep: the product of its axes, the last one running fastest."""
+    """Points of a sweep: all combinations of values of its axes; the last axis varies fastest."""
 
     axes: tuple[Axis, ...]
 
@@ -137,7 +137,7 @@ def make_grid(case: Case, over: Mapping[str, Sequence[Value]], *, large: bool) -
     for axis in grid.axes:
         if len(axis.values) < 2 or len(set(axis.values)) < len(axis.values):
             raise UserError(
-                f"{OVER} {axis.key}: expected two or more different values; --set changes one"
+                f"{OVER} {axis.key}: expected two or more different values; --set sets one value"
             )
     if grid.size > ASKED_POINTS and not large:
         raise UserError(
@@ -170,11 +170,10 @@ def parse_over(options: Sequence[str]) -> dict[str, tuple[Value, ...]]:
 
 
 def coordinate(case_values: Sequence[Any]) -> tuple[FloatArray, str]:
-    """Return the values of a key in the cases as numbers, and their unit if the values determine
-    it.
+    """Return the values of a key as numbers, and the unit of speeds (empty for other values).
 
     Args:
-        case_values: values of the key: int, float or `Speed`.
+        case_values: values of the key in the cases: int, float or `Speed`.
 
     Raises:
         UserError: some speeds are multiples of the reference frequency, others are absolute.
@@ -202,7 +201,7 @@ def check_key(case: Case, key: str) -> None:
     """Check that a key of the case is a number.
 
     Raises:
-        UserError: the key does not take a number; the message names the most similar key that does.
+        UserError: the key does not take a number; the message names the most similar numeric key.
     """
     keys = [name for name, _ in _numeric_keys(case)]
     if key not in keys:

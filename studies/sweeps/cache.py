@@ -1,4 +1,4 @@
-"""Runs of a study, loaded if they exist, otherwise marched in parallel.
+"""Runs of a study: missing runs are marched in parallel, existing runs are used again.
 
 A run is identified by its resolved case and the version of the program, so an interrupted study
 continues with the missing runs, and another study can use the same runs.
@@ -35,10 +35,10 @@ def run_key(case: Case) -> str:
 
 @dataclass(kw_only=True)
 class RunStore:
-    """Results by case, in one folder."""
+    """Folder of results, one for each case."""
 
     directory: Path
-    workers: int | None = None  #: number of processes; one per core if None; this process if 1
+    workers: int | None = None  #: number of processes, by default one per core; 1: this process
     scheduler: str | None = None  #: address of an existing dask scheduler
     #: reasons of failures by the name of the run
     failures: dict[str, str] = field(default_factory=dict)

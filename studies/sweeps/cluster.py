@@ -48,7 +48,7 @@ def march_on_cluster(
     waiting, marching = iter(points), dict[object, Point]()
     with _client(scheduler) as client:
         results = as_completed(loop=client.loop)
-        # one name for all, since the scheduler stores data for each name
+        # one group name for all keys, since the scheduler stores data for each group
         together = "sweep-" + uuid.uuid4().hex
         while True:
             threads = max(1, sum(client.nthreads().values()))

@@ -68,8 +68,7 @@ def make_layout(extent: Extent, stage: Stage) -> Layout:
     """Return the layout of a sweep.
 
     The frequencies are multiples of 1 / window of the shortest march; at this spacing a Hann window
-    separates the periodic parts of a motion. The highest frequency is one that the coarsest records
-    still resolve.
+    separates the periodic parts of a motion. The longest record step resolves all frequencies.
 
     Args:
         extent: size of the marches of all points.
@@ -88,8 +87,8 @@ def make_layout(extent: Extent, stage: Stage) -> Layout:
 
 
 def history_bytes(extent: Extent, stage: Stage) -> int:
-    """Estimate the size of all full histories of a sweep [bytes], with the number of modes of the
-    first point."""
+    """Estimate the size of all full histories of a sweep [bytes]; each is taken to have as many
+    modes as the first point."""
     modes, fixed = (len(stage.kept.rotor), len(stage.kept.casing)), description_bytes(stage.arrays)
     return sum(
         points * (fixed + result_bytes(*modes, blades, records))

@@ -39,7 +39,7 @@ PLAN_NAME = "sweep.json"
 """Name of the file with the plan of a sweep, for resuming it."""
 
 CHECKED_STAGES = 32
-"""Number of stages validated before a sweep; faults of others appear as failed points."""
+"""Number of stages validated before a sweep; faults of other stages appear as failed points."""
 
 
 ASKED_STEPS, ASKED_STEPS_IN_ALL = 1_000_000_000, 1_000_000_000_000
@@ -58,7 +58,7 @@ class Plan:
     histories: bool
     stop_when: StopWhen | None
     steps: int  #: number of steps of all marches together, if none ends early
-    history_bytes: int  #: size of all full histories
+    history_bytes: int  #: size of all full histories [bytes]
 
     @property
     def dataset_bytes(self) -> int:
@@ -103,8 +103,8 @@ def plan_sweep(
         stop_when: condition for ending a march early, see `free_motion.RULE`.
 
     Raises:
-        UserError: the case has errors at some points, which are named; there are more steps than
-            allowed; or the march of the first point cannot end early because of its case.
+        UserError: the case has errors at a point, which the message names; there are more steps
+            than allowed; or the case of the first point does not permit `stop_when`.
     """
     extent = march_extent(grid.cases(case))
     for steps, most, what in (
@@ -136,8 +136,7 @@ def plan_sweep(
 
 
 def plan_digest(case: Case, over: Mapping[str, Any], stop_when: StopWhen | None) -> str:
-    """Return the SHA-256 digest of all input of the points of a sweep; plan and dataset contain
-    it."""
+    """Return the SHA-256 digest of all input of the points, which plan and dataset contain."""
     # 1: number of points marched together
     made_by = [folder.version(), SWEEP_FORMAT, dict(over), 1]
     made_by += [] if stop_when is None else [stop_when]
@@ -166,7 +165,7 @@ def write_plan(plan: Plan, directory: Path) -> None:
 
 
 def read_plan(directory: Path) -> Plan:
-    """Return the plan of a sweep that was begun.
+    """Return the plan of an existing sweep.
 
     Raises:
         UserError: there is no plan, it is of another version or another format, or it was changed.
@@ -192,7 +191,7 @@ def read_plan(directory: Path) -> Plan:
         raise UserError(
             f"{path}: expected a plan of bladewhirl {folder.version()} in format {SWEEP_FORMAT}; it"
             f" was changed, or is of {made_by} in format {document.get('format', 1)}, and points"
-            " marched before would not agree with those to come"
+            " marched before would not agree with new points"
         )
     return plan_sweep(
         case,

@@ -53,7 +53,7 @@ class Point:
 
     number: int
     values: Mapping[str, Value]  #: values of the swept keys
-    history: str | None = None  #: name of the file of its full history; None if it is not kept
+    history: str | None = None  #: file name of the full history; None if no history is kept
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +107,7 @@ def stage_at(case: Case) -> Stage:
         }
     )
     stage = _body(body)
-    return replace(stage, case=case.model_copy(update={"shaft": stage.case.shaft}))  # as sized
+    return replace(stage, case=case.model_copy(update={"shaft": stage.case.shaft}))  # sized shaft
 
 
 @lru_cache(maxsize=KEPT_STAGES)

@@ -1,7 +1,7 @@
 """The dataset of a sweep on disk: allocated before the sweep, filled in place.
 
 Every array is allocated at the start and written in place, so the structure of the file does not
-change while points arrive: after a kill the file can still be opened. A point is finished when its
+change while points arrive: after a kill the file can still be opened. A point is finished if its
 state says so; the state is written after the data of the point have been flushed. Files of sweeps
 with the same points are equal, independent of the order in which points arrived.
 """
@@ -106,10 +106,10 @@ class Store(AbstractContextManager["Store"]):
     Args:
         directory: folder of the sweep.
         grid: points of the sweep.
-        plan: digest of the plan from which the dataset was created, if there is a plan.
+        plan: digest of the plan with which the dataset was created; None without a plan.
 
     Raises:
-        UserError: another process has opened the dataset, it cannot be written, it is of another
+        UserError: another process has opened the dataset, it cannot be written, it is from another
             plan, or its data were changed.
     """
 

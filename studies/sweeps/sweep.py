@@ -77,7 +77,7 @@ def run_sweep(
     ``if __name__ == "__main__":``.
 
     Args:
-        case: that the sweep varies.
+        case: case that the sweep varies.
         over: values of each swept key, in the form of the case file.
         directory: folder to make.
         scheduler: address of a dask scheduler; if None, processes of this machine march.
@@ -128,7 +128,7 @@ def resume_sweep(
         watch: as for `run_sweep`.
 
     Raises:
-        UserError: the folder contains no sweep, or one of another version of the program; the sweep
+        UserError: the folder contains no sweep, or a sweep of another program version; the sweep
             is still running; or the scheduler does not answer.
     """
     directory = Path(directory)

@@ -60,7 +60,7 @@ def march_points(
         yield from _in_flight(work, iter([point]), 1, dead)
         if dead:
             reason = (
-                "the worker died every time it marched this point, also when it marched no other"
+                "the worker died every time it marched this point, also when it had no other point"
             )
             yield point.number, Failure(reason=reason)
 
@@ -98,7 +98,7 @@ def _in_flight(
 
 @contextmanager
 def _processes(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """Yield worker processes; those that still march after an error or Ctrl-C are killed."""
+    """Yield a pool of worker processes; after an error or Ctrl-C, busy workers are killed."""
     others = set(multiprocessing.active_children())
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_leave_with_parent)
@@ -115,8 +115,7 @@ def _processes(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 @contextmanager
 def _starting() -> Iterator[None]:
-    """Start workers in the ``with`` block that ignore Ctrl-C and have one thread of linear algebra
-    each."""
+    """Let workers that start in the ``with`` block ignore Ctrl-C and use one thread each."""
     missing = [name for name in ONE_THREAD if name not in os.environ]
     os.environ.update(dict.fromkeys(missing, "1"))
     try:

@@ -234,7 +234,7 @@ def test_only_runs_are_overwritten(tmp_path: Path) -> None:
     for path in (foreign, file):
         with pytest.raises(UserError, match="already exists"):
             bw.run(quick(), path)
-    with pytest.raises(UserError, match="expected an empty folder or one of a run"):
+    with pytest.raises(UserError, match="expected an empty folder or the folder of a run"):
         bw.run(quick(), foreign, overwrite=True)
     with pytest.raises(UserError, match="expected a folder to overwrite, found a file"):
         bw.run(quick(), file, overwrite=True)
