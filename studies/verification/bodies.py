@@ -1,4 +1,4 @@
-"""Small bodies with known motions, their time integration, and its energy balance."""
+"""Small bodies with known motions, their time integration, and the error of the energy balance."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def problem(
 
 
 def ledger_residual(chunk: Chunk) -> float:
-    """Return the largest error of the energy balance, relative to its largest term."""
+    """Return the largest error of the energy balance, relative to the largest term."""
     work = chunk.external_work + chunk.normal_work + chunk.friction_work + chunk.coupling_work
     mismatch = (chunk.energy - chunk.energy[0]) - (work - chunk.damping_work)
     works = ("external", "normal", "friction", "damping", "coupling")
@@ -143,7 +143,7 @@ def marched(
     every: int = 1,
     scheme: SchemeName = "central-difference",
 ) -> Chunk:
-    """Return records of the steps 0 to `steps` at intervals of `every`, by a scheme of ordinary
-    runs."""
+    """March from step 0 to `steps` with a scheme of runs; return a record of every `every`-th
+    step."""
     made = make_scheme(given, dt, every, scheme)
     return made.advance(made.init(), steps + 1)[1]

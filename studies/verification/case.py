@@ -1,14 +1,14 @@
 """A verification case: a quantity with a known answer, and its computation.
 
 A case consists of a row of data/cases.csv, with the quantity, the tolerance and the source of the
-reference, and a function with the name of the case that returns (reference, ours)::
+reference, and a function with the name of the case that returns (reference, computed value)::
 
     @verifies("2", "3", "4")
     def nafems_ring(k: str) -> Pair:
         ...
 
-Both may be arrays of the same shape: the entry with the largest error is reported. Cases that are
-computed together name their function in the table; the function returns a pair for each case.
+Both values can be arrays of the same shape; the entry with the largest error is reported. If one
+function computes several cases, the rows name the function, which returns a pair for each case.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 Pair = tuple[ArrayLike, ArrayLike]
-"""Reference value and our value."""
+"""Reference value and computed value."""
 
 Pairs = Mapping[str, Pair]
-"""Reference and ours of several cases, by name."""
+"""Pairs of several cases, by name of the case."""
 
 Measure = Literal["relative", "of largest", "absolute"]
 """Error divided by the reference, error divided by the largest entry of the reference, or absolute
@@ -40,9 +40,9 @@ Function = TypeVar("Function", bound=Callable[..., Pair | Pairs])
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """Row of the table."""
+    """Row of data/cases.csv."""
 
-    name: str  #: "rings.nafems_ring[2]"
+    name: str  #: subject and name, such as "rings.nafems_ring[2]"
     subject: str  #: module of the case
     quantity: str
     source: str
@@ -57,7 +57,7 @@ class Outcome(Row):
 
     values: int  #: number of values compared
     reference: float  #: reference of the value with the largest error
-    ours: float  #: our value with the largest error
+    ours: float  #: computed value with the largest error
     error: float  #: largest error, NaN if a value is not finite
     seconds: float
 
@@ -75,7 +75,7 @@ class VerificationCase(Row):
     compute: Callable[[], Pair]
 
     def run(self) -> Outcome:
-        """Compute and compare.
+        """Compute the case and compare it with the reference.
 
         Raises:
             ValueError: reference and ours differ in shape.
@@ -127,8 +127,8 @@ def verifies(*values: Hashable) -> Callable[[Function], Function]:
     """Register the cases of a function.
 
     Args:
-        values: arguments of the function; each gives a case and replaces "{}" in the text of the
-            quantity. Without values the function takes no argument.
+        values: arguments of the function, one for each case; an argument replaces "{}" in the text
+            of the quantity. Without values, the function takes no argument.
     """
 
     def register(function: Function) -> Function:

@@ -1,7 +1,7 @@
 """Impact and rubbing problems with exact solutions: bars, an oscillator on a stop, a Coulomb pad.
 
-All use the time integration of stages: with one tip, and a rigid wall or a second bar as the
-casing.
+The time integration of stages solves all problems, with one tip as the rotor, and a rigid wall or a
+second bar as the casing.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Approach(NamedTuple):
 
 
 def bars_in_impact(name: str) -> Approach:
-    """Return two bars before their contact."""
+    """Return two bars, or a bar and a wall, before their contact."""
     contact = reference("contact")
     known = (contact["bars"] | reference("published")["bars"])[name]
     bar = known.get("bar", contact["bar"])
@@ -65,8 +65,8 @@ def march_of_bars(name: str) -> Chunk:
 
 @verifies(*BARS)
 def bars_that_meet(name: str) -> Pairs:
-    """Compare mean forces in the middle of the contact, because peaks depend on the time step, and
-    the velocities of the centres of mass."""
+    """Compare the impact of bars with exact solutions; the force is a mean in the middle of the
+    contact, because peaks depend on the time step."""
     known, bars, _, dt, _ = bars_in_impact(name)
     chunk = march_of_bars(name)
     touching = chunk.time[chunk.contact_impulse[:, 0] > 0.0]
@@ -88,7 +88,7 @@ def bars_that_meet(name: str) -> Pairs:
 
 @verifies()
 def bouncing_bar() -> Pairs:
-    """Compare a bar dropped on a rigid wall, which touches it twice and vibrates between.
+    """Compare a bar that falls on a rigid wall and bounces with a published solution.
 
     The first contact begins after the time of free fall. The tolerance of the end of a contact is 1
     % of its duration. The force of the first contact rises linearly, and the force of the second
@@ -137,8 +137,7 @@ OSCILLATORS = ("C1", "C2", "C3", "C4")
 
 @verifies(*OSCILLATORS)
 def impacts_of_an_oscillator(name: str) -> Pairs:
-    """Compare times of impact, within two steps, and impulses, because the stop absorbs all the
-    momentum.
+    """Compare times and impulses of the impacts of a mass on a stop with closed-form solutions.
 
     A mass at rest on the stop touches it again with impulses due to rounding, which do not count as
     contact.
@@ -157,8 +156,8 @@ def impacts_of_an_oscillator(name: str) -> Pairs:
 
 @verifies()
 def oscillator_at_rest() -> Pairs:
-    """Compare the energy lost with the work of the contact, and the contact force at rest with the
-    load minus the spring force."""
+    """Compare the work of contact with the exact energy loss, and the contact force at rest with
+    the load minus the spring force."""
     case, chunk = oscillator("C1")
     return {
         "energy_of_an_impact": (-case["energy_lost"], chunk.normal_work[-1]),
@@ -168,7 +167,7 @@ def oscillator_at_rest() -> Pairs:
 
 @verifies("C2", "C3")
 def times_of_releases(name: str) -> Pair:
-    """Compare the times of release from lasting contacts."""
+    """Compare times of release from lasting contacts with closed-form solutions."""
     case, chunk = oscillator(name)
     exact = [e["time"] for e in case["events"] if e["event"] == "release" and e["time"] < 1.2]
     touching = np.flatnonzero(chunk.contact_impulse[:, 0] > 1e-12 * chunk.contact_impulse.max())
@@ -200,11 +199,10 @@ def march_of_a_pad() -> Chunk:
 
 @verifies()
 def coulomb_pad() -> Pairs:
-    """Compare a pad whose amplitude decreases by 2 mu m g / k in each half cycle: 3.6 mm of sliding
-    under 1 N.
+    """Compare a sliding pad with Code_Aster SDND100.
 
-    The pad sticks after the second period. The normal force is the weight, except in the first and
-    last step.
+    The amplitude decreases by 2 mu m g / k in each half cycle, until the pad sticks after the
+    second period. The normal force is the weight, except in the first and last step.
     """
     chunk, dt, known = march_of_a_pad(), 1e-5, reference("published")["coulomb_pad"]
     at = [round(n * np.pi / 100.0 / dt) for n in range(5)]
@@ -237,15 +235,15 @@ def energies_and_gaps() -> Pairs:
 
 @verifies()
 def unbalance_orbit() -> Pair:
-    """Compare orbits at speeds through the resonance, started on the exact orbit under harmonic
-    loads."""
+    """Compare computed orbits under unbalance with the exact orbits on which they start, at speeds
+    below and above the resonance."""
     known = reference("jeffcott")
     computed = [_departure(known["rotor"], row) for row in known["response"]]
     return np.zeros(len(computed)), computed
 
 
 def _departure(rotor: dict[str, float], row: dict[str, float]) -> float:
-    """Return the largest deviation over 0.1 s relative to the radius."""
+    """Return the largest deviation from the exact orbit in 0.1 s, over the radius of the orbit."""
     root = np.sqrt(rotor["mass"])
     body = small_rotor(
         np.full(2, np.sqrt(rotor["stiffness"]) / root),

@@ -45,7 +45,7 @@ RUBBING: Mapping[str, Mapping[str, Any]] = {
         "contact.tip_rotation": True,
     },
 }
-"""Changes of the default case."""
+"""Changes of the default case, by name of the problem."""
 
 
 def coarse(changes: Mapping[str, Any]) -> ContactProblem:
@@ -143,8 +143,7 @@ def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
 
 @verifies(*RUBBING)
 def rubbing_stages(kind: str) -> Pairs:
-    """Compare all steps of 10 ms by both programs; later the motions separate because they are
-    chaotic.
+    """Compare gaps and impulses over 10 ms with `dense_march`; later, chaotic motions separate.
 
     Raises:
         ArithmeticError: no blade touches.
@@ -162,14 +161,14 @@ def rubbing_stages(kind: str) -> Pairs:
 
 @verifies()
 def gaps_of_the_papers_stage() -> Pair:
-    """Compare gaps with 40 casing elements, 110 fixed-interface modes and steps of 1 us."""
+    """Compare gaps of the paper's stage with `dense_march`, over 30 ms with steps of 1 us."""
     strike = {"casing.support": 7.975e6, **STRIKE}
     given = contact_problem(build_stage(with_values(Case(), strike)))
     return dense_march(given, 1e-6, 30_000)[0], marched(given, 1e-6, 30_000).gap
 
 
 def turned(angle: float = 0.0, speed: float = 1.05) -> Chunk:
-    """March a stage with an initial velocity of the shaft in some direction until blades rub."""
+    """March a stage with an initial shaft velocity in the direction `angle`, until blades rub."""
     push = [1.5 * np.cos(angle), 1.5 * np.sin(angle)]
     changes = {"initial.centre_velocity": push, "march.speed": speed, "contact.friction": 0.1}
     return marched(coarse(changes), DT, STEPS)
@@ -177,7 +176,7 @@ def turned(angle: float = 0.0, speed: float = 1.05) -> Chunk:
 
 @verifies()
 def symmetries() -> Pairs:
-    """Compare a march with its mirror image, and with an initial direction turned by one pitch.
+    """Compare a march with its mirror image, and with a march turned by one blade pitch.
 
     In the mirror image speed, order of blades, initial velocity and sign of friction are reversed.
     There are 22 casing elements for 22 blades.
@@ -192,8 +191,8 @@ def symmetries() -> Pairs:
 
 @verifies()
 def standstill() -> Pairs:
-    """Compare friction at zero speed with zero, and the gaps on both sides of the initial
-    direction."""
+    """Compare friction at zero speed with zero, and the gaps on one side of the initial direction
+    with the gaps on the other side."""
     chunk = turned(speed=0.0)
     if not chunk.contact_impulse.any():
         raise ArithmeticError("expected contact at standstill")
@@ -228,15 +227,14 @@ def free_motion_error(steps: int) -> float:
 
 @verifies()
 def order_of_free_motion() -> Pair:
-    """Compare the order of convergence, from marches with twice and four times the number of
-    steps."""
+    """Compare the order of convergence of free motion, from three time steps, with two."""
     errors = [free_motion_error(steps) for steps in (4000, 8000, 16_000)]
     return np.full(2, 2.0), observed_order(np.array(errors))
 
 
 @verifies()
 def free_motion() -> Pair:
-    """Compare the free motion of the coarse stage after an initial velocity of the shaft."""
+    """Compare free motion after an initial velocity of the shaft with superposed modes."""
     given = coarse({"initial.centre_velocity": [0.1, 0.05]})
     chunk = marched(given, 1.25e-7, 16_000, every=16_000)
     return oscillations(given, 2e-3), chunk.rotor_displacement[-1]
@@ -252,8 +250,8 @@ def after_a_hit(steps: int) -> float:
 
 
 def contact_error(steps: int) -> float:
-    """Return the error averaged over several step sizes [m], because the time of impact within a
-    step varies."""
+    """Return the error [m], averaged over several step sizes, because it depends on the time of
+    impact within a step."""
     tried = [round(steps * (1.0 + i / 40.0)) for i in range(40)]
     exact = after_a_hit(4_000_000)
     return float(np.mean([abs(after_a_hit(each) - exact) for each in tried]))
@@ -261,6 +259,6 @@ def contact_error(steps: int) -> float:
 
 @verifies()
 def order_of_contact() -> Pair:
-    """Compare the order of convergence when the time step is divided by 16."""
+    """Compare the order of convergence with contact, from two time steps, with one."""
     errors = [contact_error(steps) for steps in (2000, 32_000)]
     return 1.0, observed_order(np.array(errors), ratio=16.0)[0]

@@ -1,5 +1,5 @@
-"""Bladed disks compared with independent frame programs, beams with theory, reduced with full
-models."""
+"""Bladed disks compared with independent frame programs, beams compared with theory, and reduced
+models compared with full models."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ SPAN, TIP_MASS = 0.45, 0.1
 
 @verifies(*CENTRES)
 def stage_modes(centre: str) -> Pairs:
-    """Compare the frequencies of the stage of Table 1, taken literally, and count wrong names of
-    modes."""
+    """Compare frequencies of the stage of the paper's Table 1 with OpenSees; count modes with wrong
+    names."""
     known = reference("disk_modes")[centre]
     modes = disk_modes(bladed_disk(clamped=centre == "clamped"))
     names = zip(modes.nodal_diameter.tolist(), families(modes, "bladed-disk"), strict=True)
@@ -61,7 +61,7 @@ def static(disk: BladedDiskModel, dof: int) -> FloatArray:
 
 @verifies(*CENTRES)
 def static_response(centre: str) -> Pairs:
-    """Compare stiffnesses and displacements of three tips under a tangential force.
+    """Compare stiffnesses, and displacements under a tangential force at a tip, with OpenSees.
 
     Stiffnesses are tangential and radial at a tip, tangential at a root and at a free centre.
     """
@@ -92,7 +92,7 @@ def static_response(centre: str) -> Pairs:
 
 @verifies()
 def unbalance_response() -> Pair:
-    """Compare the solution of (K - Omega^2 M) u = m e Omega^2 at the centre."""
+    """Compare the unbalance response, (K - Omega^2 M) u = m e Omega^2, with OpenSees."""
     known, disk = reference("disk_harmonic"), bladed_disk()
     tips, centre = disk.mesh.node_sets["tips"], disk.mesh.node_sets["centre"][0]
     expected, computed = [], []
@@ -127,7 +127,7 @@ def exact_bending() -> FloatArray:
 
 @verifies()
 def bending_cantilever() -> Pair:
-    """Compare the bending frequencies of a uniform cantilever."""
+    """Compare bending frequencies of a uniform cantilever with Euler-Bernoulli theory."""
     return exact_bending(), cantilever(steel(0.01), 24)[:3]
 
 
@@ -174,14 +174,14 @@ def by_ritz(thickness: Sequence[float]) -> FloatArray:
 
 
 def tapered_blade_of(elements: int) -> Pair:
-    """Return the frequencies of a blade with thicknesses of 20, 12 and 8 mm."""
+    """Return frequencies of a tapered blade, 20, 12 and 8 mm thick, by Ritz and by elements."""
     taper = [0.020, 0.012, 0.008]
     return by_ritz(taper), cantilever([steel(size) for size in taper], elements, TIP_MASS)[:3]
 
 
 @verifies()
 def tapered_blade() -> Pair:
-    """Compare the frequencies of the tapered blade."""
+    """Compare the frequencies of the tapered blade with the Ritz method."""
     return tapered_blade_of(10)
 
 
@@ -193,8 +193,8 @@ def tapered_errors(elements: int) -> FloatArray:
 
 @verifies()
 def orders_of_convergence() -> Pairs:
-    """Compare the orders of convergence with four for bending (cubics) and two for linear
-    elements."""
+    """Compare orders of convergence with four for bending (cubic elements) and with two for
+    stretching (linear elements)."""
     return {
         name: (np.full(3, order), observed_order(np.array([error(n), error(2 * n)]))[0])
         for name, error, n, order in (
@@ -207,8 +207,7 @@ def orders_of_convergence() -> Pairs:
 
 @verifies()
 def cyclic_against_full() -> Pair:
-    """Compare the frequencies of 22 blades of four elements, computed by sectors and without
-    symmetry."""
+    """Compare frequencies computed sector by sector with frequencies computed without symmetry."""
     structure = bladed_disk(elements=4).structure
     whole = la.eigh(structure.stiffness.toarray(), structure.mass.toarray(), eigvals_only=True)
     return np.sqrt(whole), disk_modes(bladed_disk(elements=4)).frequency
@@ -216,7 +215,7 @@ def cyclic_against_full() -> Pair:
 
 @verifies()
 def nearly_tuned() -> Pair:
-    """Compare 60 frequencies computed without symmetry with those of the symmetric stage."""
+    """Compare 60 frequencies of a stage with one slightly heavier tip with the symmetric stage."""
     disk = bladed_disk(elements=4)
     mass = disk.structure.mass.copy().tolil()
     for dof in (disk.tip_radial[0], disk.tip_tangential[0]):
@@ -236,8 +235,8 @@ def reduction_error(kept: int) -> FloatArray:
 
 @verifies()
 def reduced_models() -> Pairs:
-    """Compare the error of the first family with zero, and the ratio of the errors when the number
-    of modes is doubled."""
+    """Compare with zero the frequency error of a reduced stage, and the ratio of errors after and
+    before doubling the number of modes."""
     coarse, fine = reduction_error(110).max(), reduction_error(220).max()
     return {
         "craig_bampton_error": (0.0, coarse),

@@ -50,8 +50,8 @@ def recorded(**changes: Any) -> xr.Dataset:
 
 
 def rows(result: xr.Dataset) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return radial and tangential modal rows of the tips, (tips, modes), and those of the casing
-    under the tips at every step."""
+    """Return radial and tangential mode shapes at the tips, (tips, modes), and of the casing under
+    the tips at every step, (steps, tips, modes)."""
     angle, tips = result["tip_angle"].values, result["tip_node"].values
     x, y = result["rotor_shape"].values[tips, :2].transpose(1, 0, 2)
     cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
@@ -78,10 +78,10 @@ def kicks(result: xr.Dataset, body: str) -> FloatArray:
 
 @verifies()
 def balances() -> Pairs:
-    """Compare changes of momentum with contact impulses, and gaps with complementarity.
+    """Compare changes of momentum with contact impulses, and penetration and closed gaps with zero.
 
-    Normal forces act inward on tips and outward on the casing, friction backward on tips and
-    forward on the casing, whose rotating modes are loaded by its torque.
+    Normal forces act inward on tips and outward on the casing. Friction acts backward on tips and
+    forward on the casing, and its torque turns the casing.
     """
     result = recorded()
     radial, tangential, on_wall, along_wall = rows(result)
@@ -109,7 +109,7 @@ def balances() -> Pairs:
 
 @verifies(1.05, -1.05)
 def friction_ratio(speed: float) -> Pair:
-    """Compare the ratio of friction to normal impulses of all tips at all steps with contact."""
+    """Compare friction impulses over normal impulses with the signed friction coefficient."""
     result = recorded(march__speed=speed)
     normal, friction = (result[f"{name}_impulse"].values for name in ("contact", "friction"))
     ratio = friction[normal > 0.0] / normal[normal > 0.0]
@@ -118,7 +118,7 @@ def friction_ratio(speed: float) -> Pair:
 
 @verifies()
 def energy_ledger() -> Pair:
-    """Compare the error of the energy balance, with damping and a load, with zero."""
+    """Compare the error of the energy balance of a damped and loaded stage with zero."""
     result = recorded(damping__ratio=0.005, excitation__type="imbalance", coupling__stiffness=1e5)
     names = ("external_work", "normal_work", "friction_work", "coupling_work", "damping_work")
     terms = np.array([result[name].values for name in names])
@@ -129,9 +129,9 @@ def energy_ledger() -> Pair:
 
 @verifies("backward", "forward")
 def circle(way: str) -> Pairs:
-    """Compare the whirl of a shaft that starts on a circle in the suspension pair, without contact.
+    """Compare the whirl of a shaft that starts on a circle with the frequency of its suspension.
 
-    Frequency and direction are compared in the rotating and the static frame.
+    Rate and direction are compared in the rotating and the static frame, without contact.
     """
     longer = {"march__duration": 0.2, "march__record_step": 4e-5}
     pair = {"reduction__modes": "suspension,casing:1", **longer}

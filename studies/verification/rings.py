@@ -1,4 +1,4 @@
-"""The casing compared with closed-form solutions of rings, and its order of convergence."""
+"""Casings compared with closed-form solutions of rings, and orders of convergence."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ def flexural(elements: int, name: str) -> Pair:
 
 @verifies()
 def bending_of_rings() -> Pairs:
-    """Compare bending frequencies of a free ring, a ring on a uniform radial and tangential
-    support, and polygons of straight beams, whose tolerance is the discretisation error."""
+    """Compare bending frequencies of a free ring, and of a ring on a uniform radial and tangential
+    support, with closed forms; compare the free ring also with a polygon of straight beams."""
     return {
         "free_ring": flexural(160, "flexural_hz"),
         "ring_on_foundation": flexural(160, "flexural_on_foundation_hz"),
@@ -96,8 +96,8 @@ def pinched_ring() -> Pair:
 
 @verifies("2", "3", "4")
 def nafems_ring(k: str) -> Pair:
-    """Compare frequencies of a ring with a radius of 1 m and a round section of 0.1 m, modelled as
-    a rectangle of equal area and inertia."""
+    """Compare ring frequencies with NAFEMS; the round section, 0.1 m in diameter, is modelled as a
+    rectangle of equal area and inertia."""
     diameter = 0.1
     thickness = diameter * np.sqrt(3.0) / 2.0
     section = Section(

@@ -1,5 +1,5 @@
-"""Bladed disks with rotation effects: cantilevers, the paper's stage at speed, closed-form
-solutions."""
+"""Bladed disks with rotation effects, compared with closed-form solutions and with a reference:
+independent finite elements (data/rotation.json)."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def turning(stage: str) -> RotationMatrices:
 
 @verifies(*STAGES)
 def centrifugal_frequencies(stage: str) -> Pair:
-    """Compare six frequencies of each nodal diameter; unstable waves have negative frequencies."""
+    """Compare six frequencies of each nodal diameter, negative if unstable, with the reference."""
     expected, computed = [], []
     for row in known(stage)["speeds"]:
         structure = turning(stage).at_speed(row["omega"], "centrifugal")
@@ -57,8 +57,8 @@ def centrifugal_frequencies(stage: str) -> Pair:
 
 @verifies(*STAGES)
 def travelling_waves(stage: str) -> Pairs:
-    """Compare six frequencies of each nodal diameter and direction [Hz] in the rotating frame, and
-    the largest growth rates with zero."""
+    """Compare six frequencies of each nodal diameter and direction [Hz] with the reference, and the
+    largest growth rates with zero."""
     slow, fast, growth = (tuple[list[Any], list[Any]](([], [])) for _ in range(3))
     for row in known(stage)["speeds"]:
         modes = whirl_modes(turning(stage).at_speed(row["omega"], "full"))
@@ -80,9 +80,9 @@ def travelling_waves(stage: str) -> Pairs:
 
 @verifies(*STAGES)
 def tension(stage: str) -> Pairs:
-    """Compare the growth of the tips under dead and follower loads, and mean axial forces.
+    """Compare tip growth under dead and follower loads, and axial forces, with the reference.
 
-    At the root of a blade the axial force is rho A Omega^2 (R^2 - r^2) / 2.
+    The exact axial force at the root of a blade is rho A Omega^2 (R^2 - r^2) / 2.
     """
     disk, matrices = bladed_disk(disk_thickness=float(stage)), turning(stage)
     sets, root = disk.mesh.line_sets, disk.mesh.node_sets["roots"][0]
@@ -106,8 +106,8 @@ def tension(stage: str) -> Pairs:
 
 @verifies(*STAGES)
 def critical_speeds(stage: str) -> Pair:
-    """Compare the critical speeds from modes at rest, with centrifugal effects, and with Coriolis
-    forces."""
+    """Compare the critical speed and engine orders with the reference: orders from modes at rest,
+    with centrifugal effects, and with Coriolis forces."""
     row, matrices = known(stage), turning(stage)
     expected = [row["critical_speed"]]
     computed = [waves(matrices, 1, "full").synchronous(0)[0][0]]
@@ -120,7 +120,7 @@ def critical_speeds(stage: str) -> Pair:
 
 @verifies(*STAGES)
 def speed_of_one_millimetre(stage: str) -> Pair:
-    """Compare the speed at which the growth of the tips is 1 mm under the follower load."""
+    """Compare the speed at which tips grow by 1 mm, under the follower load, with the reference."""
     row = known(stage)
     speed = speed_of_growth(bladed_disk(disk_thickness=float(stage)), turning(stage), 1e-3)
     return row["growth_of_1mm"], speed / (2 * np.pi * row["reference_hz"])
@@ -128,8 +128,8 @@ def speed_of_one_millimetre(stage: str) -> Pair:
 
 @verifies(*STAGES)
 def internal_damping(stage: str) -> Pairs:
-    """Compare growth rate and frequency of the fastest growing wave with k = 1 in the rotating
-    frame. The damping is modal damping of the modes at rest, which rotates with the disk."""
+    """Compare growth rate and frequency of the fastest growing k = 1 wave with the reference. Modal
+    damping of the modes at rest rotates with the disk."""
     row, matrices = known(stage), turning(stage)
     layout = matrices.structure.layout
     if layout is None:
@@ -162,8 +162,8 @@ def internal_damping(stage: str) -> Pairs:
 
 @verifies(*STAGES)
 def steady_answer(stage: str) -> Pair:
-    """Compare the response to a constant force in the rotating frame at speeds through the critical
-    speed."""
+    """Compare the response to a constant force in the rotating frame with the reference, at speeds
+    below and above the critical speed."""
     row, disk = known(stage), bladed_disk(disk_thickness=float(stage))
     force, computed = np.zeros(disk.structure.size), []
     force[disk.centre[0]] = 1.0
@@ -181,7 +181,7 @@ HUB, SHAFT = 0.05, 2e6
 def blades_on(
     sketch: Sketch, root: str, section: Section, elements: int = 1, *, clamped: bool
 ) -> BladedDiskModel:
-    """Return the blades from a root to the node "tip" of a sketch, around the centre "hub"."""
+    """Add blades from `root` to "tip" to a sketch with the centre "hub"; return the model."""
     sketch.member("blades", root, "tip", section, elements=elements)
     sketch.set("centre", "hub")
     sketch.set("tips", "tip")
@@ -189,7 +189,7 @@ def blades_on(
 
 
 def cantilevers(delta: float, alpha: float, elements: int) -> tuple[BladedDiskModel, float]:
-    """Return three blades on a rigid disk, and the reference time of their frequencies [s]."""
+    """Return three blades on a rigid disk, and a time that makes frequencies dimensionless [s]."""
     length = HUB / delta
     section = steel(np.sqrt(12.0) * length / alpha)
     sketch = Sketch(3)
@@ -204,7 +204,7 @@ def cantilevers(delta: float, alpha: float, elements: int) -> tuple[BladedDiskMo
 
 @verifies()
 def flapwise_cantilevers() -> Pair:
-    """Compare out-of-plane frequencies, without spin softening: w_f^2 = w_c^2 + Omega^2."""
+    """Compare out-of-plane frequencies, from w_f^2 = w_c^2 + Omega^2, with power series."""
     rows, computed = reference("rotation")["cantilevers"]["flapwise"], []
     for row in rows:
         disk, time = cantilevers(row["delta"], 1e3, 12)
@@ -221,7 +221,7 @@ def flapwise_cantilevers() -> Pair:
 
 @verifies()
 def coriolis_cantilevers() -> Pair:
-    """Compare in-plane frequencies, with bending and stretching coupled."""
+    """Compare in-plane frequencies, with bending and stretching coupled, with power series."""
     rows, computed = reference("rotation")["cantilevers"]["chordwise"], []
     for row in rows:
         disk, time = cantilevers(row["delta"], row["alpha"], 20)
@@ -232,7 +232,7 @@ def coriolis_cantilevers() -> Pair:
 
 @verifies()
 def rigid_disk() -> Pair:
-    """Compare the frequencies of a rigid disk with sqrt(k/m) -+ Omega in the rotating frame."""
+    """Compare the frequencies of a rigid disk in the static frame with sqrt(k/m)."""
     stiff = Section(width=0.1, thickness=0.1, young_modulus=1e15, density=7800.0)
     sketch = Sketch(3)
     sketch.node("hub", 0.0, 0.0, shared=True)
@@ -249,7 +249,7 @@ def rigid_disk() -> Pair:
 
 @verifies()
 def rod() -> Pair:
-    """Compare the elongation of a radial rod from the axis outward at 1500 rad/s."""
+    """Compare the elongation of a radial rod at 1500 rad/s with closed forms."""
     section, omega = steel(0.01), 1500.0
     sketch = Sketch(2)
     sketch.node("hub", 0.0, 0.0, shared=True)

@@ -1,4 +1,4 @@
-"""The other contact schemes: restitution, sticking friction, a stop of finite stiffness."""
+"""Contact schemes with restitution, sticking friction, or a stop of finite stiffness."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def thrown_mass(**law: Any) -> ContactProblem:
 
 @verifies(0.0, 0.5, 1.0)
 def rebound(restitution: float) -> Pair:
-    """Compare the rebound velocity with the coefficient of restitution."""
+    """Compare the rebound velocity with initial speed times coefficient of restitution."""
     given = thrown_mass(restitution=restitution)
     chunk = marched(given, 1e-6, 600, scheme="moreau-jean")
     return -restitution * SPEED, chunk.rotor_velocity[-1, 0] / MASS**0.5
@@ -49,8 +49,8 @@ def march_on_a_penalty() -> Chunk:
 
 @verifies()
 def mass_on_a_penalty() -> Pairs:
-    """Compare with a rebound at the initial speed after half a period; the depth of penetration is
-    speed divided by frequency."""
+    """Compare impulse, depth and time of contact with half a period of a mass on a spring; the
+    exact depth of penetration is speed divided by frequency."""
     chunk = march_on_a_penalty()
     return {
         "penalty_impulse": (2.0 * MASS * SPEED, chunk.contact_impulse.sum()),
@@ -61,7 +61,7 @@ def mass_on_a_penalty() -> Pairs:
 
 @verifies("Carpenter", "Siconos")
 def impulse_of_bars(name: str) -> Pair:
-    """Compare the total impulse of the contact without restitution."""
+    """Compare the contact impulse of bars without restitution with exact solutions."""
     known, _, given, dt, steps = bars_in_impact(name)
     return known["impulse"], marched(given, dt, steps, scheme="moreau-jean").contact_impulse.sum()
 
@@ -74,8 +74,7 @@ def sticking_pad() -> Chunk:
 
 @verifies()
 def pad_that_sticks() -> Pairs:
-    """Compare the time after which the pad does not move, its extreme positions and its final
-    position.
+    """Compare a pad with Code_Aster SDND100: time after which it sticks, and extreme positions.
 
     The friction force at rest is k x, which is half of mu m g.
     """
@@ -93,8 +92,8 @@ def pad_that_sticks() -> Pairs:
 
 @verifies(0.6, 0.7)
 def two_masses_on_a_stop(frequency: float) -> Pair:
-    """Compare the first mass over ten periods by an ODE solver and by the penalty scheme, from rest
-    through several impacts and releases."""
+    """Compare the motion of two masses by the penalty scheme with an ODE solver, from rest through
+    several impacts and releases."""
     steps = 20_000
     stiffness = np.array([[1.0, -1.0], [-1.0, 2.0]])
     square, shapes = np.linalg.eigh(stiffness)

@@ -1,5 +1,4 @@
-"""Growth of parametrically coupled modes: Mathieu's equation, and the paper's system, also by
-marches."""
+"""Growth of parametrically coupled modes: Mathieu's equation, and the paper's coupled modes."""
 
 from __future__ import annotations
 
@@ -40,8 +39,7 @@ MATHIEU = {"a0": mathieu_a(0, 1.0), "b1": mathieu_b(1, 1.0), "a1": mathieu_a(1, 
 
 @verifies(*MATHIEU)
 def mathieu_border(name: str) -> Pair:
-    """Compare the stability limit at which Floquet multipliers reach 1, or -1 for limits of odd
-    order."""
+    """Compare the stability limit, where a Floquet multiplier is 1 or -1, with SciPy."""
     trace, exact = (-2.0 if name[1] == "1" else 2.0), MATHIEU[name]
 
     def excess(a: float) -> float:
@@ -55,8 +53,8 @@ def mathieu_border(name: str) -> Pair:
 
 @cache
 def coupled(ratio: str) -> tuple[ContactProblem, CouplingSprings]:
-    """Return the paper's six modes at its example point with an initial velocity and damping, and
-    their springs."""
+    """Return the paper's six modes at its example point as a contact problem with damping and an
+    initial velocity, and the coupling springs."""
     push = {"initial.centre_velocity": [1e-6, 0.0], "damping.ratio": float(ratio)}
     given = contact_problem(build_stage(with_values(Case(), POINT | push)))
     assert given.springs is not None  # the stiffness of the point is not zero
@@ -64,7 +62,7 @@ def coupled(ratio: str) -> tuple[ContactProblem, CouplingSprings]:
 
 
 def late_growth(given: ContactProblem, steps: int) -> float:
-    """Return the growth rate of a march later than one second after an initial velocity [1/s]."""
+    """March, and return the growth rate after the first second [1/s]."""
     chunk = marched(given, 1e-5, steps, every=500)
     size, late = np.linalg.norm(chunk.rotor_displacement, axis=1), chunk.time > 1.0
     return float(np.polyfit(chunk.time[late], np.log(size[late]), 1)[0])
@@ -82,8 +80,8 @@ def monodromy(ratio: str) -> Floquet:
 
 @verifies(*DAMPED)
 def growth_rates(ratio: str) -> Pairs:
-    """Compare growth rates by the monodromy matrix, by the invariant frame of Eqs (16)-(21), and by
-    a march.
+    """Compare growth rates by the monodromy matrix and by a march with the reference, and growth
+    rates in the invariant frame of Eqs (16)-(21) with the monodromy matrix.
 
     The growth rate is positive only with the factor pi of Eq. (8).
     """
@@ -99,7 +97,7 @@ def growth_rates(ratio: str) -> Pairs:
 
 @verifies()
 def growth_without_pi() -> Pair:
-    """Compare the growth rate with the coefficient of Eq. (9) as printed."""
+    """Compare the growth rate by Eq. (9) as printed, without the factor pi, with zero."""
     given, coupling = coupled("0.0")
     computed = growth_rate(coupling.modes, speed=given.speed, kappa=coupling.kappa, with_pi=False)
     return 0.0, computed
@@ -107,7 +105,7 @@ def growth_without_pi() -> Pair:
 
 @verifies()
 def monodromy_by_runge_kutta() -> Pair:
-    """Compare the monodromy matrices, with positions scaled by the reference frequency."""
+    """Compare the monodromy matrix, scaled by the reference frequency, with Runge-Kutta."""
     given, coupling = coupled("0.005")
     modes, kappa = coupling.modes, coupling.kappa
     size, damping = modes.size, modes.equations.damping
@@ -128,7 +126,7 @@ def monodromy_by_runge_kutta() -> Pair:
 
 @verifies()
 def growth_of_a_march_at_speed() -> Pair:
-    """Compare the growth rate inside the zone that, without rotation effects, begins at 1.055."""
+    """Compare the growth rate of a march with rotation effects with the eigenvalues."""
     turned, coupling = six_modes_at_speed()
     exact = growth_rate(coupling.modes, speed=turned.speed, kappa=coupling.kappa)
     return exact, late_growth(turned, 200_000)
@@ -198,8 +196,7 @@ def narrow_zones() -> Pair:
 
 @verifies()
 def order_of_coupled_marches() -> Pair:
-    """Compare the order of convergence over 0.2 s from three time steps, each half of the previous
-    one."""
+    """Compare the order of convergence of coupled marches, from three time steps, with two."""
     given, _ = coupled("0.005")
     chunks = [marched(given, 0.2 / steps, steps, every=steps) for steps in (2000, 4000, 8000)]
     ends = [chunk.rotor_displacement[-1] for chunk in chunks]

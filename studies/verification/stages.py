@@ -48,8 +48,8 @@ def clamped(sketch: Sketch) -> BladedDiskModel:
 
 
 def natural_frequencies(disk: BladedDiskModel) -> FloatArray:
-    """Return ascending frequencies [rad/s]; with a clamped centre the lowest are accurate even with
-    stiff parts."""
+    """Return frequencies of a clamped structure [rad/s], ascending; the lowest frequencies are
+    accurate even if some parts are stiff."""
     structure = disk.structure
     inverse = la.eigvalsh(structure.mass.toarray(), structure.stiffness.toarray())
     return np.asarray(1.0 / np.sqrt(inverse[::-1]))
@@ -59,7 +59,7 @@ def natural_frequencies(disk: BladedDiskModel) -> FloatArray:
 def bladed_disk(
     blades: int = 22, elements: int = 10, disk_thickness: float = 0.01, clamped: bool = False
 ) -> BladedDiskModel:
-    """Return the stage of the paper's Table 1: literally, or with thicker beams of the disk."""
+    """Return the stage of the paper's Table 1, by default without changes."""
     case = case_from(
         {
             "bladed_disk": {
@@ -74,8 +74,7 @@ def bladed_disk(
 
 
 def tip_reference(disk: BladedDiskModel) -> tuple[int, int]:
-    """Return the indices of the tip's radial and tangential displacement among the DoF of a
-    sector."""
+    """Return the indices of radial and tangential tip displacement among the DoF of a sector."""
     layout = disk.structure.layout
     assert layout is not None
     first = layout.sector_dofs[0].tolist()
@@ -126,7 +125,7 @@ def casing_modes(*arguments: Any) -> Modes:
 
 
 def hertz(modes: Modes) -> FloatArray:
-    """Return the frequencies in Hz."""
+    """Return the frequencies of modes [Hz]."""
     return np.asarray(modes.frequency / (2.0 * np.pi))
 
 

@@ -28,8 +28,8 @@ HEAD = ("", "quantity", "source", "values", "reference", "calculated", "largest 
 
 WORDS = (
     "Each quantity is computed through the functions that commands and Python use, and compared"
-    " with a closed form, a published value, another program, or what any motion must satisfy. Of"
-    " several values the one with the largest error is shown. Errors are relative unless stated"
+    " with a closed form, a published value, another program, or a law of motion. Of"
+    " several values, the value with the largest error is shown. Errors are relative unless stated"
     " otherwise."
 )
 

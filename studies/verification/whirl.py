@@ -1,4 +1,4 @@
-"""Marches of rotors with Coriolis forces, in rotating axes."""
+"""Marches with Coriolis forces, compared with closed forms and with independent elements."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def stage_at_speed(
         thickness: thickness of the disk's beams [m].
         speed: normalised speed of rotation.
         ratio: modal damping ratio.
-        damper: damper parallel to each spring of the shaft [N s/m].
-        frame: frame of the dampers.
+        damper: damping coefficient parallel to each shaft spring [N s/m].
+        frame: "rotating" or "static" frame, in which the dampers are fixed.
     """
     case = case_from(
         {
@@ -53,8 +53,8 @@ def pulled(given: ContactProblem, force: float, ramp: float = 0.0) -> ContactPro
 
 @verifies("0.01", "0.03")
 def step_of_force(thickness: str) -> Pair:
-    """Compare the response to a step force, about 1e-4 m; half of the error is due to the
-    reduction."""
+    """Compare the response to a step force, about 1e-4 m, with independent elements; half of the
+    error is due to the reduction."""
     given, dt = pulled(stage_at_speed(thickness), 1e3), 4e-6
     rotor, scheme = given.rotor, make_scheme(given, dt, 1)
     rows = np.vstack([rotor.centre, rotor.tip_radial[:1], rotor.tip_tangential[:1]])
@@ -76,7 +76,7 @@ def jeffcott(
         omega: speed of rotation [rad/s].
         internal: damping in the rotating frame [N s/m].
         external: damping in the static frame [N s/m].
-        anisotropy: half the difference of the springs in the static frame [N/m].
+        anisotropy: half the difference of the spring stiffnesses in the static frame [N/m].
     """
     rotor = reference("jeffcott")["rotor"]
     square = rotor["stiffness"] / rotor["mass"] - omega**2
@@ -95,8 +95,8 @@ def jeffcott(
 
 @verifies()
 def unbalance_through_resonance() -> Pair:
-    """Compare amplitude and phase after 4 s under a constant force at speeds through resonance;
-    above it the sign changes."""
+    """Compare amplitude and phase of the unbalance response after 4 s with the closed form, at
+    speeds below and above resonance."""
     known = reference("jeffcott")
     rotor, expected, computed = known["rotor"], [], []
     damping = 2.0 * rotor["damping_ratio"] * np.sqrt(rotor["stiffness"] * rotor["mass"])
@@ -111,7 +111,7 @@ def unbalance_through_resonance() -> Pair:
 
 @verifies(0.8, 0.95, 1.2)
 def unequal_bearings(share: float) -> Pair:
-    """Compare the forward and backward parts of the orbit near two critical speeds."""
+    """Compare forward and backward parts of the orbit with the closed form."""
     rotor = reference("jeffcott")["rotor"]
     omega = share * np.sqrt(rotor["stiffness"] / rotor["mass"])
     damping, half = 5e3, 0.15 * rotor["stiffness"]
@@ -131,8 +131,8 @@ def unequal_bearings(share: float) -> Pair:
 
 @verifies(0.9, 1.3)
 def internal_damping(share: float) -> Pair:
-    """Compare the growth rate by internal damping, which is negative below the critical speed and
-    positive above."""
+    """Compare the growth rate by internal damping with the closed form; it is negative below the
+    critical speed and positive above."""
     rotor, damping, steps = reference("jeffcott")["rotor"], 2e3, 10_000
     natural = np.sqrt(rotor["stiffness"] / rotor["mass"])
     omega = share * natural
