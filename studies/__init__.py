@@ -1,1 +1,1 @@
-"""The command line and what its commands do."""
+"""Command line, and the studies that its commands compute."""

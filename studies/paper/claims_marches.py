@@ -162,8 +162,8 @@ def limit_cycle(motion: Motion) -> Measures:
 
 @measures(31)
 def energies_of_both_loads(motion: Motion, other: Motion) -> Measures:
-    """Return both groups of modes with the most energy, their energies [J], and the total energy
-    under the other load over the total energy under this load."""
+    """Return the two groups of modes with the most energy, their energies [J], and the ratio of the
+    total energies under the other load and under this load."""
     (leader, second, *_), energy = late_leaders(motion)
     return {
         "leader": leader,
@@ -194,7 +194,7 @@ def truncated_space(six: Motion, full: Motion) -> Measures:
 
 @measures(37)
 def radii_over_coupling(*motions: Motion) -> Measures:
-    """Return regimes, radius and ripple of the first march [mm], and the spread of all radii [%]."""
+    """Return regimes, radius and ripple of the first march [mm], and the spread of radii [%]."""
     radii, ripples = np.transpose([motion.radius_between(*motion.late) for motion in motions])
     return {
         "regimes": ", ".join(sorted({motion.regime.name for motion in motions})),
