@@ -19,7 +19,7 @@ ALL_FAILED = 1
 """Exit code of a sweep without a finished point."""
 
 USER_ERROR = 2
-"""Exit code of errors that the user can correct; click uses it for wrong options."""
+"""Exit code of errors that the user can correct; click uses the same code for wrong options."""
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as in shells."""

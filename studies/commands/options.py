@@ -23,7 +23,7 @@ MOST_POINTS = 100_000
 
 
 def parsed(option: str, read: Callable[[str], Any], expected: str) -> Callable[[str], Any]:
-    """Return the parser of an option; its errors name the option and the expected values.
+    """Return the parser of an option; parsing errors name the option and the expected values.
 
     Args:
         option: name of the option.
@@ -74,7 +74,7 @@ def speed_of(option: str) -> Callable[[str], Speed]:
 
 
 def several(option: str, read: Callable[[str], Any], name: str) -> Callable[[str], list[Any]]:
-    """Return the parser of different positive values, separated by commas; it sorts them."""
+    """Return a parser that sorts two or more different positive values, separated by commas."""
 
     def read_all(text: str) -> list[Any]:
         values = sorted({read(word.strip()) for word in text.split(",")})

@@ -65,11 +65,11 @@ def plot(
             metavar="MM",
             min=40,
             max=500,
-            help="Width, such as 85 for a column or 170 for a page.",
+            help="Width of a figure [mm]: 85 for a column, 170 for a page.",
         ),
     ] = None,
     title: Annotated[
-        str | None, typer.Option(help='Title in place of the one of the figure; "" for none.')
+        str | None, typer.Option(help='Another title of the figure; "" for no title.')
     ] = None,
     overwrite: Replace = False,
 ) -> None:

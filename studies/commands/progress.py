@@ -40,8 +40,7 @@ class Update(Protocol):
 
 @cache
 def _console() -> Console:
-    """Return the console of standard error; all bars use it, so that they appear below each
-    other."""
+    """Return the console of standard error, shared by all bars, which appear below each other."""
     from rich.console import Console
 
     return Console(stderr=True)

@@ -33,7 +33,7 @@ SCHEME_LINES: tuple[tuple[str, Any], ...] = (
 
 @styled
 def plot_time_steps(data: xr.Dataset) -> Figure:
-    """Draw the differences between each time step and the next finer one, with their orders.
+    """Draw the changes from each time step to the next finer time step, with observed orders.
 
     Args:
         data: Dataset over `time_step`, from `time_step_convergence`.

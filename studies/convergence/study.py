@@ -37,8 +37,8 @@ RUNS_NAME = "runs"
 """Name of the folder of the marches."""
 
 REFINEMENTS = (4.0, 2.0, 1.0, 0.5)
-"""Default time steps, relative to that of the case. Only those below the critical time step are
-used, and the time between records must be a multiple of them."""
+"""Default time steps, divided by the time step of the case. A step is used only if it is below the
+critical time step and divides the time between records."""
 
 SECTORS = (2, 3, 4, 5, 6)
 """Default numbers of fixed-interface modes per blade."""
@@ -117,7 +117,7 @@ def convergence(
 
 
 def default_time_steps(case: Case) -> list[float]:
-    """Return the default time steps, descending [s]: those of `REFINEMENTS` that are possible.
+    """Return the default time steps, descending [s]: the possible steps of `REFINEMENTS`.
 
     Raises:
         CaseError: all errors that prevent time integration of the case.

@@ -154,7 +154,7 @@ def dataset_at_speed(
 
 
 def _first_meeting(disk: Mapping[int, Waves], line: FloatArray, growing: BoolArray) -> float:
-    """Compute the lowest speed at which two waves of the bladed disk merge and one grows [rad/s].
+    """Compute the lowest speed at which two waves of the disk merge, so that one grows [rad/s].
 
     Args:
         disk: waves of the bladed disk by nodal diameter.

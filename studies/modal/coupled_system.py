@@ -81,7 +81,7 @@ class System:
 
 @dataclass(frozen=True, kw_only=True)
 class EvenSystem(System):
-    """Coupled modes that have one nodal diameter each."""
+    """System whose modes have a single nodal diameter each."""
 
     modes: CouplingModes  #: chosen modes
     stage: StageModes  #: chosen modes, with finite elements

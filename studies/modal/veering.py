@@ -135,7 +135,7 @@ def clamping_shifts(diagrams: xr.Dataset) -> dict[int, float]:
         diagrams: from `veering`.
     """
     frequency = diagrams["frequency"].to_series()
-    # Above a critical speed both waves of a pair can travel backward: they are distinguished by
+    # Above a critical speed both waves of a pair can travel backward: waves are distinguished by
     # their order.
     order = frequency.groupby(level=frequency.index.names).cumcount().rename("order")
     ordered = frequency.to_frame().set_index(order, append=True)["frequency"]

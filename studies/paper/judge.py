@@ -1,5 +1,4 @@
-"""Reproduction of the paper: selection of claims, the marches and sweeps that they need, and
-verdicts."""
+"""Reproduction of the paper: selection of claims, their marches and sweeps, and verdicts."""
 
 from __future__ import annotations
 
@@ -35,7 +34,7 @@ RUNS_NAME, FIGURES_NAME = "runs", "figures"
 """Names of the folders of single marches, and of pictures."""
 
 CASES_IN_WORDS = "1 to 15: fan_stage; others: casing_distortion, imbalance"
-"""Examples by which the claims are judged; they need not have the same stage."""
+"""Examples from which the claims are judged; the examples can have different stages."""
 
 SMALLEST_STEP = 1e-4
 """Smallest step of a sweep over speed: 10,500 speeds."""

@@ -1,4 +1,4 @@
-"""The folder of a run: permission to use it, and its content."""
+"""The folder of a run: checks before writing, and content."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ LOWEST = 12
 
 
 MARCHES = {True: "harmonic by harmonic", False: "by dense products"}
-"""Method of the march for a body, by whether its cyclic symmetry is used."""
+"""Name of the method that marches a body, with and without use of cyclic symmetry."""
 
 Rate = dict[str, float]
 """An angular frequency or speed: rad_per_s, hz (turns or cycles per second), rpm, and normalised

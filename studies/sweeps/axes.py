@@ -58,7 +58,7 @@ class Axis:
 
     @property
     def numbers(self) -> FloatArray:
-        """The values without their unit."""
+        """Values as numbers, without the unit."""
         return np.array([float(str(value).partition(" ")[0]) for value in self.values])
 
 

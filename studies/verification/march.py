@@ -227,7 +227,7 @@ def free_motion_error(steps: int) -> float:
 
 @verifies()
 def order_of_free_motion() -> Pair:
-    """Compare the order of convergence of free motion, from three time steps, with two."""
+    """Compare with order 2 the convergence of free motion, from three time steps."""
     errors = [free_motion_error(steps) for steps in (4000, 8000, 16_000)]
     return np.full(2, 2.0), observed_order(np.array(errors))
 
@@ -250,8 +250,8 @@ def after_a_hit(steps: int) -> float:
 
 
 def contact_error(steps: int) -> float:
-    """Return the error [m], averaged over several step sizes, because it depends on the time of
-    impact within a step."""
+    """Return the error [m], averaged over several step sizes, because the error depends on the time
+    of impact within a step."""
     tried = [round(steps * (1.0 + i / 40.0)) for i in range(40)]
     exact = after_a_hit(4_000_000)
     return float(np.mean([abs(after_a_hit(each) - exact) for each in tried]))
@@ -259,6 +259,6 @@ def contact_error(steps: int) -> float:
 
 @verifies()
 def order_of_contact() -> Pair:
-    """Compare the order of convergence with contact, from two time steps, with one."""
+    """Compare with order 1 the convergence of motion with contact, from two time steps."""
     errors = [contact_error(steps) for steps in (2000, 32_000)]
     return 1.0, observed_order(np.array(errors), ratio=16.0)[0]

@@ -196,7 +196,7 @@ def narrow_zones() -> Pair:
 
 @verifies()
 def order_of_coupled_marches() -> Pair:
-    """Compare the order of convergence of coupled marches, from three time steps, with two."""
+    """Compare with order 2 the convergence of coupled marches, from three time steps."""
     given, _ = coupled("0.005")
     chunks = [marched(given, 0.2 / steps, steps, every=steps) for steps in (2000, 4000, 8000)]
     ends = [chunk.rotor_displacement[-1] for chunk in chunks]
