@@ -30,7 +30,7 @@ COLUMNS = (
     Column("distance", "orbit [%]", ".3g", 100.0),
     Column("impulse_error", "impulse [%]", ".3g", 100.0),
 )
-"""Columns of the table; the last two are differences from the finest march."""
+"""Columns of the table; the last two columns are differences from the finest march."""
 
 ORDERS = (
     Column("time_steps.free_until", "first contact [ms]", ".4g", 1e3),
@@ -39,8 +39,8 @@ ORDERS = (
     Column("time_steps.impulse_order", "order in the time step, contact impulse", ".3g"),
     Column("modes.motion_converged", "same regime with all numbers of modes (1: yes)", "d"),
 )
-"""Columns of the orders; an order is a dash if there are too few differences, or if they are not
-monotone."""
+"""Labels of the orders of convergence. A dash stands for an order that cannot be computed, because
+there are too few differences, or because the differences are not monotone."""
 
 
 def convergence(

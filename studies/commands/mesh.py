@@ -55,7 +55,7 @@ def mesh(
 
 
 def _content(source: Path, overrides: list[str]) -> GroupedLines:
-    """Return the lines of a case or a mesh file."""
+    """Return the line mesh of a case file or a mesh file."""
     from bladewhirl.meshes.files.groups import MeshFileError
     from bladewhirl.meshes.files.registry import READERS, read_line_mesh
     from bladewhirl.models.case.file import faults_from, read_case

@@ -97,7 +97,7 @@ def _speed(text: str) -> Speed:
 
 @dataclass(frozen=True)
 class Span:
-    """Evenly spaced values of an option "START:STOP" or "START:STOP:COUNT"."""
+    """Evenly spaced values, given by an option as "START:STOP" or "START:STOP:COUNT"."""
 
     source: str  #: name and text of the option, for errors
     start: Speed | float

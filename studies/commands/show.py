@@ -135,7 +135,7 @@ def show(
 
 
 def _draw(stage: Stage, target: Path) -> None:
-    """Draw the stage, and name the file on standard error."""
+    """Draw the stage, and print the name of the file on standard error."""
     from bladewhirl.postprocess.pictures.stage import draw_stage, stage_at_rest
 
     at_rest = stage_at_rest(

@@ -138,7 +138,7 @@ def sweep(
 
 
 def _print_failures(result: Sweep) -> None:
-    """Print failed points and figures that could not be drawn to standard error."""
+    """Print on standard error the failed points, and the figures that could not be drawn."""
     for point, reason in sorted(result.failures.items())[:SHOWN_FAILURES]:
         typer.echo(f"failed: {result.grid.label(point)}: {reason}", err=True)
     for name, reason in result.left_out.items():

@@ -44,7 +44,7 @@ SECTORS = (2, 3, 4, 5, 6)
 """Default numbers of fixed-interface modes per blade."""
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
-"""Families with a frequency error in the paper."""
+"""Families for which the paper states frequency errors."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,7 +23,7 @@ from bladewhirl.solvers.stability.coincidence import Coincidences
 from bladewhirl.studies.modal.columns import quantity
 
 LINE_SPEEDS = 61
-"""Number of speeds along a branch."""
+"""Number of speeds at which the frequencies of a branch are computed."""
 
 
 def disk_waves(stage: ModalStage, turning: TurningDisk) -> dict[int, Waves]:

@@ -1,4 +1,4 @@
-"""Columns: one description of a value for Datasets, JSON documents and printed tables."""
+"""Columns: each describes a value in Datasets, JSON documents and printed tables."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ LISTS = {
     "bladed_disk_clamped": {"body": "bladed-disk", "centre": "clamped"},
     "casing": {"body": "casing"},
 }
-"""Selections of modes by their keys in JSON."""
+"""Selections of modes, by key of the list in JSON."""
 
 COLUMNS = (
     Column("number", "mode", "d"),

@@ -30,7 +30,7 @@ SHAFT = 1
 """Nodal diameter of the modes that move the shaft."""
 
 HIGHEST = 2.0
-"""Upper limit of the coincidence speed, relative to the sum of both frequencies."""
+"""Upper limit of the coincidence speed, over the sum of rotor and casing frequency."""
 
 CASING_SHARES = {"standard": 0.5, "inverted": 2.0}
 """Ratio of casing amplitude to tip amplitude, in the picture of each scenario."""

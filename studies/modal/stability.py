@@ -30,7 +30,7 @@ from bladewhirl.studies.modal.modes import full_stage, speed_of
 from bladewhirl.studies.modal.stability_chart import GROWTH, MULTIPLES, STIFFNESS, stability_chart
 
 SPEEDS, KAPPAS = np.linspace(0.6, 3.0, 600), np.linspace(0.0, 1000.0, 300)
-"""Speeds in multiples of the reference frequency and stiffnesses [N/m] of a chart."""
+"""Default speeds (multiples of the reference frequency) and stiffnesses [N/m] of a chart."""
 
 RECORDS_PER_TURN = 48
 """Number of records in a turn of the rotor: twice the number for a smooth animation."""
@@ -178,7 +178,7 @@ def whirl_records(mode: CoupledMode) -> FloatArray:
 
 
 def motion_measures(motion: CoupledMotion) -> dict[str, Any]:
-    """Return measures of the motion of a coupled mode as variables; speeds are forward positive."""
+    """Return measures of the motion of a coupled mode as variables; forward speeds are positive."""
     speed = {"units": "rad/s"}
     measures: dict[str, Any] = {
         "nodal_diameter": quantity((), motion.nodal_diameter, "1"),

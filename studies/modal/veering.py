@@ -97,7 +97,7 @@ def veering(
 
 
 def veering_facts(diagrams: xr.Dataset) -> dict[str, str]:
-    """Return the effect of clamping the centre and the frequencies of the suspension, as texts."""
+    """Return texts on the effect of clamping the centre, and on the suspension frequencies."""
     shifts = clamping_shifts(diagrams)
     others = max((shift for k, shift in shifts.items() if k != 1), default=0.0)
     texts = {

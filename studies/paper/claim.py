@@ -80,7 +80,7 @@ meets it."""
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Claim:
-    """A statement of the paper that can be computed, and the function that measures it."""
+    """A statement of the paper that can be tested, and the function that computes its measures."""
 
     number: int
     section: str  #: section of the paper

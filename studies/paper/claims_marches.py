@@ -1,4 +1,4 @@
-"""Measures of single marches: convergence (16, 17), distortion and imbalance (20 to 46)."""
+"""Measures of claims on marches: convergence (claims 16, 17), distortion, imbalance (20 to 46)."""
 
 from __future__ import annotations
 
@@ -233,7 +233,7 @@ def course_at_high_speed(motion: Motion, long: Motion, usual: Motion) -> Measure
 @measures(46)
 def motion_over_coupling(*motions: Motion) -> Measures:
     """Return the range of whirl frequencies (in multiples of ω₁), the largest change of an energy
-    share [percentage points], and the contact sides."""
+    share [percentage points], and the contact scenarios."""
     if not all(motion.touched for motion in motions):
         raise NotTestableError("without contact there is no side of contact")
     rates = [motion.late_whirl("rotating").rate / motion.reference for motion in motions]

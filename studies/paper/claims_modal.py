@@ -1,4 +1,4 @@
-"""Measures of Section 3: uncoupled modes (1 to 9), modes coupled by springs (10 to 15)."""
+"""Measures of claims on modes: uncoupled (claims 1 to 9), and coupled by springs (10 to 15)."""
 
 from __future__ import annotations
 

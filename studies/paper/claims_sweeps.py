@@ -1,4 +1,4 @@
-"""Measures of sweeps over speed: distortion and imbalance (18, 19, 27, 29, 34, 36, 38, 40, 41)."""
+"""Measures of claims on sweeps over speed (claims 18, 19, 27, 29, 34, 36, 38, 40, 41)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ HIGH = (1.42, 1.75)
 """Normalised speeds with high amplitudes in the paper."""
 
 LIMIT = 1.52
-"""Normalised speed above which the paper's truncated space diverges under imbalance."""
+"""Normalised speed above which the paper's march of six modes diverges under imbalance."""
 
 ROUNDING = 1e-9
 """Rounding error of normalised speeds, for comparing their differences with a step."""
@@ -59,7 +59,7 @@ def highest_around_the_coincidence(sweep: xr.Dataset) -> Measures:
 
 @measures(19)
 def other_critical_speeds(motion: Motion, sweep: xr.Dataset) -> Measures:
-    """Return the groups of divergent speeds, and the groups away from the first coincidence."""
+    """Return groups of divergent speeds, and the number of groups above the first coincidence."""
     done = done_points(sweep)
     speeds, divergent = done["march_speed"].values, done["regime"].values == "divergent"
     groups = _divergent_groups(speeds, divergent)
@@ -91,7 +91,7 @@ def sustained_near_critical_speeds(sweep: xr.Dataset) -> Measures:
 
 @measures(29)
 def smaller_than_distortion(distortion: xr.Dataset, imbalance: xr.Dataset) -> Measures:
-    """Compare radii [mm] of both loads at speeds where the distortion leads to divergence."""
+    """Compare radii under imbalance and distortion [mm], at speeds where distortion diverges."""
     first, second = done_points(distortion), done_points(imbalance)
     critical = first["march_speed"].values[first["regime"].values == "divergent"]
     speeds = np.intersect1d(critical, second["march_speed"].values)
@@ -149,7 +149,7 @@ def shifts_of_the_critical_speed(sweep: xr.Dataset) -> Measures:
 
 
 def middle_of_divergence(sweep: xr.Dataset, kappa: float) -> float:
-    """Return the mean of the speeds that diverge at a coupling stiffness; NaN if none does."""
+    """Return the mean of the divergent speeds at a coupling stiffness; NaN without divergence."""
     points = sweep.sel(coupling_stiffness=kappa)
     speeds = points["march_speed"].values[points["regime"].values == "divergent"]
     return float(speeds.mean()) if len(speeds) else np.nan
@@ -157,7 +157,7 @@ def middle_of_divergence(sweep: xr.Dataset, kappa: float) -> float:
 
 @measures(38)
 def truncated_space_under_imbalance(motion: Motion, sweep: xr.Dataset) -> Measures:
-    """Return shares of divergent points above and below the paper's limit [%]."""
+    """Return shares of divergent points above and below the speed `LIMIT` [%]."""
     sweep = done_points(sweep)
     divergent = (sweep["regime"] == "divergent").transpose("march_speed", ...).values
     above = sweep["march_speed"].values > LIMIT
@@ -170,7 +170,7 @@ def truncated_space_under_imbalance(motion: Motion, sweep: xr.Dataset) -> Measur
 
 @measures(40)
 def sustained_radius(sweep: xr.Dataset) -> Measures:
-    """Return late radii of sustained motions, relative to the clearance."""
+    """Return mean radii of sustained motions late in the march, over the clearance."""
     clearance = loads(sweep.attrs["case"]).casing.clearance
     sweep = done_points(sweep)
     sustained = sweep["regime"].values == "sustained"

@@ -37,7 +37,7 @@ CASES_IN_WORDS = "1 to 15: fan_stage; others: casing_distortion, imbalance"
 """Examples from which the claims are judged; the examples can have different stages."""
 
 SMALLEST_STEP = 1e-4
-"""Smallest step of a sweep over speed: 10,500 speeds."""
+"""Smallest step of a sweep over speed, which gives 10,500 speeds."""
 
 REPEATS = 3
 """Number of times that a march is judged, each time with a slightly different force."""

@@ -19,7 +19,7 @@ SHOWN_FAMILIES = 12
 """Number of families in the paper's Fig. 7(a)."""
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
-"""Families with a frequency error in the paper."""
+"""Families for which the paper states frequency errors."""
 
 PURE = 0.99
 """Smallest share of a nodal diameter in a mode that is assigned to this nodal diameter."""

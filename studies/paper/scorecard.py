@@ -25,7 +25,7 @@ STYLES: Mapping[Verdict, str] = {
 
 
 PLURALS: Mapping[str, str] = {"holds": "hold", "does not hold": "do not hold"}
-"""Plural forms of verdicts, if they differ."""
+"""Verdicts in the plural, if different from the singular."""
 
 
 def counted(verdict: str, count: int) -> str:

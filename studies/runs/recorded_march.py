@@ -127,7 +127,7 @@ def _march_into(
     progress: Progress | None = None,
     begin: Checkpoint | None = None,
 ) -> dict[str, float]:
-    """March, and flush the records after each `pause` [s] with the state and the elapsed time."""
+    """March; after each `pause` [s], call `flush` with records, state and elapsed time."""
     timing, residual, unsolved = prepared.timing, 0.0, 0
     reason, message = EndReason.COMPLETED.value, ""
     first, before = None, 0.0

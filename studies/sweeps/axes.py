@@ -30,7 +30,7 @@ ASKED_POINTS = 100_000
 """Largest number of points of a sweep without confirmation."""
 
 MOST_POINTS = 10_000_000
-"""Largest number of points of a range; more are regarded as a typing error."""
+"""Largest number of points of a range; a larger range is taken as a typing error."""
 
 ON_GRID = Decimal("1e-6")
 """Tolerance for including the stop of a range, relative to the step."""

@@ -18,7 +18,7 @@ REACH = 10.0
 second blade family of the default stage."""
 
 MOST_LINES = 20_001
-"""Largest number of frequencies of a spectrum; for very long marches the range is reduced."""
+"""Largest number of frequencies of a spectrum; very long marches have a smaller range."""
 
 MOST_SAMPLES = 1000
 """Largest number of samples of a decimated history."""

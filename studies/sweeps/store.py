@@ -198,7 +198,7 @@ def _reserve(
     kind: np.dtype[Any],
     sizes: Mapping[str, int],
 ) -> Any:
-    """Create an allocated variable, filled with NaN, or with zeros (never masked) for integers."""
+    """Create and allocate a variable, filled with NaN or, for integers, with unmasked zeros."""
     empty = kind.type(np.nan) if kind.kind == "f" else None
     made = file.create_variable(name, tuple(sizes), kind, fillvalue=empty)
     # HDF5 allocates a contiguous array when its first value is written.

@@ -26,7 +26,7 @@ FAR = 1e3
 
 
 def small_rotor(frequency: FloatArray, tips: int = 1, **rows: Any) -> ReducedRotor:
-    """Return an undamped rotor with tips at angle 0; `rows` sets fields that are zero otherwise."""
+    """Return an undamped rotor with tips at angle 0; `rows` replaces values of fields."""
     modes = len(frequency)
     body = ReducedRotor(
         frequency=frequency,
@@ -46,7 +46,7 @@ def small_rotor(frequency: FloatArray, tips: int = 1, **rows: Any) -> ReducedRot
 def small_casing(
     frequency: FloatArray, clearance: float = 0.0, nodes: int = 4, **rows: Any
 ) -> ReducedCasing:
-    """Return an undamped casing, radius 1 m; `rows` sets fields that are zero otherwise."""
+    """Return an undamped casing with a radius of 1 m; `rows` replaces values of fields."""
     modes = len(frequency)
     body = ReducedCasing(
         frequency=frequency,

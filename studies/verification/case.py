@@ -32,8 +32,8 @@ Pairs = Mapping[str, Pair]
 """Pairs of several cases, by name of the case."""
 
 Measure = Literal["relative", "of largest", "absolute"]
-"""Error divided by the reference, error divided by the largest entry of the reference, or absolute
-error in the unit."""
+"""Kind of error: divided by the reference, divided by the largest entry of the reference, or the
+absolute error in the unit of the case."""
 
 Function = TypeVar("Function", bound=Callable[..., Pair | Pairs])
 
@@ -163,6 +163,6 @@ def verifies(*values: Hashable) -> Callable[[Function], Function]:
 def _pair(
     function: Callable[..., Pair | Pairs], arguments: tuple[Hashable, ...], case: str
 ) -> Pair:
-    """Return the pair of a case; the function may return the pairs of several cases."""
+    """Return the pair of a case; the function returns one pair, or the pairs of several cases."""
     computed = function(*arguments)
     return computed[case] if isinstance(computed, Mapping) else computed

@@ -49,7 +49,7 @@ RUBBING: Mapping[str, Mapping[str, Any]] = {
 
 
 def coarse(changes: Mapping[str, Any]) -> ContactProblem:
-    """Return the default stage with fewer elements and modes, and with changes."""
+    """Return the contact problem of the coarse default stage, with changes of the case."""
     return contact_problem(build_stage(with_values(Case(), {**COARSE, **changes})))
 
 

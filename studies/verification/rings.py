@@ -72,7 +72,7 @@ def orders_of_convergence() -> Pairs:
 
 @verifies()
 def stretching_ring() -> Pair:
-    """Compare the stretching frequencies with the closed form."""
+    """Compare the stretching frequencies of a free ring with the closed form."""
     modes = casing_modes(80)
     exact = [row["extensional_hz"] for row in reference("ring")["modes"][:5]]
     spectra = [hertz(modes)[modes.nodal_diameter == k] for k in range(5)]
@@ -83,8 +83,7 @@ def stretching_ring() -> Pair:
 
 @verifies()
 def pinched_ring() -> Pair:
-    """Compare the displacement under two opposite unit forces with R^3/EI (pi/4 - 2/pi) + pi R / 4
-    EA."""
+    """Compare the displacement under two opposite unit forces with Castigliano's theorem."""
     section, modes = steel(0.01), casing_modes(80)
     exact = RADIUS**3 / section.bending_stiffness * (np.pi / 4 - 2 / np.pi)
     exact += np.pi * RADIUS / (4.0 * section.axial_stiffness)

@@ -185,7 +185,7 @@ def coincidences() -> Pair:
 
 @verifies()
 def narrow_zones() -> Pair:
-    """Compare width and growth rate of narrow zones with the first order in eps = pi kappa."""
+    """Compare width and growth rate of narrow zones with first-order terms in eps = pi kappa."""
     modes, zones = zones_at(kappa := 1e-2)
     casing, *rotor = modes.frequency[np.argsort(~modes.on_casing, kind="stable")]
     width = 2.0 * np.pi * kappa / np.sqrt(casing * np.array(rotor))
