@@ -88,7 +88,7 @@ def test_only_the_duration_may_change(whole: Path, tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(SMALL)
     for content in (b"", b"nonsense", b"PK\x03\x04"):
         (tmp_path / "checkpoint.npz").write_bytes(content)
-        with pytest.raises(UserError, match=r"checkpoint\.npz: expected the state that a run was in"):
+        with pytest.raises(UserError, match=r"checkpoint\.npz: expected the state in which a run"):
             resume(tmp_path)
 
 
