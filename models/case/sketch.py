@@ -174,7 +174,7 @@ def _edit_faults(sketch: SketchTable) -> Faults:
         member = members.get(edit.member or "")
         references = member.references if member else [edit.node] if edit.node else []
         if references and sketch.is_shared(*references) and edit.sector != 0:
-            yield place, "sector 0: shared parts belong to it"
+            yield place, "sector 0: shared parts belong to this sector"
         if member is not None and member.sectors is not None and edit.sector not in member.sectors:
             existing = ", ".join(map(str, member.sectors)) or "none"
             yield place, f"a sector with this part ({existing})"

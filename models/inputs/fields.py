@@ -81,7 +81,7 @@ def number(sign: Sign) -> BeforeValidator:
     """Return a validator of numbers without a unit."""
 
     def refuse(text: str) -> float:
-        raise ValueError("it has no unit")
+        raise ValueError("this key has no unit")
 
     return _checked(_NUMBERS[sign], sign, refuse)
 

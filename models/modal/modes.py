@@ -18,11 +18,11 @@ DENSE_LIMIT = 3000
 """Largest structure whose modes are computed by a dense solver."""
 
 RIGID_SHARE = 0.99
-"""A casing mode is rigid if at least this share of its strain energy is in the support, ..."""
+"""A casing mode is rigid if at least this share of its strain energy is in the support."""
 
 RIGID_FREQUENCY = 0.01
-"""... or if its frequency is below this share of the lowest one with two or more nodal
-diameters."""
+"""A casing mode is also rigid if its frequency is at most this share of the lowest frequency with
+two or more nodal diameters."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +32,7 @@ class ModeTable:
     frequency: FloatArray  #: natural frequency [rad/s], (modes,)
     column: IntArray  #: column of the real DFT over sectors, (modes,); -1 without symmetry
     nodal_diameter: IntArray  #: dominant nodal diameter of the mode, (modes,); -1 without sectors
-    purity: FloatArray  #: mass-weighted share of that nodal diameter in the mode, (modes,)
+    purity: FloatArray  #: mass-weighted share of `nodal_diameter` in the mode, (modes,)
     spring_share: FloatArray  #: share of the strain energy in the springs, (modes,)
 
     @property
@@ -58,7 +58,7 @@ class Modes(ModeTable):
 
     @property
     def is_cyclic(self) -> bool:
-        """Whether the modes were computed sector by sector."""
+        """True if the modes were computed by nodal diameter."""
         return bool(np.all(self.column != NO_COLUMN))
 
     def take(self, chosen: IntArray | slice) -> Modes:
@@ -75,8 +75,8 @@ def structure_modes(
         structure: matrices and sectors.
         reference: positions, among the DoF of a sector, of the radial and the tangential
             displacement that fix the phase of degenerate pairs.
-        count: number of modes, all if None. On a cyclic structure the number is increased by one if
-            it would separate a pair.
+        count: number of modes, all if None. On a cyclic structure, `count` is increased by one if
+            the last mode is the first of a pair.
     """
     if structure.is_cyclic:
         return _cyclic_modes(structure, reference, count)
@@ -170,11 +170,11 @@ def collect_modes(
 
 
 def natural_frequencies(structure: Structure, squares: FloatArray) -> FloatArray:
-    """Return the frequencies of squared frequencies [rad/s].
+    """Return the frequencies [rad/s] that belong to squared frequencies.
 
-    At rest, negative squares are rounding errors and give zero. With rotation effects they are
-    real: past a critical speed some modes are stable only by Coriolis forces. The frequency then
-    has the sign of the square.
+    At rest, negative squares are rounding errors and give zero. With rotation effects, negative
+    squares occur past a critical speed, where only Coriolis forces stabilise some modes. The
+    frequency then has the sign of the square.
     """
     if structure.at_rest is None:
         return np.sqrt(np.maximum(squares, 0.0))
@@ -225,9 +225,9 @@ def lowest_pairs(
 ) -> tuple[FloatArray, ComplexArray]:
     """Solve a generalised Hermitian eigenproblem K x = lambda M x.
 
-    All eigenvectors are computed even if few are returned, because bisection for some of them is
-    slower and loses digits of frequencies that are far below the highest ones. The eigenvalues are
-    Rayleigh quotients, which restore these digits.
+    All eigenvectors are computed even if few are returned, because bisection for a few eigenvalues
+    is slower and loses digits of frequencies that are far below the highest frequencies. The
+    eigenvalues are Rayleigh quotients, which restore these digits.
 
     Args:
         stiffness: K, (n, n).
@@ -260,9 +260,8 @@ def align_phase(vectors: ComplexArray, reference: tuple[int, int], *, pair: bool
     """Change the phase of complex vectors so that the radial reference amplitude is positive.
 
     If a mode of a pair has no radial amplitude, its tangential amplitude becomes -i times a
-    positive number. This is its phase also in a mode with both amplitudes, on a structure with
-    mirror symmetry. Vectors that are not of a pair (``pair`` False) are real, and only their sign
-    changes.
+    positive number, which is its phase in modes with both amplitudes on a structure with mirror
+    symmetry. Vectors of single modes (``pair`` False) are real, and only their sign changes.
     """
     radial, tangential = reference
     size = np.abs(vectors).max(axis=0)
@@ -308,8 +307,7 @@ def suspension_pair(modes: Modes) -> IntArray:
     """Return the two modes of k = 1 with the largest share of strain energy in the shaft springs.
 
     Returns:
-        the numbers of both modes, (2,); none if no mode strains the springs, as with a clamped
-        centre.
+        the numbers of both modes, (2,); empty if no mode strains the springs (clamped centre).
     """
     candidates = np.flatnonzero(modes.nodal_diameter == 1)
     shares = modes.spring_share[candidates]

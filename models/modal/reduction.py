@@ -1,7 +1,7 @@
 """Craig-Bampton reduction (Eq. 3), for each nodal diameter if the structure is cyclic.
 
-The "constraint modes" of the paper after Eq. (3) are fixed-interface modes. Their number is rounded
-up if it would separate a degenerate pair.
+The "constraint modes" of the paper after Eq. (3) are fixed-interface modes. Their number is
+increased by one if the last mode is the first of a degenerate pair.
 """
 
 from __future__ import annotations
@@ -49,12 +49,12 @@ def craig_bampton(
     Args:
         structure: structure to reduce, which must be on springs or supports.
         boundary: numbers of the boundary DoF.
-        fixed_interface_modes: number of modes with a fixed boundary; rounded up if it would
-            separate a pair.
+        fixed_interface_modes: number of modes with a fixed boundary; increased by one to complete a
+            pair.
         reference: see `structure_modes`.
 
     Raises:
-        ValueError: more fixed-interface modes than internal DoF.
+        ValueError: there are more fixed-interface modes than internal DoF.
     """
     internal = structure.size - len(boundary)
     if fixed_interface_modes > internal:
@@ -104,7 +104,7 @@ def craig_bampton_basis(structure: Structure, boundary: IntArray, kept: int) -> 
     Args:
         structure: structure to reduce, which must be on springs or supports.
         boundary: numbers of the boundary DoF.
-        kept: number of fixed-interface modes as in `ReducedModes`, which separates no pair.
+        kept: number of fixed-interface modes; the number in `ReducedModes` separates no pair.
     """
     inside = np.setdiff1d(np.arange(structure.size), boundary)
     if structure.is_cyclic:

@@ -22,17 +22,16 @@ HALVINGS = 12  # number of times an interval of stiffnesses is halved
 
 AGREE = 0.01
 """Largest relative difference between the mean frequency of the suspension pair and the required
-one. Mistuned blades split the pair; a larger difference means that the mode is of another family.
-"""
+frequency. Mistuned blades split the pair; a larger difference indicates another family."""
 
 
 def with_sized_shaft(case: Case) -> Case:
-    """Return the case with the shaft.stiffness that gives the `shaft.suspension_frequency`, if set.
+    """Return the case with the shaft.stiffness that gives its `shaft.suspension_frequency`, if set.
 
-    Let D = K - w^2 M be the dynamic stiffness of the disk without shaft springs, and C the
-    selection of the two displacements of the centre. With springs k at the centre, w is a natural
-    frequency if det(I + k C^T D^-1 C) = 0. If blades differ, the pair is split about w; then half
-    of the trace of C^T D^-1 C is used for both directions.
+    Let D = K - w^2 M be the dynamic stiffness of the disk without shaft springs, and let C select
+    the two displacements of the centre. With springs k at the centre, w is a natural frequency if
+    det(I + k C^T D^-1 C) = 0. If blades differ, the two frequencies of the pair lie about w; half
+    of the trace of C^T D^-1 C is therefore used for both directions.
 
     Raises:
         CaseError: no springs give the frequency, or the mode at that frequency is of another
@@ -69,7 +68,7 @@ def _suspension(case: Case) -> float:
 
 
 def _within_reach(case: Case, required: float, stiffness: float) -> str:
-    """Return the nearest possible suspension frequencies below and above the required one."""
+    """Return as text the possible suspension frequencies nearest to the required frequency."""
     springs = stiffness * np.geomspace(1e-4, 1e4, 40)
     frequencies = np.array([_suspension(_on_springs(case, float(each))) for each in springs])
     above = int(np.searchsorted(frequencies > required, True))

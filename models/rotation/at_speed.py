@@ -24,8 +24,8 @@ def static_displacement(
     Args:
         matrices: matrices of the bladed disk.
         omega: speed of rotation [rad/s].
-        follows: whether the load increases with the growth, (K - Omega^2 M_t) u = Omega^2 M_t X;
-            this adds some 0.02 % at the reference frequency. If not, u is proportional to Omega^2.
+        follows: let the load increase with the displacement, (K - Omega^2 M_t) u = Omega^2 M_t X,
+            about 0.02 % more at the reference frequency; if false, u is proportional to Omega^2.
     """
     if not follows:
         return omega**2 * matrices.growth
@@ -34,8 +34,7 @@ def static_displacement(
 
 
 def tip_growth(disk: BladedDiskModel, matrices: RotationMatrices, omega: float) -> FloatArray:
-    """Return the radial growth of each tip at a speed of rotation [rad/s]; the load increases with
-    the growth. [m], (blades,)."""
+    """Return the radial growth of each tip [m], (blades,), at a speed of rotation [rad/s]."""
     return static_displacement(matrices, omega)[disk.tip_radial]
 
 
@@ -44,8 +43,8 @@ def speed_of_growth(
 ) -> float:
     """Return the lowest speed of rotation at which the growth of a tip equals its gap [rad/s].
 
-    Growth is assumed to be proportional to Omega^2, which is accurate to some 0.1 %. The speed is
-    inf if no tip grows.
+    Growth is assumed to be proportional to Omega^2, which is accurate to about 0.1 %. The speed is
+    infinite if no tip grows.
 
     Args:
         disk: the bladed disk.
@@ -61,7 +60,7 @@ def speed_of_growth(
 class TurningDisk:
     """A bladed disk at the speed of rotation of its case."""
 
-    disk: BladedDiskModel  #: with the stiffness K_Omega, and Coriolis forces if the case has them
+    disk: BladedDiskModel  #: bladed disk with K_Omega and any Coriolis forces
     matrices: RotationMatrices
     omega: float  #: speed of rotation [rad/s]
 
@@ -94,13 +93,14 @@ def tip_recess(
     """Return the radius from which the clearance is measured minus the radius of each tip [m],
     (blades,).
 
-    The radius of a tip is that at rest; if the clearance is cold, it includes the growth at speed.
+    For a hot clearance the tip radius is the radius at rest. For a cold clearance, that is, a
+    clearance measured at rest, the tip radius includes the growth at speed.
 
     Args:
         case: case with the clearance.
         disk: bladed disk of the case.
         turning: the same bladed disk at speed; None without rotation effects.
-        omega: speed of rotation, if it is not that of the case [rad/s].
+        omega: speed of rotation [rad/s]; the speed of the case if None.
     """
     if turning is None or case.rotation.clearance == "hot":
         return disk.model.tip_recess
@@ -116,8 +116,7 @@ def turning_disk(case: Case, at_rest: BladedDiskModel, reference: float) -> Turn
         reference: reference frequency, in multiples of which a speed may be given [rad/s].
 
     Raises:
-        CaseError: the speed is not below the lowest critical speed, and there are no Coriolis
-            forces.
+        CaseError: the speed reaches the lowest critical speed, and there are no Coriolis forces.
     """
     effects = case.rotation.effects
     if effects == "none":
@@ -137,7 +136,7 @@ def turning_disk(case: Case, at_rest: BladedDiskModel, reference: float) -> Turn
 
 
 def lowest_critical_speed(matrices: RotationMatrices) -> float:
-    """Return the lowest speed at which K_Omega is singular [rad/s]; inf if there is none."""
+    """Return the lowest speed at which K_Omega is singular [rad/s]; infinite if there is none."""
     pulled = (matrices.mass - matrices.geometric).tocsc()
     (share,) = spla.eigsh(
         pulled,

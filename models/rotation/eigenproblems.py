@@ -1,4 +1,4 @@
-"""Eigenproblems of rotating structures: with Coriolis forces, with damping, and for the speed."""
+"""Eigenproblems of rotating structures with Coriolis forces or damping, and for critical speeds."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def gyroscopic_eigen(
     matrix, momenta, hermitian = _linearised(mass, stiffness, gyroscopic)
     w, fields = la.eigh(matrix) if hermitian else la.eig(matrix)
     first, second = np.split(fields, 2)
-    at_rest = ~first.any(axis=0)  # where the stiffness is exactly singular
+    at_rest = ~first.any(axis=0)  # modes of an exactly singular stiffness
     vectors = momenta @ np.where(at_rest, second, first)
     vectors /= np.sqrt(np.einsum("im,ij,jm->m", vectors.conj(), mass, vectors).real)
     order = _descending(w)
@@ -51,9 +51,8 @@ def _linearised(mass: Matrix, stiffness: Matrix, gyroscopic: Matrix) -> tuple[Ma
 
     Returns:
         a matrix with the eigenvalues w; the map from the first half of each eigenvector to a field;
-        and whether the matrix is Hermitian, that is, whether the stiffness is positive definite.
-        The eigenvector of w consists of p and root(K) p / w, both in the eigenbasis of the
-        stiffness.
+        and true if the matrix is Hermitian, that is, if the stiffness is positive definite. The
+        eigenvector of w consists of p and root(K) p / w, both in the eigenbasis of the stiffness.
     """
     size, inverse = len(mass), _inverse_root(mass)
     turned = 1j * inverse @ gyroscopic @ inverse.conj().T
@@ -69,7 +68,7 @@ def _descending(w: ComplexArray) -> IntArray:
 
 
 def modal_damping(mass: Matrix, stiffness: Matrix, ratio: float) -> Matrix:
-    """Return the damping matrix with the same damping ratio of every mode, (n, n).
+    """Return the damping matrix that gives every mode the same damping ratio, (n, n).
 
     Args:
         mass: mass matrix, Hermitian and positive definite.
@@ -110,14 +109,14 @@ def damped_eigenvalues(
 def lowest_gyroscopic_eigen(
     mass: sp.csr_array, stiffness: sp.csr_array, gyroscopic: sp.csr_array, count: int
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Return the w nearest to zero and their vectors for large sparse matrices, as
-    `gyroscopic_eigen` does for all w of small ones.
+    """Return the eigenvalues w of `gyroscopic_eigen` that are nearest to zero, and their vectors,
+    for large sparse matrices.
 
     Args:
         mass: mass matrix, symmetric and positive definite.
         stiffness: stiffness matrix, symmetric and not singular.
         gyroscopic: skew matrix of the Coriolis forces.
-        count: number of w.
+        count: number of eigenvalues w.
     """
     size = mass.shape[0]
     solve = spla.splu(stiffness.tocsc()).solve

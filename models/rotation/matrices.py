@@ -46,7 +46,7 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 def axial_force(
     model: BeamModel, displacement: FloatArray, places: FloatArray, *, omega: float
 ) -> FloatArray:
-    """Return the axial force N(x) in every line, tension positive [N], (lines, places).
+    """Return the axial force N(x) in every line, positive in tension [N], (lines, places).
 
     The mean force follows from the elongation, E A (u_2 - u_1) / L. The force decreases along the
     line by the load rho A Omega^2 (r_0 + x), where r_0 is the coordinate of the first end along
@@ -54,9 +54,9 @@ def axial_force(
 
     Args:
         model: beam model.
-        displacement: static displacements and rotations of every node in its own axes [m, m, 1],
-            (3 nodes,).
-        places: positions in every line, from 0 at the first end to 1, (places,).
+        displacement: static displacements and rotation of every node in the axes of the node [m, m,
+            1], (3 nodes,).
+        places: positions in every line, from 0 at the first end to 1 at the second, (places,).
         omega: speed of rotation [rad/s].
     """
     mesh, lengths = model.mesh, model.mesh.lengths
@@ -93,8 +93,8 @@ class RotationMatrices:
     mass: sp.csr_array  #: mass matrix M_t of translations [kg, kg m, kg m2], (size, size)
     geometric: sp.csr_array  #: geometric stiffness K_G1 [N s2/m, N s2, N m s2], (size, size)
     coriolis: sp.csr_array  #: skew Coriolis matrix G [kg, kg m, kg m2], (size, size)
-    load: FloatArray  #: centrifugal load M_t X over Omega^2 [kg m, kg m2], (size,)
-    growth: FloatArray  #: static displacement K^-1 M_t X over Omega^2 [m s2, s2], (size,)
+    load: FloatArray  #: centrifugal load M_t X [kg m, kg m2], (size,)
+    growth: FloatArray  #: static displacement K^-1 M_t X [m s2, s2], (size,)
 
     def stiffness(self, omega: float) -> sp.csr_array:
         """Return K_Omega = K + Omega^2 (K_G1 - M_t) at a speed [rad/s]."""
@@ -172,7 +172,7 @@ def _point_coriolis(weights: FloatArray) -> sp.csr_array:
 def _arm_stiffness(model: BeamModel, carried: FloatArray) -> sp.csr_array:
     """Return the geometric stiffness of rigid links against rotation of their leaders.
 
-    A rotation theta of the leader moves the end of an arm a by theta^2 |a| / 2 towards the leader.
+    A rotation theta of the leader moves the end of an arm a towards the leader by theta^2 |a| / 2.
     A force F at the end of the arm therefore resists with the moment (F . a) theta.
 
     Args:

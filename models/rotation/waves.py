@@ -2,9 +2,8 @@
 
 For a wave exp(i (k theta + w t)) at the speed Omega, the matrix
 -w^2 M + 2 i w Omega G + K + Omega^2 (K_G1 - M_t) is singular. Branches w(Omega) of one nodal
-diameter do not cross, so a branch is identified by its direction at rest and its rank: the rank is
-0 for the lowest of the branches that travel backward at rest, and 0 for the lowest of the branches
-that travel forward at rest.
+diameter do not cross, so a branch is identified by its direction of travel at rest and its rank
+among the branches with this direction; the lowest frequency has rank 0.
 
 Damping of the rotating structure acts on velocities relative to the structure. Where K_Omega is
 indefinite, a forward wave rotates more slowly than the disk. The damping then pulls the wave along,
@@ -63,7 +62,7 @@ class Waves:
             frequency: w, positive for a backward wave [rad/s].
 
         Returns:
-            the rank, and whether the branch travels backward at rest.
+            the rank, and true if the branch travels backward at rest.
         """
         nearest = int(np.abs(self.frequencies(omega) - frequency).argmin())
         size = len(self.mass)
@@ -72,11 +71,11 @@ class Waves:
     def synchronous(self, order: int) -> tuple[FloatArray, FloatArray]:
         """Return the speeds at which w = m Omega, where m is the order.
 
-        They follow from the Hermitian eigenproblem
-        K p = Omega^2 (m^2 M + M_t - 2 i m G - K_G1) p. Order 0 gives the critical speeds of a load
-        that rotates with the disk, such as an imbalance; at these speeds w of the branches that
-        travel forward at rest reaches zero, in the order of their rank. Order k gives the speeds
-        at which a backward wave is stationary relative to the casing.
+        The speeds follow from the Hermitian eigenproblem K p = Omega^2 (m^2 M + M_t - 2 i m G -
+        K_G1) p. Order 0 gives the critical speeds of a load that rotates with the disk, such as an
+        imbalance; at these speeds the frequencies w of the branches that travel forward at rest
+        reach zero, in the order of their ranks. Order k gives the speeds at which a backward wave
+        is stationary relative to the casing.
 
         Returns:
             speeds in ascending order [rad/s] (waves,), and the share of the strain energy in the
@@ -91,11 +90,10 @@ class Waves:
         return speeds, spring_energy / strain
 
     def meeting(self, casing_frequency: float, highest: float) -> FloatArray:
-        """Return the speeds at which a backward wave has w = k Omega - omega_c, ascending [rad/s],
-        (waves,).
+        """Return the speeds at which a backward wave has w = k Omega - omega_c [rad/s], ascending.
 
-        At such a speed the backward wave and a forward wave on the casing rotate together, Eq. (14)
-        with the frequency at speed. With this w the eigenproblem is quadratic in Omega.
+        At such a speed the backward wave rotates together with a forward wave on the casing: Eq.
+        (14) with the rotor's frequency at speed. The eigenproblem is then quadratic in Omega.
 
         Args:
             casing_frequency: frequency omega_c of the casing [rad/s].
@@ -165,7 +163,7 @@ class InternalGrowth:
     nodal_diameter: int
     holding: float | None
     """Least damping of bearings fixed in space, along x and along y, that makes the bladed disk
-    stable [N s/m]; zero if it is stable without, None if bearings cannot stabilise it."""
+    stable [N s/m]; zero if no damping is needed, None if bearings cannot stabilise the disk."""
 
 
 def internal_growth(
@@ -176,7 +174,7 @@ def internal_growth(
     *,
     damping_ratio: float,
 ) -> InternalGrowth:
-    """Return the growth of a bladed disk with equal sectors due to the modal damping at rest.
+    """Return the growth of a bladed disk with equal sectors that modal damping at rest causes.
 
     Args:
         disk: the bladed disk.
@@ -234,7 +232,7 @@ class DampedWaves:
 
 
 def _holding(first: DampedWaves, centre: ComplexArray) -> float | None:
-    """Return the least bearing damping without growth [N s/m]; None if no tried value suffices."""
+    """Return the least bearing damping without growth [N s/m]; None if growth always remains."""
     mass = float(np.trace(centre.conj().T @ first.own.mass @ centre).real)
     from scipy.optimize import brentq  # long to load
 

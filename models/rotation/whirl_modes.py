@@ -5,7 +5,7 @@ A field p exp(i (k n alpha + w t)) over the sectors n solves
     (-w^2 M + i w 2 Omega G + K_Omega) p = 0
 
 for each nodal diameter k. If K_Omega is positive definite, w is real. A field with w > 0 travels
-backward, with w < 0 forward. If K_Omega is indefinite, only Coriolis forces keep the motion
+backward, a field with w < 0 forward. If K_Omega is indefinite, only Coriolis forces keep the motion
 bounded.
 """
 
@@ -30,10 +30,10 @@ DENSE_SIZE = 800
 """Largest size of a structure without symmetry whose modes are computed with a dense solver."""
 
 TRAVELS = 0.5
-"""Difference of the shares of both directions above which a mode counts as travelling."""
+"""Difference between the shares of backward and forward waves above which a mode travels."""
 
 SLOW = 1e-6
-"""Ratio of frequency to speed of rotation below which a wave counts as standing."""
+"""Ratio of frequency to speed of rotation up to which a wave counts as standing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,8 +47,8 @@ class WhirlModes:
     spring_share: FloatArray  #: share of the strain energy in the springs, (modes,)
     direction: tuple[Direction, ...]  #: direction of travel in the rotating frame, (modes,)
     rank: IntArray
-    """Rank of each mode, (modes,): 0 for the lowest of the branches of its nodal diameter that
-    travel in the same direction at rest; these branches do not cross. -1 without symmetry."""
+    """Rank of each mode, from 0, by frequency among the branches that have the same nodal diameter
+    and direction of travel at rest, (modes,). These branches do not cross. -1 without symmetry."""
     amplitudes: tuple[ComplexArray, ...]
     """Complex field p of each mode, with p^H M p = 1 [kg^-1/2]: in one sector, or on all DoF if the
     rank is -1."""
@@ -82,8 +82,8 @@ class WhirlModes:
         return replace(self, **taken)
 
     def static_frequency(self, omega: float) -> FloatArray:
-        """Return the frequency of each mode in the static frame, positive for backward waves
-        [rad/s], (modes,). The frequency of a standing mode is not changed.
+        """Return the frequency of each mode in the static frame [rad/s], (modes,), positive for
+        backward waves. Standing modes keep their frequency in the rotating frame.
 
         Args:
             omega: speed of rotation [rad/s].
@@ -100,10 +100,10 @@ class WhirlModes:
 
 
 def directions(signed: FloatArray, omega: float) -> tuple[Direction, ...]:
-    """Return the directions of waves from the signs of their frequencies.
+    """Return the directions of waves that follow from the signs of their frequencies.
 
     Args:
-        signed: frequencies, positive for backward waves, zero for standing ones [rad/s], (modes,).
+        signed: frequencies, positive for backward, zero for standing waves [rad/s], (modes,).
         omega: speed of rotation, relative to which a frequency counts as zero [rad/s].
     """
     return tuple(
@@ -117,8 +117,8 @@ def whirl_modes(structure: Structure, count: int | None = None) -> WhirlModes:
 
     Args:
         structure: structure linearised about the state of steady rotation.
-        count: number of modes, the lowest ones; all if None, which takes a minute for a thousand
-            degrees of freedom without symmetry.
+        count: number of the lowest modes; all if None, which takes a minute for a thousand degrees
+            of freedom without symmetry.
     """
     layout, gyroscopic = structure.layout, structure.gyroscopic
     if gyroscopic is None:
@@ -249,7 +249,7 @@ def _share(
     springs: ComplexArray | sp.csr_array,
     elastic: ComplexArray | sp.csr_array,
 ) -> FloatArray:
-    """Return the share of the springs in the strain energy of each vector, (modes,)."""
+    """Return the springs' share of the strain energy of each vector, (modes,)."""
     in_springs, whole = (
         np.einsum("im,im->m", vectors.conj(), matrix @ vectors).real
         for matrix in (springs, elastic)

@@ -27,7 +27,7 @@ class BeamSection(Table):
 
 
 class NamedMaterial(Table):
-    """A material that sections may ask for by name."""
+    """A material to which sections refer by name."""
 
     name: StrictStr
     """Name for use in sections."""
@@ -36,26 +36,26 @@ class NamedMaterial(Table):
     density: Density
     """Density [kg/m3]."""
     yield_strength: Modulus | None = Field(default=None, examples=['"600 MPa"'])
-    """Stress at which it yields [Pa]: the summary of a run says where that is passed. Nothing
-    yields in the model."""
+    """Yield strength [Pa]. The summary of a run states where the stress exceeds it; the model
+    remains elastic."""
 
 
 class Material(Table):
-    """Material of the bladed disk and the casing, where their sections name no other."""
+    """Material of all sections of bladed disk and casing that do not name another material."""
 
     young_modulus: Modulus = 2.1e11
     """Young's modulus [Pa] (the paper: "steel")."""
     density: Density = 7800.0
     """Density [kg/m3] (the paper: "steel")."""
     yield_strength: Modulus | None = Field(default=None, examples=['"600 MPa"'])
-    """Stress at which it yields [Pa]: the summary of a run says where that is passed. Nothing
-    yields in the model."""
+    """Yield strength [Pa]. The summary of a run states where the stress exceeds it; the model
+    remains elastic."""
     named: Annotated[
         tuple[NamedMaterial, ...],
         rows('{ name = "titanium", young_modulus = "114 GPa", density = 4430.0 }'),
     ] = ()
     """More materials, rows of { name = "titanium", young_modulus = "114 GPa", density = 4430.0 },
-    for sections that ask for one: { material = "titanium", ... }."""
+    for sections that name a material: { material = "titanium", ... }."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error if two materials have the same name."""
@@ -70,7 +70,7 @@ class Material(Table):
         return min((value for value in given if value is not None), default=None)
 
     def find(self, name: str | None) -> Material | NamedMaterial:
-        """Return the material of a name; this material for None.
+        """Return the material with a name; this material if the name is None.
 
         Raises:
             KeyError: no material has that name.
@@ -85,19 +85,19 @@ Size = TypeVar("Size", float, FloatArray)
 class Rectangle(Generic[Size]):
     """Rectangular sections; all quantities are numbers, or arrays of the same shape."""
 
-    width: Size  #: out of the plane [m]
-    thickness: Size  #: in the plane [m]
-    young_modulus: Size  #: [Pa]
-    density: Size  #: [kg/m3]
+    width: Size  #: size out of the plane of motion [m]
+    thickness: Size  #: size in the plane of motion [m]
+    young_modulus: Size  #: Young's modulus [Pa]
+    density: Size  #: density [kg/m3]
 
     @property
     def axial_stiffness(self) -> Size:
-        """E A [N]."""
+        """Axial stiffness E A [N]."""
         return self.young_modulus * self.width * self.thickness
 
     @property
     def bending_stiffness(self) -> Size:
-        """E I for bending in the plane [N m2]."""
+        """Stiffness E I for bending in the plane [N m2]."""
         return self.young_modulus * self.width * self.thickness**3 / 12.0
 
     @property
@@ -123,10 +123,10 @@ class Section(Rectangle[float]):
             `Material()` is steel.
 
     Raises:
-        CaseError: a value that is not positive, has a wrong unit, is missing or is given twice.
+        CaseError: a value is not positive, has a wrong unit, is missing or is given twice.
     """
 
-    __pydantic_config__: ClassVar = ConfigDict(extra="forbid")  # where a case holds one
+    __pydantic_config__: ClassVar = ConfigDict(extra="forbid")  # for sections in a case
 
     width: Length  #: [m]
     thickness: Length  #: [m]
@@ -170,7 +170,7 @@ CHANGES = tuple(f"{name}_change" for name in QUANTITIES)
 
 
 def along(sections: Section | Taper, share: FloatArray) -> FloatArray:
-    """Width, thickness, Young's modulus and density along a member, (4, shares).
+    """Return width, thickness, Young's modulus and density along a member, (4, shares).
 
     Args:
         sections: one section for the entire member, or a taper.
@@ -210,7 +210,7 @@ def along_elements(sections: Section | Taper, elements: int) -> tuple[FloatArray
     largest = np.maximum.reduceat(np.maximum(first, second), starts, axis=1)
     largest_end = np.where(
         smallest == largest, 0.0, 2.0 * mean - smallest
-    )  # constant without rounding
+    )  # no rounding if constant
     return np.where(smallest == largest, smallest, mean), np.clip(change, -largest_end, largest_end)
 
 
@@ -248,4 +248,4 @@ class LineProperties(Rectangle[FloatArray]):
     def mean_line_mass(self) -> FloatArray:
         """Mean mass per unit length of each line [kg/m], (lines,)."""
         ends = self.at(np.array([0.0, 1.0])).line_mass
-        return np.asarray((ends.sum(axis=1) + 4.0 * self.line_mass) / 6.0)  # a cubic: exact
+        return np.asarray((ends.sum(axis=1) + 4.0 * self.line_mass) / 6.0)  # exact for cubics

@@ -4,9 +4,9 @@ Stiffness and mass are integrated with the section at the quadrature points. The
 smooth wall therefore converge with fourth order, as for a uniform wall. A quadrature point
 represents a part of its element, in proportion to its weight. If an arc ends inside this part, the
 stiffness and mass of both sides are averaged by length: masses are exact and results do not jump
-when the end is moved, but the elements cannot bend as the true wall does there. With arcs that end
-at nodes the order remains four; with others it is one (an error of one per cent where the
-thickness doubles inside an element of 9 degrees).
+when the end is moved, but the element bends differently from the true wall. The order remains four
+if all arcs end at nodes; otherwise it is one (an error of one per cent where the thickness doubles
+inside an element of 9 degrees).
 
 All sections are centred on the same circle. The additional bending by the eccentricity of a
 one-sided rib is therefore not included.
@@ -62,7 +62,7 @@ class RingProfile:
         return np.asarray(total)
 
     def lobe_slope(self, angle: ArrayLike) -> FloatArray:
-        """Return the derivative of the lobes by the angle, at angles [rad]."""
+        """Return the derivative of the lobes with respect to the angle at angles [rad]."""
         theta = np.asarray(angle, dtype=np.float64)
         slope = np.zeros(theta.shape)
         for wave in self.lobes:
@@ -85,8 +85,8 @@ class WallProperties:
     axial_stiffness: FloatArray  #: E A [N]
     bending_stiffness: FloatArray  #: E I [N m2]
     line_mass: FloatArray  #: rho A [kg/m]
-    thickness: FloatArray  #: in the plane [m]
-    width: FloatArray  #: out of the plane [m]
+    thickness: FloatArray  #: size in the plane [m]
+    width: FloatArray  #: size out of the plane [m]
     young_modulus: FloatArray  #: [Pa]
 
     def mean(self, weights: FloatArray) -> WallProperties:
@@ -95,12 +95,12 @@ class WallProperties:
 
 
 class Arc(Table):
-    """A stretch of wall of another section or material; keys left out are as elsewhere."""
+    """An arc of wall with another section or material; keys left out are as in the wall."""
 
     start: Angle
-    """Angle from the x axis at which it begins [rad]."""
+    """Angle from the x axis at which the arc begins [rad]."""
     end: Angle
-    """Angle at which it ends, at most one turn after `start` [rad]."""
+    """Angle at which the arc ends, at most one turn after `start` [rad]."""
     thickness: Length | None = None
     """Size in the plane [m]."""
     width: Length | None = None
@@ -117,7 +117,7 @@ class Arc(Table):
             yield Inconsistency("end", expected, ("start",))
 
     def share(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return the share of each interval that is inside the arc, an array in their shape.
+        """Return the share of each interval that is inside the arc, in the shape of the intervals.
 
         Args:
             low: start of each interval, from 0 to 2 pi [rad].
@@ -125,7 +125,7 @@ class Arc(Table):
         """
         start = np.mod(self.start, TURN)
         inside = np.zeros(np.broadcast_shapes(low.shape, high.shape))
-        for turn in (-TURN, 0.0):  # it begins in [0, 2 pi), so it may reach into a second turn
+        for turn in (-TURN, 0.0):  # the arc begins in [0, 2 pi) and may reach into a second turn
             first, last = start + turn, start + turn + self.end - self.start
             inside += np.maximum(0.0, np.minimum(high, last) - np.maximum(low, first))
         return np.asarray(inside / (high - low))

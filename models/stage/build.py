@@ -1,4 +1,4 @@
-"""Make the contact problem of a stage, and report all faults that depend on the built stage."""
+"""Make the contact problem of a stage, and report faults that only a built stage reveals."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def contact_problem(stage: Stage) -> ContactProblem:
 
     Raises:
         CaseError: time integration is not possible; the error lists all faults of `march_faults`.
-            Also if loads exceed the range of floating-point numbers.
+            Also raised if loads exceed the range of floating-point numbers.
     """
     faults = list(march_faults(stage))
     if faults:
@@ -66,8 +66,8 @@ def march_faults(stage: Stage) -> Iterator[Fault]:
 
 
 def time_step_faults(stage: Stage) -> Iterator[Fault]:
-    """Yield faults if the time step is not below the stability limit, or so long that a tip moves
-    by an element of the casing or more in a step."""
+    """Yield faults if the time step reaches the stability limit, or the time in which a tip passes
+    an element of the casing."""
     case, step = stage.case, stage.case.march.time_step
     with numbers_within_reach(case):
         bodies = marched_bodies(stage)

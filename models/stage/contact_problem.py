@@ -2,8 +2,8 @@
 
 The rotor is described in its rotating frame, the casing in the static frame. Both are
 mass-normalised modal models; matrices give the motion of the tips, of the centre and of the nodes
-of the casing for unit modal coordinates. The bodies may be any structures. If they have cyclic
-symmetry, the DFT columns of their modes let the time integration use it.
+of the casing for unit modal coordinates. The bodies may be any structures. Time integration uses
+their cyclic symmetry, if the modes have DFT columns.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ NEVER = np.inf
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedRotor:
-    """A bladed disk in modal coordinates, rotating frame."""
+    """A bladed disk in modal coordinates in the rotating frame."""
 
     frequency: FloatArray
     """Frequency [rad/s], (modes,); negative if spin softening makes its square negative, see
@@ -44,11 +44,11 @@ class ReducedRotor:
     """Half the difference of the static springs at the centre: along x minus along y [N/m]."""
     by_velocity: FloatArray | None = None
     """Matrix of the Coriolis forces 2 Omega G and of the damping that does not follow from
-    `damping_ratio` and `dampers` [1/s], (modes, modes); None without Coriolis forces. If it is
-    given, dampers respond to contact within the step."""
+    `damping_ratio` and `dampers` [1/s], (modes, modes); None without Coriolis forces. With this
+    matrix, dampers respond to contact within the time step."""
     circulation: float = 0.0
-    """Damping in the static frame at the centre times the speed [N/m]: in rotating axes a
-    displacement (x, y) causes the force `circulation` times (y, -x)."""
+    """Damping at the centre in the static frame, times the speed [N/m]. In rotating axes a
+    displacement (x, y) of the centre causes the force `circulation` times (y, -x)."""
 
     @property
     def stiffness(self) -> FloatArray:
@@ -71,13 +71,13 @@ class ReducedRotor:
 
     @property
     def whirl_stiffness(self) -> float:
-        """Upper bound of the increase of squared frequencies by the anisotropy [1/s^2]."""
+        """Upper bound of the increase of squared frequencies due to the anisotropy [1/s^2]."""
         largest = np.linalg.eigvalsh(self.centre @ self.centre.T).max()
         return float(abs(self.anisotropy) * largest)
 
     @property
     def by_harmonics(self) -> bool:
-        """Whether time integration treats one harmonic after another.
+        """True if time integration treats each harmonic separately.
 
         This needs symmetry; with few modes dense products are faster.
         """
@@ -117,7 +117,7 @@ class ReducedRotor:
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedCasing:
-    """A casing in modal coordinates, static frame."""
+    """A casing in modal coordinates in the static frame."""
 
     frequency: FloatArray  #: natural frequency [rad/s], (modes,)
     damping_ratio: FloatArray  #: damping ratio of each mode, (modes,)
@@ -135,7 +135,7 @@ class ReducedCasing:
 
     @property
     def by_harmonics(self) -> bool:
-        """Whether time integration treats one harmonic after another.
+        """True if time integration treats each harmonic separately.
 
         This needs symmetry; with few modes dense products are faster.
         """
@@ -165,13 +165,13 @@ class Load:
     phase: float = 0.0  #: phase of the cosine [rad]
 
     def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> Load:
-        """Return the load on some of the modes, which is its projection on them."""
+        """Return the load on some modes, that is, its projection on these modes."""
         return replace(self, rotor=self.rotor[rotor_modes], casing=self.casing[casing_modes])
 
 
 @dataclass(frozen=True, kw_only=True)
 class Start:
-    """Displacement and velocity at t = 0, modal coordinates."""
+    """Displacement and velocity at t = 0 in modal coordinates."""
 
     rotor: FloatArray  #: modal displacements of the rotor [kg^1/2 m], (rotor modes,)
     rotor_velocity: FloatArray  #: modal velocities of the rotor [kg^1/2 m/s], (rotor modes,)
@@ -179,8 +179,7 @@ class Start:
     casing_velocity: FloatArray  #: modal velocities of the casing [kg^1/2 m/s], (casing modes,)
 
     def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> Start:
-        """Return the start in some of the modes, which is its mass-orthogonal projection on
-        them."""
+        """Return the start in some modes: its mass-orthogonal projection on these modes."""
         return Start(
             rotor=self.rotor[rotor_modes],
             rotor_velocity=self.rotor_velocity[rotor_modes],
@@ -198,7 +197,7 @@ class ContactProblem:
     speed: float  #: speed of rotation Omega, counter-clockwise [rad/s]
     friction: float  #: Coulomb friction coefficient
     sliding: Literal["permanent", "signed"]  #: see `contact.sliding` of a case
-    tip_rotation: bool  #: whether the angle of a tip follows u_t / R
+    tip_rotation: bool  #: true to add u_t / R to the angle of a tip
     displacement_limit: float  #: displacement at which a march ends as divergent [m]
     loads: tuple[Load, ...]
     start: Start
@@ -206,7 +205,7 @@ class ContactProblem:
     restitution: float = 0.0  #: restitution coefficient e of the scheme "moreau-jean"
     penalty_stiffness: float = 1e9  #: contact stiffness of the scheme "penalty" [N/m]
     stick_speed: float = 0.01
-    """Sliding speed below which friction of the scheme "penalty" is proportional to it [m/s]."""
+    """Sliding speed up to which friction in the scheme "penalty" grows in proportion [m/s]."""
 
     @property
     def critical_time_step(self) -> float:
@@ -217,7 +216,7 @@ class ContactProblem:
         """Return the stiffness K* of the coupling springs and of unequal static shaft springs.
 
         Args:
-            angle: angle of the rotor Omega t [rad], any shape (...).
+            angle: angle Omega t of the rotor [rad], any shape (...).
 
         Returns:
             matrices over the n modes of rotor and casing [1/s^2], (..., n, n).
@@ -239,8 +238,8 @@ def critical_time_step(
     """Return the stability limit of the time step for central differences, 2 / omega_max [s].
 
     omega_max is the highest frequency of both bodies with their coupling springs. With Coriolis
-    forces, where i g is an eigenvalue of M^-1 G, the limit is k dt^2 <= 2 + 2 sqrt(1 +
-    (Omega g dt)^2). It is never lower, and only slightly higher.
+    forces, where i g is an eigenvalue of M^-1 G, the limit is k dt^2 <= 2 + 2 sqrt(1 + (Omega g
+    dt)^2), which is never lower than the returned limit and only slightly higher.
     """
     highest = max(np.abs(rotor.frequency).max(initial=0.0), casing.frequency.max(initial=0.0))
     if springs is not None:

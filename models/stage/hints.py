@@ -12,11 +12,11 @@ from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.stage.stage import Stage
 
 LOWEST_FREQUENCY = 1.0
-"""Lowest plausible reference frequency [Hz]; a lower one is usually due to a wrong unit."""
+"""Lowest plausible reference frequency [Hz]; lower frequencies are usually due to a wrong unit."""
 
 TIP_SHARE = 0.9
-"""Radius, relative to that of the innermost tip, from which on a free end is reported as a possible
-tip."""
+"""Smallest radius of a free end that is reported as a possible tip, over the smallest tip radius.
+"""
 
 
 def stage_hints(stage: Stage) -> tuple[str, ...]:
@@ -30,7 +30,7 @@ def stage_hints(stage: Stage) -> tuple[str, ...]:
 
 
 COALESCED = 1e-6
-"""Ratio of an undamped growth rate to the speed above which the growth is not a rounding error."""
+"""Largest growth rate, relative to the speed of rotation, that counts as a rounding error."""
 
 
 def _too_soft(stage: Stage) -> Iterator[str]:

@@ -33,8 +33,7 @@ def kept_modes(case: Case, rotor: RadialModes, casing: RadialModes) -> KeptModes
         casing: all modes of the casing.
 
     Raises:
-        CaseError: the stage does not have the selected modes, or there are no modes that the
-            springs can couple.
+        CaseError: the stage does not have the selected modes, or springs have no modes to couple.
     """
     coupled = None
     if rotor.is_cyclic and casing.is_cyclic:
@@ -64,7 +63,7 @@ def _springs(
     kept: tuple[IntArray, IntArray],
     chosen: tuple[IntArray, IntArray],
 ) -> CouplingSprings:
-    """Return the springs between the modes that are both kept and chosen.
+    """Return the springs between modes that belong to `reduction.modes` and to `coupling.modes`.
 
     Args:
         case: case with the stiffness of the springs.
@@ -73,7 +72,7 @@ def _springs(
         chosen: numbers of the modes of `coupling.modes`, of bladed disk and casing.
 
     Raises:
-        CaseError: there are no such modes.
+        CaseError: no modes belong to both.
     """
     here = coupled.among(*(np.intersect1d(*pair) for pair in zip(kept, chosen, strict=True)))
     if not here.size:

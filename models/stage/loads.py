@@ -1,4 +1,4 @@
-"""Loads and initial state in modal coordinates, from the excitation and initial values of a case.
+"""Loads and initial state in modal coordinates, from the excitation and initial motion of a case.
 
 Loads on the rotor are in rotating axes, which coincide with the static axes at t = 0. Loads on the
 casing are in static axes.
@@ -64,8 +64,8 @@ def unbalance(stage: Stage) -> float:
     If ``clearance_speed`` is given, the unbalance is such that the static response to m e Omega^2
     at that speed just brings a tip to the casing where the clearance is smallest. With two equal
     springs at the centre and blades of equal length, this force is the stiffness times the
-    clearance at rest. With rotation effects, the tips also bend, and the stiffness is the one at
-    that speed.
+    clearance at rest. With rotation effects, the tips also bend, and the stiffness is that at
+    speed.
 
     Raises:
         ValueError: the excitation of the case is not an imbalance.
@@ -75,7 +75,7 @@ def unbalance(stage: Stage) -> float:
         raise ValueError(f'expected excitation.type = "imbalance"; got "{load.type}"')
     if load.unbalance is not None:
         return load.unbalance
-    assert load.clearance_speed is not None  # the case has one of the two
+    assert load.clearance_speed is not None  # a case has unbalance or clearance_speed
     return closing_unbalance(stage, load.clearance_speed.rad_per_s(stage.reference_frequency))
 
 
@@ -143,7 +143,7 @@ def boundary_values(
 
 
 def _static_shape(rotor: ReducedRotor, values: FloatArray) -> FloatArray:
-    """Return the modal coordinates of least strain energy for given values at tips and centre."""
+    """Return the modal coordinates of least strain energy for given motion of tips and centre."""
     rows = np.vstack([rotor.tip_radial, rotor.tip_tangential, rotor.centre])
     free = np.any(rows != 0.0, axis=1)  # a clamped centre has no coordinates
     flexible = rows[free] / rotor.stiffness

@@ -43,7 +43,7 @@ class ReducedDisk:
     stiffness: FloatArray  #: stiffness matrix, [N/m] between displacements, (size, size)
     damping: FloatArray
     """Damping matrix of modal damping and shaft dampers, [N s/m] between displacements,
-    (size, size). With Coriolis forces, the modal damping is that of the modes at rest. It rotates
+    (size, size). With Coriolis forces, the modal damping belongs to the modes at rest; it rotates
     with the disk and can destabilise waves above their critical speed."""
     gyroscopic: FloatArray | None
     """Skew matrix of the Coriolis forces, [N s/m] between displacements, (size, size); None without
@@ -64,8 +64,8 @@ class ReducedDisk:
 
     @property
     def frequencies(self) -> FloatArray:
-        """Natural frequencies in ascending order [rad/s], (size,); with Coriolis forces these are
-        the frequencies of waves."""
+        """Natural frequencies, or frequencies of waves with Coriolis forces, ascending [rad/s],
+        (size,)."""
         if self.gyroscopic is not None:
             w = gyroscopic_frequencies(self.mass, self.stiffness, self.gyroscopic)
             return np.sort(np.abs(w.real))[::2]  # each occurs with both signs

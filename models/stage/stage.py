@@ -38,11 +38,11 @@ from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
 from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies
 
 FULL_FREQUENCIES = 7
-"""Number of frequencies of the full model computed per nodal diameter: five families, the
-suspension pair, and one more."""
+"""Number of frequencies of the full model that are computed per nodal diameter: five families, the
+suspension pair, and one more mode."""
 
 ROUNDING = 1e-11
-"""Share of the largest entry of a damping matrix below which an entry is set to zero."""
+"""Entries of a damping matrix below this share of its largest entry are set to zero."""
 
 MOST_ENTRIES = 5e8
 """Largest number of entries in the mode shapes of a reduced model (4 GB)."""
@@ -97,7 +97,7 @@ class Stage:
         return "\n  ".join([f'Stage "{self.case.title}"', *rows])
 
     def _family(self, name: str) -> str:
-        """Return the range of reduced frequencies of a family, with their error, as text."""
+        """Return as text the frequency range of a family of the reduced model, and its error."""
         here = np.array(self.disk_family) == name
         hertz = self.reduction.modes.frequency[here] / (2.0 * np.pi)
         low, high = f"{hertz.min():.4g}", f"{hertz.max():.4g}"
@@ -239,13 +239,12 @@ def _reference_frequency(case: Case, disk: BladedDiskModel, full: Frequencies) -
 def _reduced_rotor(
     case: Case, disk: BladedDiskModel, modes: Modes, turning: TurningDisk | None
 ) -> ReducedRotor:
-    """Return the bladed disk in its modes; a cold clearance is reduced by the growth of the
-    tips."""
+    """Return the bladed disk in its modes; the growth of the tips reduces a cold clearance."""
     recess = tip_recess(case, disk, turning)
     if turning is not None:
         _check_clearance(case, recess)
     centre = np.zeros((2, modes.count))
-    centre[: len(disk.centre)] = modes.shapes[disk.centre]  # none when clamped
+    centre[: len(disk.centre)] = modes.shapes[disk.centre]  # no rows if clamped
     by_velocity = _by_velocity(case, disk, modes)
     return ReducedRotor(
         frequency=modes.frequency,
@@ -271,8 +270,8 @@ def _reduced_rotor(
 def _by_velocity(case: Case, disk: BladedDiskModel, modes: Modes) -> FloatArray | None:
     """Return the matrix of Coriolis forces and damping on the modes at speed, (modes, modes).
 
-    The damping is the modal damping of the structure at rest. Without Coriolis forces, None is
-    returned, and the modal damping is that of the modes at speed.
+    The damping is the modal damping of the structure at rest. None without Coriolis forces: the
+    modes at speed then have modal damping.
     """
     structure, shapes = disk.structure, modes.shapes
     if structure.gyroscopic is None:

@@ -12,17 +12,17 @@ from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.stage.contact_problem import ReducedRotor
 
 STANDS = 1e-6
-"""Relative difference between both directions up to which a motion counts as standing."""
+"""Largest relative difference between the backward and forward parts of a standing motion."""
 
 
 def wave_frequencies(rotor: ReducedRotor, nodal_diameter: IntArray, sense: float) -> FloatArray:
     """Return the frequencies of the backward and the forward wave of each mode.
 
-    With symmetry, the pairs of modes of one nodal diameter and its waves in each direction are
-    assigned to each other by rank, because branches do not cross. Without symmetry, a pair is
-    assigned to the two motions in which it has the largest share, if these travel in opposite
-    directions. A standing motion has the same frequency in both rows; without Coriolis forces this
-    holds for all modes.
+    With symmetry, the pairs of modes of one nodal diameter are assigned to its waves in each
+    direction by rank, because branches do not cross. Without symmetry, a pair of modes is assigned
+    to the two motions in which it has the largest share, if these motions travel in opposite
+    directions. A standing motion has the same frequency in both rows; without Coriolis forces both
+    rows are equal.
 
     Args:
         rotor: reduced rotor with its modes.
@@ -31,8 +31,8 @@ def wave_frequencies(rotor: ReducedRotor, nodal_diameter: IntArray, sense: float
 
     Returns:
         frequencies of the backward and of the forward waves in the rotating frame [rad/s],
-        (2, modes). A frequency is negative if the wave travels in the other direction, as a forward
-        wave does past its critical speed.
+        (2, modes). A frequency is negative if the wave has changed its direction, as a forward wave
+        does past its critical speed.
     """
     frequencies = np.stack([rotor.frequency, rotor.frequency])
     if rotor.by_velocity is None:
@@ -47,7 +47,7 @@ def wave_frequencies(rotor: ReducedRotor, nodal_diameter: IntArray, sense: float
     for block in members if symmetric else [np.arange(len(rotor.column))]:
         stiffness, gyroscopic = np.diag(rotor.stiffness[block]), coriolis[np.ix_(block, block)]
         found_w, fields = gyroscopic_eigen(np.eye(len(block)), stiffness, gyroscopic)
-        w, vectors = found_w[: len(block)].real, fields[:, : len(block)]  # others are conjugate
+        w, vectors = found_w[: len(block)].real, fields[:, : len(block)]  # without conjugates
         mode, motion = linear_sum_assignment(np.abs(vectors) ** 2, maximize=True)
         mode = block[mode]
         way = _ways(rotor, nodal_diameter[mode], rotor.tip_radial[:, block] @ vectors[:, motion])
@@ -69,7 +69,7 @@ def wave_frequencies(rotor: ReducedRotor, nodal_diameter: IntArray, sense: float
 def wave_errors(
     rotor: ReducedRotor, nodal_diameter: IntArray, family: tuple[str, ...], turning: TurningDisk
 ) -> dict[str, float]:
-    """Return the largest relative frequency error of the waves of each family, in both directions.
+    """Return the largest relative frequency error of the backward and forward waves of each family.
 
     Args:
         rotor: the reduced bladed disk, with equal sectors.
@@ -95,8 +95,8 @@ def wave_errors(
 
 
 def _ways(rotor: ReducedRotor, nodal_diameter: IntArray, tips: ComplexArray) -> FloatArray:
-    """Return 1 for motions p exp(i w t) that travel against the numbering of the blades, -1 along
-    it, and 0 for standing motions, (motions,).
+    """Return 1 for motions p exp(i w t) that travel against the numbering of the blades, -1 for
+    motions that travel along the numbering, and 0 for standing motions, (motions,).
 
     Args:
         rotor: reduced rotor with the angles of the tips.

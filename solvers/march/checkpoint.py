@@ -1,4 +1,4 @@
-"""Checkpoints: exact states of a march on disk, from which a killed march is resumed."""
+"""Checkpoints: exact states of a march, stored on disk, from which a killed march is resumed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NOTES = ("case", "records", "wall_time")
 
 @dataclass(frozen=True, kw_only=True)
 class Checkpoint:
-    """State of a march at the last time when its records were written to disk."""
+    """State of a march when its records were last written to disk."""
 
     case: str  #: digest of all data that affect the march, except its duration
     records: int  #: number of records in the result
@@ -28,7 +28,7 @@ class Checkpoint:
 
 
 def state_arrays(state: Any, prefix: str = "") -> dict[str, Any]:
-    """Return the numbers and arrays of the state of a scheme by name, also those in nested
+    """Return the numbers and arrays in the state of a scheme by name; dotted names lead into nested
     dataclasses and dictionaries."""
     arrays: dict[str, Any] = {}
     for name, value in _parts(state).items():
@@ -45,7 +45,7 @@ def state_from(begin: Any, arrays: dict[str, Any]) -> Any:
         arrays: arrays by name from `state_arrays`.
 
     Raises:
-        ValueError: the arrays are of another scheme or stage.
+        ValueError: the arrays belong to another scheme or stage.
     """
     shapes = {name: np.shape(value) for name, value in state_arrays(begin).items()}
     if shapes != {name: np.shape(value) for name, value in arrays.items()}:

@@ -1,15 +1,15 @@
-"""Two more schemes with other contact laws, on dense matrices.
+"""Schemes with the contact laws "moreau-jean" and "penalty", on dense matrices.
 
-Both integrate velocities with the midpoint rule (see `solvers/kernel/dense.c`). B_N and B_T of the
-tips are the same as for central differences. With the gap g, its rate u_N and the relative velocity
-u_T, the contact laws are:
+Both integrate velocities with the midpoint rule (see `solvers/kernel/dense.c`). The matrices B_N
+and B_T of the tips are defined in `reference`. With the gap g, its rate u_N and the relative
+tangential velocity u_T, the contact laws are:
 
 ``moreau-jean`` (Jean 1999; Moreau 1988): for a tip whose gap would be closed in the free step,
 
     0 <= P_N  perp  u_N+ + e u_N- >= 0,      |P_T| <= mu P_N,   P_T = -mu P_N sign(u_T+) if sliding
 
-with the restitution coefficient e. Tips stick and slip. A tip may penetrate by its motion in half a
-step at most, and gaps may drift by the same amount.
+with the restitution coefficient e. Tips stick and slip. A tip can penetrate by its motion in half a
+step at most, and gaps can drift by this amount.
 
 ``penalty``: half a step of free motion, the contact impulse, and another half step of free motion,
 with
@@ -17,10 +17,10 @@ with
     P_N = h k max(0, -g),      P_T = -mu P_N clip(u_T+ / v_s, -1, 1)
 
 with the penalty stiffness k and the speed v_s below which a tip that should stick creeps. The
-energy stored in k is returned, so impacts are elastic. The time step must resolve the period of a
-tip on the penalty spring.
+penalty spring returns its energy, so impacts are elastic. The time step must resolve the period of
+a tip on the penalty spring.
 
-The residual of a step is max_j |min(u_N,j+ + e u_N,j-, W_jj P_j)| over the largest velocity.
+The residual of a step is max_j |min(u_N,j+ + e u_N,j-, W_jj P_j)|, divided by the largest velocity.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class DenseState:
 
     @property
     def statistics(self) -> Statistics:
-        """Quality measures since the start."""
+        """Quality measures of the steps since the start of the march."""
         counts = self.arrays["counts"]
         return Statistics(
             steps=self.step,
@@ -61,7 +61,7 @@ class DenseState:
 
 
 class _Dense:
-    """Common part of both schemes.
+    """Base class of the schemes in this module.
 
     Args:
         problem: contact problem.
@@ -69,7 +69,8 @@ class _Dense:
         record_every: number of steps between records.
 
     Raises:
-        ValueError: the time step is not below the critical one, or too long for the penalty.
+        ValueError: the time step is not below the critical step, or too long for the penalty
+            stiffness.
     """
 
     def __init__(self, problem: ContactProblem, time_step: float, record_every: int) -> None:
@@ -222,7 +223,7 @@ def _stage(problem: ContactProblem, dt: float) -> Struct:
 
 
 def _turning(problem: ContactProblem) -> tuple[np.ndarray, FloatArray, FloatArray]:
-    """Return the stiffness of the springs that act in both frames, by harmonics of the rotor angle.
+    """Return the stiffness of springs that connect both frames, as harmonics of the rotor angle.
 
     Returns:
         numbers of the modes that are coupled, (n,); cosine parts and sine parts of the stiffness,
@@ -250,5 +251,5 @@ def _check_penalty(problem: ContactProblem, time_step: float) -> None:
     if problem.penalty_stiffness > limit:
         raise ValueError(
             f"penalty stiffness {problem.penalty_stiffness:.3g} N/m is above {limit:.3g} N/m,"
-            f" the most that a time step of {time_step:.3g} s resolves; reduce either of them"
+            f" the most that a time step of {time_step:.3g} s resolves; reduce one of the two"
         )

@@ -1,4 +1,4 @@
-"""Early end of a march when free motion has too little energy for further contact."""
+"""Early end of a march whose remaining energy is too small for further contact."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ RULE = (
 class FreeMotion:
     """Detects when no tip can touch the casing any more.
 
-    The energy of free motion can only decrease if no springs or dampers in the static frame act on
-    the rotor. With the remaining energy E, a displacement sum_m phi_m q_m is at most
-    sqrt(2 E sum_m (phi_m / omega_m)^2).
+    The energy of free motion, that is, of motion without loads and contact, can only decrease if no
+    springs or dampers in the static frame act on the rotor. With the remaining energy E, a
+    displacement sum_m phi_m q_m is at most sqrt(2 E sum_m (phi_m / omega_m)^2).
     """
 
     enough: float  #: energy below which no tip can touch the casing [J]
@@ -47,24 +47,24 @@ class FreeMotion:
 
     @classmethod
     def of(cls, problem: ContactProblem, time_step: float) -> Self:
-        """Make the detector for a contact problem.
+        """Return the detector for a contact problem.
 
         Raises:
-            ValueError: the energy may increase or remain without contact; the message is the
-                reason.
+            ValueError: the energy of free motion need not decay; the message states the reason.
         """
         rotor, casing = problem.rotor, problem.casing
         since = max((load.end for load in problem.loads), default=0.0)
         if math.isinf(since):
             raise ValueError("a load never ends")
         if problem.springs is not None or rotor.anisotropy or rotor.circulation:
-            raise ValueError("stationary springs or dampers may drive the rotor")
+            raise ValueError("springs or dampers in the static frame can feed energy to the rotor")
         if min(rotor.frequency.min(), casing.frequency.min()) <= 0.0:
             raise ValueError("a mode has no stiffness")
         compliance = _compliance(rotor.tip_radial, rotor.frequency)
         compliance += _compliance(casing.nodal[:, 0], casing.frequency)
         gap = CLOSING * float(casing.clearance[:, 0].min() + rotor.tip_recess.min())
-        # At the highest frequency, the energy of the scheme is this share of the true energy.
+        # The energy of the scheme is at least this share of the true energy (at the highest
+        # frequency).
         share = 1.0 - (time_step / problem.critical_time_step) ** 2
         turn = 2.0 * np.pi / abs(problem.speed) if problem.speed else np.inf
         return cls(
@@ -72,7 +72,7 @@ class FreeMotion:
         )
 
     def is_over(self, chunk: Chunk) -> bool:
-        """Return whether the march may end after a chunk; call it for every chunk in order."""
+        """Return whether the march can end after a chunk; all chunks must be passed in order."""
         touched = np.flatnonzero(chunk.contact_steps.any(axis=1))
         if touched.size:
             self.since = max(self.since, float(chunk.time[touched[-1]]))
@@ -83,5 +83,5 @@ class FreeMotion:
 
 
 def _compliance(rows: FloatArray, frequency: FloatArray) -> float:
-    """Return the largest squared displacement of any row for twice the energy of one [m/N]."""
+    """Return the largest squared displacement of any row, divided by twice the energy [m/N]."""
     return float(((rows / frequency) ** 2).sum(axis=1).max())

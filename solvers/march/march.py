@@ -1,8 +1,7 @@
-"""Contact march: the common interface of all schemes, and the loop that yields their records.
-
-A scheme is made once for a problem and a time step, and factorises its matrices then. It computes a
-new state from a state. A march can therefore be stopped, stored and resumed with identical results.
-"""
+"""Contact march: the common interface of all schemes, and the loop that yields their records. A
+scheme is made for one problem and one time step, for which it factorises its matrices. It computes
+each state from the previous state only. A march can therefore be stopped, stored and resumed
+exactly."""
 
 from __future__ import annotations
 
@@ -36,13 +35,13 @@ class Chunk:
     rotor_velocity: FloatArray  #: modal velocities [kg^1/2 m/s], (records, rotor modes)
     casing_displacement: FloatArray  #: modal displacements [kg^1/2 m], (records, casing modes)
     casing_velocity: FloatArray  #: modal velocities [kg^1/2 m/s], (records, casing modes)
-    gap: FloatArray  #: smallest gap of each tip since the last record [m], (records, tips)
+    gap: FloatArray  #: smallest gap of each tip since the previous record [m], (records, tips)
     contact_impulse: FloatArray
-    """Normal impulse at each tip since the last record [N s], (records, tips)."""
+    """Normal impulse at each tip since the previous record [N s], (records, tips)."""
     friction_impulse: FloatArray
-    """Friction impulse at each tip since the last record, positive towards -theta on the blade
-    [N s], (records, tips)."""
-    contact_steps: IntArray  #: steps with contact since the last record, (records, tips)
+    """Friction impulse on each tip since the previous record, positive towards -theta [N s],
+    (records, tips)."""
+    contact_steps: IntArray  #: steps with contact since the previous record, (records, tips)
     contacts: IntArray  #: number of tips in contact at the record, (records,)
     energy: FloatArray
     """Energy of both bodies and of the springs between them, half a step before each record [J],
@@ -53,8 +52,8 @@ class Chunk:
     friction_work: FloatArray  #: work of the friction forces [J], (records,)
     damping_work: FloatArray  #: energy lost by damping [J], (records,)
     coupling_work: FloatArray
-    """Work on the rotor due to its rotation relative to static springs and dampers [J],
-    (records,)."""
+    """Work on the rotor due to its rotation relative to springs and dampers in the static frame
+    [J], (records,)."""
 
     @property
     def records(self) -> int:
@@ -63,7 +62,7 @@ class Chunk:
 
 
 def joined(chunks: Sequence[Chunk]) -> Chunk:
-    """Join consecutive chunks to one."""
+    """Join consecutive chunks into one chunk."""
     if len(chunks) == 1:
         return chunks[0]
     return Chunk(
@@ -76,7 +75,7 @@ def joined(chunks: Sequence[Chunk]) -> Chunk:
 
 @dataclass(frozen=True, kw_only=True)
 class Statistics:
-    """Quality measures of a march."""
+    """Quality measures of the steps of a march."""
 
     steps: int  #: number of steps
     contact_steps: int  #: number of steps with contact
@@ -103,7 +102,7 @@ StateT = TypeVar("StateT", bound=MarchState)
 class Scheme(Protocol[StateT]):
     """Protocol of a time integration scheme, factorised for one problem and one time step."""
 
-    cyclic: tuple[bool, bool]  #: whether harmonics of rotor and of casing are treated separately
+    cyclic: tuple[bool, bool]  #: true for rotor and for casing if harmonics are separate
 
     def init(self) -> StateT:
         """Return the state at t = 0."""
@@ -116,7 +115,7 @@ class Scheme(Protocol[StateT]):
         Args:
             state: state to start from, which is not changed.
             steps: number of steps.
-            record_every: number of steps between records; by default that of the scheme.
+            record_every: number of steps between records; by default as given to the scheme.
 
         Returns:
             the new state, the records, and the reason of the end, None if the march continues.
@@ -125,7 +124,7 @@ class Scheme(Protocol[StateT]):
 
 CHUNK_STEPS = 50_000
 """Number of steps between two yields: few enough for a smooth progress bar, and so many that the
-interruption takes no noticeable time."""
+yields take no noticeable time."""
 
 
 def march(
@@ -146,7 +145,7 @@ def march(
         scheme: scheme for the problem and for ``timing.time_step``.
         timing: duration, time step and record step.
         state: state from which to resume; None for the start.
-        is_over: function of a chunk that returns whether the march ends after it.
+        is_over: function that returns true for a chunk after which the march ends.
 
     Yields:
         the state, the records since the last yield, and the reason of the end, None if the march

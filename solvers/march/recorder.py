@@ -1,8 +1,8 @@
 """Records of a march on disk: `result.nc`, a netCDF-4 file that grows during the march.
 
 Every variable has named dimensions, units and a long name. Flushed data remain if the process is
-killed. h5py can flush a file and h5netcdf cannot, so the file is opened with h5py and passed to
-h5netcdf. Records are flushed before the attribute `steps` includes them.
+killed. Only h5py can flush a file, so the file is opened with h5py and passed to h5netcdf. Records
+are flushed before the attribute `steps` includes them.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ Attribute = str | int | float
 Values = np.ndarray[Any, np.dtype[Any]]
 
 INTERRUPTED, UNFINISHED = "interrupted", "unfinished"
-"""Values of `end_reason` of a march that the user interrupted, and of one that was killed."""
+"""Values of `end_reason` of a march that the user interrupted, and of a march that was killed."""
 
 STORAGE_BYTES = 2**16
 """Size of the chunks in which HDF5 stores a history [bytes]: large enough for few reads, and small
@@ -47,7 +47,7 @@ STRUCTURE_BYTES = 100_000
 
 
 class NonFiniteError(ArithmeticError):
-    """Error for a record that is not finite; the records before it have been written."""
+    """Error for a record that is not finite; all earlier records have been written."""
 
 
 class Record(Protocol):
@@ -142,7 +142,7 @@ class Recorder:
             NonFiniteError: a record is not finite; this record and all later ones are left out.
             OSError: writing fails; earlier records remain in the file.
         """
-        if chunk.records == 0:  # records may be further apart than chunks
+        if chunk.records == 0:  # a chunk may be shorter than the time between records
             return
         history = {name: np.asarray(getattr(chunk, name)) for name in HISTORY}
         finite = finite_records(history)
@@ -201,7 +201,7 @@ class Recorder:
 
 
 def result_bytes(rotor_modes: int, casing_modes: int, blades: int, records: int) -> int:
-    """Return the size of the histories of a result, each in whole chunks as stored [bytes]."""
+    """Return the size of the histories of a result, which are stored in whole chunks [bytes]."""
     sizes = {"rotor_mode": rotor_modes, "casing_mode": casing_modes, "blade": blades}
     total = 0
     for variable in HISTORY.values():
@@ -244,7 +244,7 @@ def sizes_of(stage: StageArrays) -> dict[str, int]:
 
 
 def finite_records(history: Mapping[str, FloatArray]) -> int:
-    """Return the number of records before the first one with a number that is not finite."""
+    """Return the number of records before the first record with a number that is not finite."""
     with np.errstate(over="ignore", invalid="ignore"):
         doubtful = [values for values in history.values() if not np.isfinite(values.sum())]
     bad = [

@@ -26,9 +26,8 @@ class Records:
         stage: arrays that describe the stage.
         attributes: attributes of the result.
         most: largest number of records, for which memory is allocated.
-        room: arrays of an earlier march whose records are no longer needed. Arrays of sufficient
-            size are reused, others are replaced; this is faster, because new memory pages cost more
-            time than writing.
+        room: arrays of an earlier march whose records are no longer needed. Large enough arrays are
+            reused, because new memory pages cost more time than writing.
     """
 
     def __init__(

@@ -1,9 +1,9 @@
 """The contact march in plain NumPy, one step at a time: the reference for the compiled march.
 
-It follows the definitions directly. Every product is dense, and the rows of B_N and B_T are
-computed in each step from the position of each tip on the casing. The stiffness of coupling springs
-is summed over harmonics, and the complementarity problem is solved by trying active sets, all of
-them if necessary. The scheme and its stages are those of `solvers/kernel/march.c`; with
+The reference follows the definitions directly. Every product is dense, and the rows of B_N and B_T
+are computed in each step from the position of each tip on the casing. The stiffness of coupling
+springs is summed over harmonics, and the complementarity problem is solved by trying active sets,
+all of them if necessary. The scheme and its stages are those of `solvers/kernel/march.c`; with
 A = M / dt^2 + D / (2 dt)
 
     predict   A x_p = f_n - K_n x_n + 2 M / dt^2 x_n + (D / (2 dt) - M / dt^2) x_{n-1}
@@ -11,9 +11,9 @@ A = M / dt^2 + D / (2 dt)
     solve     0 <= lambda  perp  g_p + W lambda >= 0     W = B_N^T c (B_N + mu B_T S)
     correct   x_{n+1} = x_p + c (B_N + mu B_T S) lambda
 
-D includes point dampers; c is the inverse of A without point dampers, because these respond to a
-contact force from the next step on. Coriolis forces add Omega G / dt to A and to the factor of
-x_{n-1}. With Coriolis forces, c of the rotor includes both these forces and the point dampers.
+D includes point dampers; c is the inverse of A without point dampers, because point dampers respond
+to a contact force from the next step on. Coriolis forces add Omega G / dt to A and to the factor of
+x_{n-1}. With Coriolis forces, c of the rotor includes Coriolis forces and point dampers.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
 
 CHECK_EVERY = 100
-"""Number of steps between checks of all displacements except the radial ones of the tips."""
+"""Number of steps between checks of displacements other than the radial ones of the tips."""
 
 
 class Step(NamedTuple):
@@ -43,7 +43,7 @@ class Step(NamedTuple):
     force: FloatArray  #: modal loads f_n
     pressed: FloatArray  #: modal normal contact forces B_N^T lambda
     dragged: FloatArray  #: modal friction forces mu B_T^T S lambda
-    circulated: FloatArray  #: modal forces of static dampers due to the displacements x_n
+    circulated: FloatArray  #: modal forces of dampers in the static frame due to x_n
     damped: FloatArray  #: modal forces of point dampers and Coriolis forces
     residual: float  #: complementarity residual (`CentralDifference`)
 
@@ -66,17 +66,17 @@ class ReferenceState:
 
 
 class Reference:
-    """The scheme of `CentralDifference` with the same results, written for reading and comparison.
+    """The scheme of `CentralDifference`, with the same results, written to be read and compared.
 
     Args:
         problem: contact problem.
         time_step: time step [s].
         record_every: number of steps between records.
-        dampers_feel_contact: whether point dampers respond to contact within the step, unlike in
-            the compiled march.
+        dampers_feel_contact: let point dampers respond to contact within the step, unlike in the
+            kernel.
 
     Raises:
-        ValueError: the time step is not below the critical one.
+        ValueError: the time step is not below the critical time step.
     """
 
     def __init__(
@@ -158,7 +158,7 @@ class Reference:
         return state, self._chunk(records), None
 
     def _step(self, state: ReferenceState) -> Step:
-        """Do one step: predict, look, solve, correct."""
+        """Return the results of one step: predict, look, solve, correct."""
         dt, n, x, before = self._dt, state.step, state.now, state.before
         force, circulated = self._force(n), self._circulation(x)
         restoring = self._stiffness * x + self._spring_force(n, x)
@@ -192,7 +192,7 @@ class Reference:
         )
 
     def _account(self, state: ReferenceState, step: Step) -> ReferenceState:
-        """Return the state after an accepted step."""
+        """Return the state after a step that keeps the displacement limit."""
         dt, n, before, x = self._dt, state.step, state.before, state.now
         moved, touching = 0.5 * (step.after - before), step.multiplier > 0.0
         turned = self._spring_force(n, x) - self._spring_force(n - 1, x)
@@ -235,8 +235,7 @@ class Reference:
         return total
 
     def _circulation(self, x: FloatArray) -> FloatArray:
-        """Return the modal forces of static dampers at the centre due to displacements,
-        (modes,)."""
+        """Return the modal forces of dampers in the static frame due to displacements, (modes,)."""
         rotor = self._problem.rotor
         skew = rotor.circulation * np.array([[0.0, 1.0], [-1.0, 0.0]])
         force = rotor.centre.T @ (skew @ (rotor.centre @ x[: self._rotor_modes]))
@@ -252,7 +251,7 @@ class Reference:
         """Return B_N and B_T of the tips at step n, (tips, modes), and clearance plus recess,
         (tips,).
 
-        If the angles of the tips follow their tangential displacements, these are taken from ``x``.
+        With `tip_rotation`, the angles of the tips include their tangential displacements in ``x``.
         """
         problem, rotor, casing = self._problem, self._problem.rotor, self._problem.casing
         angle = rotor.tip_angle + problem.speed * n * self._dt
@@ -285,7 +284,7 @@ class Reference:
         return clearance + normal @ x
 
     def _sliding(self, tangential: FloatArray, moved: FloatArray) -> FloatArray:
-        """Return the direction of sliding of each tip, from the motion in the last step,
+        """Return the sign of the sliding velocity of each tip, from the motion in the last step,
         (tips,)."""
         problem = self._problem
         speed = np.full(len(tangential), problem.speed)
@@ -301,7 +300,7 @@ class Reference:
         looked_at = [rotor.tip_radial @ disk]
         if n % CHECK_EVERY == 0:
             looked_at += [rotor.tip_tangential @ disk, self._problem.casing.nodal[:, 0] @ casing]
-        return bool(np.all(np.abs(np.concatenate(looked_at)) <= limit))  # False for NaN
+        return bool(np.all(np.abs(np.concatenate(looked_at)) <= limit))  # NaN gives False
 
     def _chunk(self, records: list[tuple[ReferenceState, FloatArray, float]]) -> Chunk:
         states = [state for state, _, _ in records]

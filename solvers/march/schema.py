@@ -1,8 +1,8 @@
 """The schema of result.nc and sweep.nc: variables with their dimensions, units and meanings.
 
-The schema is the table schema.csv in the folder of this module. It determines the files that are
-written and read, and `schema_table` prints it. `HISTORY` has the names of the fields of `Chunk`,
-`STATIC` the names of the fields of `StageArrays`.
+The schema is the table schema.csv in the folder of this module. The schema determines the files
+that are written and read; `schema_table` returns it as text. `HISTORY` has the names of the fields
+of `Chunk`, `STATIC` the names of the fields of `StageArrays`.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ treats a dimension of length zero as unlimited."""
 class Variable(NamedTuple):
     """Variable of a file."""
 
-    dimensions: tuple[str, ...]  #: names of dimensions; in a sweep those of swept keys come first
+    dimensions: tuple[str, ...]  #: names of dimensions; swept keys precede them in a sweep
     kind: str  #: dtype, or "str"
     units: str
     long_name: str
     since: int  #: first format of the file with this variable
-    is_coordinate: bool  #: whether it names, numbers or describes the items along a dimension
+    is_coordinate: bool  #: true if the values label the items along a dimension
     values: str
     """Allowed values: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any."""
     labels: tuple[str, ...]

@@ -1,8 +1,8 @@
-"""Choice of the time integration scheme: the one of the case, or the reference.
+"""Choice of the time integration scheme: the scheme of the case, or the reference.
 
-`BLADEWHIRL_KERNEL=reference bladewhirl run ...` uses the reference in plain NumPy, without compiled
-code and several hundred times slower. It shows whether an error is in the compiled code or in the
-model.
+`BLADEWHIRL_KERNEL=reference bladewhirl run ...` uses the reference in plain NumPy, which is several
+hundred times slower than the compiled code. A comparison of both shows whether an error is in the
+compiled code or in the model.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """File objects for HDF5, which can neither close a file after a failed write nor open a truncated
-one.
+file.
 
 `GuardedFile` writes nothing more to the disk after the first failed write, and stores the error for
-`check`. `CutFile` reports a larger size than the file has, so that its existing part can be read.
+`check`. `CutFile` reports a larger size than the file has, so that the existing part can be read.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ CLAIMED = 2**40
 """Number of bytes that a truncated file reports in addition to its size."""
 
 SMALL = 4096
-"""Largest read of internal structures of HDF5 [bytes], which may extend beyond the end."""
+"""Largest read of internal structures of HDF5 [bytes]; such a read may extend beyond the end."""
 
 
 class GuardedFile(io.RawIOBase):
@@ -42,7 +42,7 @@ class GuardedFile(io.RawIOBase):
         return self._at
 
     def readinto(self, buffer: Any) -> int:
-        """Fill the buffer with written data, zeros elsewhere."""
+        """Fill the buffer with the written data, and with zeros where nothing was written."""
         view = memoryview(buffer).cast("B")
         self._file.seek(self._at)
         count = self._file.read(len(view))
@@ -100,7 +100,7 @@ class GuardedFile(io.RawIOBase):
 
 
 class CutFile(io.RawIOBase):
-    """Readable file that may be shorter than its header states, as after a killed march."""
+    """Readable file that may be shorter than its header states, because its march was killed."""
 
     mode = "rb"
 
@@ -128,7 +128,7 @@ class CutFile(io.RawIOBase):
         return self._file.tell()
 
     def readinto(self, buffer: Any) -> int:
-        """Fill the buffer, beyond the end of the file with zeros.
+        """Fill the buffer with data of the file, and with zeros beyond the end of the file.
 
         Raises:
             OSError: the data is beyond the end of the file.
@@ -136,7 +136,7 @@ class CutFile(io.RawIOBase):
         view = memoryview(buffer).cast("B")
         at = self._file.tell()
         if at >= self._size or (at + len(view) > self._size and len(view) > SMALL):
-            raise OSError(f"the file ends at byte {self._size}, before what its header promises")
+            raise OSError(f"the file ends at byte {self._size}, before its header says")
         count = self._file.read(len(view))
         view[: len(count)] = count
         view[len(count) :] = bytes(len(view) - len(count))

@@ -19,8 +19,8 @@ class Arrangement:
     """Position of each mode in an array of rows and columns.
 
     On a cyclic body the columns are in two halves: the partner of a cosine column is the sine
-    column ``half`` columns further on, and vice versa. If ``parts`` is 2, columns of even and of
-    odd nodal diameter are separate: in each half the first ``used`` columns are even, the next odd.
+    column ``half`` columns further on, and vice versa. If ``parts`` is 2, each half has first
+    ``used`` columns of even nodal diameter, then ``used`` columns of odd nodal diameter.
     """
 
     rows: int  #: number of rows
@@ -57,7 +57,7 @@ class Arrangement:
 
 
 def dense_arrangement(modes: int) -> Arrangement:
-    """Return an arrangement of one row with a column for each mode."""
+    """Return an arrangement with one row and with a column for each mode."""
     used = max(modes, 1)
     return Arrangement(rows=1, columns=padded(used, PAIR), entry=np.arange(modes), used=used)
 
@@ -67,9 +67,8 @@ def _couples(points: int, parity: int | None, *, alone: bool) -> list[tuple[int,
 
     Args:
         points: number of points of the circumference.
-        parity: parity of the nodal diameters; None for all.
-        alone: whether columns without a partner are returned separately; if not, they are returned
-            together.
+        parity: 0 for even nodal diameters, 1 for odd nodal diameters; None for all.
+        alone: return each column without a partner separately; otherwise all of them in one tuple.
     """
     wanted = [c for c in range(points) if parity in (None, nodal_diameter_of(c) % 2)]
     paired = [c for c in wanted if is_pair(nodal_diameter_of(c), points)]
@@ -84,12 +83,12 @@ class Harmonics:
 
     Args:
         points: number of points of the circumference of the body.
-        fold: whether columns of even and odd nodal diameter are separate. The kernel then uses that
-            values at opposite points are equal for even nodal diameters and have opposite signs
-            for odd ones. Used for even numbers of points only.
+        fold: separate columns of even and odd nodal diameter, if the number of points is even. The
+            kernel then uses that values at opposite points are equal for even nodal diameters and
+            have opposite signs for odd nodal diameters.
         unit: number of columns to a multiple of which each half is padded.
-        alone: whether each column without a partner has a position with an empty partner. The
-            blocks of a rotating body then contain all coupling between its modes.
+        alone: give each column without a partner a position with an empty partner. The blocks of a
+            rotating body then contain all coupling between its modes.
     """
 
     def __init__(self, points: int, *, fold: bool, unit: int, alone: bool = False) -> None:
@@ -136,7 +135,7 @@ class Harmonics:
         return own, other
 
     def arrangement(self, place: IntArray) -> Arrangement:
-        """Return the arrangement with each mode in a given column, one below the other.
+        """Return the arrangement in which the modes of each column are below each other.
 
         Args:
             place: column of each mode, (modes,).

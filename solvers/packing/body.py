@@ -1,4 +1,4 @@
-"""Arrays of a body in modal coordinates, and functions for both rotor and casing."""
+"""Arrays of a body in modal coordinates; used for rotor and casing."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def pack_body(
     """Return the coefficients of the recurrence in time of the modes of a body.
 
     Args:
-        frequency: frequency of each mode, negative if its square is [rad/s], (modes,).
+        frequency: frequency of each mode [rad/s], (modes,); negative if its square is negative.
         damping_ratio: damping ratio of each mode, (modes,).
         loads: modal forces of each load pattern, (modes,) each.
         arrangement: arrangement of the modes.
         dt: time step [s].
-        coupled: whether the matrix A couples the modes.
+        coupled: true if the matrix A couples the modes.
     """
     inverse = scheme_inverse(frequency, damping_ratio, dt)
     stiffness, size = frequency * np.abs(frequency), np.abs(frequency)
@@ -52,7 +52,7 @@ def scheme_inverse(frequency: FloatArray, damping_ratio: FloatArray, dt: float) 
 
 
 def by_sliding(pressed: FloatArray, dragged: FloatArray, friction: float) -> FloatArray:
-    """Return the response to a normal force with friction, for sliding -1, 0 and 1."""
+    """Return the response to a normal force with friction for sliding directions -1, 0 and 1."""
     return np.array([pressed + s * friction * dragged for s in (-1.0, 0.0, 1.0)])
 
 
@@ -72,7 +72,7 @@ def lengthened(values: FloatArray) -> FloatArray:
 
 
 def _registers_in_use(patterns: FloatArray) -> IntArray:
-    """Return the positions of the registers that are not zero in each pattern, padded with -1."""
+    """Return the positions of the nonzero registers of each load pattern, padded with -1."""
     used = [lib.LANES * np.flatnonzero(p.reshape(-1, lib.LANES).any(axis=1)) for p in patterns]
     places = np.full((len(patterns), max(map(len, used), default=0) + 1), -1)
     for row, place in zip(places, used, strict=True):

@@ -12,12 +12,12 @@ from bladewhirl.solvers.packing.body import by_column, by_sliding, pack_body, sc
 
 
 def pack_casing(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arrangement, Struct]:
-    """Return the arrangement and the arrays of the casing; arguments as for `pack_rotor`."""
+    """Return the arrangement and the arrays of the casing; see `pack_rotor` for the arguments."""
     casing = problem.casing
     nodes, kinds, modes = casing.nodal.shape
     if cyclic:
         arrangement, weight, shape = _cyclic_casing(casing)
-        # One array for all kinds of nodal values, so that less memory is read.
+        # All kinds of nodal values share one array, so that less memory is read.
         shapes, spreads = [by_column(shape, arrangement)] * kinds, [aligned_copy(shape)] * kinds
     else:
         arrangement = dense_arrangement(modes)
@@ -59,7 +59,7 @@ def pack_casing(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Ar
         half=half,
         shared=cyclic,
         compliance=aligned_copy(blocks.reshape(-1)),
-        spacing=1 if cyclic else nodes if nodes > 1 else 0,  # one node: there is one block
+        spacing=1 if cyclic else nodes if nodes > 1 else 0,  # a single node has one block
         nodes=nodes,
         element_length=casing.element_length,
     )
@@ -68,8 +68,8 @@ def pack_casing(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Ar
 def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, FloatArray]:
     """Return the arrangement, the weights and the shape of a cyclic casing.
 
-    w and u' of a mode vary as its DFT column, w' and u as the partner column. A mode of a harmonic
-    without a partner that consists of w' and u is therefore put into the position of the partner.
+    w and u' of a mode vary as its DFT column, w' and u as the partner column. If a harmonic has no
+    partner column, a mode of w' and u is therefore put into the position of the partner.
 
     Returns:
         arrangement; weights by kind of nodal value, (4, modes); shape, (nodes, columns).
@@ -104,8 +104,8 @@ def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, Floa
 def _folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
     """Return the shape (nodes, columns) on a quarter of the circle for `_folded_fields` (kernel).
 
-    It has no rows if folding is impossible: if columns are not separated by parity, or if there are
-    so few nodes that the whole registers of a quarter exceed half of the circle.
+    The result has no rows if folding is impossible: columns are not separated by parity, or there
+    are so few nodes that the whole registers of a quarter exceed half of the circle.
     """
     nodes = len(shape)
     width = padded(nodes // 4 + 1)
@@ -124,7 +124,7 @@ def _compliance(
 ) -> FloatArray:
     """Return the response of the four nodal values in one element to unit forces in another.
 
-    The response is given for sliding -1, 0 and 1.
+    The response is given for the sliding directions -1, 0 and 1.
 
     Returns:
         blocks of 4 x 4 for every two elements, (3, elements, elements, 4, 4); for a cyclic casing

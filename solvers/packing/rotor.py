@@ -24,10 +24,10 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
     Args:
         problem: contact problem.
         dt: time step [s].
-        cyclic: whether to use the DFT columns of the modes.
+        cyclic: use the DFT columns of the modes.
 
     Raises:
-        ValueError: modes that do not vary as their DFT columns.
+        ValueError: modes do not vary as their DFT columns.
     """
     rotor = problem.rotor
     tips, modes = rotor.tip_radial.shape
@@ -77,7 +77,7 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
 
 
 def _answer_at_tips(rotor: ReducedRotor, dt: float) -> tuple[FloatArray, FloatArray]:
-    """Return the radial response of the tips, by A^-1, to unit forces at the tips.
+    """Return the radial response of the tips to unit forces at the tips, computed with A^-1.
 
     Returns:
         response to radial and response to tangential forces, (forces, tips) each.

@@ -13,8 +13,7 @@ ROUNDING = 1e-14
 """Share of the largest entry of A^-1 up to which an entry counts as zero."""
 
 ALIKE = 1e-12
-"""Share of the largest entry of the damping up to which a cosine and its sine mode count as
-equally damped."""
+"""Largest relative difference between the damping of equally damped cosine and sine modes."""
 
 
 def pack_gyroscopic(
@@ -101,7 +100,8 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
     """Return the matrices from which the kernel computes the dissipation d^T D d.
 
     If the damping of cosine and sine modes is equal, D is stored as blocks, otherwise as a matrix
-    of all modes. Both contain upper triangles only, with twice the entries outside the diagonal.
+    of all modes. Blocks and matrix contain upper triangles only, with twice the entries outside the
+    diagonal.
 
     Args:
         damping: D, symmetric [1/s], (modes, modes).
@@ -136,8 +136,8 @@ def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: Struct) -> li
     """Return the response of the modes of a cyclic rotor to forces at the tips, by column.
 
     Returns:
-        response to normal forces in the column of a mode and in its partner column, then the same
-        for friction forces, (rows, columns) each.
+        response to normal forces in the column of a mode and in its partner column, then response
+        to friction forces in these columns, (rows, columns) each.
     """
     columns, half = arrangement.columns, arrangement.half
     modes, column = np.arange(len(inverse)), arrangement.entry % columns

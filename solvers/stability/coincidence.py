@@ -2,14 +2,15 @@
 
 A wave with nodal diameter k that travels forward on the casing at omega_c, exp(i (k theta -
 omega_c t)), is seen from the rotor, alpha = theta - Omega t, as exp(i (k alpha + (k Omega -
-omega_c) t)): there it travels backward with the frequency k Omega - omega_c. If this is a natural
-frequency omega_bd of the bladed disk, both waves rotate together and contact excites both.
+omega_c) t)): in rotor axes the wave travels backward with the frequency k Omega - omega_c. If this
+is a natural frequency omega_bd of the bladed disk, both waves rotate together and contact excites
+both.
 
 Blades slide forward over the casing, so friction drags waves backward on the rotor and forward on
-the casing. Only this combination counts. Two waves that travel in the same direction, each in its
-body's axes, also meet, at (omega_c - omega_bd) / k or (omega_bd - omega_c) / k, but are not
-excited. Waves with k = 0 do not travel and never meet. For Omega < 0 forward and backward are
-exchanged and the speeds are the same, so speeds are given as magnitudes.
+the casing. Only this combination counts. Two waves that travel in the same direction, each seen in
+the axes of its body, also meet, at (omega_c - omega_bd) / k or (omega_bd - omega_c) / k, but
+contact does not excite them. Waves with k = 0 do not travel and never meet. For Omega < 0 forward
+and backward are exchanged and the speeds are the same, so speeds are given as magnitudes.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ class Coincidences:
         return self.take(np.flatnonzero((self.speed >= lowest) & (self.speed <= highest)))
 
     def take(self, chosen: IntArray) -> Coincidences:
-        """Keep some pairs, by positions."""
+        """Return some of the pairs, chosen by positions."""
         return Coincidences(
             rotor=self.rotor[chosen],
             casing=self.casing[chosen],
@@ -57,7 +58,7 @@ def coincidences(
     casing_frequency: ArrayLike,
     casing_nodal_diameter: ArrayLike,
 ) -> Coincidences:
-    """Coincidence speeds Omega = (omega_c + omega_bd) / k of all pairs of modes with equal k > 0.
+    """Return coincidence speeds (omega_c + omega_bd) / k of all pairs of modes with equal k > 0.
 
     Args:
         rotor_frequency: natural frequencies of the bladed disk, one entry for a pair [rad/s],

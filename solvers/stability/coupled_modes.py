@@ -1,9 +1,9 @@
 """Coupled modes in time: the four steps of Section 3.3.2.
 
 1. eigenvectors of the autonomous system at one speed and spring stiffness (`coupled_modes`),
-2. the response of one of them in time,
-3. back to the coordinates u by the frame of Eq. (16), u = exp(Omega t J) y,
-4. through mode shapes to the shaft, the tips and the casing (`coupled_motion`).
+2. the response y of one eigenvector in time,
+3. the coordinates u = exp(Omega t J) y, from the frame of Eq. (16) back to the axes of the bodies,
+4. the motion of shaft, tips and casing from u and the mode shapes (`coupled_motion`).
 
 The direction of travel is measured from the displacement fields. A radial field with nodal
 diameter k, Re(C exp(-i k theta)), has its crest at theta = arg(C) / k, so the wave travels forward,
@@ -25,11 +25,11 @@ from bladewhirl.models.coupling.springs import CouplingModes
 class CoupledMode:
     """Mode of the autonomous system: y = Re(shape exp(eigenvalue t))."""
 
-    modes: CouplingModes  #: all coupled modes; `shape` is zero except for one nodal diameter
+    modes: CouplingModes  #: all coupled modes; `shape` is zero for other nodal diameters
     speed: float  #: Omega [rad/s]
     nodal_diameter: int  #: nodal diameter k of the mode
-    eigenvalue: complex  #: [1/s]
-    shape: ComplexArray  #: of y in the autonomous frame, largest entry one, (modes.size,)
+    eigenvalue: complex  #: eigenvalue [1/s]
+    shape: ComplexArray  #: shape of y, with one as its largest entry, (modes.size,)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +72,7 @@ class CoupledMotion:
     def smallest_clearance_angle(self) -> FloatArray:
         """Angle of the smallest clearance in the static frame [rad], (times,), unwrapped.
 
-        A wave with k nodal diameters has k such angles; this is one of them.
+        A wave with k nodal diameters has k such angles, of which one is returned.
         """
         return np.unwrap(np.angle(-self.stretch)) / max(self.nodal_diameter, 1)
 
@@ -88,19 +88,20 @@ class CoupledMotion:
 
     @property
     def whirl_speed(self) -> float:
-        """Whirl speed of the shaft in the rotating frame, forward positive [rad/s]; k = 1."""
+        """Whirl speed of the shaft in the rotating frame for k = 1, forward positive [rad/s]."""
         return phase_rate(self.time, _complex(self.shaft))
 
     @property
     def whirl_speed_static(self) -> float:
-        """Whirl speed of the shaft in the static frame, forward positive [rad/s]; k = 1."""
+        """Whirl speed of the shaft in the static frame for k = 1, forward positive [rad/s]."""
         return phase_rate(self.time, _complex(self.shaft_static))
 
     @property
     def shaft_lead(self) -> FloatArray:
         """Angle of the shaft displacement minus angle of the smallest clearance [rad], (times,).
 
-        In (-pi, pi]; k = 1. Zero is the paper's standard contact scenario, pi the inverted one.
+        The angle is in (-pi, pi] and needs k = 1. Zero is the paper's standard contact scenario, pi
+        its inverted contact scenario.
         """
         return np.angle(-_complex(self.shaft_static) / self.stretch)
 
@@ -151,7 +152,7 @@ def modal_response(mode: CoupledMode, time: FloatArray) -> tuple[FloatArray, Flo
         time: [s], (times,).
 
     Returns:
-        u and du/dt, each (times, size), not scaled.
+        u and du/dt without scaling, each (times, size).
     """
     y = np.exp(np.multiply.outer(time, mode.eigenvalue))[:, None] * mode.shape
     rate = (mode.eigenvalue * y).real
@@ -195,11 +196,11 @@ def coupled_motion(
 
 
 def wave_coefficient(field: FloatArray, angle: FloatArray, k: int) -> ComplexArray:
-    """Coefficient C of the part Re(C exp(-i k theta)) of a field at equally spaced angles.
+    """Return C of the part Re(C exp(-i k theta)) of a field at equally spaced angles.
 
     Args:
-        field: (..., angles).
-        angle: [rad], (angles,).
+        field: values of the field, (..., angles).
+        angle: theta [rad], (angles,).
         k: nodal diameter, up to half the number of angles.
 
     Returns:
@@ -212,7 +213,7 @@ def wave_coefficient(field: FloatArray, angle: FloatArray, k: int) -> ComplexArr
 
 
 def phase_rate(time: FloatArray, phasor: NDArray[np.complex128]) -> float:
-    """Mean rate of a phasor's phase [rad/s], by least squares."""
+    """Return the mean rate of a phasor's phase [rad/s], by least squares."""
     return float(np.polyfit(time - time.mean(), np.unwrap(np.angle(phasor)), 1)[0])
 
 

@@ -1,7 +1,7 @@
 """Floquet analysis of x'' + D x' + K(t) x = 0 with K(t) of period T, by direct integration.
 
-`floquet` does not use the frame in which the equations are autonomous, so it checks that frame
-independently. The state is integrated over one period by the sixth-order Magnus integrator on
+`floquet` does not use the frame in which the equations are autonomous and is thus an independent
+check of that frame. The state is integrated over one period by the sixth-order Magnus integrator on
 Gauss-Legendre nodes. The number of steps is doubled until the monodromy matrix no longer changes.
 
 Reference: S. Blanes, F. Casas, J. A. Oteo, J. Ros, The Magnus expansion and some of its
@@ -30,11 +30,11 @@ NODES = 0.5 + np.sqrt(15.0) / 10.0 * np.array([-1.0, 0.0, 1.0])
 
 @dataclass(frozen=True, kw_only=True)
 class Floquet:
-    """Change of a linear system's state over one period."""
+    """Change of the state of a linear system over one period."""
 
     period: float  #: T [s]
-    monodromy: FloatArray  #: (x, x') after one period from (x, x') before, (..., 2 n, 2 n)
-    steps: int  #: integration steps over the period
+    monodromy: FloatArray  #: matrix from (x, x') to (x, x') a period later, (..., 2 n, 2 n)
+    steps: int  #: number of integration steps in the period
     change: float  #: relative change of the scaled monodromy matrix at the last doubling
 
     @property
@@ -63,19 +63,19 @@ def floquet(
     """Integrate a periodic system over one period.
 
     Args:
-        stiffness: K at times (m,) [s], as (m, ..., n, n) [1/s^2]; further axes are for several
+        stiffness: K at times (m,) [s], as (m, ..., n, n) [1/s^2]; additional axes belong to several
             systems with the same period.
         period: T [s].
         damping: D [1/s], broadcast to (..., n, n); None for an undamped system.
         tolerance: relative change of the monodromy matrix at which doubling stops.
 
     Raises:
-        ArithmeticError: the tolerance is not met with `MOST_STEPS` steps, or the period needs
-            more steps than that.
+        ArithmeticError: the tolerance is not met with `MOST_STEPS` steps, or these are too few for
+            the period.
     """
     first = stiffness(np.zeros(1))[0]
     drag = np.broadcast_to(0.0 if damping is None else damping, first.shape)
-    unit = np.sqrt(np.abs(first).max()) or 1.0  # x is measured in x' / unit, for equal sizes
+    unit = np.sqrt(np.abs(first).max()) or 1.0  # unit x is as large as x'
     steps = max(FEWEST_STEPS, int(np.ceil(0.25 * period * unit)))
     if 2 * steps > MOST_STEPS:
         longest = MOST_STEPS / (0.5 * unit)
@@ -127,10 +127,10 @@ def coupled_floquet(
 def exponents(
     modes: CouplingModes | CoupledEquations, *, speed: float, kappa: float, with_pi: bool = True
 ) -> ComplexArray:
-    """Spectrum of coupled modes, the fastest growing first, (2 modes,) [1/s].
+    """Return the spectrum of coupled modes, the fastest growing first, (2 modes,) [1/s].
 
-    These are eigenvalues at rest and where a frame makes the equations autonomous; otherwise they
-    are the Floquet exponents over one turn.
+    The spectrum consists of eigenvalues if the speed is zero or a frame makes the equations
+    autonomous, otherwise of the Floquet exponents over one turn.
 
     Args:
         modes: the coupled modes.

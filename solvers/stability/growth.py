@@ -3,9 +3,9 @@
 If all modes of a nodal diameter are cosine/sine pairs, complex coordinates z = y_c + i y_s =
 X exp(i mu t) give an eigenvalue problem of half the size of Eq. (21); see
 `CoupledEquations.whirl_matrix`. The eigenvalues of the real system are then i mu and their
-complex conjugates. Without damping the growth is exactly zero where all mu are real. Nodal
-diameters with a single mode (k = 0, N/2), and modes with several nodal diameters, are solved in
-real coordinates.
+complex conjugates. Without damping the growth is exactly zero if all mu are real. Nodal diameters
+with a single mode (k = 0, N/2), and modes with several nodal diameters, are solved in real
+coordinates.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ from bladewhirl.models.coupling.equations import CoupledEquations, companion
 from bladewhirl.models.coupling.springs import CouplingModes
 
 UNSTABLE_GROWTH = 1e-6
-"""A point is unstable when its growth rate exceeds this share of the rotational speed."""
+"""Growth rate, as a share of the speed of rotation, above which a point is unstable."""
 
 REAL = 1e-6
-"""Largest imaginary part of a real speed, as a share of the speed; the rest is rounding."""
+"""Largest imaginary part, as a share of the modulus, of a speed that counts as real."""
 
 CHUNK, CHUNK_NUMBERS = 4096, 1 << 20
 """Largest number of points in one batch, and of matrix entries in one batch."""
 
-Progress = Callable[[int, int], None]  #: called with the number of points done and of all points
+Progress = Callable[[int, int], None]  #: called with the numbers of completed and of all points
 
 
 def is_unstable(growth: ArrayLike, speed: ArrayLike) -> BoolArray:
-    """Return whether growth [1/s] exceeds `UNSTABLE_GROWTH` times the speed [rad/s]."""
+    """Return a mask of growth rates [1/s] above `UNSTABLE_GROWTH` times the speed [rad/s]."""
     limit = UNSTABLE_GROWTH * np.abs(np.asarray(speed))
     return np.asarray(np.asarray(growth) > limit, dtype=np.bool_)
 
@@ -48,7 +48,7 @@ def eigenvalues(
     kappa: ArrayLike,
     with_pi: bool = True,
 ) -> ComplexArray:
-    """Eigenvalues of the autonomous coupled system, one nodal diameter after another.
+    """Return the eigenvalues of the autonomous coupled system, one nodal diameter after another.
 
     Args:
         modes: the coupled modes.
@@ -57,8 +57,8 @@ def eigenvalues(
         with_pi: keep the factor pi of Eq. (8).
 
     Returns:
-        (..., 2 modes.size) [1/s]. Motions are proportional to exp(eigenvalue t); Eq. (21) has the
-        opposite sign.
+        eigenvalues [1/s], (..., 2 modes.size). Motions are proportional to exp(eigenvalue t); Eq.
+        (21) has the opposite sign.
     """
     parts = []
     for block in modes.blocks:
@@ -75,7 +75,7 @@ def growth_rate(
     with_pi: bool = True,
     progress: Progress | None = None,
 ) -> FloatArray:
-    """Largest real part of the spectrum [1/s], over any grid of speeds and stiffnesses.
+    """Return the largest real part of the spectrum [1/s] on any grid of speeds and stiffnesses.
 
     Args:
         modes: the coupled modes.
@@ -85,7 +85,7 @@ def growth_rate(
         progress: called after each batch of points.
 
     Returns:
-        (...); negative where every motion decays.
+        growth rates, (...); negative if every motion decays.
     """
     speed, kappa = np.broadcast_arrays(np.asarray(speed, np.float64), np.asarray(kappa, np.float64))
     largest_size = max(2 * len(block.frequency) for block in modes.blocks)
@@ -109,14 +109,14 @@ def growth_rate(
 
 
 def coincidence_speeds(modes: CouplingModes) -> dict[tuple[int, int], float]:
-    """Speeds of modal coincidence of counter-rotating waves, Eq. (14) [rad/s].
+    """Return the speeds of modal coincidence of counter-rotating waves, Eq. (14) [rad/s].
 
     With the frequency nu = omega_casing - k Omega, the waves of the rotor are the solutions of a
     quadratic eigenvalue problem in Omega. Without rotation effects its solution is
     Omega = (omega_casing + omega_rotor) / k.
 
     Returns:
-        For each (casing entry, rotor entry) with the same k > 0, the lowest speed at which the
+        for each (casing entry, rotor entry) with the same k > 0, the lowest speed at which the
         backward wave of the rotor entry meets the wave of the casing entry. Pairs that never meet
         are left out.
     """
@@ -138,21 +138,21 @@ def coincidence_speeds(modes: CouplingModes) -> dict[tuple[int, int], float]:
         for speed in np.sort(speeds.real[real & (k * speeds.real > frequency)]).tolist():
             waves = np.sort(rotor_waves(part, speed).real)
             behind = len(rotor) - 1 - int(np.abs(waves - (frequency - k * speed)).argmin())
-            if behind >= 0:  # it travels backward at rest
+            if behind >= 0:  # the wave travels backward at rest
                 met = rotor[np.flatnonzero(rank == behind)[0]]
                 lowest.setdefault((casing, int(met)), speed)
     return dict(sorted(lowest.items()))
 
 
 def rotor_waves(rotor: CouplingModes, speed: float) -> ComplexArray:
-    """Frequencies nu of the waves exp(i nu t) of the rotor alone, positive forward [rad/s].
+    """Return frequencies nu of the waves exp(i nu t) of the rotor alone, positive forward [rad/s].
 
     Args:
-        rotor: entries of one nodal diameter, in rotating axes.
+        rotor: coupled modes of the rotor with one nodal diameter, in rotating axes.
         speed: Omega [rad/s].
 
     Returns:
-        (2 entries,).
+        the frequencies, (2 entries,).
     """
     stiffness = np.diag(rotor.frequency**2) + speed**2 * rotor.over_entries(rotor.softening)
     drag = 2.0 * speed * rotor.over_entries(rotor.coriolis) + np.diag(rotor.damping_rate)
@@ -163,7 +163,7 @@ def rotor_waves(rotor: CouplingModes, speed: float) -> ComplexArray:
 def _spectrum(
     block: CoupledEquations, speed: ArrayLike, kappa: ArrayLike, with_pi: bool
 ) -> ComplexArray:
-    """Return the eigenvalues of coupled modes [1/s]; of pairs only i mu, without conjugates."""
+    """Return the eigenvalues of coupled modes [1/s]; for pairs only i mu, without conjugates."""
     if block.pairs:
         return np.asarray(1j * np.linalg.eigvals(block.whirl_matrix(speed, kappa, with_pi=with_pi)))
     state = block.state_matrix(speed, kappa, with_pi=with_pi)

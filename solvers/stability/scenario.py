@@ -1,16 +1,16 @@
 """Contact scenarios of a whirling shaft: place of the contact and effect of friction (Figs 9, 10).
 
-Radial fields with one nodal diameter are Re(C exp(-i theta)), with their crest at arg(C); a shaft
-displaced by (x, y) is the phasor x + i y, which is also the radial field of a translation. The
-clearance changes by Re((W - U) exp(-i theta)), W of the casing and U of the blade tips, and is
-smallest at arg(U - W):
+Radial fields with one nodal diameter are Re(C exp(-i theta)), with their crest at arg(C). A shaft
+displacement (x, y) is the phasor x + i y, which is also the C of a translation. With C = W on the
+casing and C = U at the blade tips, the clearance changes by Re((W - U) exp(-i theta)). The
+clearance is smallest at arg(U - W):
 
-* *standard*: on the side to which the shaft is displaced. Friction there drags the shaft against
-  the rotation and drives backward whirl. This happens where the rotor moves more than the casing.
-* *inverted*: on the opposite side, since the casing moves more (or the tips move against the
-  centre). Friction drags the shaft in the sense of rotation and drives forward whirl.
+* *standard*: on the side to which the shaft is displaced, because the rotor moves more than the
+  casing. Friction drags the shaft against the rotation and drives backward whirl.
+* *inverted*: on the opposite side, because the casing moves more than the rotor (or the tips move
+  against the centre). Friction drags the shaft in the sense of rotation and drives forward whirl.
 
-All angles are in the same frame, rotating or static; their differences are the same in both.
+All angles are in one frame, rotating or static; their differences do not depend on the frame.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ class Scenario:
 
     @property
     def kind(self) -> Kind:
-        """Standard or inverted; unsteady where the lead has no preferred value."""
+        """Standard or inverted; unsteady if the lead has no preferred value."""
         if self.steadiness < STEADY:
             return "unsteady"
         return "standard" if abs(self.lead) < np.pi / 2 else "inverted"
 
 
 def mode_scenario(*, shaft: complex, rotor: complex, casing: complex) -> Scenario:
-    """Scenario of a rotor mode and a casing mode with k = 1 and the same phase.
+    """Return the scenario of a rotor mode and a casing mode with k = 1 and the same phase.
 
     Args:
         shaft: displacement x + i y of the centre.
@@ -70,7 +70,7 @@ def mode_scenario(*, shaft: complex, rotor: complex, casing: complex) -> Scenari
 def motion_scenario(
     *, shaft: ArrayLike, clearance_angle: ArrayLike, weight: ArrayLike | None = None
 ) -> Scenario:
-    """Scenario of a motion, from the mean angle between the shaft and the smallest clearance.
+    """Return the scenario of a motion, from the mean angle of the shaft to the smallest clearance.
 
     Args:
         shaft: displacement x, y of the centre over time [m], (times, 2).
@@ -91,14 +91,14 @@ def motion_scenario(
 
 
 def shaft_lead(shaft: ArrayLike, clearance_angle: ArrayLike) -> FloatArray:
-    """Angle of the shaft minus angle of the smallest clearance, (-pi, pi] [rad], (times,).
+    """Return the angle from the smallest clearance to the shaft, in (-pi, pi] [rad], (times,).
 
     Args:
         shaft: displacement x, y of the centre over time [m], (times, 2).
         clearance_angle: angle of the smallest clearance [rad], (times,).
 
     Returns:
-        The angles; nan at instants at which the shaft does not move.
+        the angles; NaN at instants at which the shaft does not move.
     """
     x, y = np.asarray(shaft, float).T
     radius = np.hypot(x, y)
@@ -108,10 +108,10 @@ def shaft_lead(shaft: ArrayLike, clearance_angle: ArrayLike) -> FloatArray:
 
 
 def smallest_clearance_angle(gap: ArrayLike, angle: ArrayLike) -> FloatArray:
-    """Angle of the tip with the smallest gap at each instant [rad], (times,).
+    """Return the angle of the tip with the smallest gap at each instant [rad], (times,).
 
     Args:
-        gap: of each tip over time [m], (times, tips).
-        angle: of each tip [rad], (tips,), in the rotating or static frame, as the result.
+        gap: gap of each tip over time [m], (times, tips).
+        angle: angle of each tip [rad], (tips,), in the frame of the result, rotating or static.
     """
     return np.asarray(np.asarray(angle, float)[np.argmin(np.asarray(gap, float), axis=1)])

@@ -11,16 +11,16 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 def track(parameter: FloatArray, values: ComplexArray) -> ComplexArray:
     """Reorder spectra so that each column is one continuous branch.
 
-    The branches are extrapolated linearly to the next parameter, and its eigenvalues are assigned
-    to them with the least sum of squared distances. Branches that cross therefore keep their
-    direction. Where two branches coincide, their order beyond this point is arbitrary.
+    The branches are extrapolated linearly to the next parameter, and the eigenvalues there are
+    assigned to the branches with the least sum of squared distances. Branches that cross therefore
+    keep their direction. Where two branches coincide, their order beyond this point is arbitrary.
 
     Args:
         parameter: position along the line, strictly monotonic, (m,).
         values: spectra in any order, (m, n).
 
     Returns:
-        (m, n), rows of `values` reordered; the first row keeps its order.
+        the reordered rows of `values`, (m, n); the first row keeps its order.
     """
     branches = np.array(values)
     for i in range(1, len(branches)):

@@ -24,7 +24,7 @@ class ShaftVeering:
     """Branches of frequencies over spring stiffness."""
 
     stiffness: FloatArray  #: stiffness kappa of each of the two springs [N/m], (stiffnesses,)
-    frequency: FloatArray  #: [rad/s], (stiffnesses, branches)
+    frequency: FloatArray  #: frequencies [rad/s], (stiffnesses, branches)
     spring_share: FloatArray  #: share of the strain energy in the springs, (stiffnesses, branches)
     clamped: FloatArray  #: frequencies with a clamped centre [rad/s], (branches,)
     direction: tuple[str, ...]
@@ -43,8 +43,8 @@ def shaft_veering(
     """Follow the lowest frequencies of block k = 1 over the stiffness of the shaft springs.
 
     Args:
-        stiffness: of the block without springs, Hermitian, (n, n).
-        mass: of the block, (n, n).
+        stiffness: stiffness matrix of the block without springs, Hermitian, (n, n).
+        mass: mass matrix of the block, (n, n).
         centre: s of the springs' stiffness kappa s s^H, (n,); a unit coordinate vector.
         springs: stiffnesses kappa [N/m], (stiffnesses,).
         branches: number of branches, from the lowest.
@@ -85,7 +85,8 @@ def whirl_veering(
     branches of one direction do not cross.
 
     Args:
-        matrices: mass, stiffness K_Omega without springs, Coriolis forces of the block, (n, n).
+        matrices: mass, stiffness K_Omega without springs and Coriolis matrix of the block, (n, n)
+            each.
         elastic: elastic stiffness without softening, for the strain energy, (n, n).
         centre: s of the springs' stiffness kappa s s^H, (n,); a unit coordinate vector.
         springs: stiffnesses kappa [N/m], (stiffnesses,).
@@ -95,7 +96,7 @@ def whirl_veering(
     size, unit = len(mass), np.outer(centre, centre.conj())
 
     def chosen(size: int) -> NDArray[np.int64]:
-        """Positions of the lowest backward and then the lowest forward waves; w descends."""
+        """Return the positions of the lowest backward, then forward waves in descending w."""
         ranks = np.arange(branches)
         return np.concatenate([size - 1 - ranks, size + ranks])
 

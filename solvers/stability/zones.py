@@ -2,16 +2,16 @@
 
 Without damping every real eigenvalue mu of `CoupledEquations.whirl_matrix` has a signature, the
 sign of sum_i nu_i |X_i|^2 - i Omega X^H G X, where nu is the frequency in the axes of the body. Two
-eigenvalues of opposite signature become complex, hence unstable, when they meet; two of equal
-signature avoid each other. As the speed grows, casing waves of positive signature pass below rotor
-waves of negative signature. Such an exchange begins where the two waves meet and ends where they
-part; the speeds between are an unstable zone. `exchanges` counts the exchanges begun and ended at a
-speed. Root finding locates every speed at which a count changes by one, so that no zone is missed,
-however narrow. With rotation effects two waves may meet and part repeatedly, so the counts may also
-decrease; neighbouring speeds are then searched for increases and decreases.
+eigenvalues of opposite signature become complex, hence unstable, when they meet; two eigenvalues of
+equal signature avoid each other. As the speed grows, casing waves of positive signature pass below
+rotor waves of negative signature. Such an exchange begins where the two waves meet and ends where
+they part; the speeds between are an unstable zone. `exchanges` counts the exchanges begun and ended
+at a speed. Root finding locates every speed at which a count changes by one, so that even the
+narrowest zone is found. With rotation effects two waves may meet and part repeatedly, so the counts
+may also decrease; neighbouring speeds are then searched for increases and decreases.
 
-With damping, and for nodal diameters that hold a single mode, the sign of the growth rate is
-followed instead along a line of speeds, refined inside the undamped zones.
+With damping, and for nodal diameters with a single mode, zones are found instead from the sign of
+the growth rate at a series of speeds, which is denser inside the undamped zones.
 """
 
 from __future__ import annotations
@@ -29,25 +29,25 @@ from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, growth_rate
 
 SAMPLES = 400
-"""Number of speeds at which the sign of the growth is sampled first."""
+"""Number of speeds in the first sampling of the sign of the growth."""
 
 INSIDE = 9
-"""Further speeds sampled inside each undamped zone."""
+"""Number of additional speeds inside each undamped zone."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class UnstableZones:
     """Intervals of unstable speeds, one row for each zone at each spring stiffness.
 
-    An interval that reaches beyond the range of speeds looked at is cut there.
+    An interval that reaches beyond the searched range of speeds ends at the limit of the range.
     """
 
     kappa: FloatArray  #: spring stiffness [N/m], (rows,)
     lower: FloatArray  #: speed at which the zone begins [rad/s], (rows,)
-    upper: FloatArray  #: speed at which it ends [rad/s], (rows,)
-    growth: FloatArray  #: growth rate in the middle [1/s], (rows,)
+    upper: FloatArray  #: speed at which the zone ends [rad/s], (rows,)
+    growth: FloatArray  #: growth rate in the middle of the zone [1/s], (rows,)
     casing: IntArray  #: casing entry with the largest share of the growing mode, (rows,)
-    rotor: IntArray  #: rotor entry that does, (rows,)
+    rotor: IntArray  #: rotor entry with the largest share, (rows,)
 
 
 def unstable_zones(
@@ -62,7 +62,7 @@ def unstable_zones(
 
     Args:
         modes: the coupled modes.
-        kappas: spring stiffnesses [N/m], (n,); zones have no width at zero, which gives no row.
+        kappas: spring stiffnesses [N/m], (n,); a stiffness of zero has no zones and gives no row.
         low: lowest speed [rad/s].
         high: highest speed [rad/s].
         with_pi: keep the factor pi of Eq. (8).
@@ -102,7 +102,7 @@ def unstable_zones(
 def exchanges(
     block: CoupledEquations, speed: FloatArray, kappa: FloatArray, *, with_pi: bool
 ) -> tuple[IntArray, IntArray]:
-    """Count the positive waves that have met and that have passed a negative one.
+    """Count the meetings begun and ended between waves of positive and of negative signature.
 
     Args:
         block: undamped pairs of one nodal diameter, none with zero amplitude.
@@ -111,7 +111,7 @@ def exchanges(
         with_pi: keep the factor pi of Eq. (8).
 
     Returns:
-        exchanges begun and ended, each (n,); they differ by the growing waves.
+        exchanges begun and ended, each (n,); the difference counts the growing waves.
     """
     matrix = block.whirl_matrix(speed, kappa, with_pi=with_pi)
     n = matrix.shape[-1] // 2
@@ -130,7 +130,7 @@ def exchanges(
 def _intervals(
     modes: CouplingModes, kappas: FloatArray, low: float, high: float, with_pi: bool
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Rows of kappas and the lower and upper speeds of the zones of one nodal diameter."""
+    """Return the row in kappas, lower and upper speed of each zone of one nodal diameter."""
     undamped = replace(modes, damping_ratio=np.zeros(modes.entries)).equations
     middle = np.array(0.5 * (low + high)), np.array(kappas[0])
     if undamped.pairs and np.isrealobj(undamped.whirl_matrix(*middle, with_pi=with_pi)):
@@ -165,7 +165,8 @@ def _intervals(
 def _ladder(
     block: CoupledEquations, kappas: FloatArray, low: float, high: float, with_pi: bool
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Zones without damping, from the counts of exchanges, at `SAMPLES` speeds if they may fall."""
+    """Return the zones without damping, from the counts of exchanges at the ends of the range of
+    speeds, or at `SAMPLES` speeds if the counts can decrease."""
     edges = np.linspace(low, high, 2 if block.softening is None else SAMPLES)
     speeds, stiff = np.meshgrid(edges, kappas)
     begun, ended = (
@@ -203,7 +204,7 @@ def _ladder(
 def _merged(
     row: IntArray, lower: FloatArray, upper: FloatArray
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Intervals of each row, joined where they touch or overlap, ascending."""
+    """Return the intervals of each row, ascending, joined if they touch or overlap."""
     merged: list[tuple[int, float, float]] = []
     for i in np.lexsort((lower, row)):
         here = int(row[i]), float(lower[i]), float(upper[i])
@@ -220,9 +221,9 @@ def _border(
     high: float | FloatArray,
     *arguments: float | FloatArray,
 ) -> FloatArray:
-    """Speeds at which a function of speed and arguments changes its sign, (n,).
+    """Return the speeds at which a function of speed and arguments changes its sign, (n,).
 
-    Where it is positive at both ends the lower one, where it is negative the upper one.
+    If the function is positive at both ends, the lower end is returned; if negative, the upper end.
     """
     root = find_root(excess, (low, high), args=arguments)
     end = np.where(np.asarray(root.f_bracket[0]) > 0.0, low, high)
@@ -232,7 +233,7 @@ def _border(
 def _growing_mode(
     modes: CouplingModes, speed: FloatArray, kappa: FloatArray, with_pi: bool
 ) -> tuple[FloatArray, FloatArray]:
-    """Growth rate (n,) and squared size of each entry in the growing mode (n, entries)."""
+    """Return the growth rate (n,) and squared entries of the growing mode (n, entries)."""
     values, vectors = np.linalg.eig(modes.equations.state_matrix(speed, kappa, with_pi=with_pi))
     growing = np.argmax(values.real, axis=-1)
     shape = np.take_along_axis(vectors, growing[:, None, None], axis=-1)[:, : modes.size, 0]
@@ -242,7 +243,7 @@ def _growing_mode(
 
 
 def _join(zones: list[UnstableZones]) -> UnstableZones:
-    """Put rows together; none gives empty arrays."""
+    """Join the rows of several results; without results the arrays are empty."""
     none, numbers = np.zeros(0), np.zeros(0, dtype=np.int64)
     empty = UnstableZones(
         kappa=none, lower=none, upper=none, growth=none, casing=numbers, rotor=numbers
