@@ -75,7 +75,7 @@ def main() -> None:
     plan = planned(given.duration, max(2, given.points))
     context = get_context("spawn")
     with ProcessPoolExecutor(given.workers, mp_context=context) as pool:
-        cost(pool, plan, given.workers, 1)  # imports
+        cost(pool, plan, given.workers, 1)  # not timed: imports
         alone, together = [], []
         for _ in range(given.turns):
             alone.append(cost(pool, plan, 1, given.points))

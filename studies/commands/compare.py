@@ -36,7 +36,7 @@ def compare(
 
     The schemes are central differences with multipliers, Moreau and Jean's impacts with sticking
     friction, and a penalty, see march.scheme. Displacement, impulses, energy and cost are compared.
-    The differences of tip displacements are those from the first scheme. A step of the
+    Tip displacements are compared with those of the first scheme. A step of the
     last two schemes costs fifty to a hundred times as much as with the first, so choose a short
     march: --set march.duration=0.05.
     """

@@ -46,7 +46,7 @@ def robust_output() -> Iterator[None]:
             stream.reconfigure(errors="backslashreplace")
     try:
         yield
-    except OSError as error:  # raised for any file
+    except OSError as error:  # from any file or stream
         _leave(error)
     finally:
         try:

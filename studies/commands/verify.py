@@ -21,7 +21,7 @@ def verify(
         list[str] | None,
         typer.Argument(
             metavar="SUBJECT",
-            help="modes, rings, contact, schemes, march, results, stability, rotation; or all.",
+            help="modes, rings, contact, schemes, march, results, stability, rotation, whirl.",
             show_default=False,
         ),
     ] = None,
@@ -37,7 +37,7 @@ def verify(
     """Compute cases with known results and compare the results, to check this installation.
 
     Each case lists source, quantity, reference value, computed value, error and tolerance.
-    The exit code is 1 if any case fails. All cases take about two minutes.
+    All subjects, the default, take about two minutes. The exit code is 1 if any case fails.
     """
     from bladewhirl.models.inputs.errors import UserError, writing
     from bladewhirl.postprocess.plotting.files import checked_target

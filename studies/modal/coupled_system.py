@@ -214,7 +214,7 @@ def couple_even(
     With rotation effects the matrices at speed are projected onto the modes at rest.
     """
     case, rotation = modal.case, None
-    if case.rotation.effects == "centrifugal":  # `modal` has modes at speed
+    if case.rotation.effects == "centrifugal":  # couple modes at rest, not at speed
         effects = case.rotation.model_copy(update={"effects": "none"})
         at_rest = modal_stage(case.model_copy(update={"rotation": effects}))
         modal = replace(at_rest, case=case)

@@ -202,7 +202,7 @@ def motion_dataset(motion: CoupledMotion, *, reference: float) -> xr.Dataset:
         motion: motion of the coupled mode.
         reference: frequency by which speeds are normalised [rad/s].
     """
-    moves = motion.nodal_diameter == 1  # only such waves move the shaft
+    moves = motion.nodal_diameter == 1  # only waves with k = 1 move the shaft
     missing = np.full(len(motion.time), np.nan)
     static = motion.shaft_static
     phase = np.unwrap(np.arctan2(static[:, 1], static[:, 0])) if moves else missing

@@ -39,7 +39,7 @@ class Panel:
     """Part of a figure of the paper."""
 
     caption: str
-    folder: str  #: folder of its pictures; all panels of a folder are drawn at once
+    folder: str  #: folder of the pictures; all panels of a folder are drawn at once
     name: str  #: name of the picture, without suffix
     draw: Draw
 

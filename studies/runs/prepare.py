@@ -49,7 +49,7 @@ def prepare_stage(stage: Stage) -> Prepared:
     with numbers_within_reach(case):
         try:
             scheme = make_scheme(problem, timing.time_step, timing.record_every, case.march.scheme)
-        except ValueError as error:  # not the time step, which `contact_problem` has checked
+        except ValueError as error:  # due to the penalty; the time step was checked before
             if case.march.scheme != "penalty":
                 raise
             raise CaseError(

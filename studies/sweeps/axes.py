@@ -43,7 +43,7 @@ class Axis:
     """Swept key and its values, in order."""
 
     key: str  #: dotted key, as in the case file
-    values: tuple[Value, ...]  #: as in a case file
+    values: tuple[Value, ...]  #: values as in a case file
 
     @property
     def name(self) -> str:

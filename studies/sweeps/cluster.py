@@ -65,7 +65,7 @@ def march_on_cluster(
                 outcome = future.result()
             except KilledWorker:  # raised after the number of deaths that the scheduler allows
                 outcome = Failure(reason="the workers that marched this point died")
-            except (ImportError, AttributeError) as error:  # errors of a march are failures instead
+            except (ImportError, AttributeError) as error:  # errors in a march are returned
                 raise UserError(
                     f"workers: expected bladewhirl {version()} on the workers, too; its code could"
                     f" not be loaded ({error})"
@@ -89,7 +89,7 @@ def _client(scheduler: str) -> Iterator[Client]:
         # another client starts, both wait for each other forever.
         socket.create_connection(get_address_host_port(scheduler), PATIENCE).close()
         client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TypeError, TimeoutError) as error:  # TypeError: no keys
+    except (OSError, ValueError, TypeError, TimeoutError) as error:  # TypeError: no TLS keys
         raise UserError(
             f"--scheduler {scheduler}: expected the address of a dask scheduler ({error})"
         ) from None

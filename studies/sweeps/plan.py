@@ -137,7 +137,7 @@ def plan_sweep(
 
 def plan_digest(case: Case, over: Mapping[str, Any], stop_when: StopWhen | None) -> str:
     """Return the SHA-256 digest of all input of the points, which plan and dataset contain."""
-    # 1: number of points marched together
+    # The last entry, 1, is the number of points marched together.
     made_by = [folder.version(), SWEEP_FORMAT, dict(over), 1]
     made_by += [] if stop_when is None else [stop_when]
     whole = sha256(json.dumps(made_by).encode())

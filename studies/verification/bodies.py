@@ -117,7 +117,7 @@ class Bar:
         square, shapes = la.eigh(
             young_modulus * area / h * stiffness, density * area * h / 6.0 * mass
         )
-        square[0] = 0.0  # rigid-body motion
+        square[0] = 0.0  # exact value of the rigid-body motion
         self.mass = density * area * length
         self.frequency = np.sqrt(square)
         self.shapes = shapes
