@@ -41,7 +41,7 @@ def planned(duration: float, points: int) -> Plan:
 class Cost(NamedTuple):
     """Times that workers need for their points."""
 
-    wall: float  #: wall-clock time of all workers together [s]
+    wall: float  #: wall-clock time until all workers have ended [s]
     processor: float  #: processor time, mean of the workers [s]
 
 
