@@ -100,6 +100,7 @@ class Whirl:
 
     modes: WhirlModes
     family: tuple[str, ...]  #: family of each mode, (modes,)
+    at_rest: tuple[str, ...]  #: family of each mode's branch at rest, (modes,)
 
     @property
     def nodal_diameter(self) -> IntArray:
@@ -178,8 +179,8 @@ class ModalStage:
         if layout is not None and not structure.is_cyclic and structure.size > DENSE_SIZE:
             count = WHIRL_FAMILIES * layout.sectors
         modes = whirl_modes(structure, count)
-        family = whirl_families(structure, modes, tip_in_sector(self.free_disk))
-        return Whirl(modes=modes, family=family)
+        family, at_rest = whirl_families(structure, modes, tip_in_sector(self.free_disk))
+        return Whirl(modes=modes, family=family, at_rest=at_rest)
 
     @property
     def speed(self) -> float:

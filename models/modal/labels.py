@@ -34,12 +34,18 @@ from bladewhirl.models.rotation.whirl_modes import WhirlModes
 
 Body = Literal["bladed-disk", "casing"]
 
+MOST = 0.5
+"""Share of the shaft springs in the strain energy above which a branch at speed is the
+suspension."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class LabelledModes(ModeTable):
     """Modes with their families; of a degenerate pair the cosine mode is first."""
 
     family: tuple[str, ...]  #: "1F", "2F", ..., "suspension", "rigid", (modes,)
+    at_rest: tuple[str, ...] = ()
+    """Families of the same branches at rest, (modes,); empty for a structure at rest."""
     amplitudes: tuple[ComplexArray | FloatArray, ...]
     """Complex amplitudes of each mode in one sector (see `cyclic`) [kg^-1/2]; its full field if the
     column is -1."""
@@ -76,6 +82,7 @@ class LabelledModes(ModeTable):
         return replace(
             self,
             family=tuple(self.family[i] for i in kept),
+            at_rest=tuple(self.at_rest[i] for i in kept if self.at_rest),
             amplitudes=tuple(self.amplitudes[i] for i in kept),
             **self.numbers(kept),
         )
@@ -109,6 +116,7 @@ def labelled_modes(
     family = mode_families(structure, modes, reference, body)
     return LabelledModes(
         family=family,
+        at_rest=family if structure.at_rest is not None else (),
         amplitudes=tuple(modes.shapes.T),
         layout=structure.layout,
         size=structure.size,
@@ -134,8 +142,25 @@ def mode_families(
     return tuple(_families_of_twin(structure, modes, _tuned(structure, reference, body)))
 
 
+def families_at_speed(names: list[str], shares: FloatArray) -> list[str]:
+    """Return the families of the branches of one nodal diameter and one direction at a speed.
+
+    The branch with more than half of its strain energy in the shaft springs is the suspension, and
+    the remaining families keep their order. Without such a branch all names are those at rest.
+
+    Args:
+        names: families of the branches at rest, by rank.
+        shares: share of the shaft springs in the strain energy at the speed, by rank, (branches,).
+    """
+    most = int(np.argmax(shares))
+    if "suspension" not in names or shares[most] <= MOST:
+        return names
+    others = [name for name in names if name != "suspension"]
+    return [*others[:most], "suspension", *others[most:]]
+
+
 def _names(structure: Structure, modes: Modes, reference: tuple[int, int], body: Body) -> list[str]:
-    """Return the families of modes if sectors are equal or there are none.
+    """Return the families at rest of modes if sectors are equal or there are none.
 
     Modes of a rotating structure have the names of the modes at rest with the same rank, because
     the frequencies of one nodal diameter do not cross as the speed changes.
@@ -183,8 +208,17 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
         spring_share=np.concatenate(shares)[order],
         sectors=layout.sectors,
     )
+    family = at_rest = _names(structure, modes, reference, body)
+    if structure.at_rest is not None:
+        family = list(at_rest)
+        for column in np.unique(modes.column).tolist():
+            here = np.flatnonzero(modes.column == column)
+            renamed = families_at_speed([at_rest[i] for i in here], modes.spring_share[here])
+            for mode, name in zip(here.tolist(), renamed, strict=True):
+                family[mode] = name
     return LabelledModes(
-        family=tuple(_names(structure, modes, reference, body)),
+        family=tuple(family),
+        at_rest=tuple(at_rest) if structure.at_rest is not None else (),
         amplitudes=tuple(amplitudes[i] for i in order),
         layout=layout,
         size=structure.size,
@@ -220,12 +254,12 @@ def _families_of_twin(structure: Structure, modes: Modes, twin: LabelledModes) -
 
 def whirl_families(
     structure: Structure, modes: WhirlModes, reference: tuple[int, int]
-) -> tuple[str, ...]:
-    """Return the family of each whirling mode of a bladed disk.
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the family of each whirling mode of a bladed disk, and its family at rest.
 
     If sectors are equal, the frequencies of waves of one nodal diameter do not cross as the speed
-    changes. A wave then has the family of the mode at rest with the same rank. Otherwise a mode has
-    the family with the largest share in its expansion in the modes at rest.
+    changes. A wave then has the rank of a mode at rest, and `families_at_speed` gives its family.
+    Otherwise a mode has the family with the largest share in its expansion in the modes at rest.
 
     Args:
         structure: rotating structure.
@@ -234,14 +268,28 @@ def whirl_families(
     """
     at_rest = labelled_modes(structure.at_rest or structure, reference, "bladed-disk")
     if modes.rank[:1] == NO_COLUMN:
-        return _by_overlap(structure, modes, at_rest)
-    one = at_rest.one_a_pair()
-    names = {
-        int(k): [at_rest.family[i] for i in one[at_rest.nodal_diameter[one] == k]]
-        for k in np.unique(modes.nodal_diameter)
+        names = _by_overlap(structure, modes, at_rest)
+        return names, names
+    family, before = [""] * modes.count, [""] * modes.count
+    for k, names_at_rest in names_of(at_rest).items():
+        for backward in (True, False):
+            here = (modes.nodal_diameter == k) & (modes.backward_at_rest == backward)
+            ranked = np.flatnonzero(here)[np.argsort(modes.rank[here])]
+            if ranked.size:
+                names_now = families_at_speed(names_at_rest, modes.spring_share[ranked])
+                for mode in ranked.tolist():
+                    rank = int(modes.rank[mode])
+                    family[mode], before[mode] = names_now[rank], names_at_rest[rank]
+    return tuple(family), tuple(before)
+
+
+def names_of(modes: LabelledModes) -> dict[int, list[str]]:
+    """Return the families at rest by nodal diameter, the lowest first, one of each pair."""
+    one, names = modes.one_a_pair(), modes.at_rest or modes.family
+    return {
+        int(k): [names[i] for i in one[modes.nodal_diameter[one] == k]]
+        for k in np.unique(modes.nodal_diameter[one])
     }
-    ranked = zip(modes.nodal_diameter.tolist(), modes.rank.tolist(), strict=True)
-    return tuple(names[k][rank] for k, rank in ranked)
 
 
 def _by_overlap(structure: Structure, modes: WhirlModes, at_rest: LabelledModes) -> tuple[str, ...]:

@@ -20,6 +20,12 @@ KEY = "shaft.suspension_frequency"
 
 HALVINGS = 12  # number of times an interval of stiffnesses is halved
 
+HIDDEN = 50.0 * np.finfo(np.float64).eps
+"""Ratio of the squared frequency to the largest ratio of stiffness to mass below which rounding
+errors of the stiffness matrix are more than 2 % of the squared frequency."""
+
+ABOVE_ROUNDING = "a frequency above the rounding error"
+
 AGREE = 0.01
 """Largest relative difference between the mean frequency of the suspension pair and the required
 frequency. Mistuned blades split the pair; a larger difference indicates another family."""
@@ -42,8 +48,10 @@ def with_sized_shaft(case: Case) -> Case:
         return case
     with numbers_within_reach(case):
         structure = (disk := case_bladed_disk(case, clamped=False)).structure
-        floating = structure.stiffness - structure.springs
-        dynamic = floating - (2.0 * np.pi * required) ** 2 * structure.mass
+        floating, square = structure.stiffness - structure.springs, (2.0 * np.pi * required) ** 2
+        if square <= HIDDEN * (floating.diagonal() / structure.mass.diagonal()).max():
+            raise CaseError([case_fault(case, KEY, ABOVE_ROUNDING)])
+        dynamic = floating - square * structure.mass
         centre = np.zeros((structure.size, 2))
         centre[disk.centre] = np.eye(2)
         flexibility = centre.T @ spla.splu(sp.csc_array(dynamic)).solve(centre)
@@ -89,6 +97,6 @@ def _within_reach(case: Case, required: float, stiffness: float) -> str:
                 " family. Other blades or another disk change these limits; shaft.stiffness accepts"
                 " any springs"
             )
-        return "a frequency above the rounding error"
+        return ABOVE_ROUNDING
     nearest = frequencies.min() if above == 0 else frequencies.max()
     return f"a frequency that the suspension can have; the nearest is {nearest:.4g} Hz"

@@ -25,6 +25,7 @@ from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.models.rotation.eigenproblems import (
     damped_eigenvalues,
+    gyroscopic_eigen,
     gyroscopic_frequencies,
     modal_damping,
     positive_speeds,
@@ -53,6 +54,20 @@ class Waves:
         """
         stiffness = self.stiffness + omega**2 * self.softening
         return gyroscopic_frequencies(self.mass, stiffness, 2.0 * omega * self.coriolis)
+
+    def spring_shares(self, omega: float) -> FloatArray:
+        """Return the share of the strain energy in the shaft springs at a speed omega [rad/s], in
+        the order of `frequencies`, (2 n,)."""
+        stiffness = self.stiffness + omega**2 * self.softening
+        return self._shares(gyroscopic_eigen(self.mass, stiffness, 2.0 * omega * self.coriolis)[1])
+
+    def _shares(self, fields: ComplexArray) -> FloatArray:
+        """Return the share of the strain energy in the shaft springs of each field, (fields,)."""
+        in_springs, strain = (
+            np.einsum("im,ij,jm->m", fields.conj(), each, fields).real
+            for each in (self.springs, self.stiffness)
+        )
+        return np.asarray(in_springs / np.maximum(strain, np.finfo(np.float64).tiny))
 
     def rank(self, omega: float, frequency: float) -> tuple[int, bool]:
         """Return the rank of the branch that is nearest to a frequency at a speed.
@@ -83,11 +98,7 @@ class Waves:
         """
         pulled = order**2 * self.mass - 2j * order * self.coriolis - self.softening
         speeds, fields = positive_speeds(self.stiffness, pulled)
-        spring_energy, strain = (
-            np.einsum("im,ij,jm->m", fields.conj(), each, fields).real
-            for each in (self.springs, self.stiffness)
-        )
-        return speeds, spring_energy / strain
+        return speeds, self._shares(fields)
 
     def meeting(self, casing_frequency: float, highest: float) -> FloatArray:
         """Return the speeds at which a backward wave has w = k Omega - omega_c [rad/s], ascending.

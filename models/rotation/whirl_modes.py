@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout, is_pair
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen, lowest_gyroscopic_eigen
@@ -49,6 +49,8 @@ class WhirlModes:
     rank: IntArray
     """Rank of each mode, from 0, by frequency among the branches that have the same nodal diameter
     and direction of travel at rest, (modes,). These branches do not cross. -1 without symmetry."""
+    backward_at_rest: BoolArray
+    """Whether the branch of each mode travels backward at rest, (modes,)."""
     amplitudes: tuple[ComplexArray, ...]
     """Complex field p of each mode, with p^H M p = 1 [kg^-1/2]: in one sector, or on all DoF if the
     rank is -1."""
@@ -154,9 +156,11 @@ def _block_modes(
     w, vectors = gyroscopic_eigen(*matrices)
     size = len(vectors)
     rank = np.concatenate([np.arange(size)[::-1], np.arange(size)])  # w descends
+    backward = np.repeat([True, False], size)
     ways: list[Direction] = ["backward" if each > 0.0 else "forward" for each in w.real]
     if not is_pair(k, layout.sectors):  # w and -w describe the same motion
         w, vectors, rank, ways = w[:size], vectors[:, :size], rank[:size], ["standing"] * size
+        backward = backward[:size]
     return WhirlModes(
         frequency=np.abs(w.real),
         growth=-w.imag,
@@ -165,6 +169,7 @@ def _block_modes(
         spring_share=_share(vectors, *energies),
         direction=tuple(ways),
         rank=rank,
+        backward_at_rest=backward,
         amplitudes=tuple(vectors.T),
         layout=layout,
     )
@@ -191,6 +196,7 @@ def _plain_modes(structure: Structure, gyroscopic: sp.csr_array, count: int | No
         spring_share=_share(vectors, structure.springs, structure.elastic),
         direction=tuple(ways),
         rank=np.full(len(w), NO_COLUMN),
+        backward_at_rest=np.full(len(w), True),
         amplitudes=tuple(vectors.T),
         layout=structure.layout,
     )

@@ -52,8 +52,11 @@ def modes(
     """List natural frequencies of the full bladed disk, with the centre as in the case, and of the
     casing.
 
-    Normalised frequencies are multiples of the lowest frequency with a free centre, ω₁. Purity is
-    the share of the listed nodal diameter in a mode: 1 if all blades are equal. -o DIR writes
+    Normalised frequencies are multiples of the lowest frequency with a free centre, ω₁. The column
+    "springs" is the share of the shaft springs in the strain energy. Purity is the share of the
+    listed nodal diameter in a mode; it is not shown if all blades are equal, because it is 1. At
+    speed, the branch with most of its strain energy in the shaft springs is the suspension; the
+    column "at rest" gives the name of the same branch at rest. -o DIR writes
     pictures of mode shapes; contact scenarios of the first k = 1 mode at the speed at which it
     coincides with the k = 1 mode of the casing; and films, with a picture of each travelling wave.
     With Coriolis forces, pictures and films show the waves at the speed of the case.
@@ -72,13 +75,19 @@ def modes(
     lists = study.mode_lists(computed, count)
     centre, hertz = (computed.attrs[key] for key in ("centre", "reference_frequency_hz"))
     waves = "wave" in computed["pattern"].values
-    columns = (*study.COLUMNS, *study.DIRECTIONS) if waves else study.COLUMNS
+    columns = (*study.COLUMNS, *study.AT_SPEED) if waves else study.COLUMNS
 
     def lowest(title: str, **body: str) -> Table:
-        """Return the table of a body; both modes of a pair are one row."""
+        """Return the table of a body; both modes of a pair are one row, and columns that say
+        nothing are left out."""
         data = computed.sel(body).isel(mode=slice(count))
         single = data.isel(mode=(data["pattern"] != "sine").values)
-        return table(rows_of(single, columns), columns, title)
+        plain = {
+            "purity": bool((single["purity"] > 0.9995).all()),
+            "family_at_rest": bool((single["family"] == single["family_at_rest"]).all()),
+        }
+        shown = [column for column in columns if not plain.get(column.key, False)]
+        return table(rows_of(single, shown), shown, title)
 
     tables = (
         lowest(f"Bladed disk, {centre} centre", body="bladed-disk", centre=centre),

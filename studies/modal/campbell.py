@@ -12,7 +12,7 @@ from bladewhirl.files import claim_file
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.modal.labels import LabelledModes
+from bladewhirl.models.modal.labels import LabelledModes, names_of
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.campbell import Frame, drawn_part, plot_campbell
 from bladewhirl.solvers.stability.coincidence import coincidences
@@ -20,7 +20,6 @@ from bladewhirl.studies.modal.campbell_at_speed import (
     dataset_at_speed,
     disk_waves,
     meetings,
-    names_of,
 )
 from bladewhirl.studies.modal.columns import Column, quantity, rows_of
 from bladewhirl.studies.modal.modes import full_stage, speed_of
@@ -56,16 +55,20 @@ def campbell(
     Over `critical`: critical_speed (normalised) and critical_rpm, up to the last of `speeds`; empty
     without rotation effects. With rotation effects, the Dataset also has:
 
-    - critical_family (of the branch at rest), critical_nodal_diameter and critical_spring_share,
-      the share of the strain energy in the shaft springs;
+    - critical_nodal_diameter, critical_spring_share (share of the strain energy in the shaft
+      springs), critical_family and critical_family_at_rest;
     - over `engine_order` the same variables for the speeds at which the frequency of a wave in the
       rotating frame is k times the frequency of rotation, so that a static force excites the wave;
     - over `branch` and `line_speed` (normalised), branch_frequency in the rotating frame [Hz],
-      positive backward, with branch_family, branch_nodal_diameter and branch_direction;
+      positive backward, with branch_family at the first speed, branch_family_at_rest,
+      branch_nodal_diameter and branch_direction;
     - over `line_speed`, tip_growth [m];
     - the attributes clearance_gone, the normalised speed at which the growth of the tips equals the
       clearance, and waves_meet, the normalised speed above which two waves of the bladed disk have
       merged and one of them grows; nan if there is no such speed.
+
+    A family follows from the strain energy at the speed: the branch with most of it in the shaft
+    springs is the suspension. `family_at_rest` is the name of the same branch at rest.
 
     Args:
         case_or_stage: a case, or its stage; the centre is free or clamped as in the case.
@@ -92,7 +95,8 @@ def campbell(
         casing_frequency=casing.frequency,
         casing_nodal_diameter=casing.nodal_diameter,
     )
-    rotor_frequency = rotor.frequency[met.rotor]
+    rotor_frequency, family = rotor.frequency[met.rotor], _families(rotor)[met.rotor]
+    at_rest = family
     name = "critical speed: none without rotation.effects"
     at_speed = xr.Dataset(
         {
@@ -102,7 +106,9 @@ def campbell(
     )
     if stage.turning is not None:
         waves, names = disk_waves(stage, stage.turning), names_of(stage.disk_modes)
-        met, rotor_frequency = meetings(waves, rotor, casing, names, shown[1] * reference)
+        met, rotor_frequency, renamed = meetings(waves, rotor, casing, names, shown[1] * reference)
+        family = np.array(renamed, dtype=object)
+        at_rest = np.array(rotor.at_rest or rotor.family, dtype=object)[met.rotor]
         at_speed = dataset_at_speed(stage, stage.turning, waves, names, chosen, shown)
     normalised, hertz = met.speed / reference, 2.0 * np.pi
     frequency = np.concatenate([rotor.frequency, casing.frequency])
@@ -120,7 +126,8 @@ def campbell(
             "normalised_mode_frequency": quantity("mode", frequency / reference, "1"),
         },
         coords={
-            "family": (along, _families(rotor)[met.rotor]),
+            "family": (along, family),
+            "family_at_rest": (along, at_rest),
             "casing_family": (along, _families(casing)[met.casing]),
             "nodal_diameter": (along, met.nodal_diameter),
             "mode_body": ("mode", body),
@@ -162,7 +169,8 @@ COINCIDENCES = (
 )
 CRITICAL_SPEEDS = (
     Column("k", "k", "d", variable="nodal_diameter"),
-    Column("family", "family at rest"),
+    Column("family", "family"),
+    Column("family_at_rest", "at rest"),
     Column("ratio", "Ω / ω₁ [–]", ".5f", variable="speed"),
     Column("rpm", "[rpm]", ".1f"),
     Column("spring_share", "strain energy in shaft springs [%]", ".3g", 100.0),
@@ -224,7 +232,8 @@ def write_campbell_page(diagram: xr.Dataset, path: Path, *, overwrite: bool = Fa
 def _of_families(modes: LabelledModes, families: set[str]) -> LabelledModes:
     """Return the modes of some families, with one mode of each pair."""
     one = modes.one_a_pair()
-    return modes.take(one[[modes.family[mode] in families for mode in one]])
+    names = modes.at_rest or modes.family
+    return modes.take(one[[names[mode] in families for mode in one]])
 
 
 def _families(modes: LabelledModes) -> np.ndarray[Any, np.dtype[np.object_]]:

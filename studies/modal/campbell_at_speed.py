@@ -16,7 +16,7 @@ from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.modal.labels import LabelledModes
+from bladewhirl.models.modal.labels import LabelledModes, families_at_speed
 from bladewhirl.models.rotation.at_speed import TurningDisk, speed_of_growth
 from bladewhirl.models.rotation.waves import REAL, Waves, waves
 from bladewhirl.solvers.stability.coincidence import Coincidences
@@ -42,13 +42,25 @@ def disk_waves(stage: ModalStage, turning: TurningDisk) -> dict[int, Waves]:
     return {k: waves(turning.matrices, k, effects) for k in nodal_diameters(sectors)}
 
 
-def names_of(modes: LabelledModes) -> dict[int, list[str]]:
-    """Return the families of each nodal diameter, lowest frequency first; a pair counts once."""
-    one = modes.one_a_pair()
-    return {
-        int(k): [modes.family[i] for i in one[modes.nodal_diameter[one] == k]]
-        for k in np.unique(modes.nodal_diameter[one])
-    }
+def names_at(disk: Waves, names: list[str], omega: float, frequency: float) -> tuple[str, str, int]:
+    """Return the family of the branch nearest to a frequency, its family at rest, and its rank.
+
+    Args:
+        disk: waves of one nodal diameter of the bladed disk.
+        names: families at rest, the lowest first.
+        omega: speed of rotation [rad/s].
+        frequency: w, positive for a backward wave [rad/s].
+    """
+    rank, backward = disk.rank(omega, frequency)
+    return branch_names(disk, names, omega, backward)[rank], names[rank], rank
+
+
+def branch_names(disk: Waves, names: list[str], omega: float, backward: bool) -> list[str]:
+    """Return the families of all branches of a direction at rest at the speed omega [rad/s]."""
+    if "suspension" not in names:
+        return names
+    shares, size = disk.spring_shares(omega), len(disk.mass)
+    return families_at_speed(names, shares[:size][::-1] if backward else shares[size:])
 
 
 def meetings(
@@ -57,30 +69,36 @@ def meetings(
     casing: LabelledModes,
     names: Mapping[int, list[str]],
     highest: float,
-) -> tuple[Coincidences, FloatArray]:
-    """Compute coincidences with rotation effects, and the frequencies of the disk waves [rad/s].
+) -> tuple[Coincidences, FloatArray, list[str]]:
+    """Compute coincidences with rotation effects, and frequencies [rad/s] and families of the disk
+    waves in coincidence.
+
 
     Args:
         disk: waves of the bladed disk by nodal diameter.
         rotor: selected modes of the bladed disk, one of each pair.
         casing: modes of the casing.
-        names: families by nodal diameter.
+        names: families at rest by nodal diameter.
         highest: highest speed [rad/s].
     """
-    rows = []
+    rows: list[tuple[float, int, int, int, float, str]] = []
+    at_rest = rotor.at_rest or rotor.family
     for mode in np.flatnonzero(casing.nodal_diameter > 0).tolist():
         k, frequency = int(casing.nodal_diameter[mode]), float(casing.frequency[mode])
         for speed in disk[k].meeting(frequency, highest) if k in disk else ():
-            rank, _ = disk[k].rank(float(speed), k * float(speed) - frequency)
-            same = (rotor.nodal_diameter == k) & [name == names[k][rank] for name in rotor.family]
-            rows += [(float(speed), int(i), mode, k, frequency) for i in np.flatnonzero(same)]
+            w = k * float(speed) - frequency
+            family, before, _ = names_at(disk[k], names[k], float(speed), w)
+            same = (rotor.nodal_diameter == k) & [name == before for name in at_rest]
+            rows += [
+                (float(speed), int(i), mode, k, frequency, family) for i in np.flatnonzero(same)
+            ]
     rows.sort()
-    table = np.array(rows).reshape(-1, 5)
+    table = np.array([row[:5] for row in rows]).reshape(-1, 5)
     numbers = table[:, 1:4].astype(np.int64)
     met = Coincidences(
         speed=table[:, 0], rotor=numbers[:, 0], casing=numbers[:, 1], nodal_diameter=numbers[:, 2]
     )
-    return met, met.nodal_diameter * met.speed - table[:, 4]
+    return met, met.nodal_diameter * met.speed - table[:, 4], [row[5] for row in rows]
 
 
 def dataset_at_speed(
@@ -97,7 +115,7 @@ def dataset_at_speed(
         stage: stage with the case and the reference frequency.
         turning: bladed disk of the stage.
         disk: waves of the bladed disk by nodal diameter.
-        names: families by nodal diameter, lowest first.
+        names: families at rest by nodal diameter, lowest first.
         chosen: families in the diagram.
         speeds: range of the diagrams, normalised.
     """
@@ -106,14 +124,17 @@ def dataset_at_speed(
     omegas = line * reference
     spectra = {k: np.array([w.frequencies(omega) for omega in omegas]) for k, w in disk.items()}
     branches = [
-        (k, name, direction, spectra[k][:, place])
+        (k, branch_names(waves_of_k, names[k], omegas[0], way == "backward")[rank], name, way, w)
         for k, waves_of_k in disk.items()
         for size in [len(waves_of_k.mass)]
         for rank, name in enumerate(names[k])
         if name in chosen
-        for direction, place in (("backward", size - 1 - rank), ("forward", size + rank))
+        for way, w in (
+            ("backward", spectra[k][:, size - 1 - rank]),
+            ("forward", spectra[k][:, size + rank]),
+        )
     ]
-    diameters, families, directions, frequencies = zip(*branches, strict=True)
+    diameters, families, at_rest, directions, frequencies = zip(*branches, strict=True)
     rates = np.abs(np.array(frequencies).imag)
     growth = [turning.growth_at(omega).max() if omega else 0.0 for omega in omegas]
     smallest_gap = stage.case.casing.clearance_profile.smallest + turning.disk.model.tip_recess
@@ -142,6 +163,7 @@ def dataset_at_speed(
             "line_speed": quantity("line_speed", line, "1", "normalised speed"),
             "branch_nodal_diameter": ("branch", list(diameters)),
             "branch_family": ("branch", np.array(families, dtype=object)),
+            "branch_family_at_rest": ("branch", np.array(at_rest, dtype=object)),
             "branch_direction": ("branch", np.array(directions, dtype=object)),
         },
         attrs={
@@ -200,9 +222,9 @@ def _speeds(
         ):
             if speed > highest:
                 break
-            rank, _ = waves_of_k.rank(speed, order * speed)
-            if names[k][rank] in chosen:
-                rows.append((speed, k, names[k][rank], share))
+            family, at_rest, _ = names_at(waves_of_k, names[k], speed, order * speed)
+            if at_rest in chosen:
+                rows.append((speed, k, family, at_rest, share))
     rows.sort()
     speeds = np.array([row[0] for row in rows])
     name = {
@@ -215,5 +237,6 @@ def _speeds(
         f"{kind}_rpm": quantity(kind, speeds * 30.0 / np.pi, "rpm", name),
         f"{kind}_nodal_diameter": (kind, [row[1] for row in rows]),
         f"{kind}_family": (kind, np.array([row[2] for row in rows], dtype=object)),
-        f"{kind}_spring_share": quantity(kind, np.array([row[3] for row in rows]), "1", share_name),
+        f"{kind}_family_at_rest": (kind, np.array([row[3] for row in rows], dtype=object)),
+        f"{kind}_spring_share": quantity(kind, np.array([row[4] for row in rows]), "1", share_name),
     }

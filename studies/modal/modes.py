@@ -42,10 +42,14 @@ COLUMNS = (
     Column("frequency_hz", "[Hz]", ".4f", variable="frequency"),
     Column("normalised", "/ ω₁", ".5f", variable="normalised_frequency"),
     Column("purity", "purity", ".3f"),
-    Column("spring_share", "springs [%]", ".1f", 100.0),
+    Column("spring_share", "springs", ".1%"),
 )
-DIRECTIONS = (Column("direction", "rotating"), Column("direction_static", "static"))
-"""Columns of the directions of waves, with rotation effects."""
+AT_SPEED = (
+    Column("family_at_rest", "at rest"),
+    Column("direction", "rotating"),
+    Column("direction_static", "static"),
+)
+"""Further columns with rotation effects: the name at rest and the directions of waves."""
 
 
 def full_stage(case_or_stage: Case | Stage | ModalStage) -> ModalStage:
@@ -105,7 +109,9 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
     pair. `pattern` is cosine, sine or single. `direction` and `direction_static` are the directions
     of waves in the rotating and in the static frame at the speed of the case: backward, forward or
     standing. With Coriolis forces the two waves of a pair differ in frequency, and `pattern` is
-    wave or single. `modes.reset_index("mode")` can be saved to a file.
+    wave or single. With rotation effects, the branch with most of its strain energy in the shaft
+    springs is the suspension, and `family_at_rest` is the name of the same branch at rest.
+    `modes.reset_index("mode")` can be saved to a file.
 
     Args:
         case_or_stage: a case, or its stage.
@@ -149,6 +155,7 @@ def _modes_of(
         "body": [body] * modes.count,
         "centre": [centre] * modes.count,
         "family": source.family,
+        "family_at_rest": source.at_rest or source.family,
         "pattern": pattern,
         "direction": rotating,
         "direction_static": static,
@@ -213,7 +220,7 @@ def mode_lists(computed: xr.Dataset, count: int) -> dict[str, list[dict[str, Any
         count: number of modes in each list.
     """
     effects = computed.attrs["rotation_effects"] != "none"
-    columns = (*COLUMNS, *DIRECTIONS) if effects else COLUMNS
+    columns = (*COLUMNS, *AT_SPEED) if effects else COLUMNS
     lists = {"bladed_disk": {"body": "bladed-disk", "centre": computed.attrs["centre"]}} | LISTS
     return {
         name: rows_of(computed.sel(selection).isel(mode=slice(count)), columns)

@@ -145,11 +145,11 @@ def test_whirling_modes_are_listed(ratio: float, static: list[str], tmp_path: Pa
             own = [m for m in listed if m["nodal_diameter"] == int(k)]
             own = [m["frequency_hz"] for m in own if m["direction"] in (way, "standing")]
             np.testing.assert_allclose(own[:2], known(ratio)[way][k][:2], rtol=1e-7)
-    first = [m for m in listed if m["nodal_diameter"] == 1 and m["family"] == "1F"]
+    first = [m for m in listed if m["nodal_diameter"] == 1 and m["family_at_rest"] == "1F"]
     rising = sorted(first[:2], key=lambda m: -m["frequency_hz"])
     assert [m["direction_static"] for m in rising] == static
     assert {m["direction"] for m in first[:2]} == ({"backward"} if ratio > 2.2 else set(WAYS))
-    pair = [m for m in listed if m["family"] == "suspension"]
+    pair = [m for m in listed if m["family_at_rest"] == "suspension"]
     assert [m["direction_static"] for m in pair if m["direction"] == "backward"] == ["backward"]
     standing = [m for m in listed if m["nodal_diameter"] in (0, 11)]
     assert {m["direction_static"] for m in standing} == {"standing"}

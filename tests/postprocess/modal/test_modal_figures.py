@@ -233,7 +233,7 @@ def test_figures_are_as_wide_as_a_column_or_a_page_with_legible_text_inside(name
     figure = figures()[name]
     figure.draw_without_rendering()
     width, height = figure.get_size_inches()
-    assert width * 0.0254 == pytest.approx(0.08 if name in ("families", "shaft") else 0.17)
+    assert width * 0.0254 == pytest.approx(0.085 if name in ("families", "shaft") else 0.17)
     shown = [
         text
         for text in figure.findobj(Text)
