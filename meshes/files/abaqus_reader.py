@@ -4,7 +4,7 @@ Groups are sets: NSET for nodes, ELSET for lines. The data are rectangular secti
 materials (BEAM SECTION, ELASTIC, DENSITY) and point masses (MASS, ROTARYI); their units are the
 choice of the author of the file.
 
-meshio is not used, although it reads such files. It assigns elements to wrong sets if blocks of
+meshio is not used, although it reads such files. meshio assigns elements to wrong sets if blocks of
 elements share a set or have none, reads only the last of several blocks of nodes, and supports
 neither B23 elements nor sections. This module therefore reads the few relevant keywords itself.
 Keywords that would change the mesh without being evaluated are an error.

@@ -4,8 +4,8 @@ Groups are physical groups: of points for nodes, of curves for lines. Data are s
 the members of a group with the name ``thickness=0.01`` have the value 0.01 of ``thickness``. Data
 are therefore preserved when a mesh is refined in Gmsh.
 
-Files are read with meshio. They are written, as version 4.1, without meshio, because its writer
-allows only one group for each element.
+meshio reads the files. They are written, as version 4.1, without meshio, because the writer of
+meshio allows only one group for each element.
 """
 
 from __future__ import annotations
@@ -151,7 +151,7 @@ def _tags(mesh: meshio.Mesh, blocks: list[int], name: str) -> IntArray:
 
 
 def _homes(lines: IntArray, entity: IntArray, group: IntArray) -> IntArray:
-    """Return for each line the number of the first line that it repeats, or its own number.
+    """Return for each line the number of the first line that is equal to it, or its own number.
 
     In version 2.2 an element is repeated for each of its groups. A line that occurs twice in the
     same group, or on two curves, counts as two lines, which later checks report.
@@ -181,7 +181,7 @@ def _data(size: int, groups: Mapping[str, IntArray]) -> dict[str, FloatArray]:
 def write_msh(path: Path, mesh: GroupedLines) -> None:
     """Write a .msh file of version 4.1 as text.
 
-    `read_msh` returns a mesh with the same nodes, lines, groups and data, but in another order.
+    `read_msh` returns the nodes, lines, groups and data of this mesh, but in another order.
 
     Raises:
         MeshFileError: a group of nodes and a group of lines have the same name, or a name is not
@@ -239,7 +239,7 @@ def _value_groups(data: Mapping[str, FloatArray]) -> dict[str, IntArray]:
 
 
 def _entities(size: int, groups: Mapping[str, IntArray], before: int) -> tuple[IntArray, Any]:
-    """Assign nodes or lines to geometric entities, one for each combination of groups.
+    """Assign nodes or lines to geometric entities, with one entity for each combination of groups.
 
     In Gmsh the members of a group are entities, not single nodes or lines.
 

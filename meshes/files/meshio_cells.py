@@ -22,8 +22,8 @@ LINE, POINT = "line", "vertex"
 def readable(path: Path) -> Iterator[None]:
     """Turn every error and warning of the readers of meshio into a `MeshFileError`.
 
-    The readers check little. For a damaged file they raise exceptions of any type, cause a warning
-    of numpy about incomplete text, or print a note to standard error.
+    The readers check little. On a damaged file the readers raise exceptions of any type, cause a
+    warning of numpy about incomplete text, or print a note to standard error.
 
     Raises:
         MeshFileError: the file cannot be read; the text contains the reason.

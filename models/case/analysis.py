@@ -93,7 +93,7 @@ class Initial(Table):
 
     centre_velocity: VelocityPair = (0.0, 0.0)
     """Velocity of the centre, x and y [m/s]. The nodes between centre and tips follow statically;
-    the effect differs by a factor of 4 to 45 from that of a motion of the centre's mass only."""
+    a motion of the centre's mass only would differ in its effect by a factor of 4 to 45."""
     centre_displacement: DisplacementPair = (0.0, 0.0)
     """Displacement of the centre, x and y [m]."""
     tip_velocity: VelocityRows | None = Field(
@@ -142,7 +142,7 @@ class March(Table):
     """Displacement at which a march ends as divergent [m]: radially or tangentially at a blade tip,
     or radially at the casing. The default is the length of a blade, far beyond the range of a
     linear model. The model has errors of a tenth at a third of this length, but larger transients
-    may still decay (a choice)."""
+    can still decay (a choice)."""
     scheme: SchemeName = "central-difference"
     """Contact law and time integration. "central-difference": Lagrange multipliers and sliding
     friction, as in the paper; fast. "moreau-jean": impacts with contact.restitution, friction with

@@ -76,7 +76,7 @@ class DiskRing(BeamSection):
 
 
 class PointMass(Table):
-    """A mass at a radius, on all blades or on some."""
+    """A point mass at one radius of some or all blades, or at the centre."""
 
     radius: LengthOrZero
     """Radius [m]: 0 at the centre, otherwise between root and tip."""
@@ -97,8 +97,8 @@ class Mistuning(Table):
     """Factors on the density of each blade."""
     length: Factors = ()
     """Factors on the length of each blade from root to tip. Shrouds and masses along the blade keep
-    their radius: only the part beyond the outermost of them changes length. Sections of a taper
-    stay with their elements."""
+    their radius: only the part of the blade beyond the outermost shroud or mass changes length.
+    Sections of a taper stay with their elements."""
     stiffness_spread: NumberOrZero = 0.0
     """Standard deviation, about 1, of random factors on Young's modulus."""
     mass_spread: NumberOrZero = 0.0
@@ -142,7 +142,8 @@ MassRows = Annotated[tuple[PointMass, ...], rows('{ radius = "0.4 m", mass = "50
 
 
 class DiskSection(BeamSection):
-    """The rectangular section of the disk's beams, by default thicker than that of the blades."""
+    """The rectangular section of the disk's beams, by default thicker than the section of the
+    blades."""
 
     thickness: Length = 0.03
     """Size in the plane of motion [m]."""
@@ -182,8 +183,8 @@ class BladedDisk(Table):
     """Section of spokes and rim [m]; 30 mm in the plane is a choice (the paper has "a dedicated set
     of beams"), with which the suspension modes are at 2.53 reference frequencies."""
     disk_rings: RingRows = ()
-    """More rings within the disk, rows of { radius = "25 mm", thickness = "20 mm" }; they cut the
-    spokes."""
+    """More rings within the disk, rows of { radius = "25 mm", thickness = "20 mm" }; the spokes
+    have nodes at the rings."""
     web_radial: Stiffness = 1e9
     """Radial stiffness of each spring from centre to root for disk_kind = "rim" [N/m]."""
     web_tangential: Stiffness = 1e9
@@ -191,9 +192,9 @@ class BladedDisk(Table):
     tip_mass: Mass = 0.0
     """Point mass at each tip [kg]."""
     point_masses: MassRows = ()
-    """More point masses, rows of { radius = "0.4 m", mass = "50 g" }. They are on all blades, or
-    only on those of a list such as blades = [0, 7]; inertia = "2 kg cm2" adds a rotary inertia;
-    radius = 0 is the centre."""
+    """More point masses, rows of { radius = "0.4 m", mass = "50 g" }. Every blade has the mass,
+    unless blades = [0, 7] lists the blades that have it; inertia = "2 kg cm2" adds a rotary
+    inertia; radius = 0 is the centre."""
     mistuning: Mistuning = Mistuning()
     """Mistuning: factors on stiffness, mass and length as lists with one entry per blade, or the
     standard deviation of random factors about 1, with a seed. A longer blade has a smaller

@@ -81,7 +81,7 @@ class Case(Table):
         return "\n  ".join([f'Case "{self.title}", other keys at their defaults', *rows])
 
     def __str__(self) -> str:
-        """Return the same text as `__repr__`."""
+        """Return the text of `__repr__`."""
         return repr(self)
 
     @model_serializer(mode="wrap")

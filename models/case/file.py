@@ -93,7 +93,7 @@ def with_values(case: Case, values: Mapping[str, Any]) -> Case:
 
     None resets a key to its default: ``{"damping.ratio": None}``. For a key that has rows, a list
     replaces all rows: ``{"bladed_disk.point_masses": [{"radius": "10 cm", "mass": "2 kg"}]}``.
-    Setting one of shaft.stiffness and shaft.suspension_frequency removes the other. A new
+    Setting shaft.stiffness removes shaft.suspension_frequency, and vice versa. A new
     excitation.type removes the keys of other types.
 
     Raises:
@@ -132,7 +132,7 @@ def faults_from(file: str | PathLike[str], overrides: Iterable[str]) -> Iterator
 
     Args:
         file: file from which the case was read.
-        overrides: overrides as in `read_case`.
+        overrides: texts "KEY=VALUE", see `loads`.
     """
     keys = [override.partition("=")[0].strip() for override in overrides]
     try:
@@ -153,8 +153,8 @@ def case_fault(case: Case, key: str, expected: str) -> Fault:
 
 
 def _find_beside(tables: dict[str, Any], folder: str) -> None:
-    """Convert the path of a mesh file, relative to the case file, to one that is relative to the
-    working directory."""
+    """Convert the path of a mesh file from relative to the case file to relative to the working
+    directory."""
     table: Any = tables
     for key in ("bladed_disk", "mesh"):
         table = table.get(key) if isinstance(table, dict) else None
@@ -163,7 +163,7 @@ def _find_beside(tables: dict[str, Any], folder: str) -> None:
 
 
 def _placed(fault: Fault, file: str, overridden: list[str]) -> Fault:
-    """Attribute a fault to the command line if it set the key, otherwise to the file."""
+    """Attribute a fault to the command line if an override sets its key, otherwise to the file."""
     place = f"{fault.key.partition('[')[0]}."
     keys = [f"{key}." for key in overridden]
     set_here = any(place.startswith(key) or key.startswith(place) for key in keys)

@@ -122,8 +122,8 @@ class MeshTable(Table):
         """Return the lines of the file with its groups, and check the groups named in this table.
 
         Raises:
-            CaseError: the file can't be read, a section names no group of lines in it, or a tip
-                belongs to no line.
+            CaseError: the file cannot be read, a section names a group of lines that the file
+                lacks, or a tip belongs to no line.
         """
         mesh = self._read()
         faults = [

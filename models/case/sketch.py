@@ -70,7 +70,7 @@ class SketchTable(Table):
         return frozenset(node.name for node in self.nodes if node.shared)
 
     def is_shared(self, *references: str) -> bool:
-        """Return whether all these nodes are shared by the sectors."""
+        """Return whether all sectors share these nodes."""
         return all(split_reference(reference)[0] in self._shared for reference in references)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
@@ -151,8 +151,8 @@ def _sector_faults(sketch: SketchTable) -> Faults:
 
 
 def _edit_faults(sketch: SketchTable) -> Faults:
-    """Yield edits of unknown parts, edits of a part that is not in the sector, and second edits of
-    the same part."""
+    """Yield edits of unknown parts, edits of a part that the sector lacks, and repeated edits of a
+    part."""
     nodes = {node.name for node in sketch.nodes}
     members = {member.name: member for member in sketch.members}
     seen: Counter[tuple[int, str]] = Counter()

@@ -20,11 +20,11 @@ anisotropy, the frame x = exp(Omega t J) y makes the equations autonomous:
     y'' + (D + 2 Omega (J + G)) y' + (K(0) + Omega^2 (J^2 + S + 2 G J) + Omega D J) y = 0.
 
 Equation (16) is the frame in which the casing turns by k/2 and the bladed disk by -k/2. The
-printed Eq. (9) does not follow from Eq. (8): it does not couple the two rotor pairs, has the modal
-mass of the wrong row in its off-diagonal blocks, and lacks the factor pi, which is kept here unless
-`with_pi` is false. The gyroscopic block of q5, q6 in the printed Eq. (18) has the wrong sign:
-derived from Eq. (16), its sign is opposite to that of the other blocks. Modal damping is added
-here.
+printed Eq. (9) does not follow from Eq. (8): the printed equation does not couple the two rotor
+pairs, has the modal mass of the wrong row in its off-diagonal blocks, and lacks the factor pi,
+which is kept here unless `with_pi` is false. The gyroscopic block of q5, q6 in the printed Eq. (18)
+has the wrong sign: derived from Eq. (16), its sign is opposite to that of the other blocks. Modal
+damping is added here.
 """
 
 from __future__ import annotations

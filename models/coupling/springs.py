@@ -121,7 +121,7 @@ class CouplingModes:
 
     @cached_property
     def blocks(self) -> tuple[CoupledEquations, ...]:
-        """Equations of each nodal diameter; they are independent of each other."""
+        """Equations of each nodal diameter, which are independent of each other."""
         return tuple(self.harmonic(k).equations for k in self.harmonics)
 
     def over_entries(self, matrix: FloatArray | None) -> ComplexArray:
@@ -133,7 +133,7 @@ class CouplingModes:
         return matrix[np.ix_(self.cosine, self.cosine)] + 1j * self.paired[:, None] * crossed
 
     def take(self, chosen: IntArray | BoolArray | Sequence[int]) -> CouplingModes:
-        """Return the modes with some entries only, chosen by a mask or by positions."""
+        """Return the modes of the chosen entries, a mask or positions."""
         kept = np.arange(self.entries)[np.asarray(chosen)]
         arrays = {item.name: getattr(self, item.name)[kept] for item in fields(self)[1:7]}
         coordinates = [c for i in kept for c in np.flatnonzero(self.entry == i)]
@@ -206,11 +206,11 @@ class CoupledEntries:
         return np.flatnonzero(np.where(self.modes.on_casing, there[1], there[0]))
 
     def take(self, chosen: IntArray | Sequence[int]) -> Self:
-        """Return the modes with some entries only, chosen by positions."""
+        """Return the chosen entries; `chosen` contains positions."""
         return replace(self, modes=self.modes.take(chosen), number=self.number[chosen])
 
     def with_unit_amplitudes(self) -> Self:
-        """Replace every amplitude by 1, the amplitude of the paper, with the same sign."""
+        """Replace every amplitude by 1 or -1, the paper's amplitude with the sign of the mode."""
         return replace(self, modes=replace(self.modes, amplitude=np.sign(self.modes.amplitude)))
 
     def six_modes(self) -> Self:

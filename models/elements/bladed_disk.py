@@ -88,7 +88,8 @@ FIRST, SECOND, ROTATION = range(COMPONENTS)
 class BladedDiskModel:
     """A bladed disk in its rotating frame: straight Bernoulli beams, 3 DoF per node.
 
-    The centre node does not rotate. Springs in x and y support it; if clamped, it is fixed.
+    The centre node does not rotate. Springs along x and y support the centre node, or it is fixed
+    (clamped).
     """
 
     model: BeamModel
@@ -130,7 +131,7 @@ class BladedDiskModel:
     def blade_columns(self, column: IntArray) -> IntArray:
         """Convert DFT columns over the sectors to DFT columns over the blades, (modes,).
 
-        Both are the same if each sector has one blade; otherwise every column is `NO_COLUMN`.
+        The columns are equal if each sector has one blade; otherwise every column is `NO_COLUMN`.
         """
         layout = self.structure.layout
         one_each = layout is not None and layout.sectors == len(self.model.tips)
@@ -244,7 +245,7 @@ def _rounding(mesh: LineMesh) -> float:
     to 2 pi eps R. The relative error of the length L of a line, and the error of its direction,
     are then d = 4 pi eps R / L. The matrix of a line has powers of L up to L^-3. Its error due to
     the length is therefore 3 d, and its error due to the direction is d for each index. The errors
-    of two sectors may have opposite signs: 10 d in all.
+    of two sectors can have opposite signs: the total bound is 10 d.
     """
     radius = np.hypot(*mesh.points.T)[mesh.lines].max(axis=1)
     return float(40.0 * np.pi * np.finfo(np.float64).eps * (radius / mesh.lengths).max())

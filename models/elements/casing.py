@@ -5,11 +5,11 @@ its foot: the radial and tangential displacements w and u, and the counter-clock
 the section phi = u/R - w'. The foot may be anywhere in an element: w, u and phi are interpolated
 with the Hermite functions, so that results do not jump when a foot passes a node. The frequencies
 converge with fourth order if all feet are at nodes. With a foot inside an element, they converge
-with second to third order if the support transmits a force only, and with first order if it
-transmits a moment, as a built-in strut does (an error of one per cent with 40 elements).
+with second to third order if the support transmits only a force, and with first order if the
+support transmits a moment, like a built-in strut (an error of one per cent with 40 elements).
 
 A strut is one straight beam element with mass from the wall to the ground, without internal modes:
-pinned at both ends it is a bar, built in at both ends it also bends.
+a strut that is pinned at both ends is a bar; a strut that is built in at both ends also bends.
 """
 
 from __future__ import annotations

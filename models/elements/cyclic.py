@@ -88,7 +88,7 @@ def wave_parts(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:
 
 
 def evenly_spaced(angles: FloatArray) -> bool:
-    """Return whether angles increase in equal steps of 2 pi over their number, from any start."""
+    """Return whether angles increase in equal steps, 2 pi divided by the number of angles."""
     steps = np.mod(
         angles - angles[0] - 2.0 * np.pi * np.arange(len(angles)) / len(angles), 2 * np.pi
     )
@@ -120,7 +120,8 @@ class SectorLayout:
         """Return the orthonormal complex basis of nodal diameter k, (size, DoF of the block).
 
         The centre's translation along (1, i)/sqrt(2) belongs to k = 1: a turn of the structure by
-        one sector multiplies it by exp(-i alpha), and also the sector values exp(i n alpha).
+        one sector multiplies this translation by exp(-i alpha), as it does the sector values exp(i
+        n alpha).
         """
         count, per_sector = self.sector_dofs.shape
         wave = np.exp(2j * np.pi * k * np.arange(count) / count) / np.sqrt(count)
@@ -185,8 +186,8 @@ class SectorLayout:
             yield k, tuple(blocks)
 
     def _mean_sector(self, matrix: sp.csr_array) -> tuple[FloatArray, IntArray]:
-        """Return the blocks that couple a sector with itself and the others, averaged over the
-        sectors.
+        """Return the blocks that couple a sector with itself and with other sectors, averaged over
+        all sectors.
 
         Returns:
             values (entries,) and their positions (3, entries): offset in sectors to the coupled
@@ -219,9 +220,9 @@ class SectorLayout:
 
         Args:
             k: nodal diameter.
-            vectors: complex amplitudes p, (DoF of the block, m). If they are orthonormal with
-                respect to the mass of the block, the fields are orthonormal with respect to the
-                mass of the structure.
+            vectors: complex amplitudes p, (DoF of the block, m). Vectors that are orthonormal with
+                respect to the mass of the block give fields that are orthonormal with respect to
+                the mass of the structure.
 
         Returns:
             fields (size, m or 2 m) and the DFT column of each.

@@ -28,7 +28,7 @@ def straight_stiffness(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
 def mass(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
     """Kinetic energy of straight and curved beams: rho A (u^2 + w^2).
 
-    A uniform elastic support in both directions has the same form.
+    This form is also the energy of a uniform elastic support in both directions.
     """
     return p.rho_A * (u * du + w * dw)
 

@@ -84,7 +84,7 @@ class BeamModel:
     springs: NodeSprings = field(default_factory=NodeSprings)
     links: RigidLinks = field(default_factory=RigidLinks)
     tip_radius: float
-    """Radius from which the clearance is measured [m]; single tips may be at another radius."""
+    """Radius from which the clearance is measured [m]; tips can have other radii."""
 
     def __repr__(self) -> str:
         """Return the size and the mass in one line."""

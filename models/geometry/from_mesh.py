@@ -157,8 +157,8 @@ def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
             file have this material.
 
     Raises:
-        CaseError: the file cannot be read, the table does not match it, or the resulting model is
-            not a valid bladed disk.
+        CaseError: the file cannot be read, the table does not match the file, or the resulting
+            model is not a valid bladed disk.
     """
     mesh = table.lines()
     points = mesh.points * table.metres

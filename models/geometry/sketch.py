@@ -230,8 +230,8 @@ class Sketch:
             member: name of the member.
             stiffness: factor on Young's modulus of the member.
             mass: factor on the density of the member.
-            section: new section or sections; None keeps those of the member.
-            path: new points of the centre line [m]; None keeps those of the member.
+            section: new section or sections; None keeps the sections of the member.
+            path: new points of the centre line [m]; None keeps the points of the member.
 
         Raises:
             CaseError: an invalid value.

@@ -245,7 +245,7 @@ class _Drawing:
         return range(self._sketch.sectors) if part.sectors is None else part.sectors
 
     def _alike(self) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]] | None:
-        """Return the nodes of each sector, in the same order, (sectors, nodes a sector).
+        """Return the nodes of each sector, in the same order, (sectors, nodes per sector).
 
         None if sectors have different nodes, if there are fewer than three sectors, or if nodes
         other than the centre are shared.

@@ -36,7 +36,7 @@ _NAME = re.compile(
 
 @dataclass(frozen=True, kw_only=True)
 class ModeName:
-    """Name of the modes of one family with one or with all nodal diameters."""
+    """Name of the modes of a family, for one nodal diameter or for all nodal diameters."""
 
     on_casing: bool
     family: str | None  #: family; None is the lowest radial casing mode of each nodal diameter

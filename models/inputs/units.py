@@ -34,7 +34,7 @@ TURN_PER_S: Final = "turn/s"
 def to_si(text: str, unit: str) -> float:
     """Convert a number with its unit, such as "1 mm", to ``unit``, such as "m".
 
-    Powers may be written m2, m^2, m**2 or m².
+    Powers are written m2, m^2, m**2 or m².
 
     Raises:
         ValueError: the text is not a number with a unit, the unit is unknown or of another

@@ -32,7 +32,7 @@ def stage_arrays(
     casing_family: tuple[str, ...],
     turning: TurningDisk | None,
 ) -> StageArrays:
-    """Return the arrays of a stage with some modes of its bodies.
+    """Return the arrays of a stage with given modes of its bodies.
 
     Args:
         case: case of the stage.

@@ -151,7 +151,8 @@ class ModalStage:
 
     @property
     def turning(self) -> TurningDisk | None:
-        """Bladed disk at speed, with the centre as in the case; None without rotation effects."""
+        """Bladed disk at speed, with a free or clamped centre as the case requires; None without
+        rotation effects."""
         return None if self.at_speed is None else self.at_speed[int(self.case.shaft.clamped)]
 
     @cached_property
@@ -166,7 +167,7 @@ class ModalStage:
 
     @property
     def disk_whirl(self) -> Whirl | None:
-        """Whirling modes with the centre as in the case; None without Coriolis forces."""
+        """Whirling modes, with the centre as the case requires; None without Coriolis forces."""
         return self.clamped_whirl if self.case.shaft.clamped else self.free_whirl
 
     def _whirl(self, centre: int) -> Whirl | None:
@@ -189,16 +190,16 @@ class ModalStage:
 
     @property
     def disk(self) -> BladedDiskModel:
-        """Bladed disk with the centre as in the case."""
+        """Bladed disk with a free or a clamped centre, as the case requires."""
         return self.clamped_disk if self.case.shaft.clamped else self.free_disk
 
     @property
     def disk_modes(self) -> LabelledModes:
-        """Modes of the bladed disk with the centre as in the case."""
+        """Modes of the bladed disk with a free or a clamped centre, as the case requires."""
         return self.clamped_modes if self.case.shaft.clamped else self.free_modes
 
     def arrays(self, disk_modes: IntArray, casing_modes: IntArray) -> StageArrays:
-        """Return the arrays of the stage with some of its modes.
+        """Return the arrays of the stage with the chosen modes.
 
         Args:
             disk_modes: numbers of modes in the attribute `disk_modes`.
@@ -208,7 +209,7 @@ class ModalStage:
         return self._arrays(modes.expand(disk_modes), modes.family, disk_modes, casing_modes)
 
     def whirl_arrays(self, whirling: IntArray, casing_modes: IntArray) -> StageArrays:
-        """Return the arrays of the stage with some whirling modes; each mode has two real fields.
+        """Return the arrays of the stage with the chosen whirling modes, each as two real fields.
 
         Args:
             whirling: numbers of modes in the attribute `disk_whirl`.

@@ -53,12 +53,12 @@ class LabelledModes(ModeTable):
     size: int  #: number of free degrees of freedom of the structure
 
     def fields(self, chosen: IntArray) -> FloatArray:
-        """Return the mass-normalised fields of some modes on the free DoF, (size, chosen)."""
+        """Return the mass-normalised fields of the chosen modes on the free DoF, (size, chosen)."""
         fields = [self._field(int(mode)) for mode in chosen]
         return np.stack(fields, axis=-1) if fields else np.zeros((self.size, 0))
 
     def expand(self, chosen: IntArray) -> Modes:
-        """Return some of the modes with their fields."""
+        """Return the chosen modes with their fields."""
         sectors = self.layout.sectors if self.layout else 0
         return Modes(shapes=self.fields(chosen), sectors=sectors, **self.numbers(chosen))
 
@@ -77,7 +77,7 @@ class LabelledModes(ModeTable):
         return np.flatnonzero((self.column % 2 != 0) | (self.column == 0))
 
     def take(self, chosen: IntArray | slice) -> LabelledModes:
-        """Return some of the modes."""
+        """Return the chosen modes."""
         kept = np.arange(self.count)[chosen]
         return replace(
             self,
@@ -178,7 +178,7 @@ def _names(structure: Structure, modes: Modes, reference: tuple[int, int], body:
 
 
 def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> LabelledModes:
-    """Return all modes of a structure if it is cyclic, otherwise of its tuned twin."""
+    """Return all modes of a cyclic structure, or of the tuned twin of another structure."""
     layout = structure.layout
     assert layout is not None  # both callers check this
     squares, shares, columns, diameters, amplitudes = [], [], [], [], []
@@ -238,7 +238,7 @@ def _in_springs(springs: ComplexArray, vectors: ComplexArray) -> FloatArray:
 def _families_of_twin(structure: Structure, modes: Modes, twin: LabelledModes) -> list[str]:
     """Return for each mode the family with the largest share of its expansion in the twin."""
     layout = structure.layout
-    assert layout is not None  # it has a twin
+    assert layout is not None  # structures with a twin have sectors
     names = list(dict.fromkeys(twin.family))
     shares = np.zeros((len(names), modes.count))
     impulse = structure.mass @ modes.shapes

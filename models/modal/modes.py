@@ -41,7 +41,7 @@ class ModeTable:
         return len(self.frequency)
 
     def numbers(self, chosen: IntArray | slice = slice(None)) -> dict[str, Any]:
-        """Return the properties of some modes, by name."""
+        """Return the properties of the chosen modes, by name."""
         return {each.name: getattr(self, each.name)[chosen] for each in fields(ModeTable)}
 
 
@@ -54,7 +54,7 @@ class Modes(ModeTable):
     """
 
     shapes: FloatArray  #: fields on the free DoF of the structure [kg^-1/2], (size, modes)
-    sectors: int  #: number of sectors of the structure; 0 if it has none
+    sectors: int  #: number of sectors of the structure; 0 without sectors
 
     @property
     def is_cyclic(self) -> bool:
@@ -62,7 +62,7 @@ class Modes(ModeTable):
         return bool(np.all(self.column != NO_COLUMN))
 
     def take(self, chosen: IntArray | slice) -> Modes:
-        """Return some of the modes."""
+        """Return the chosen modes."""
         return replace(self, shapes=self.shapes[:, chosen], **self.numbers(chosen))
 
 
@@ -182,8 +182,7 @@ def natural_frequencies(structure: Structure, squares: FloatArray) -> FloatArray
 
 
 def is_first_of_pair(columns: IntArray, position: int) -> bool:
-    """Return whether the mode at a position is the cosine mode of a pair, with its sine mode
-    next."""
+    """Return whether the mode at a position is a cosine mode that its sine mode follows."""
     following = columns[position + 1 : position + 2]
     cosine = columns[position] > 0 and columns[position] % 2 == 1
     return bool(cosine and following.size and following[0] == columns[position] + 1)

@@ -113,7 +113,7 @@ def turning_disk(case: Case, at_rest: BladedDiskModel, reference: float) -> Turn
     Args:
         case: case with the effects and the speed.
         at_rest: bladed disk of the case at rest.
-        reference: reference frequency, in multiples of which a speed may be given [rad/s].
+        reference: reference frequency, for speeds that are given as multiples of it [rad/s].
 
     Raises:
         CaseError: the speed reaches the lowest critical speed, and there are no Coriolis forces.

@@ -72,8 +72,8 @@ def axial_force(
 
 
 def _load_from_first_end(model: BeamModel, places: FloatArray, omega: float) -> FloatArray:
-    """Return the centrifugal load of each line between its first end and a position in it [N],
-    (lines, places)."""
+    """Return the centrifugal load of each line between its first end and each position [N], (lines,
+    places)."""
     mesh, lengths = model.mesh, model.mesh.lengths
     axes = np.column_stack([np.cos(mesh.line_axes), np.sin(mesh.line_axes)])
     start = np.einsum("li,li->l", mesh.points[mesh.lines[:, 0]], axes)

@@ -62,7 +62,7 @@ class WhirlModes:
         return len(self.frequency)
 
     def fields(self, chosen: IntArray) -> ComplexArray:
-        """Return the fields p of some modes on the free DoF of the structure, (size, chosen)."""
+        """Return the fields p of the chosen modes on the free DoF, (size, chosen)."""
         return np.stack([self._field(int(mode)) for mode in chosen], axis=-1)
 
     def _field(self, mode: int) -> ComplexArray:
@@ -74,7 +74,7 @@ class WhirlModes:
         return np.asarray(wave.conj() if self.direction[mode] == "forward" else wave)
 
     def take(self, chosen: IntArray) -> WhirlModes:
-        """Return some of the modes."""
+        """Return the chosen modes."""
         taken: dict[str, Any] = {}
         for name, values in vars(self).items():
             if isinstance(values, tuple):
@@ -115,7 +115,7 @@ def directions(signed: FloatArray, omega: float) -> tuple[Direction, ...]:
 
 
 def whirl_modes(structure: Structure, count: int | None = None) -> WhirlModes:
-    """Return the modes of a rotating structure, with its Coriolis forces if it has any.
+    """Return the modes of a rotating structure, including any Coriolis forces.
 
     Args:
         structure: structure linearised about the state of steady rotation.

@@ -112,7 +112,7 @@ class Section(Rectangle[float]):
 
         Section(width="120 mm", thickness="8 mm", material=Material())
 
-    Values are numbers in SI units, or text with a unit as in a case.
+    Values are numbers in SI units, or text with a unit.
 
     Args:
         width: size out of the plane of motion [m].

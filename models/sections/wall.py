@@ -8,8 +8,8 @@ when the end is moved, but the element bends differently from the true wall. The
 if all arcs end at nodes; otherwise it is one (an error of one per cent where the thickness doubles
 inside an element of 9 degrees).
 
-All sections are centred on the same circle. The additional bending by the eccentricity of a
-one-sided rib is therefore not included.
+All sections are centred on the same circle. The model therefore omits the additional bending due to
+the eccentricity of a one-sided rib.
 """
 
 from __future__ import annotations

@@ -89,7 +89,7 @@ class ReducedRotor:
         )
 
     def take(self, modes: IntArray) -> ReducedRotor:
-        """Return the rotor with some of the modes."""
+        """Return the rotor with the chosen modes."""
         return replace(
             self,
             frequency=self.frequency[modes],
@@ -142,7 +142,7 @@ class ReducedCasing:
         return len(self.column) > len(self.nodal) and bool(np.all(self.column >= 0))
 
     def take(self, modes: IntArray) -> ReducedCasing:
-        """Return the casing with some of the modes."""
+        """Return the casing with the chosen modes."""
         return replace(
             self,
             frequency=self.frequency[modes],
@@ -165,7 +165,7 @@ class Load:
     phase: float = 0.0  #: phase of the cosine [rad]
 
     def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> Load:
-        """Return the load on some modes, that is, its projection on these modes."""
+        """Return the load on the chosen modes, that is, its projection on these modes."""
         return replace(self, rotor=self.rotor[rotor_modes], casing=self.casing[casing_modes])
 
 
@@ -179,7 +179,7 @@ class Start:
     casing_velocity: FloatArray  #: modal velocities of the casing [kg^1/2 m/s], (casing modes,)
 
     def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> Start:
-        """Return the start in some modes: its mass-orthogonal projection on these modes."""
+        """Return the start in the chosen modes: its mass-orthogonal projection on these modes."""
         return Start(
             rotor=self.rotor[rotor_modes],
             rotor_velocity=self.rotor_velocity[rotor_modes],

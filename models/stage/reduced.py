@@ -2,9 +2,9 @@
 
 The equation of motion in rotating axes is M q'' + D q' + K q = f. With rotation effects K is the
 stiffness at speed; Coriolis forces add the term G q'. The reduced basis is computed with the
-stiffness at speed. With Coriolis forces, the first N frequencies of Table 1 then differ from those
-of the full model by at most 6e-5 at the speed 1.05 and 4e-4 at 2.5; with a basis at rest the
-differences are 1e-4 and 1.2e-3.
+stiffness at speed. With Coriolis forces, the first N frequencies of Table 1 then differ from the
+full model by at most 6e-5 at the speed 1.05 and 4e-4 at 2.5; with a reduced basis from the
+stiffness at rest the differences are 1e-4 and 1.2e-3.
 
 Time integration uses the modes of these matrices. The matrices themselves, with named degrees of
 freedom, are for users who write their own solvers, observers or controllers.

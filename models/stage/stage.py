@@ -60,7 +60,7 @@ class Stage:
     disk: BladedDiskModel
     casing: CasingModel
     disk_frequencies: Frequencies
-    """Lowest natural frequencies of the full bladed disk, supported as in the case [rad/s]."""
+    """Lowest natural frequencies of the full bladed disk with the shaft of the case [rad/s]."""
     reference_frequency: float
     """Lowest natural frequency of the full bladed disk with a free centre [rad/s]."""
     reduction: ReducedModes  #: modes of the reduced bladed disk

@@ -78,7 +78,7 @@ def wave_errors(
         turning: the full bladed disk at speed, with Coriolis forces.
     """
     layout = turning.disk.structure.layout
-    assert layout is not None  # it has equal sectors
+    assert layout is not None  # the sectors are equal
     frequencies = wave_frequencies(rotor, nodal_diameter, turning.omega)
     errors = dict.fromkeys(family, 0.0)
     for k in np.unique(nodal_diameter):

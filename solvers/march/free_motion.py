@@ -21,7 +21,7 @@ CLOSING = 0.8
 """Share of the smallest gap at rest that the remaining energy must not be able to close."""
 
 FREE_TURNS = 10.0
-"""Smallest number of revolutions of free motion before a march may end."""
+"""Smallest number of revolutions of free motion before a march ends early."""
 
 RULE = (
     "damped: the loads have ended, no tip has touched for at least half of the time marched and"
@@ -29,7 +29,7 @@ RULE = (
     f" close more than {CLOSING:.0%} of the smallest gap at rest; this is checked about every"
     f" {CHUNK_STEPS} steps; such a march has the end_reason damped and ends at end_time"
 )
-"""Text of the rule, written into every sweep that applies it."""
+"""Text of the rule for the end, which every sweep that applies the rule contains."""
 
 
 @dataclass(kw_only=True)

@@ -150,7 +150,8 @@ class Recorder:
         if finite:
             for name, values in history.items():
                 # Each variable is resized by its name: h5netcdf resizes the variables that are
-                # listed with the dimension, and in one of some hundred marches one was missing.
+                # listed with the dimension, and a variable was missing in one of several hundred
+                # marches.
                 self._h5[name].resize(last, axis=0)
                 self._h5[name][first:last] = values[:finite]
             self.flush()

@@ -30,7 +30,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
 
 CHECK_EVERY = 100
-"""Number of steps between checks of displacements other than the radial ones of the tips."""
+"""Number of steps between checks of all displacements except radial tip displacements."""
 
 
 class Step(NamedTuple):
@@ -348,7 +348,7 @@ def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
 
     The first active set contains all tips that penetrate. Tips with a tensile force are then
     removed from the set, and tips that penetrate are added. If this does not converge because W is
-    singular, all sets are tried, small ones first.
+    singular, all sets are tried, beginning with the smallest.
 
     Raises:
         ArithmeticError: no active set gives a solution.
@@ -372,8 +372,8 @@ def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
 def _closed(
     gap: FloatArray, delassus: FloatArray, chosen: IntArray, tolerance: float
 ) -> tuple[FloatArray, FloatArray, bool]:
-    """Return the multipliers that close the gaps of some tips, the resulting gaps of all tips, and
-    whether they solve the complementarity problem."""
+    """Return the multipliers that close the gaps of the chosen tips, the resulting gaps of all
+    tips, and true if the multipliers solve the complementarity problem."""
     multiplier = np.zeros(len(gap))
     if chosen.size:
         part = delassus[np.ix_(chosen, chosen)]

@@ -1,4 +1,4 @@
-"""Arrays of the rotor: by harmonic if it is cyclic, otherwise dense."""
+"""Arrays of the rotor: by harmonic for a cyclic rotor, otherwise dense."""
 
 from __future__ import annotations
 

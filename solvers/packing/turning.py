@@ -109,7 +109,7 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
 
     Returns:
         the blocks, in the order of `Gyroscopic`, and the matrix of all modes, (entries, entries);
-        one of them is empty.
+        one of the two is empty.
     """
     rows, half, entries = arrangement.rows, arrangement.half, arrangement.entries
     full = aligned((entries, entries))

@@ -10,7 +10,7 @@ Blades slide forward over the casing, so friction drags waves backward on the ro
 the casing. Only this combination counts. Two waves that travel in the same direction, each seen in
 the axes of its body, also meet, at (omega_c - omega_bd) / k or (omega_bd - omega_c) / k, but
 contact does not excite them. Waves with k = 0 do not travel and never meet. For Omega < 0 forward
-and backward are exchanged and the speeds are the same, so speeds are given as magnitudes.
+and backward are exchanged, with equal speeds; therefore speeds are magnitudes.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Coincidences:
         return self.take(np.flatnonzero((self.speed >= lowest) & (self.speed <= highest)))
 
     def take(self, chosen: IntArray) -> Coincidences:
-        """Return some of the pairs, chosen by positions."""
+        """Return the pairs at the chosen positions."""
         return Coincidences(
             rotor=self.rotor[chosen],
             casing=self.casing[chosen],

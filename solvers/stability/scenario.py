@@ -52,8 +52,8 @@ def mode_scenario(*, shaft: complex, rotor: complex, casing: complex) -> Scenari
 
     Args:
         shaft: displacement x + i y of the centre.
-        rotor: U of the blade tips, in the same unit.
-        casing: W of the casing.
+        rotor: U of the blade tips, in the unit of ``shaft``.
+        casing: W of the casing, in the unit of ``shaft``.
 
     Raises:
         ValueError: the shaft does not move, or the clearance does not change.

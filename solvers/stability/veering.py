@@ -81,8 +81,8 @@ def whirl_veering(
 ) -> ShaftVeering:
     """Follow the lowest frequencies of block k = 1 at speed, for backward and forward waves.
 
-    The signed frequencies of backward waves rise with kappa and those of forward waves fall. The
-    branches of one direction do not cross.
+    With kappa the signed frequencies of backward waves rise and the signed frequencies of forward
+    waves fall. The branches of one direction do not cross.
 
     Args:
         matrices: mass, stiffness K_Omega without springs and Coriolis matrix of the block, (n, n)
