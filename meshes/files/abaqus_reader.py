@@ -68,7 +68,7 @@ class _Content:
     element_sets: dict[str, list[int]] = field(default_factory=dict)
     sections: list[tuple[str, str, float, float]] = field(default_factory=list)
     materials: dict[str, dict[str, float]] = field(default_factory=dict)
-    masses: list[tuple[str, str, float]] = field(default_factory=list)  #: name, set, value
+    masses: list[tuple[str, str, float]] = field(default_factory=list)  #: data, set, value
     material: str = ""  #: name of the material that is being read
 
 

@@ -109,8 +109,8 @@ class Mistuning(Table):
     """Seed of the random factors; each quantity has a random stream of its own."""
 
     def factors(self, name: str, blades: int) -> FloatArray:
-        """Return the factors on stiffness, mass or length, (blades,): the list if there is one,
-        otherwise random factors."""
+        """Return the factors on stiffness, mass or length, (blades,): the given list, otherwise
+        random factors."""
         listed = getattr(self, name)
         if listed:
             return np.array(listed)
@@ -196,8 +196,8 @@ class BladedDisk(Table):
     unless blades = [0, 7] lists the blades that have it; inertia = "2 kg cm2" adds a rotary
     inertia; radius = 0 is the centre."""
     mistuning: Mistuning = Mistuning()
-    """Mistuning: factors on stiffness, mass and length as lists with one entry per blade, or the
-    standard deviation of random factors about 1, with a seed. A longer blade has a smaller
+    """Mistuning: lists of factors on stiffness, mass and length with one entry per blade; or
+    standard deviations of random factors about 1, and a seed. A longer blade has a smaller
     clearance."""
 
     mesh: MeshTable | None = Field(

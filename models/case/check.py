@@ -105,7 +105,7 @@ def _dotted(path: Path) -> str:
 
 
 def _known_key(location: Path, path: Path) -> str:
-    """Return a text that suggests similar keys of the table or, without any, of all tables."""
+    """Return a text that suggests similar keys: keys of the table, or else keys of any table."""
     name, table = str(path[-1]), path[:-1]
     kinds = [f'"{kind}"' for kind, load in EXCITATIONS.items() if name in load.model_fields]
     if path[0] == "excitation" and kinds:

@@ -29,7 +29,7 @@ from bladewhirl.models.sections.rectangular import BeamSection
 KEY = "bladed_disk.mesh"
 
 SAME_PLACE = 1e-6
-"""Distance over the size of the mesh below which two nodes count as duplicates."""
+"""Distance, as a share of the mesh size, below which two nodes count as duplicates."""
 
 
 def _path(value: object) -> str:
@@ -148,7 +148,7 @@ class MeshTable(Table):
         nodes = self.group_nodes(mesh, "tips")
         angles = np.arctan2(*(mesh.points[nodes] * self.metres).T[::-1])
         order = np.argsort(angles)
-        # If two tips are equally near, the small shift selects the one at the positive angle.
+        # If two tips are equally near, the small shift selects the tip at the positive angle.
         first = int(np.argmin(np.abs(angles[order] - SAME_PLACE)))
         return np.asarray(nodes[np.roll(order, -first)])
 

@@ -40,8 +40,8 @@ class Shaft(Table):
     """The two springs that carry the centre, which does not rotate in the plane."""
 
     stiffness: Stiffness = 3.4e7
-    """Stiffness of each spring [N/m]; if stiffness_y is given, of the spring along x (paper,
-    Section 2.1)."""
+    """Stiffness of each spring [N/m] (paper, Section 2.1); only of the spring along x if
+    stiffness_y is given."""
     stiffness_y: Stiffness | None = Field(default=None, examples=["2e7"])
     """Stiffness of the spring along y [N/m], if different from that along x."""
     suspension_frequency: Annotated[float, quantity("Hz")] | None = Field(
@@ -59,7 +59,7 @@ class Shaft(Table):
     bearings. Without Coriolis and centrifugal terms the variation excites the suspension at speeds
     near its frequency, which is an artefact."""
     damping: DampingOrZero = 0.0
-    """Damping parallel to each spring [N s/m]; if damping_y is given, to the spring along x.
+    """Damping parallel to each spring [N s/m]; only to the spring along x if damping_y is given.
     Dampers respond to contact one step late, an error of first order in march.time_step; with
     rotation.effects = "full" they respond within the step."""
     damping_y: DampingOrZero | None = Field(default=None, examples=["1e3"])

@@ -28,7 +28,7 @@ from bladewhirl.models.inputs.table import Inconsistency, Table
 NEEDED_SETS = ("centre", "tips")
 
 Part = SketchMember | SketchMass | SketchSpring | SketchLink
-"""A part that refers to nodes and may exist in some of the sectors only."""
+"""A part that refers to nodes; it can exist in some of the sectors only."""
 
 
 class SketchTable(Table):

@@ -91,7 +91,7 @@ class SketchMass(Table):
     """A point mass."""
 
     node: Reference
-    mass: Mass  #: [kg]
+    mass: Mass  #: mass [kg]
     inertia: Inertia = 0.0  #: rotary [kg m2]
     sectors: Chosen = None
 

@@ -51,7 +51,7 @@ class CoupledEquations:
     damping: FloatArray  #: D [1/s], (modes, modes)
     harmonics: IntArray  #: nodal diameters k of the radial waves, (harmonics,)
     casing: FloatArray  #: A_k: cosine, sine part on the casing [kg^-1/2], (harmonics, 2, modes)
-    rotor: FloatArray  #: B_k: cosine, sine part at the tips, in rotating axes, likewise
+    rotor: FloatArray  #: B_k: cosine, sine part at tips in rotating axes, (harmonics, 2, modes)
     turning: FloatArray | None  #: J, (modes, modes); None if no autonomous frame exists
     coriolis: FloatArray | None = None  #: G, (modes, modes); zero if None
     softening: FloatArray | None = None  #: S, (modes, modes); zero if None
@@ -80,7 +80,7 @@ class CoupledEquations:
         """Return K* at angles Omega t of any shape (...), as (..., modes, modes) [1/s^2].
 
         Args:
-            angle: [rad].
+            angle: Omega t [rad].
             kappa: stiffness of the springs between the bodies [N/m] per radian.
             with_pi: keep the factor pi of the integral; false gives the paper's eps = kappa / m.
         """
@@ -116,7 +116,7 @@ class CoupledEquations:
             with_pi: keep the factor pi of the integral.
 
         Returns:
-            (..., modes, modes) [1/s] and [1/s^2].
+            the matrices, (..., modes, modes) each [1/s] and [1/s^2].
 
         Raises:
             ValueError: no frame makes the equations autonomous, and the speed is not zero.
@@ -172,7 +172,7 @@ class CoupledEquations:
             y: coordinates in the autonomous frame, (times, modes).
             rate: dy/dt.
             speed: Omega [rad/s].
-            time: [s], (times,).
+            time: instants [s], (times,).
         """
         turn = np.zeros_like(self.damping) if self.turning is None else speed * self.turning
         phase = np.multiply.outer(time, np.sqrt(-np.diag(turn @ turn)))
@@ -204,7 +204,7 @@ def difference_of_axes(centre: FloatArray, angle: ArrayLike) -> FloatArray:
 
     Args:
         centre: x and y of the centre in rotating axes [kg^-1/2], (2, modes).
-        angle: [rad].
+        angle: Omega t [rad].
     """
     moved = _rotation(np.asarray(angle, dtype=np.float64)) @ centre
     squares = moved[..., :, None] * moved[..., None, :]

@@ -27,7 +27,7 @@ ANGLES = 181
 """Number of angles of the rotor at which frequencies are computed if they depend on the angle."""
 
 SIX_NAMES = ("casing k=1", "1F k=1", "suspension")
-"""Names of the modes of the paper's system, which have one nodal diameter."""
+"""Names of the modes of the paper's system, which have k = 1."""
 
 
 @dataclass(frozen=True, kw_only=True)

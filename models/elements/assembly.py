@@ -64,7 +64,7 @@ class LineAssembler:
         matrix = sp.csr_array(data.tocsr())
         matrix.resize((self.node_dofs.size, self.node_dofs.size))  # last nodes may have no line
         mirrored = -matrix.T if skew else matrix.T
-        return sp.csr_array((matrix + mirrored) / 2.0)  # symmetric, or skew, to the last bit
+        return sp.csr_array((matrix + mirrored) / 2.0)  # exactly symmetric, or exactly skew
 
 
 def straight_beams(lengths: FloatArray, lines: IntArray, nodes: int) -> LineAssembler:

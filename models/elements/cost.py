@@ -22,8 +22,8 @@ BYTES_PER_ENTRY = 64
 """Memory of the complex mass, stiffness and shapes of a sector, for each entry of one matrix."""
 
 SECONDS_PER_ENTRY, SECONDS_PER_CUBE = 2.5e-7, 3e-9
-"""Time for each entry of the shapes, and time for each unit of (size of a sector)^3 and nodal
-diameter [s]; measured on a processor of 2023, accurate to a factor of three."""
+"""Time for each entry of the shapes, and time for each nodal diameter and unit of (size of a
+sector)^3 [s]; measured on a processor of 2023, accurate to a factor of three."""
 
 MODAL_BYTES, MODAL_SECONDS, DIAMETER_SECONDS = 50, 4e-9, 4e-3
 """Cost of the modes of bladed disks with a free and a clamped centre, for each nodal diameter:

@@ -18,7 +18,7 @@ class Structure:
 
     mass: sp.csr_array  #: mass matrix [kg, kg m, kg m2], (size, size)
     stiffness: sp.csr_array  #: stiffness with springs [N/m, N, N m], (size, size)
-    springs: sp.csr_array  #: the springs' part of the stiffness, (size, size)
+    springs: sp.csr_array  #: part of `stiffness` due to springs, (size, size)
     node_dofs: IntArray  #: DoF of each node, (nodes, components); -1 if fixed
     layout: SectorLayout | None  #: sectors; None if the structure has none
     constraints: FloatArray

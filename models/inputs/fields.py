@@ -62,7 +62,7 @@ _EXAMPLES = {
 
 
 def expectation(phrase: str, reason: object = "") -> PydanticCustomError:
-    """Return an error with the expected value and, in parentheses, the reason of the error."""
+    """Return an error that states the expected value and, in parentheses, the reason."""
     phrase = f"{phrase} ({reason})" if reason else phrase
     return PydanticCustomError(EXPECTED, "expected {expected}", {"expected": phrase})
 

@@ -49,7 +49,7 @@ def speed_of_growth(
     Args:
         disk: the bladed disk.
         matrices: matrices of the bladed disk.
-        gap: gap of each tip [m], one value or (blades,).
+        gap: gap of each tip [m], (blades,), or one value for all tips.
     """
     rate = matrices.growth[disk.tip_radial]
     squares = np.divide(gap, rate, out=np.full(len(rate), np.inf), where=rate > 0.0)
@@ -70,7 +70,7 @@ class TurningDisk:
         return self.growth_at(self.omega)
 
     def growth_at(self, omega: float) -> FloatArray:
-        """Return the radial growth of each tip at a speed omega [rad/s] [m], (blades,)."""
+        """Return the radial growth of each tip [m], (blades,), at a speed omega [rad/s]."""
         return tip_growth(self.disk, self.matrices, omega)
 
     def tip_answer(self, axis: int, omega: float) -> FloatArray:

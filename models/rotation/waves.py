@@ -41,11 +41,11 @@ class Waves:
     """Matrices of one nodal diameter, (n, n)."""
 
     nodal_diameter: int
-    mass: ComplexArray  #: M
-    stiffness: ComplexArray  #: K at rest
-    coriolis: ComplexArray  #: G, zero without Coriolis forces
+    mass: ComplexArray  #: mass matrix M
+    stiffness: ComplexArray  #: stiffness matrix K at rest
+    coriolis: ComplexArray  #: Coriolis matrix G; zero without Coriolis forces
     softening: ComplexArray  #: K_G1 - M_t
-    springs: ComplexArray  #: the shaft springs' part of K
+    springs: ComplexArray  #: part of K due to the shaft springs
 
     def frequencies(self, omega: float) -> ComplexArray:
         """Return w at a speed omega, in descending order [rad/s], (2 n,).
@@ -84,7 +84,7 @@ class Waves:
         return (size - 1 - nearest, True) if nearest < size else (nearest - size, False)
 
     def synchronous(self, order: int) -> tuple[FloatArray, FloatArray]:
-        """Return the speeds at which w = m Omega, where m is the order.
+        """Return the speeds at which a wave has w = m Omega, where m is the order.
 
         The speeds follow from the Hermitian eigenproblem K p = Omega^2 (m^2 M + M_t - 2 i m G -
         K_G1) p. Order 0 gives the critical speeds of a load that rotates with the disk, such as an

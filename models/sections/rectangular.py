@@ -30,7 +30,7 @@ class NamedMaterial(Table):
     """A material to which sections refer by name."""
 
     name: StrictStr
-    """Name for use in sections."""
+    """Name by which sections refer to the material."""
     young_modulus: Modulus
     """Young's modulus [Pa]."""
     density: Density
@@ -65,7 +65,7 @@ class Material(Table):
 
     @property
     def lowest_yield_strength(self) -> float | None:
-        """Lowest yield strength of the materials that specify one [Pa]."""
+        """Lowest yield strength of the materials [Pa]; None if no material has a yield strength."""
         given = [self.yield_strength, *(one.yield_strength for one in self.named)]
         return min((value for value in given if value is not None), default=None)
 
@@ -128,10 +128,10 @@ class Section(Rectangle[float]):
 
     __pydantic_config__: ClassVar = ConfigDict(extra="forbid")  # for sections in a case
 
-    width: Length  #: [m]
-    thickness: Length  #: [m]
-    young_modulus: Modulus  #: [Pa]
-    density: Density  #: [kg/m3]
+    width: Length  #: size out of the plane of motion [m]
+    thickness: Length  #: size in the plane of motion [m]
+    young_modulus: Modulus  #: Young's modulus [Pa]
+    density: Density  #: density [kg/m3]
 
     def __init__(
         self,
@@ -166,7 +166,7 @@ Taper = Sequence[Section]
 QUANTITIES = tuple(each.name for each in fields(Section))
 
 CHANGES = tuple(f"{name}_change" for name in QUANTITIES)
-"""Names of the changes of the quantities along a line, as in `LineProperties` and mesh files."""
+"""Names of the changes of the quantities along a line in `LineProperties` and mesh files."""
 
 
 def along(sections: Section | Taper, share: FloatArray) -> FloatArray:
@@ -220,8 +220,10 @@ class LineProperties(Rectangle[FloatArray]):
     changes from the first to the second end. Changes that are left out are zero.
     """
 
-    width_change: FloatArray = field(default_factory=lambda: np.zeros(0))  #: [m], (lines,)
-    thickness_change: FloatArray = field(default_factory=lambda: np.zeros(0))  #: [m], (lines,)
+    width_change: FloatArray = field(default_factory=lambda: np.zeros(0))  #: change [m], (lines,)
+    thickness_change: FloatArray = field(
+        default_factory=lambda: np.zeros(0)
+    )  #: change [m], (lines,)
     young_modulus_change: FloatArray = field(default_factory=lambda: np.zeros(0))  #: [Pa], (lines,)
     density_change: FloatArray = field(default_factory=lambda: np.zeros(0))  #: [kg/m3], (lines,)
 

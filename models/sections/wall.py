@@ -87,7 +87,7 @@ class WallProperties:
     line_mass: FloatArray  #: rho A [kg/m]
     thickness: FloatArray  #: size in the plane [m]
     width: FloatArray  #: size out of the plane [m]
-    young_modulus: FloatArray  #: [Pa]
+    young_modulus: FloatArray  #: Young's modulus [Pa]
 
     def mean(self, weights: FloatArray) -> WallProperties:
         """Return the weighted means over the points of each element; the weights sum to one."""
@@ -133,11 +133,11 @@ class Arc(Table):
 
 @dataclass(frozen=True, kw_only=True)
 class Wall:
-    """A wall of one section, with varying thickness and with arcs of another section."""
+    """A wall with a section, a varying thickness and arcs of other sections."""
 
     section: Section
     thickness: RingProfile | None = None  #: replaces the thickness of the section [m]
-    arcs: tuple[Arc, ...] = ()  #: arcs of another section, which do not overlap
+    arcs: tuple[Arc, ...] = ()  #: arcs of other sections, which do not overlap
 
     def properties(self, mesh: RingMesh, points: FloatArray, weights: FloatArray) -> WallProperties:
         """Return the properties at points of each element, arrays (elements, points).

@@ -41,7 +41,7 @@ class ReducedRotor:
     dampers: FloatArray
     """Rows G of the damping matrix G^T G of point dampers [s^-1/2], (dampers, modes)."""
     anisotropy: float = 0.0
-    """Half the difference of the static springs at the centre: along x minus along y [N/m]."""
+    """Half the difference of the static springs at the centre, stiffness along x minus y [N/m]."""
     by_velocity: FloatArray | None = None
     """Matrix of the Coriolis forces 2 Omega G and of the damping that does not follow from
     `damping_ratio` and `dampers` [1/s], (modes, modes); None without Coriolis forces. With this
@@ -237,7 +237,7 @@ def critical_time_step(
 ) -> float:
     """Return the stability limit of the time step for central differences, 2 / omega_max [s].
 
-    omega_max is the highest frequency of both bodies with their coupling springs. With Coriolis
+    omega_max is the highest frequency of the bodies including coupling springs. With Coriolis
     forces, where i g is an eigenvalue of M^-1 G, the limit is k dt^2 <= 2 + 2 sqrt(1 + (Omega g
     dt)^2), which is never lower than the returned limit and only slightly higher.
     """

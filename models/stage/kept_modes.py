@@ -1,4 +1,4 @@
-"""Selection of the modes for time integration, and of the springs between them."""
+"""Selection of the modes for time integration, and of the springs between these modes."""
 
 from __future__ import annotations
 

@@ -124,7 +124,7 @@ class Stage:
 
     @property
     def symmetry(self) -> dict[str, str]:
-        """Symmetry of each body and the method for its modes and reduction, in words."""
+        """Symmetry of each body, and the method for modes and reduction of the body, in words."""
         return {
             "bladed_disk": self.disk.structure.symmetry,
             "casing": self.casing.structure.symmetry,

@@ -19,7 +19,7 @@ NOTES = ("case", "records", "wall_time")
 
 @dataclass(frozen=True, kw_only=True)
 class Checkpoint:
-    """State of a march when its records were last written to disk."""
+    """State of a march at the time when records were last written to disk."""
 
     case: str  #: digest of all data that affect the march, except its duration
     records: int  #: number of records in the result

@@ -80,7 +80,7 @@ class Statistics:
     steps: int  #: number of steps
     contact_steps: int  #: number of steps with contact
     complementarity_residual: float  #: largest residual of all steps (see `CentralDifference`)
-    pivots: int  #: number of changes of the active set after the first guess
+    pivots: int  #: number of changes of the active set, the tips in contact, after its guess
     lcp_failures: int  #: number of steps whose complementarity problem was not solved exactly
 
 
@@ -93,7 +93,7 @@ class MarchState(Protocol):
 
     @property
     def statistics(self) -> Statistics:
-        """Quality measures since the start."""
+        """Quality measures of the steps since the start."""
 
 
 StateT = TypeVar("StateT", bound=MarchState)

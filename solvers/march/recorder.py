@@ -51,7 +51,7 @@ class NonFiniteError(ArithmeticError):
 
 
 class Record(Protocol):
-    """Protocol of a record sink."""
+    """Protocol of objects that store the records of a march."""
 
     @property
     def records(self) -> int:
@@ -69,7 +69,7 @@ class Record(Protocol):
 
 
 class Recorder:
-    """Record sink that writes records to a result file; use it as a context manager.
+    """Writer of the records of a march to a result file; use the writer as a context manager.
 
     Args:
         path: path of the file; an existing file is replaced.
@@ -136,7 +136,7 @@ class Recorder:
         return self._steps
 
     def write(self, chunk: Chunk) -> None:
-        """Append records and flush them.
+        """Append records and write them to the disk.
 
         Raises:
             NonFiniteError: a record is not finite; this record and all later ones are left out.
@@ -213,7 +213,7 @@ def result_bytes(rotor_modes: int, casing_modes: int, blades: int, records: int)
 
 
 def description_bytes(stage: StageArrays) -> int:
-    """Return the size of a result without its histories [bytes], independent of its duration.
+    """Return the size of a result without its histories, which depend on the duration [bytes].
 
     Args:
         stage: arrays that describe the stage.

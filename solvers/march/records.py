@@ -20,7 +20,7 @@ from bladewhirl.solvers.march.schema import HISTORY
 
 
 class Records:
-    """Record sink in memory, with the interface of `Recorder`.
+    """Store of the records of a march in memory, with the interface of `Recorder`.
 
     Args:
         stage: arrays that describe the stage.

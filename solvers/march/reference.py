@@ -344,11 +344,11 @@ def load_factor(load: Load, time: float) -> float:
 
 
 def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
-    """Return lambda with 0 <= lambda perp gap + W lambda >= 0.
+    """Return lambda with 0 <= lambda perp gap + W lambda >= 0, the normal contact forces.
 
     The first active set contains all tips that penetrate. Tips with a tensile force are then
-    removed from the set, and tips that penetrate are added. If this does not converge because W is
-    singular, all sets are tried, beginning with the smallest.
+    removed from the set, and tips that penetrate are added. If these changes do not converge
+    because W is singular, all sets are tried, beginning with the smallest.
 
     Raises:
         ArithmeticError: no active set gives a solution.

@@ -39,7 +39,7 @@ class Variable(NamedTuple):
     """Variable of a file."""
 
     dimensions: tuple[str, ...]  #: names of dimensions; swept keys precede them in a sweep
-    kind: str  #: dtype, or "str"
+    kind: str  #: numpy dtype, or "str" for text
     units: str
     long_name: str
     since: int  #: first format of the file with this variable

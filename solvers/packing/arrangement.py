@@ -63,7 +63,7 @@ def dense_arrangement(modes: int) -> Arrangement:
 
 
 def _couples(points: int, parity: int | None, *, alone: bool) -> list[tuple[int, ...]]:
-    """Return the DFT columns in pairs of cosine and sine column.
+    """Return the DFT columns in pairs: cosine column, sine column.
 
     Args:
         points: number of points of the circumference.

@@ -1,4 +1,4 @@
-"""Arrays of the casing: by harmonic and, if possible, folded for a cyclic casing; otherwise dense."""
+"""Arrays of the casing: by harmonic, folded if possible, for a cyclic casing; otherwise dense."""
 
 from __future__ import annotations
 

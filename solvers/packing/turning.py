@@ -66,8 +66,8 @@ def _blocks(
     """Split A^-1 (modes, modes) of a cyclic rotor into blocks and single entries.
 
     Returns:
-        the blocks by nodal diameter in the order of the kernel; the entries outside the blocks; and
-        their rows and their columns.
+        the blocks by nodal diameter in the order of the kernel; the entries outside the blocks; the
+        rows and the columns of these entries.
     """
     rows, columns, half = arrangement.rows, arrangement.columns, arrangement.half
     entries = arrangement.entries

@@ -47,7 +47,7 @@ class RadialShapes:
 class CoupledMotion:
     """Coupled mode in time, scaled so that tip and casing touch at the last instant."""
 
-    time: FloatArray  #: [s], (times,)
+    time: FloatArray  #: instants [s], (times,)
     nodal_diameter: int  #: k of the motion
     speed: float  #: Omega [rad/s]
     displacement: FloatArray  #: coordinates u [kg^1/2 m], (times, size)
@@ -149,7 +149,7 @@ def modal_response(mode: CoupledMode, time: FloatArray) -> tuple[FloatArray, Flo
 
     Args:
         mode: the mode.
-        time: [s], (times,).
+        time: instants [s], (times,).
 
     Returns:
         u and du/dt without scaling, each (times, size).
@@ -166,7 +166,7 @@ def coupled_motion(
 
     Args:
         mode: the mode.
-        time: [s], (times,).
+        time: instants [s], (times,).
         shapes: displacements of shaft, tips and casing for unit coordinates.
         clearance: clearance at rest [m]; the motion is scaled to close it at the last instant.
 

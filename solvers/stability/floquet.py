@@ -32,7 +32,7 @@ NODES = 0.5 + np.sqrt(15.0) / 10.0 * np.array([-1.0, 0.0, 1.0])
 class Floquet:
     """Change of the state of a linear system over one period."""
 
-    period: float  #: T [s]
+    period: float  #: period T [s]
     monodromy: FloatArray  #: matrix from (x, x') to (x, x') a period later, (..., 2 n, 2 n)
     steps: int  #: number of integration steps in the period
     change: float  #: relative change of the scaled monodromy matrix at the last doubling

@@ -13,7 +13,8 @@ def track(parameter: FloatArray, values: ComplexArray) -> ComplexArray:
 
     The branches are extrapolated linearly to the next parameter, and the eigenvalues there are
     assigned to the branches with the least sum of squared distances. Branches that cross therefore
-    keep their direction. Where two branches coincide, their order beyond this point is arbitrary.
+    keep their direction. Beyond a point at which two branches coincide, the order of the two is
+    arbitrary.
 
     Args:
         parameter: position along the line, strictly monotonic, (m,).

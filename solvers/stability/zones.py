@@ -47,7 +47,7 @@ class UnstableZones:
     upper: FloatArray  #: speed at which the zone ends [rad/s], (rows,)
     growth: FloatArray  #: growth rate in the middle of the zone [1/s], (rows,)
     casing: IntArray  #: casing entry with the largest share of the growing mode, (rows,)
-    rotor: IntArray  #: rotor entry with the largest share, (rows,)
+    rotor: IntArray  #: rotor entry with the largest share of that mode, (rows,)
 
 
 def unstable_zones(
@@ -105,7 +105,7 @@ def exchanges(
     """Count the meetings begun and ended between waves of positive and of negative signature.
 
     Args:
-        block: undamped pairs of one nodal diameter, none with zero amplitude.
+        block: undamped pairs of one nodal diameter; every pair has an amplitude.
         speed: Omega [rad/s], (n,).
         kappa: spring stiffness [N/m], positive, (n,).
         with_pi: keep the factor pi of Eq. (8).
