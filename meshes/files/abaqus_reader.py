@@ -109,7 +109,7 @@ def _cards(text: str) -> Iterator[_Card]:
         while parts[-1].endswith(","):
             following = next(lines, None)
             if following is None:
-                raise MeshFileError("another line after the last one, which ends with a comma")
+                raise MeshFileError("another line: the last line ends with a comma")
             parts.append(following.rstrip())
         line = "".join(parts)
         if card is not None:
@@ -234,7 +234,7 @@ def _members(card: _Card, sets: Mapping[str, list[int]]) -> list[int]:
 
 def _grouped(content: _Content) -> GroupedLines:
     if not content.lines:
-        raise MeshFileError("a mesh of lines; it has none")
+        raise MeshFileError("a mesh with lines; there are none")
     node = {number: place for place, number in enumerate(content.points)}
     line = {number: place for place, number in enumerate(content.lines)}
     missing = {n for ends in content.lines.values() for n in ends} - set(node)
@@ -265,7 +265,7 @@ def _mass_data(content: _Content, node: Mapping[int, int]) -> dict[str, FloatArr
         values = data.setdefault(name, np.zeros(len(node)))
         for element in content.element_sets.get(elset, []):
             if element not in content.point_elements:
-                raise MeshFileError(f"masses on point elements only; element {element} is not one")
+                raise MeshFileError(f"masses on point elements; element {element} is another type")
             values[node[content.point_elements[element]]] += value
     return data
 

@@ -190,7 +190,9 @@ def write_msh(path: Path, mesh: GroupedLines) -> None:
     both = sorted(set(mesh.node_groups) & set(mesh.line_groups))
     both += sorted(set(mesh.node_data) & set(mesh.line_data))
     if both:
-        raise MeshFileError(f"for .msh, different names for nodes and lines; both have {both[0]!r}")
+        raise MeshFileError(
+            f"for .msh, different names for nodes and for lines; both have {both[0]!r}"
+        )
     for name in [*mesh.node_groups, *mesh.line_groups]:
         if '"' in name or "\\" in name or not name.isprintable() or VALUE.fullmatch(name):
             raise MeshFileError(

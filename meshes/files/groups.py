@@ -97,6 +97,6 @@ def in_plane(points: FloatArray) -> FloatArray:
         if away.max() > FLAT * size:
             x, y, z = points[int(away.argmax())]
             raise MeshFileError(
-                f"a mesh in one plane z = {points[0, 2]:g}; it has a node at ({x:g}, {y:g}, {z:g})"
+                f"a mesh in one plane z = {points[0, 2]:g}; a node is at ({x:g}, {y:g}, {z:g})"
             )
     return np.ascontiguousarray(points[:, :2])

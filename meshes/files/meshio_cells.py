@@ -64,7 +64,7 @@ def line_blocks(mesh: meshio.Mesh) -> list[int]:
         raise MeshFileError(f"lines only, found {cells.format('')}")
     blocks = [n for n, block in enumerate(mesh.cells) if block.type == LINE and len(block.data)]
     if not blocks:
-        raise MeshFileError("a mesh of lines; it has none")
+        raise MeshFileError("a mesh with lines; there are none")
     return blocks
 
 

@@ -36,7 +36,7 @@ def read_line_mesh(path: str | PathLike[str]) -> GroupedLines:
         raise MeshFileError("a regular file")
     mesh = READERS[_known_suffix(file)](file)
     if len(mesh.lines) > MOST_LINES:
-        raise MeshFileError(f"at most {MOST_LINES} lines; it has {len(mesh.lines)}")
+        raise MeshFileError(f"at most {MOST_LINES} lines; the mesh has {len(mesh.lines)}")
     if not (mesh.lines.min() >= 0 and mesh.lines.max() < len(mesh.points)):
         raise MeshFileError("all nodes of the lines; some nodes are not defined")
     return mesh

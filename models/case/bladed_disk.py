@@ -230,7 +230,9 @@ class BladedDisk(Table):
         if self.mesh is not None:
             for name, field in type(self).model_fields.items():
                 if name != "mesh" and getattr(self, name) != field.default:
-                    yield Inconsistency(name, "no such key beside bladed_disk.mesh", ("mesh",))
+                    yield Inconsistency(
+                        name, "no such key together with bladed_disk.mesh", ("mesh",)
+                    )
             return
         if self.disk_radius >= self.tip_radius:
             expected = f"less than bladed_disk.tip_radius = {self.tip_radius!r}"
@@ -288,9 +290,7 @@ class BladedDisk(Table):
             yield Inconsistency("disk_rings", expected, ("disk_radius",))
         hub = sum(mass.mass for mass in self.point_masses if mass.radius == 0.0)
         if self.disk_kind == "rim" and not hub > 0.0:
-            expected = (
-                'a mass at radius = 0: with bladed_disk.disk_kind = "rim" the centre has none'
-            )
+            expected = 'a mass at radius = 0: without it, the centre of a "rim" has no mass'
             yield Inconsistency("point_masses", expected, ("disk_kind",))
         if radii and not self.disk_kind.startswith("spokes"):
             expected = 'no rings, or a bladed_disk.disk_kind with spokes, such as "spokes-and-rim"'

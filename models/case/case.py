@@ -120,7 +120,7 @@ class Case(Table):
         if self.sketch is not None:
             for name, field in BladedDisk.model_fields.items():
                 if getattr(self.bladed_disk, name) != field.default:
-                    expected = "no such key beside [sketch]"
+                    expected = "no such key together with [sketch]"
                     yield Inconsistency(f"bladed_disk.{name}", expected, ("sketch",))
 
     def _unknown_materials(self) -> Iterator[Inconsistency]:

@@ -88,7 +88,7 @@ class Shaft(Table):
             if "stiffness" in self.model_fields_set:
                 given.insert(0, "stiffness")
             if given:
-                expected = f"no such key beside shaft.{given[0]}"
+                expected = f"no such key together with shaft.{given[0]}"
                 yield Inconsistency("suspension_frequency", expected, tuple(given))
         if self.damping_frame == "static" and len(set(self.dampings)) > 1:
             expected = 'the value of shaft.damping, or shaft.damping_frame = "rotating"'

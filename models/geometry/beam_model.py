@@ -187,7 +187,7 @@ def _links(model: BeamModel, key: str) -> Iterator[Fault]:
             key=key, expected=f"one leader for {_node(model, int(node))}, not several leaders"
         )
     for node in np.intersect1d(led, model.links.leader):
-        expected = f"a leader that is not itself tied to another node; {_node(model, int(node))} is"
+        expected = f"a leader that is not led by another node; {_node(model, int(node))} is led"
         yield Fault(key=key, expected=expected)
     for name in ("tips", "centre"):
         for node in np.intersect1d(led, model.mesh.node_sets[name])[:1]:
@@ -233,7 +233,7 @@ def _loose_parts(model: BeamModel, key: str) -> Iterator[Fault]:
     _, group = connected_components(graph, directed=False)
     loose = np.flatnonzero(group != group[model.centre])
     if loose.size:
-        expected = f"all parts joined to the centre; {_part(model, int(loose[0]))} is not"
+        expected = f"all parts joined to the centre; {_part(model, int(loose[0]))} is not joined"
         yield Fault(key=key, expected=expected)
 
 

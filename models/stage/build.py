@@ -77,8 +77,8 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
         # The largest omega^2 is a convex function of the stiffness, so it is below its chord.
         share = (step**-2 - alone**-2) / (limit**-2 - alone**-2)
         expected = (
-            f"less than {share * case.coupling.stiffness:.4g} N/m, the most that march.time_step ="
-            f" {step:.6g} s resolves (or a time step less than {limit:.6g} s)"
+            f"less than {share * case.coupling.stiffness:.4g} N/m, the limit for march.time_step ="
+            f" {step:.6g} s (or a time step less than {limit:.6g} s)"
         )
         yield case_fault(case, "coupling.stiffness", expected)
     elif not step < limit:

@@ -322,7 +322,7 @@ def test_other_keys_beside_a_mesh_are_refused(tmp_path: Path) -> None:
     write_line_mesh(tmp_path / "a.vtu", grouped_lines(papers()))
     path = tmp_path / "case.toml"
     path.write_text(TOML.format("") + "\nbladed_disk.blades = 12")
-    expected = "bladed_disk.blades = 12: expected no such key beside bladed_disk.mesh"
+    expected = "bladed_disk.blades = 12: expected no such key together with bladed_disk.mesh"
     assert fault(read_case, path) == f"{path}: {expected}"
 
 
