@@ -21,7 +21,8 @@ Build the model
     `build_stage` makes finite elements of bladed disk and casing, and the reduced model.
 Analyse modes, before a march
     `modes` returns frequencies by family and nodal diameter, `campbell` coincidence speeds,
-    `veering` frequencies over the stiffness of the shaft, `stability` growth rates, as Datasets.
+    `veering` frequencies and `critical_speeds` critical speeds over the stiffness of the shaft,
+    `stability` growth rates, as Datasets.
 March in time
     `run` marches one case, `run_sweep` a case over ranges of its keys (`resume_sweep` finishes an
     interrupted sweep), `convergence` varies time step and modes. Each writes a folder.

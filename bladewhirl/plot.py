@@ -8,8 +8,8 @@
 
 Most functions draw a result of `bw.open_result` in a time window [s], or a sweep of
 `bw.open_sweep`, as their docstring says. Each draws the figure of the same name of
-`bladewhirl plot`, with underscores for hyphens. `campbell`, `veering` and `shaft_veering` draw
-datasets of `bw.campbell` and `bw.veering`.
+`bladewhirl plot`, with underscores for hyphens. `campbell`, `veering`, `shaft_veering` and
+`critical_speeds` draw datasets of `bw.campbell`, `bw.veering` and `bw.critical_speeds`.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def _plot(name: str) -> Plot:
 
 _plots = {name.replace("-", "_"): _plot(name) for name in sorted({*RUN_FIGURES, *SWEEP_FIGURES})}
 globals().update(_plots)
-__all__ = sorted([*_plots, "campbell", "shaft_veering", "veering"])
+__all__ = sorted([*_plots, "campbell", "critical_speeds", "shaft_veering", "veering"])
 
 if TYPE_CHECKING:
 
@@ -70,6 +70,13 @@ def campbell(data: xr.Dataset, frame: Literal["rotating", "static"] = "rotating"
     from bladewhirl.postprocess.modal.campbell import plot_campbell
 
     return plot_campbell(data, frame)
+
+
+def critical_speeds(data: xr.Dataset) -> Figure:
+    """Draw the map of critical speeds of `bw.critical_speeds(case)` over the shaft stiffness."""
+    from bladewhirl.postprocess.modal.critical_speeds import plot_critical_speeds
+
+    return plot_critical_speeds(data)
 
 
 def veering(data: xr.Dataset, families: int | None = None) -> Figure:

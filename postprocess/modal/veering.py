@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -19,6 +17,7 @@ from bladewhirl.postprocess.plotting.axes import (
     LEFT,
     RIGHT,
     Labels,
+    coloured_line,
     frequency_axis,
 )
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
@@ -26,7 +25,6 @@ from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     COLUMN_WIDTH,
     FULL_WIDTH,
-    SEQUENTIAL,
     new_figure,
     styled,
 )
@@ -147,7 +145,7 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     axes.axvline(data.attrs["case_stiffness"], color=COLOURS["k = 1"], label="the case", **look)
     texts = _characters(share[0], frequency[0], 1 + turns)
     for branch, way in enumerate(ways):
-        lines = _coloured_line(axes, stiffness, frequency[:, branch], share[:, branch])
+        lines = coloured_line(axes, stiffness, frequency[:, branch], share[:, branch])
         lines.set_linewidth(0.7 if way == "forward" else 1.4)
     for level in data["normalised_clamped_frequency"].values:
         label = "clamped centre, grey names"
@@ -253,20 +251,6 @@ def _ways(data: xr.Dataset) -> list[str]:
     """Return the directions to distinguish: both together without Coriolis forces."""
     whirls = "direction" in (data.indexes["mode"].names if "mode" in data.indexes else ())
     return ["backward", "forward", "standing"] if whirls else ["both"]
-
-
-def _coloured_line(axes: Axes, x: FloatArray, y: FloatArray, value: FloatArray) -> LineCollection:
-    points = np.column_stack([x, y])
-    lines = LineCollection(
-        [*np.stack([points[:-1], points[1:]], axis=1)],
-        cmap=SEQUENTIAL,
-        norm=Normalize(0.0, 1.0),
-        linewidth=1.4,
-        capstyle="round",
-    )
-    lines.set_array(0.5 * (value[1:] + value[:-1]))
-    axes.add_collection(lines)
-    return lines
 
 
 def _chosen(data: xr.Dataset, centre: str, family: str, way: str) -> tuple[FloatArray, FloatArray]:

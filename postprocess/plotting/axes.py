@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
-from matplotlib.colors import LogNorm
+from matplotlib.collections import LineCollection, QuadMesh
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.postprocess.plotting.style import SEQUENTIAL
 
 SPEED = "speed Ω / ω₁ [–]"
@@ -148,3 +149,18 @@ class Labels:
                     return True
                 label.remove()
         return False
+
+
+def coloured_line(axes: Axes, x: FloatArray, y: FloatArray, value: FloatArray) -> LineCollection:
+    """Draw a line whose colour shows a value between 0 and 1 along it."""
+    points = np.column_stack([x, y])
+    lines = LineCollection(
+        [*np.stack([points[:-1], points[1:]], axis=1)],
+        cmap=SEQUENTIAL,
+        norm=Normalize(0.0, 1.0),
+        linewidth=1.4,
+        capstyle="round",
+    )
+    lines.set_array(0.5 * (value[1:] + value[:-1]))
+    axes.add_collection(lines)
+    return lines

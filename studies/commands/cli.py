@@ -19,6 +19,7 @@ from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.studies.commands.campbell import campbell
 from bladewhirl.studies.commands.compare import compare
 from bladewhirl.studies.commands.convergence import convergence
+from bladewhirl.studies.commands.critical_speeds import critical_speeds
 from bladewhirl.studies.commands.exits import UserErrorGroup, robust_output
 from bladewhirl.studies.commands.export import export
 from bladewhirl.studies.commands.mesh import mesh
@@ -50,8 +51,8 @@ def _reflowed(text: str) -> str:
 
 
 COMMANDS = (
-    *(campbell, compare, convergence, export, mesh, modes, new, plot, render, report, reproduce),
-    *(run, show, stability, sweep, veering, verify),
+    *(campbell, compare, convergence, critical_speeds, export, mesh, modes, new, plot, render),
+    *(report, reproduce, run, show, stability, sweep, veering, verify),
 )
 
 for command in COMMANDS:

@@ -166,6 +166,15 @@ CaseFile = Annotated[Path, typer.Argument(help="Case file.", show_default=False)
 RunFolder = Annotated[
     Path, typer.Argument(metavar="DIR", help="Folder of a run, or its result.nc.")
 ]
+Stiffnesses = Annotated[
+    Span | None,
+    span_option(
+        "--stiffnesses",
+        "Stiffness of each shaft spring, N/m or '1 kN/mm:1 MN/mm'; by default a thousandth"
+        " to a thousand times that of the case.",
+        unit="N/m",
+    ),
+]
 Changes = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Change a key: march.speed=1.2."),

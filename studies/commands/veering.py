@@ -13,8 +13,7 @@ from bladewhirl.studies.commands.options import (
     CaseFolder,
     Changes,
     Replace,
-    Span,
-    span_option,
+    Stiffnesses,
 )
 from bladewhirl.studies.commands.output import emit, facts
 
@@ -27,15 +26,7 @@ def veering(
             help="Number of families in the first diagram, without the suspension pair.", min=1
         ),
     ] = 12,
-    stiffnesses: Annotated[
-        Span | None,
-        span_option(
-            "--stiffnesses",
-            "Stiffness of each shaft spring, N/m or '1 kN/mm:1 MN/mm'; by default a thousandth"
-            " to a thousand times that of the case.",
-            unit="N/m",
-        ),
-    ] = None,
+    stiffnesses: Stiffnesses = None,
     output: CaseFolder = None,
     overwrite: Replace = False,
     json: AsJson = False,
@@ -49,13 +40,10 @@ def veering(
     the character of the suspension pair passes from branch to branch. With --json and no -o nothing
     is written.
     """
-    from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.modal import veering as study
     from bladewhirl.studies.modal.modes import stage_of_file
 
-    interval = None if stiffnesses is None else tuple(stiffnesses.values().tolist())
-    if interval is not None and not interval[0] > 0.0:
-        raise UserError(f"--stiffnesses {interval[0]:g}: expected a START above zero")
+    interval = None if stiffnesses is None else stiffnesses.values()
     folder = output if output is not None or json else Path(f"{case.stem}-veering")
     stage = stage_of_file(case, overrides)
     springs = study.spring_stiffnesses(stage.case, interval)

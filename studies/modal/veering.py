@@ -155,11 +155,22 @@ def suspension_frequency(diagrams: xr.Dataset) -> float | None:
     return float(diagrams["normalised_frequency"].values[here][0]) if here.any() else None
 
 
-def spring_stiffnesses(case: Case, interval: tuple[float, float] | None) -> FloatArray:
+def spring_stiffnesses(case: Case, interval: FloatArray | None) -> FloatArray:
     """Return stiffnesses of the shaft springs [N/m], equally spaced on a logarithmic scale,
-    (stiffnesses,)."""
-    stiffness = case.shaft.stiffness
-    first, last = interval or (stiffness * 10.0**-DECADES, stiffness * 10.0**DECADES)
+    (stiffnesses,).
+
+    Args:
+        case: the case, whose stiffness is in the middle by default.
+        interval: first and last stiffness [N/m], (2,).
+
+    Raises:
+        UserError: the first stiffness is zero.
+    """
+    if interval is None:
+        interval = case.shaft.stiffness * 10.0 ** np.array([-DECADES, DECADES])
+    if not interval[0] > 0.0:
+        raise UserError(f"--stiffnesses {interval[0]:g}: expected a START above zero")
+    first, last = interval.tolist()
     return np.geomspace(first, last, STIFFNESSES)
 
 

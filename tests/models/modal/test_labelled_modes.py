@@ -13,7 +13,7 @@ from stages import bladed_disk, tip_reference
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
-from bladewhirl.models.modal.labels import LabelledModes, labelled_modes
+from bladewhirl.models.modal.labels import LabelledModes, families_at_speed, labelled_modes
 
 BLADES = 22
 
@@ -99,3 +99,12 @@ def test_two_hundred_blades_by_the_cyclic_path() -> None:
     force = structure.mass @ (shapes * found.frequency[chosen] ** 2)
     answer: FloatArray = spla.splu(structure.stiffness.tocsc()).solve(force)
     np.testing.assert_allclose(answer, shapes, rtol=0.0, atol=2e-6 * np.abs(shapes).max())
+
+
+def test_the_suspension_at_speed_has_most_of_its_energy_in_the_springs() -> None:
+    names = ["1F", "suspension", "2F"]
+    assert families_at_speed(names, np.array([0.1, 0.7, 0.2])) == names
+    assert families_at_speed(names, np.array([0.8, 0.1, 0.0])) == ["suspension", "1F", "2F"]
+    assert families_at_speed(names, np.array([0.1, 0.2, 0.6])) == ["1F", "2F", "suspension"]
+    assert families_at_speed(names, np.array([0.4, 0.3, 0.3])) == names
+    assert families_at_speed(["1F", "2F"], np.array([0.9, 0.0])) == ["1F", "2F"]

@@ -1,0 +1,117 @@
+"""Map of critical speeds over the stiffness of the shaft: Dataset, JSON document, figure."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.models.rotation.waves import waves
+from bladewhirl.models.stage.stage import Stage
+from bladewhirl.studies.modal.columns import Column, quantity, rows_of
+from bladewhirl.studies.modal.modes import full_stage
+from bladewhirl.studies.modal.veering import spring_stiffnesses
+
+ORDERS = {"forward": 0, "backward": 2}
+"""Frequency in the rotating frame over the speed of rotation, of a whirl with the speed of rotation
+in each direction. A whirl with k = 1 that goes backward in the static frame at the rate Omega goes
+backward at 2 Omega in the rotating frame."""
+
+AT_THE_CASE = (
+    Column("direction", "whirl"),
+    Column("branch", "branch", "d"),
+    Column("rpm", "[rpm]", ".1f"),
+    Column("spring_share", "springs", ".1%"),
+)
+"""Columns of the critical speeds with the stiffness of the case."""
+
+
+def critical_speeds(
+    case_or_stage: Case | Stage | ModalStage,
+    *,
+    stiffnesses: FloatArray | None = None,
+    branches: int = 2,
+) -> xr.Dataset:
+    """Compute the critical speeds of the bladed disk over the stiffness of the shaft.
+
+    At a critical speed the shaft whirls at the speed of rotation: forward, as an imbalance drives
+    it, or backward. The speeds follow directly from an eigenproblem at each stiffness, without a
+    search along the speed, and include all rotation effects. The casing is not included.
+
+    Over `stiffness` of each shaft spring [N/m], `direction` and `branch`: critical_speed [rpm],
+    ascending along a branch, and spring_share, the share of the strain energy in the shaft springs;
+    nan where a branch has no critical speed. `bladewhirl.plot.critical_speeds` draws the map::
+
+        speeds = bladewhirl.critical_speeds(case)
+        speeds.critical_speed.sel(direction="forward", branch=1, stiffness=3e7, method="nearest")
+
+    Args:
+        case_or_stage: a case with rotation.effects = "full", or its stage.
+        stiffnesses: stiffnesses of each shaft spring [N/m], ascending, (stiffness,); by default
+            from a thousandth to a thousand times that of the case.
+        branches: number of branches in each direction, from the lowest.
+
+    Raises:
+        UserError: the case has no Coriolis forces, or the sectors of the bladed disk differ.
+    """
+    stage = full_stage(case_or_stage)
+    if stage.at_speed is None or stage.case.rotation.effects != "full":
+        raise UserError(
+            'critical speeds: expected rotation.effects = "full" (--set rotation.effects=full),'
+            f" got {stage.case.rotation.effects}"
+        )
+    matrices = stage.at_speed[0].matrices
+    if not matrices.structure.is_cyclic:
+        raise UserError("critical speeds: expected equal sectors on equal shaft springs")
+    own, at = waves(matrices, 1, "full"), stage.case.shaft.stiffness
+    springs = spring_stiffnesses(stage.case, None) if stiffnesses is None else stiffnesses
+    speed = np.full((len(springs), len(ORDERS), branches), np.nan)
+    share = np.full_like(speed, np.nan)
+    for i, stiffness in enumerate(np.asarray(springs) / at):
+        other = replace(
+            own,
+            stiffness=own.stiffness + (stiffness - 1.0) * own.springs,
+            springs=stiffness * own.springs,
+        )
+        for j, order in enumerate(ORDERS.values()):
+            omegas, shares = (each[:branches] for each in other.synchronous(order))
+            speed[i, j, : len(omegas)] = omegas * 30.0 / np.pi
+            share[i, j, : len(shares)] = shares
+    over = ("stiffness", "direction", "branch")
+    name = "share of the strain energy in the shaft springs"
+    return xr.Dataset(
+        {
+            "critical_speed": quantity(over, speed, "rpm", "critical speed"),
+            "spring_share": quantity(over, share, "1", name),
+        },
+        coords={
+            "stiffness": quantity("stiffness", springs, "N/m", "stiffness of each shaft spring"),
+            "direction": ("direction", list(ORDERS)),
+            "branch": ("branch", np.arange(1, branches + 1)),
+        },
+        attrs={
+            "title": "critical speeds over shaft stiffness",
+            "case": stage.case.title,
+            "case_stiffness": at,
+            "case_speed": stage.speed * 30.0 / np.pi,
+        },
+    )
+
+
+def critical_speed_rows(speeds: xr.Dataset) -> list[dict[str, Any]]:
+    """Return the critical speeds with one stiffness as rows, forward first.
+
+    Args:
+        speeds: from `critical_speeds`, at one stiffness.
+    """
+    rows = rows_of(
+        speeds.stack(row=("direction", "branch")).rename(critical_speed="rpm").reset_index("row"),
+        AT_THE_CASE,
+    )
+    return [row for row in rows if row["rpm"] is not None]
