@@ -35,13 +35,18 @@ WHOLE = 1e-6
 """Relative tolerance with which record_step / time_step must be an integer."""
 
 
+MODES = 110
+"""Default number of fixed-interface modes; a bladed disk with fewer keeps all of its modes."""
+
+
 class Reduction(Table):
     """Craig-Bampton reduction of the bladed disk to tips and centre, and modes for the march."""
 
-    fixed_interface_modes: Annotated[int, count(1)] = 110
+    fixed_interface_modes: Annotated[int, count(1)] = MODES
     """Number of fixed-interface modes of all blades together (eta in the paper, Section 2.2). The
     default is five per blade for 22 blades, with which the frequencies of family 5F have errors
-    below 1 %; scale it with the number of blades. bladewhirl show prints the errors."""
+    below 1 %, or all modes of a smaller bladed disk; scale it with the number of blades.
+    bladewhirl show prints the errors."""
     modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "all"
     """Modes that a march keeps: "all"; "six", the paper's truncated space of Eqs (4)-(10), which is
     "1F:1,suspension:1,casing:1"; or names, FAMILY:k on the bladed disk and casing:FAMILY:k on the

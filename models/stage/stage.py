@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.case.analysis import MODES
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.coupling.stage_modes import tip_motion, wall_motion
@@ -168,7 +169,7 @@ def build_stage(case: Case) -> Stage:
     with numbers_within_reach(case):
         tell_cost(stage_cost(case))
         at_rest = case_bladed_disk(case, clamped=case.shaft.clamped)
-        _check_reduction(case, at_rest)
+        case = _with_possible_modes(case, at_rest)
         casing = case_casing(case)
         tip, wall = tip_in_sector(at_rest), (RADIAL, TANGENTIAL)
         full = lowest_frequencies(at_rest.structure, FULL_FREQUENCIES)
@@ -312,8 +313,9 @@ def _reduced_casing(case: Case, casing: CasingModel, modes: Modes) -> ReducedCas
     )
 
 
-def _check_reduction(case: Case, disk: BladedDiskModel) -> None:
-    """Check that the bladed disk can be reduced as the case requires.
+def _with_possible_modes(case: Case, disk: BladedDiskModel) -> Case:
+    """Return the case with as many fixed-interface modes as the bladed disk has, if the default
+    number is larger.
 
     Raises:
         CaseError: there are more fixed-interface modes than internal degrees of freedom, or the
@@ -322,7 +324,11 @@ def _check_reduction(case: Case, disk: BladedDiskModel) -> None:
     boundary = sum(map(len, boundary_sets(disk).values()))
     internal = disk.structure.size - boundary
     key, requested = "reduction.fixed_interface_modes", case.reduction.fixed_interface_modes
-    if requested > internal:
+    if MODES == requested > internal:
+        requested = internal
+        reduction = case.reduction.model_copy(update={"fixed_interface_modes": internal})
+        case = case.model_copy(update={"reduction": reduction})
+    elif requested > internal:
         expected = (
             f"at most {internal}, the number of internal degrees of freedom of the bladed disk"
         )
@@ -337,3 +343,4 @@ def _check_reduction(case: Case, disk: BladedDiskModel) -> None:
     if nodal**2 > MOST_ENTRIES:
         expected = f"at most {int(MOST_ENTRIES**0.5) // 4} elements"
         raise CaseError([case_fault(case, "casing.elements", expected)])
+    return case

@@ -4,6 +4,7 @@ full matrices; faults that only show on the finite element model."""
 from __future__ import annotations
 
 import math
+import tomllib
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ from faults import fault
 from stages import stage
 
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.check import case_from
 from bladewhirl.models.case.file import with_values
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements import cost
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import contact_problem
@@ -138,3 +141,13 @@ def test_arrays_know_what_carries_the_shaft() -> None:
     held = build_stage(Case(shaft={**springs, "clamped": True}, casing={"elements": 12})).arrays
     assert not held.shaft_stiffness.any()
     assert not held.shaft_damping.any()
+
+
+def test_a_small_bladed_disk_keeps_all_of_its_modes_by_default() -> None:
+    """Its case, and the copy of it in the folder of a run, state a number that is allowed."""
+    small = case_from({"bladed_disk": {"blades": 4, "elements_per_blade": 2}})
+    stage = build_stage(small)
+    kept = stage.case.reduction.fixed_interface_modes
+    assert kept == stage.disk.structure.size - 4 * 2 - 2 < 110
+    again = build_stage(case_from(tomllib.loads(dumps_case(small))))
+    assert again.case.reduction.fixed_interface_modes == kept
