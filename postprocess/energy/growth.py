@@ -1,5 +1,4 @@
-"""Amplitude over time, and its growth rate with uncertainty; the growth rate determines the
-regime."""
+"""Amplitude of a run over time, with its growth rate and the uncertainty of the growth rate."""
 
 from __future__ import annotations
 
@@ -29,25 +28,23 @@ def amplitude_growth(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """Compute the amplitude in equal windows, and fit an exponential to the amplitudes of the last
-    windows.
+    """Compute the amplitude in equal windows of time, and fit an exponential to the last windows.
 
     Args:
         result: result of a run.
-        energies: from `strain.strain_energies`, for the same time window; computed when None.
+        energies: from `strain.strain_energies`, for the time from start to end; computed when None.
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over time, the middle of each window [s]: `energy`, the mean strain energy of bladed disk
-        and shaft springs [J], which is the square of the amplitude; `ripple`, the same energy for
-        the motion about its mean position in each window [J], nan where the two cannot be
-        separated; `local_rate`, growth rate of the amplitude from one window to the next [1/s];
-        `fit`, the fitted energy [J], and `low` and `high`, the fit with its rate changed by two
-        standard errors; all three are nan before the fitted windows, see
-        `growth_rates.growth_windows`. Attributes: `rate` and its standard error `error`;
-        `end_rate`, fitted to the very last windows only; `ripple_rate` and `ripple_error`, nan if
-        there is no ripple, all [1/s]; `residual`, misfit of the logarithm of the amplitude; `span`,
-        the fitted time interval in words; `regime`, `reason`.
+        Dataset over time, the middle of each window [s]. `energy`: mean strain energy of bladed
+        disk and shaft springs [J], the square of the amplitude. `ripple`: mean strain energy of the
+        motion about the mean position of each window [J], nan where it cannot be computed.
+        `local_rate`: growth rate of the amplitude from one window to the next [1/s]. `fit`: fitted
+        energy [J]; `low` and `high`: `fit` with the rate changed by two standard errors; nan before
+        the windows fitted, see `growth_rates.growth_windows`. Attributes: growth rate `rate` and
+        standard error `error`; `end_rate`, fitted to the last five windows; `ripple_rate` and
+        `ripple_error`, nan without ripple, all [1/s]; `residual`, misfit of the logarithm of the
+        amplitude; `span`, the fitted time interval in words; `regime`, `reason`.
 
     Raises:
         ViewError: the history is too short to judge growth, or the stage is at rest.
@@ -100,8 +97,8 @@ def amplitude_growth(
 
 
 def _ripple(dataset: xr.Dataset, energy: Array, middle: Array) -> Array:
-    """Return the energy of the ripple [J] for every window of the motion, nan outside the windows
-    of the ripple."""
+    """Return the energy of the ripple [J] at the `middle` of each window of the motion [s]; nan
+    outside the windows of the ripple."""
     windows = ripple_windows(dataset, energy)
     if windows is None:
         return np.full(len(middle), np.nan)

@@ -15,20 +15,20 @@ import xarray as xr
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.result import portions
 
-CERTAINTY = 2.0  #: a growth rate is significant from this number of standard errors
+CERTAINTY = 2.0  #: number of standard errors above which a growth rate is significant
 #: least ratio of the growth rates in the second and the first half of the last third
 STEADINESS = 0.75
-RISE = 1.1  #: least ratio of the last amplitude to the largest before the last third
-MOST_WINDOWS, FEWEST_WINDOWS = 12, 8  #: windows in the last third
+RISE = 1.1  #: least ratio of the last amplitude to the largest amplitude before the last third
+MOST_WINDOWS, FEWEST_WINDOWS = 12, 8  #: largest and smallest number of windows in the last third
 FEWEST_LAST = 5  #: fewest fitted windows if the march ended at its displacement limit
 #: fewest windows in each half of the fitted windows; halves of few windows overlap
 FEWEST_IN_HALF = 3
 WINDOW_RECORDS = 3  #: fewest records in a window
-RIGID = 1e-6  #: a mode below this share of the highest frequency is rigid to rounding
-#: least ratio of the last amplitude of the ripple to its largest in the middle third
+RIGID = 1e-6  #: a mode below this share of the highest frequency is regarded as a rigid mode
+#: least ratio of the last amplitude of the ripple to its largest amplitude in the middle third
 RIPPLE_RISE = 1.5
-RIPPLE_SHARE = 0.01  #: least final share of a growing ripple in the amplitude
-RIPPLE_PERIODS = 2.0  #: length of a window needed for a mean position [periods]
+RIPPLE_SHARE = 0.01  #: least ratio of a growing ripple to the amplitude, in the last window
+RIPPLE_PERIODS = 2.0  #: shortest window from which a mean position is computed [periods]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +39,7 @@ class Windows:
     length: float  #: length of a window [s]
     amplitude: Array  #: root of the mean strain energy in each window [J^0.5], (window,)
     late: int  #: first window that growth is fitted to
-    is_third: bool  #: the fitted windows are the last third of the time
+    is_third: bool  #: true if the fitted windows are the last third of the time
 
     @property
     def span(self) -> str:
@@ -54,20 +54,20 @@ class Growth:
 
     rate: float  #: slope of the logarithm of the amplitude; negative in decay [1/s]
     error: float  #: standard error of `rate`, see `fit_growth` [1/s]
-    #: the rate in the second half of the fitted windows is clearly less than in the first
+    #: true if the rate is clearly less in the second half of the fitted windows than in the first
     slows: bool
-    #: ratio of the last amplitude to the largest before the fitted windows; inf without one
+    #: ratio of the last to the largest amplitude before the fitted windows; inf if none is before
     rise: float
     residual: float  #: root mean square misfit of the logarithm of the amplitude: 0.1 is about 10 %
     end_rate: float  #: growth rate fitted to the last five windows only [1/s]
     end_error: float  #: standard error of `end_rate` [1/s]
     span: str  #: time interval of the fit, in words
     least_rise: float = RISE  #: smallest significant `rise`
-    share: float = 1.0  #: share of the amplitude in the last window; less than 1 for a ripple
+    share: float = 1.0  #: ratio of the ripple to the amplitude in the last window, for a ripple
 
     @property
     def text(self) -> str:
-        """Rate ± `CERTAINTY` standard errors."""
+        """Growth rate ± `CERTAINTY` standard errors, as text."""
         return rate_text(self.rate, self.error)
 
     @property
@@ -83,7 +83,7 @@ class Growth:
 
     @property
     def sentence(self) -> str:
-        """Sentence with the rate, the rate at the end, the misfit and the rise."""
+        """Text with the growth rate, the rate at the end of the run, the misfit and the rise."""
         slowing = ", slowing" if self.slows else ""
         risen = f", amplitude at the end {self.rise:.3g} times the largest before"
         return (
@@ -116,13 +116,13 @@ def windowed_amplitude(time: Array, strain_energy: Array, shortest_window: float
 
 
 def growth_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
-    """Return the windows to which growth is fitted; None if it cannot be judged.
+    """Return windows of the motion; growth is fitted to the last. None if it cannot be judged.
 
     Usually these are the windows of `windowed_amplitude`. A march that ended at its displacement
-    limit is often too short for them, although it grows fastest. Windows of the shortest length are
-    used then, and growth is fitted to the last eight. If only five to seven fit into the time since
-    the load ended, growth is fitted to these. If fewer than five fit, because the load still acts
-    or has just ended, growth is fitted to the last eight, or at least five, wherever they begin.
+    limit is often too short for them, although its motion grows fast. Windows of the shortest
+    length are then used, and growth is fitted to the last eight windows. If only five to seven fit
+    into the time since the load ended, growth is fitted to these five to seven. If fewer than five
+    fit, growth is fitted to the last eight windows of the run, or at least five, even under load.
 
     Args:
         dataset: a result.
@@ -143,11 +143,11 @@ def growth_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
 
 
 def ripple_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
-    """Return the windows of the motion about its mean position; None if it cannot be judged.
+    """Return windows of the ripple, the motion about its mean position; None if there is none.
 
-    The windows cover the last two thirds of the time; half of them lie in the last third. Each is
-    at least two periods of the slowest wave of the rotor long, which is long enough for a mean
-    position.
+    The windows cover the last two thirds of the time; half of them lie in the last third. Each
+    window is at least two periods of the slowest wave of the rotor long, so that a mean position
+    can be computed.
 
     Args:
         dataset: a result.
@@ -177,7 +177,7 @@ def ripple_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
 
 
 def fit_ripple(ripple: Windows, motion: Windows) -> Growth:
-    """Fit the growth of the motion about its mean position.
+    """Fit the growth of the ripple, the motion about its mean position.
 
     Args:
         ripple: from `ripple_windows`.
@@ -191,14 +191,14 @@ def fit_growth(windows: Windows) -> Growth:
     """Fit an exponential to the last windows of a history.
 
     The standard error is computed for a straight line fitted to the logarithms of the amplitudes.
-    The misfits of neighbouring windows are not independent: with the correlation r of a misfit with
-    the next one, n windows count as n (1 - r) / (1 + r), so the error is larger by sqrt((1 + r) /
-    (1 - r)); a negative r counts as zero. This follows Santer et al., J. Geophys. Res. 105, 2000,
-    but without subtracting the degrees of freedom of the line. With so few windows r is usually
-    underestimated: the fitted rate of an amplitude without trend exceeds two errors in 7 % of
-    series of 12 independent windows, in 14 % of series of 5, and in 20 % of series of 12 whose true
-    correlation is 0.5. From half of the windows r cannot be estimated, so slowing is judged by
-    errors without this correction.
+    The misfits of neighbouring windows are not independent. If r is the correlation of a misfit
+    with the next misfit, n windows count as n (1 - r) / (1 + r) independent windows, so the error
+    is larger by sqrt((1 + r) / (1 - r)); a negative r is replaced by zero. This follows Santer et
+    al., J. Geophys. Res. 105, 2000, without subtracting the degrees of freedom of the line. With so
+    few windows r is usually underestimated: the fitted rate of an amplitude without trend exceeds
+    two errors in 7 % of series of 12 independent windows, in 14 % of series of 5 independent
+    windows, and in 20 % of series of 12 windows whose true correlation is 0.5. Half of the windows
+    are too few to estimate r, so the error of their rate is not corrected to judge slowing.
 
     Args:
         windows: windows of the history, from `growth_windows`.
@@ -223,7 +223,7 @@ def fit_growth(windows: Windows) -> Growth:
 
 
 def rate_text(rate: float, error: float) -> str:
-    """Return a growth rate ± `CERTAINTY` standard errors; a dash if there is none.
+    """Return a growth rate ± `CERTAINTY` standard errors as text; a dash if the rate is not finite.
 
     Args:
         rate: growth rate [1/s].
@@ -233,20 +233,19 @@ def rate_text(rate: float, error: float) -> str:
 
 
 def load_end(dataset: xr.Dataset) -> float:
-    """Return the time after which the load does no more work [s]; the first record if it never does
-    work."""
+    """Return the time after which the load does no more work [s]; the time of the first record if
+    the load never does work."""
     time, work = dataset["time"].values, dataset["external_work"].values
     working = np.flatnonzero(np.diff(work))
     return float(time[working[-1] + 1] if len(working) else time[0])
 
 
 def longest_half_period(dataset: xr.Dataset) -> float:
-    """Return half a period of the lowest rotor mode [s], in which its strain energy rises and
-    falls.
+    """Return half a period of the lowest elastic rotor mode [s]; infinite if all modes are rigid.
 
-    With Coriolis forces the strain energy of a pair of modes rises and falls in 2 pi over the sum
-    of the frequencies of its two waves. Rigid modes have no strain energy and are ignored; infinite
-    if all modes are rigid.
+    In half a period the strain energy of the mode rises and falls once. With Coriolis forces the
+    strain energy of a pair of modes rises and falls in 2 pi over the sum of the frequencies of its
+    two waves. Rigid modes have no strain energy and are ignored.
     """
     return _half_period(np.abs(np.mean(_wave_frequencies(dataset), axis=0)))
 
@@ -263,10 +262,10 @@ def _half_period(frequency: Array) -> float:
 
 
 def _fitted_slope(values: Array, step: float) -> tuple[float, float, float]:
-    """Fit a straight line to equally spaced values; return its slope, error and correction.
+    """Fit a straight line to equally spaced values; return slope, standard error, and a factor.
 
-    The standard error of the slope is computed as if the misfits were independent. The third number
-    is the factor by which it must be multiplied for correlated misfits, see `fit_growth`.
+    The standard error of the slope is computed as if the misfits were independent. The factor, by
+    which the error must be multiplied, corrects it for correlated misfits, see `fit_growth`.
     """
     place = step * (np.arange(len(values)) - (len(values) - 1) / 2)
     spread = place @ place
@@ -281,7 +280,8 @@ def _fitted_slope(values: Array, step: float) -> tuple[float, float, float]:
 def _averaged(
     time: Array, strain_energy: Array, edges: Array, length: float, *, fitted: int, is_third: bool
 ) -> Windows | None:
-    """Return the windows that begin at `edges`; the last reaches the end."""
+    """Return windows that begin at `edges`, the last up to the last record; None if some window has
+    too few records, or a fitted window has no finite positive energy."""
     first = np.searchsorted(time, edges - 1e-9 * length)
     counts = np.diff(first, append=len(time))
     if counts.min() < WINDOW_RECORDS:

@@ -29,9 +29,9 @@ from bladewhirl.postprocess.fields.kinematics import Array, smallest_clearance
 
 RegimeName = Literal["divergent", "no-contact", "damped", "sustained"]
 
-CLOSING = 0.01  #: least share of the clearance that a tip must have used up in a divergent motion
+CLOSING = 0.01  #: least share of the clearance by which a tip approaches in a divergent motion
 
-MOST_RIPPLE = 0.9  #: share of the amplitude above which the ripple is the motion itself
+MOST_RIPPLE = 0.9  #: ratio of ripple to amplitude above which only the amplitude is described
 
 GROWS_SO_FAR = "the {} grows, but ends below {:g} times its earlier value: extend the march"
 """Remark on a sustained motion whose amplitude, or ripple, grows."""
@@ -110,7 +110,7 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
 
 
 def _has_closed(dataset: xr.Dataset, touched: NDArray[np.bool_]) -> bool:
-    """Return whether the motion of a tip has used up the share `CLOSING` of the clearance."""
+    """Return true if a tip has touched, or a gap is less than 1 - `CLOSING` of the clearance."""
     closing = (1 - CLOSING) * smallest_clearance(dataset)
     return bool(touched.any()) or float(dataset["gap"].min()) <= closing
 

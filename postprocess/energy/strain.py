@@ -1,8 +1,8 @@
-"""Strain energy of the bladed disk: suspension, first blade family, rest (Figs 17b-22).
+"""Strain energy of the bladed disk by groups of modes (the paper's Figs 17b to 22).
 
-Every mode has its own energy (Eq. 22) and is labelled by family and nodal diameter. The labels are
-exact for a stage with equal sectors; otherwise they name the largest part of the motion of the
-mode.
+The groups are the suspension, the first blade family and all other modes, by the labels of the
+modes: family and nodal diameter. The labels are exact for a stage with equal sectors; otherwise
+they name the largest part of the motion of the mode.
 """
 
 import numpy as np
@@ -30,10 +30,10 @@ SUSPENSION = "suspension"
 FIRST_FAMILY = "1F"
 
 SMOOTHED_PERIODS = 30.0
-"""Number of reference periods above which means are drawn, because the ripple would fill the
-figure."""
+"""Number of periods of the reference frequency above which the energies of a run are drawn as
+means, because the oscillations would fill the figure."""
 
-PLOT_POINTS = 300  #: largest number of points of a line of means
+PLOT_POINTS = 300  #: largest number of drawn means in a curve
 
 SPANS = 300  #: largest number of time spans in the figure by families
 NONE = "0.92"  #: grey of cells without energy, or without a mode
@@ -86,7 +86,7 @@ def strain_energies(
 def energy_terms(energies: xr.Dataset) -> dict[str, xr.DataArray]:
     """Return the energies that are drawn, by their names in `COLOURS`, the total first.
 
-    All nodal diameters of the first family but 0 and 1 are added together.
+    All nodal diameters of the first family except 0 and 1 are added together.
 
     Args:
         energies: `suspension`, `first_family` (..., nodal_diameter), `rest` and `total` [J].
@@ -106,7 +106,7 @@ def energy_terms(energies: xr.Dataset) -> dict[str, xr.DataArray]:
 
 
 def term_label(name: str) -> str:
-    """Return the label of one of `energy_terms`."""
+    """Return the label of a term of `energy_terms` in a legend."""
     return f"{FIRST_FAMILY}, {name}" if "k" in name.split() else name
 
 
@@ -114,9 +114,10 @@ def term_label(name: str) -> str:
 def plot_energy(energies: xr.Dataset) -> Figure:
     """Draw the strain energies over time on a logarithmic axis, from `strain_energies`.
 
-    All nodal diameters but 0 and 1 are added together, as in the paper's Figs 17(b) and 22. A long
-    run is drawn as means over a period of the reference frequency, as stated in the title. The axis
-    ends a decade below the smallest median of the terms; terms below the axis are left out.
+    All nodal diameters except 0 and 1 are added together, as in the paper's Figs 17(b) and 22. Long
+    runs are drawn as means over a period of the reference frequency or more; the title states the
+    time. The axis begins a decade below the smallest median of all terms, at most six decades below
+    the largest energy; smaller terms are left out.
     """
     terms = {name: energy.values for name, energy in energy_terms(energies).items()}
     time = energies["time"].values
@@ -147,8 +148,8 @@ def plot_energy(energies: xr.Dataset) -> Figure:
 
 
 def _drawn_starts(time: Array, period: float) -> IntArray:
-    """Return the first record of each drawn point: every record of a short run, otherwise one in
-    each of equal spans of time."""
+    """Return the first record that each drawn point represents: every record of a short run; the
+    first record of each of some equal spans of time of a long run."""
     periods = np.ptp(time) / period
     if periods <= SMOOTHED_PERIODS:
         return np.arange(len(time))
@@ -158,8 +159,7 @@ def _drawn_starts(time: Array, period: float) -> IntArray:
 def family_energies(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Compute the strain energy by the labels of the modes: `energy` (time, family, nodal_diameter)
-    [J].
+    """Compute the strain energy of the bladed disk, `energy` (time, family, nodal_diameter) [J].
 
     Args:
         result: result of a run.
@@ -191,11 +191,11 @@ def family_energies(
 
 
 def mean_energies(energies: xr.Dataset, spans: int = SPANS) -> xr.Dataset:
-    """Compute means over equal spans of time; each mean is at the end of its span.
+    """Compute mean energies over equal spans of time; `time` becomes the end of each span.
 
     Args:
         energies: from `family_energies`.
-        spans: largest number of spans; if there are fewer records, these are returned unchanged.
+        spans: largest number of spans; if there are fewer records, the records are not averaged.
     """
     time = energies["time"].values
     starts = span_starts(time, spans)
@@ -209,8 +209,8 @@ def mean_energies(energies: xr.Dataset, spans: int = SPANS) -> xr.Dataset:
 
 @styled
 def plot_family_energies(energies: xr.Dataset) -> Figure:
-    """Draw the strain energy by nodal diameter over time, and its mean over the last third of the
-    time by family and nodal diameter.
+    """Draw two maps of the strain energy: by time and nodal diameter, and by family and nodal
+    diameter. The second map shows the mean over the last third of the time.
 
     A long run is drawn as means over equal spans of time.
 
@@ -256,5 +256,5 @@ def plot_family_energies(energies: xr.Dataset) -> Figure:
 
 
 def _shown(energy: np.ndarray) -> np.ndarray:
-    """Mask values that a logarithmic scale cannot show."""
+    """Mask values that are not positive, which a logarithmic scale cannot show."""
     return np.ma.masked_less_equal(energy, 0.0)

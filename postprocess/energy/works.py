@@ -25,16 +25,16 @@ SOURCES = {
 class Works(TypedDict):
     """Works since the start [J]; work that feeds the motion is positive.
 
-    Load, normal, friction and springs minus damping equals the rise of the energy. The drive, which
-    keeps the speed constant, supplies the work of its torque against both contact forces: the
-    normal work, the friction work, and the heat of rubbing.
+    The sum of load, normal, friction and springs, minus damping, is the rise of the energy of the
+    motion. The drive keeps the speed constant: its torque balances the contact forces, and its work
+    is the sum of normal work, friction work and the heat of rubbing.
     """
 
     load: float
-    normal: float
-    closing: float | None  #: part of `normal` that stops tips; None if the result lacks it
+    normal: float  #: work of the normal contact forces
+    closing: float | None  #: part of `normal` done while tips are stopped; None if unknown
     friction: float
-    springs: float
+    springs: float  #: work of turning the rotor against stationary springs
     damping: float  #: energy lost to damping, positive
     drive: float
     heat: float  #: energy lost as heat of rubbing
@@ -70,7 +70,8 @@ LEDGER = {
     "springs": "stationary springs",
     "damping": "damping",
 }
-"""Works of the balance and their names; `normal` is used where a result lacks its two parts."""
+"""Works of the energy balance, with their names. `normal`, the sum of `closing` and `passing`, is
+used if a result does not contain these two parts."""
 
 
 def work_histories(dataset: xr.Dataset) -> xr.Dataset:
@@ -80,8 +81,8 @@ def work_histories(dataset: xr.Dataset) -> xr.Dataset:
         dataset: a result.
 
     Returns:
-        load; closing and passing, the two parts of the work of normal forces, or their sum normal
-        where the parts are not known; friction; springs; damping; and energy, the sum of all works.
+        works [J] over time, named as in `LEDGER`, and `energy`, the sum of all works. The work of
+        normal forces is split into `closing` and `passing`, or is `normal` if a part is unknown.
     """
     terms = {
         "load": dataset["external_work"],
@@ -123,8 +124,9 @@ def plot_work(histories: xr.Dataset) -> Figure:
 def drive_work(dataset: xr.Dataset) -> Array:
     """Work of the drive against the contact forces since the start [J], (time,).
 
-    The torque of friction is computed at the tip radius. Normal forces dissipate nothing: the drive
-    supplies the work that they do on both bodies as the wall turns past the tips.
+    The torque of friction is the friction force times the tip radius. Normal forces dissipate
+    nothing: the work that they do on rotor and casing, as the wall turns past the tips, comes from
+    the drive.
     """
     dragged = np.cumsum(dataset["friction_impulse"].values.sum(axis=1))
     reach = float(dataset.attrs["speed"]) * float(dataset.attrs["tip_radius"])
@@ -141,10 +143,10 @@ def late_drive_power(dataset: xr.Dataset) -> float:
 
 
 def leading_source(dataset: xr.Dataset) -> str:
-    """Return the largest energy source in words; empty if there is none.
+    """Return the largest energy source of a run in words; empty if no source supplied energy.
 
-    Above a critical speed the squares of some frequencies are negative, and whirl grows as it loses
-    energy.
+    Above a critical speed some modes have negative stiffness. Their whirl grows by losing energy,
+    so damping drives it.
     """
     balance = works(dataset)
     supplied = {name: float(balance[name]) for name in SOURCES}  # type: ignore[literal-required]

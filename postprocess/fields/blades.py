@@ -9,12 +9,12 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 
 
 def line_blades(dataset: xr.Dataset) -> IntArray:
-    """Return the number of the blade that each beam belongs to, -1 for none, (rotor_line,).
+    """Return the number of the blade that each beam belongs to, -1 for no blade, (rotor_line,).
 
-    The beams of a blade are found by going from its tip along beams of the same part as the beam at
-    the tip. Where several parts meet at a tip, as under a shroud, the part of the beam that points
-    most outward is taken. Where one part joins several tips, a beam belongs to the tip nearest
-    along the beams.
+    The beams of a blade are those connected to its tip by beams of the same part of the mesh. If
+    several parts meet at a tip, as under a shroud, the blade is the part whose beam points most
+    outward. If one part joins several tips, each of its beams belongs to the tip that is nearest
+    when measured along the beams.
     """
     lines, part = dataset["rotor_line"].values, dataset["rotor_part"].values.astype(str)
     tips, points = dataset["tip_node"].values, dataset["rotor_point"].values
@@ -32,14 +32,14 @@ def line_blades(dataset: xr.Dataset) -> IntArray:
     number = np.full(nodes, -1)
     number[tips] = np.arange(len(tips))
     blade_of_node[reached] = number[source[reached]]
-    far = np.argmax(distance[lines], axis=1)  # halfway between two tips either end can be used
+    far = np.argmax(distance[lines], axis=1)  # the end of each beam that is farther from a tip
     blade: IntArray = np.where(blades, blade_of_node[lines[np.arange(len(lines)), far]], -1)
     return blade
 
 
 def member_names(dataset: xr.Dataset) -> tuple[list[str], IntArray]:
-    """Return the names of the members of the rotor, first the blades and then the other parts, and
-    the number of the member that each beam belongs to (rotor_line,).
+    """Return the names of the members of the rotor, and the number of the member that each beam
+    belongs to (rotor_line,). The members are all blades, and then all other parts.
     """
     blade = line_blades(dataset)
     part = dataset["rotor_part"].values.astype(str)
@@ -53,7 +53,7 @@ def member_names(dataset: xr.Dataset) -> tuple[list[str], IntArray]:
 
 
 def _outward_line(points: Array, lines: IntArray, tip: int) -> int:
-    """Return the beam at a tip that points most along its radius."""
+    """Return the number of the beam at a tip that is closest to the radial direction."""
     at_tip = np.flatnonzero(np.any(lines == tip, axis=1))
     span = points[lines[at_tip, 1]] - points[lines[at_tip, 0]]
     along = np.abs(span @ points[tip]) / np.linalg.norm(span, axis=1)
@@ -61,8 +61,8 @@ def _outward_line(points: Array, lines: IntArray, tip: int) -> int:
 
 
 def with_recess(dataset: xr.Dataset, stations: Array, recess: Array) -> tuple[Array, Array]:
-    """Return nodes and stations of beams after moving every tip towards the centre by `recess`
-    (blade,) [m]. The blade is shortened evenly; members attached to the blade move with it.
+    """Return the nodes of the rotor, and the stations along its beams, with every tip moved by
+    `recess` (blade,) [m] towards the centre. Each blade is shortened evenly.
     """
     nodes, lines = dataset["rotor_point"].values, dataset["rotor_line"].values
     blade, radius = line_blades(dataset), np.linalg.norm(nodes, axis=1)

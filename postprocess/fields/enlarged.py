@@ -1,19 +1,18 @@
-"""Positions of the bodies with displacements and clearance multiplied by one factor, for all views.
+"""Drawn positions of rotor and casing, with displacements and clearance multiplied by one factor.
 
-A clearance of 1 mm on a radius of 0.5 m is invisible, and so is motion within it. Drawn
-displacements are therefore multiplied by a factor, and **so is the clearance**: the casing's inner
-wall is drawn at tip radius + factor (clearance + w), a tip at tip radius + factor u_r, so the drawn
-gap is the factor times the true gap and bodies touch in the picture exactly when they touch in the
-run. If a blade ends short of the tip radius, or beyond it, this distance is multiplied by the
-factor, too. Thicknesses stay true; the end of a blade is cut parallel to the wall that it faces, so
-that no corner reaches the wall before the tip does.
+A clearance of 1 mm on a radius of 0.5 m is invisible, and so are displacements of this size. Both
+the displacements and the clearance are therefore multiplied by the same factor: the inner wall of
+the casing is drawn at tip radius + factor (clearance + w), a tip at tip radius + factor u_r. The
+drawn gap is the factor times the true gap, so bodies touch in the picture exactly when they touch
+in the run. If a tip does not lie on the tip radius, its distance from that radius is multiplied by
+the factor as well. Thicknesses are true to scale. The end of a blade is cut parallel to the wall
+that it faces, so that no corner of the blade reaches the wall before the tip does.
 
-Multiplied small displacements are no longer small. Each body is therefore first shifted by its mean
-motion (the rotor by the motion of its centre, the ring by the mean over its circumference), along
-straight lines, and what remains is drawn in polar coordinates about the shifted centre, (r, theta)
--> (r + factor u_r, theta + factor u_theta / r). So a shift stays a shift and a circle a circle,
-while a blade that bends swings on an arc instead of growing longer into the casing: the linear
-model has no second-order elongation of a bent blade either.
+Small displacements are no longer small after multiplication. Each body is therefore first shifted
+along a straight line by its mean motion: the motion of the centre for the rotor, the mean over the
+circumference for the casing. The remaining displacement is drawn in polar coordinates about the
+shifted centre, (r, theta) -> (r + factor u_r, theta + factor u_theta / r). A bent blade thus swings
+along an arc and keeps its length, as it does in the linear model.
 """
 
 from __future__ import annotations
@@ -44,24 +43,22 @@ from bladewhirl.postprocess.fields.strains import rotor_sections
 DRAWN_CLEARANCE = 0.1
 #: largest drawn displacement as a share of the tip radius, if the factor is chosen automatically
 DRAWN_MOTION = 0.25
-#: share of the tip radius from which the linear displacement of a bent blade is wrong by a tenth
+#: displacement, as a share of the tip radius, from which the linear model is wrong by a tenth
 LARGE_DISPLACEMENT = 0.3
 
-MOST = 1e9  #: largest useful exaggeration; its inverse is the smallest
+MOST = 1e9  #: largest factor; 1 / MOST is the smallest factor
 
 
 class EnlargedStage:
-    """Both bodies at chosen records, each in its own axes, with displacements and clearance
-    multiplied.
+    """Drawn positions of rotor and casing at chosen records: the rotor in rotating axes, the casing
+    in static axes, with displacements and clearance multiplied.
 
     Args:
         dataset: a result.
         records: numbers of records.
-        factor: factor of displacements and clearance. None chooses a round number: the clearance is
-            drawn as at most a tenth of the tip radius, and the largest displacement stays in the
-            picture.
-        per_line: number of pieces of a beam.
-        per_element: number of pieces of an element of the casing.
+        factor: factor of displacements and clearance; chosen by `round_factor` when None.
+        per_line: number of pieces into which each beam is divided.
+        per_element: number of pieces into which each element of the casing is divided.
 
     Raises:
         ViewError: the factor is not positive, larger than `MOST`, or smaller than the inverse of
@@ -111,29 +108,29 @@ class EnlargedStage:
             else factor
         )
         self.inner_radius = self.tip_radius + self.factor * clearance
-        self.nodes = dataset["rotor_point"].values  #: at rest, as drawn (rotor_node, 2) [m]
+        self.nodes = dataset["rotor_point"].values  #: drawn nodes at rest (rotor_node, 2) [m]
         shift = self.factor * recess - recess_at_rest(dataset)
         if shift.any():
             self.nodes, self.line = with_recess(dataset, self.line, shift)
 
     def rotor_line(self, index: int) -> Array:
-        """Return the stations of the beams (line, station, 2) [m] at the index-th record."""
+        """Return drawn stations of the beams (rotor_line, station, 2) [m], index-th record."""
         shift = self.centre[index]
         flat = self.line.reshape(-1, 2)
         line = magnify(flat, self.rotor_displacement[index], shift, self.factor)
         return line.reshape(self.line.shape)
 
     def rotor_nodes(self, index: int) -> Array:
-        """Return the nodes (rotor_node, 2) [m] at the index-th record."""
+        """Return the drawn nodes (rotor_node, 2) [m] at the index-th record."""
         return magnify(self.nodes, self._node[index], self.centre[index], self.factor)
 
     def outward_reach(self) -> float:
-        """Largest outward displacement of the casing, as drawn [m]."""
+        """Return the largest outward displacement of the casing, times the factor [m]."""
         outward = (self.ring_displacement * _directions(self.angle)).sum(axis=-1)
         return self.factor * max(0.0, float(outward.max()))
 
     def wall(self, index: int) -> Array:
-        """Return inner and outer surface of the casing (station, side, 2) [m]."""
+        """Return inner and outer surface (station, side, 2) [m] of the drawn casing."""
         ring = self.ring_displacement[index]
         rest = self.inner_radius[:, None] * _directions(self.angle)
         inner = magnify(rest, ring, ring.mean(axis=0), self.factor)
@@ -142,13 +139,17 @@ class EnlargedStage:
         return np.stack([inner, inner + self.wall_thickness[:, None] * outward], axis=1)
 
     def wall_at_rest(self) -> Array:
-        """Outer surface of the casing at rest (station, 2) [m]."""
+        """Return the outer surface of the drawn casing at rest (station, 2) [m]."""
         radius = self.inner_radius + self.wall_thickness
         return np.asarray(radius[:, None] * _directions(self.angle))
 
     def rotor_sides(self, index: int, line: Array, wall: Array) -> Array:
-        """Return the right and left sides of the beams (line, station, side, 2) [m] along their
-        drawn `line`; the ends of blades are cut along the `wall`.
+        """Return the right and left side of each beam (rotor_line, station, side, 2) [m].
+
+        Args:
+            index: position among the chosen records.
+            line: drawn stations of the beams, from `rotor_line`.
+            wall: drawn casing, from `wall`; the ends of blades are cut parallel to it.
         """
         half = self._thickness[..., None] / 2 * _normals(line)
         sides = np.stack([line - half, line + half], axis=2)
@@ -167,7 +168,7 @@ class EnlargedStage:
 
     @cached_property
     def _ends(self) -> tuple[IntArray, IntArray]:
-        """Return the beams at the blade tips, and the station of each that is the tip (beam,)."""
+        """Numbers of the beams that end at a blade tip, and for each the station at the tip."""
         lines, tips = self._dataset["rotor_line"].values, self._dataset["tip_node"].values
         ending = np.isin(lines, tips) & (line_blades(self._dataset) >= 0)[:, None]
         beams, end = np.nonzero(ending)
@@ -176,9 +177,9 @@ class EnlargedStage:
 
 def magnify(points: Array, displacement: Array, shift: Array, factor: float) -> Array:
     """Return drawn positions (point, 2) of points moved by `factor` times their displacement.
-    `shift` (2,) is the displacement common to all points, drawn along a straight line; the rest is
-    drawn in polar coordinates (module docstring). A point at the centre, which has no radius, only
-    gets the shift.
+    `shift` (2,), the part of the displacement common to all points, is drawn along a straight line;
+    the remaining displacement in polar coordinates, see the module docstring. A point at the
+    centre, where polar coordinates are undefined, is moved by the shift only.
     """
     radius = np.linalg.norm(points, axis=-1)
     away = radius > 0
@@ -192,9 +193,8 @@ def magnify(points: Array, displacement: Array, shift: Array, factor: float) -> 
 
 
 def round_factor(tip_radius: float, clearance: float, largest_displacement: float) -> float:
-    """Return an exaggeration of 1, 2 or 5 times a power of ten that keeps the picture readable: the
-    drawn clearance is at most a tenth of the tip radius, the largest drawn displacement at most a
-    quarter.
+    """Return the largest factor, 1, 2 or 5 times a power of ten, with which the drawn clearance is
+    at most a tenth of the tip radius and the drawn displacement at most a quarter; at least 1.
     """
     limits = [
         share * tip_radius / length
@@ -203,7 +203,7 @@ def round_factor(tip_radius: float, clearance: float, largest_displacement: floa
     ]
     limit = min(max(1.0, min(limits, default=1.0)), MOST)
     decade = 10.0 ** np.floor(np.log10(limit))
-    # A rounding error must not turn a limit of exactly 50 into 20.
+    # Without the tolerance 1e-9 a rounding error could turn a limit of exactly 50 into 20.
     return float(decade * max(step for step in (1, 2, 5) if step * decade <= limit * (1 + 1e-9)))
 
 
@@ -222,5 +222,5 @@ def _unit(vectors: Array) -> Array:
 
 
 def _normals(line: Array) -> Array:
-    """Return unit normals (line, station, 2) of drawn lines, from second-order differences."""
+    """Return unit normals (rotor_line, station, 2) of drawn beams, by second-order differences."""
     return rotate(_unit(np.gradient(line, axis=1, edge_order=2)), np.pi / 2)

@@ -1,9 +1,9 @@
-"""Physical fields of a result: displacements and velocities of points, at chosen records and axes.
+"""Physical fields of a result: displacements and velocities of points.
 
 A result contains modal coordinates. The functions of this module turn them into displacements and
-velocities of points, for many records at once. Rotor axes turn counter-clockwise by `speed` times
-time; casing and observer are stationary. Velocities are rates of displacement (R(Omega t) u_dot),
-without the transport velocity Omega x r of the turning disk.
+velocities of points, for many records at once. The axes of the rotor turn counter-clockwise by the
+angle `speed` times time; the axes of the casing are static. The velocity of a point of the rotor is
+the rate of its displacement in rotating axes, without the velocity Omega x r of the turning disk.
 """
 
 import numpy as np
@@ -16,9 +16,9 @@ from bladewhirl.models.inputs.errors import UserError
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-FRAMES_PER_REVOLUTION = 24  #: with fewer pictures a revolution, a turning wheel is hard to follow
+FRAMES_PER_REVOLUTION = 24  #: fewest pictures in a revolution that show a smooth rotation
 
-ROUNDING = 1e-12  #: relative differences of radii below this are taken as rounding
+ROUNDING = 1e-12  #: relative difference of radii below which the radii are regarded as equal
 
 
 class ViewError(UserError, ValueError):
@@ -26,8 +26,8 @@ class ViewError(UserError, ValueError):
 
 
 def rotate(vectors: Array, angle: Array | float) -> Array:
-    """Return plane vectors (..., 2) turned counter-clockwise by `angle` [rad], broadcast over
-    (...)."""
+    """Return plane vectors (..., 2) turned counter-clockwise by `angle` (...) [rad]; arguments are
+    broadcast."""
     cos, sin = np.cos(angle), np.sin(angle)
     x, y = vectors[..., 0], vectors[..., 1]
     first = cos * x - sin * y
@@ -47,8 +47,8 @@ def frame_records(
     """Return the indices of up to `frames` records, equally spaced over [start, end] [s].
 
     Instants are rounded to the nearest record and duplicates are dropped, so a window with fewer
-    records than frames gives each record once. `end` may lie after the end of the run, which may
-    have ended early. Raises ViewError if the window contains no record.
+    records than frames gives each record once. If `end` is after the end of the run, the window
+    ends with the run. Raises ViewError if the window does not begin inside the run.
     """
     time = dataset["time"].values
     first = time[0] if start is None else start
@@ -70,8 +70,7 @@ def nearest_records(dataset: xr.Dataset, instants: Array) -> IntArray:
 
 
 def sampling_hint(dataset: xr.Dataset, records: IntArray) -> str | None:
-    """Return a hint for the user if the records give fewer than 24 frames a revolution, else
-    None."""
+    """Return a hint for the user if the records are fewer than 24 a revolution; otherwise None."""
     speed = abs(dataset.attrs["speed"])
     time = dataset["time"].values
     if len(records) < 2 or speed == 0:
@@ -82,15 +81,14 @@ def sampling_hint(dataset: xr.Dataset, records: IntArray) -> str | None:
         return None
     window = 2 * np.pi / speed * len(records) / FRAMES_PER_REVOLUTION
     return (
-        f"{len(records)} frames over {revolutions:.1f} revolutions are only {rate:.2g} a"
+        f"{len(records)} frames over {revolutions:.1f} revolutions are only {rate:.2g} frames per"
         f" revolution; for a smooth rotation choose a window of at most {window:.3g} s,"
         " or more frames"
     )
 
 
 def history(dataset: xr.Dataset, name: str, records: IntArray) -> Array:
-    """Return a variable over time at the records (record, ...), without reading its other
-    records."""
+    """Return the values of a variable at some records (record, ...); only these are read."""
     return np.asarray(dataset[name].isel(time=records).values)
 
 
@@ -105,7 +103,8 @@ def combine(coordinates: Array, shape: Array) -> Array:
 def line_rows(dataset: xr.Dataset, per_line: int) -> tuple[Array, Array]:
     """Return undeformed stations (rotor_line, per_line + 1, 2) [m] along every beam, and their
     displacement for unit modal coordinates (rotor_line, per_line + 1, 2, rotor_mode), both in
-    rotating axes: linear along the beam, cubic Hermite across it, as in the finite elements.
+    rotating axes. As in the finite elements, axial displacements are interpolated linearly,
+    transverse displacements by cubic Hermite polynomials.
     """
     start, span, axes, local, turn_rows = line_shapes(dataset)
     length = np.linalg.norm(span, axis=1)
@@ -132,13 +131,13 @@ def line_slope_rows(dataset: xr.Dataset, per_line: int) -> Array:
 
 
 def line_shapes(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array, Array]:
-    """Return geometry and modal displacements of each beam in its local axes.
+    """Return the geometry of each beam, and the motion of its ends for unit modal coordinates.
 
     Returns:
         start, (rotor_line, 2) [m]; vector from start to end, (rotor_line, 2) [m]; local axes, the
-        first along the beam, the second turned by 90 degrees, (rotor_line, axis, 2); displacement
-        of the ends in these axes for unit modal coordinates, (rotor_line, end, axis, rotor_mode);
-        and their rotation, (rotor_line, end, rotor_mode).
+        first along the beam, the second turned by 90 degrees, (rotor_line, axis, 2); displacements
+        of both ends in local axes, (rotor_line, end, axis, rotor_mode); rotations of both ends,
+        (rotor_line, end, rotor_mode).
     """
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
     shape = dataset["rotor_shape"].values[dataset["rotor_line"].values]
@@ -150,29 +149,29 @@ def line_shapes(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array, Array]
 
 
 def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:
-    """Return the angles (casing_node * per_element,) [rad] at which each casing element is cut into
-    equal arcs."""
+    """Return the angles (casing_node * per_element,) [rad] that divide each casing element into
+    `per_element` equal arcs."""
     return station_angles(dataset, per_element)[:, :-1].ravel()
 
 
 def station_angles(dataset: xr.Dataset, per_element: int) -> Array:
-    """Return the angles (casing_node, per_element + 1) [rad] of the same cuts, with both ends of
-    each element."""
+    """Return the angles that divide each casing element into `per_element` equal arcs, both ends of
+    the element included, (casing_node, per_element + 1) [rad]."""
     cuts = np.linspace(0.0, 1.0, per_element + 1)
     return np.asarray(dataset["casing_angle"].values[:, None] + _arcs(dataset)[:, None] * cuts)
 
 
 def _arcs(dataset: xr.Dataset) -> Array:
-    """Return the angle of every casing element (casing_node,) [rad]."""
+    """Return the angle that every casing element spans (casing_node,) [rad]."""
     first = dataset["casing_angle"].values
     return np.asarray(np.mod(np.roll(first, -1) - first, 2 * np.pi))
 
 
 def wall_rows(dataset: xr.Dataset, weights: Array) -> Array:
-    """Return radial and tangential displacement of every casing element for unit modal coordinates
-    (casing_node, station, 2, casing_mode) if `weights` (4, station) are `cubic_weights`. With
-    `slope_weights` or `curvature_weights` return first or second derivatives with respect to the
-    position in the element, from 0 to 1.
+    """Return radial and tangential displacements of every casing element for unit modal
+    coordinates, (casing_node, station, 2, casing_mode), if `weights` (4, station) are from
+    `cubic_weights`. Weights from `slope_weights` or `curvature_weights` give the first or second
+    derivatives with respect to the position in the element, which goes from 0 to 1.
     """
     shape = dataset["casing_shape"].values
     nodal = shape.reshape(len(shape), 2, 2, -1)  # node, (w, u), (value, slope), mode
@@ -189,8 +188,8 @@ def element_lengths(dataset: xr.Dataset) -> Array:
 
 
 def casing_rows(dataset: xr.Dataset, angle: Array) -> Array:
-    """Return radial (outward) and tangential (+theta) displacement at the angles (point,) for unit
-    modal coordinates: (point, 2, casing_mode), by the cubic interpolation of the casing elements.
+    """Return radial (outward) and tangential (+theta) displacements of the casing at the angles
+    (point,) for unit modal coordinates, (point, 2, casing_mode), by cubic interpolation.
     """
     node = dataset["casing_angle"].values
     inside = np.mod(angle - node[0], 2 * np.pi)
@@ -205,16 +204,15 @@ def casing_rows(dataset: xr.Dataset, angle: Array) -> Array:
 
 
 def recess_at_rest(dataset: xr.Dataset) -> Array:
-    """Return the distance of each tip at rest from the tip radius, (blade,) [m]; negative outside
-    it."""
+    """Return the tip radius of the stage minus the radius of each tip at rest, (blade,) [m]."""
     radius = float(dataset.attrs["tip_radius"])
     tips = np.linalg.norm(dataset["rotor_point"].values[dataset["tip_node"].values], axis=1)
     return np.asarray(np.where(np.abs(radius - tips) > ROUNDING * radius, radius - tips, 0.0))
 
 
 def smallest_clearance(dataset: xr.Dataset) -> float:
-    """Return the smallest clearance of a tip without vibration [m], at speed if the case gives the
-    cold clearance."""
+    """Return the smallest clearance plus the smallest recess of a tip [m], without vibration; the
+    static growth of the tips at speed is subtracted if the case gives the clearance at rest."""
     return float(dataset["clearance"].values.min() + dataset["tip_recess"].values.min())
 
 
@@ -227,7 +225,7 @@ def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:
 
 def record_lengths(dataset: xr.Dataset) -> Array:
     """Return the time since the previous record (time,) [s]: the record step, or less for the last
-    record if a run ended between."""
+    record of a run that ended early."""
     time = dataset["time"].values
     return np.diff(time, prepend=time[0] - dataset.attrs["record_step"])
 
@@ -236,10 +234,10 @@ def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = F
     """Return the force of the casing on each tip (record, blade, 2) [N], normal and friction
     together.
 
-    The force is the impulse since the previous record divided by the time between the two records:
-    a mean value, which converges as the time step decreases, while the peak force does not. The
-    normal part pushes inward, positive friction drags the blade towards -theta. Zero for a Dataset
-    without contact, such as a mode.
+    The force is the impulse since the previous record divided by the time since that record. This
+    mean force converges as the time step decreases, while the peak force does not. The normal part
+    pushes inward; positive friction drags the blade towards -theta. The force is zero for a Dataset
+    without contact impulses, such as a mode.
     """
     if "contact_impulse" not in dataset:
         return np.zeros((len(records), dataset.sizes["blade"], 2))
@@ -256,8 +254,8 @@ def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = F
 
 
 def radial_part(vectors: Array, points: Array) -> Array:
-    """Return the component (...) of vectors (..., 2) along the outward radius at points (..., 2);
-    zero at the centre, which has no outward direction.
+    """Return the radial component (...), positive outward, of vectors (..., 2) at points (..., 2);
+    zero at the centre, where no direction is radial.
     """
     radius = np.linalg.norm(points, axis=-1)
     dot = np.sum(vectors * points, axis=-1)

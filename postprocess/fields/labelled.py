@@ -20,14 +20,14 @@ def labelled(
     coordinates: Mapping[str, Any],
     **attributes: Any,
 ) -> xr.Dataset:
-    """Return a Dataset with units, and with title and speeds of the run.
+    """Return a Dataset with units, with a title, and with attributes copied from the run.
 
     Args:
         source: a result, or a Dataset derived from one.
         title: title of the Dataset.
         variables: dimensions, values and unit of each variable.
         coordinates: values of each coordinate.
-        attributes: further attributes, in addition to the title and `ABOUT`.
+        attributes: attributes in addition to the title, the title of the case, and `ABOUT`.
     """
     units = {name: {"units": unit} for name, unit in COORDINATE_UNITS.items()}
     return xr.Dataset(

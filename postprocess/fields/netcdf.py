@@ -18,8 +18,7 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.schema import STATIC, TIME, Variable
 from bladewhirl.solvers.march.storage import CutFile
 
-#: upper bound of plausible magnitudes in SI units; its inverse is the lower bound of positive
-#: values
+#: largest plausible magnitude of a number in SI units; 1 / MOST is the smallest of a positive one
 MOST = 1e30
 POSITIVE = "reference_frequency casing_radius tip_radius time_step record_step yield_strength"
 NUMBERS = (
@@ -27,20 +26,20 @@ NUMBERS = (
     "dt_over_critical wall_time us_per_step"
 )
 TEXTS = "title version symmetry case end_reason end_message over criterion window"
-"""Attributes of results and sweeps; some may be missing."""
+"""Attributes of results and sweeps that are validated if a file contains them."""
 
 
 ROOM, DENSEST = 1e9, 100
-"""Size [byte] that the arrays of any file may declare, and largest compression ratio beyond that
-size."""
+"""A file whose arrays declare more than `ROOM` bytes and more than `DENSEST` times the size of the
+file is rejected as damaged."""
 
 
 class ResultError(UserError):
-    """A path contains no result, or sweep, of bladewhirl."""
+    """A file or folder is not a valid result or sweep of bladewhirl."""
 
 
 def plausible(values: Any, *, gaps: bool = False) -> bool:
-    """Return whether numbers are finite and below `MOST`, or NaN where gaps are allowed."""
+    """Return true if all magnitudes are below `MOST`; NaN is accepted if gaps are allowed."""
     return bool(np.all((np.abs(values) < MOST) | (gaps & np.isnan(values))))
 
 
@@ -80,11 +79,11 @@ class CheckedArray(BackendArray):
 def open_file(
     path: str | PathLike[str], name: str, kind: str, *, gaps: bool = False, cache: bool = True
 ) -> tuple[xr.Dataset, Path]:
-    """Open a netCDF-4 file, or the file of that name in a folder; arrays are read when used.
+    """Open a netCDF-4 file; arrays are read when used.
 
     Args:
-        path: path of the file or the folder.
-        name: name of the file in a folder.
+        path: path of the file, or of the folder that contains it.
+        name: name of the file, if the path is a folder.
         kind: kind of file, for messages: "a result".
         gaps: whether NaN is allowed, for missing values.
         cache: whether to keep arrays in memory after reading.
@@ -155,13 +154,14 @@ def _checked(variable: xr.Variable, label: str, *, gaps: bool, cache: bool) -> x
 
 
 def complete_records(attributes: Mapping[str, Any]) -> int | None:
-    """Return the number of records that the recorder marked as complete; None if it marked none.
+    """Return the number of complete records by the attributes of a file; None if it is not stated.
 
-    A run killed during a flush leaves longer histories with missing pieces, which must not be read.
+    If a run is killed while it writes to disk, its histories may be longer than the number of
+    complete records, with missing data; these must not be read.
     """
     steps, spacing = attributes.get("steps", 0), attributes.get("record_step")
     if attribute_fault(attributes) or steps == 0 or spacing is None:
-        return None  # steps = 0: older versions wrote it at the end only
+        return None  # steps = 0: older versions wrote `steps` only at the end of the run
     every = max(1, round(spacing / attributes["time_step"]))
     return 1 - int(-steps // every) if steps > 0 else 0
 
@@ -177,7 +177,7 @@ def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
 
 
 def attribute_fault(attributes: Mapping[str, Any]) -> str:
-    """Describe the first invalid attribute; empty if there is none."""
+    """Describe the first invalid attribute; empty if all attributes are valid."""
     for name in (*POSITIVE.split(), *NUMBERS.split()):
         value = np.asarray(attributes.get(name, 1.0))
         kind = "positive" if name in POSITIVE.split() else "finite"
@@ -193,7 +193,7 @@ def attribute_fault(attributes: Mapping[str, Any]) -> str:
 
 
 def value_fault(dataset: xr.Dataset) -> str:
-    """Describe the first invalid array that does not depend on time; empty if there is none."""
+    """Describe the first invalid array among those without time; empty if all are valid."""
     nodes = dataset.sizes["rotor_node"]
     for name, variable in STATIC.items():
         if name in dataset and (expected := expectation(dataset[name].values, variable, nodes)):

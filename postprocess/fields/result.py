@@ -41,10 +41,11 @@ ATTRIBUTES = (
 def open_result(path: str | PathLike[str]) -> xr.Dataset:
     """Open `result.nc`, or the folder of a run that contains it; histories are read when used.
 
-    The result of a killed run can be opened, too, up to the last flushed record. Close the result
-    (or use `with`) before writing the file again. Blades, casing nodes, axes and components are
-    coordinates, and so are family, nodal diameter and frequency of the modes and the angles of tips
-    and casing nodes: ``open_result("run")["gap"].sel(blade=3)``.
+    The result of a killed run can be opened up to the last record that was written to disk. Close
+    the result (or use `with`) before the file is written again. The coordinates of the Dataset are
+    the numbers of blades and casing nodes; axes and components of vectors; family, nodal diameter
+    and frequency of each mode; and the angles of tips and casing nodes:
+    ``open_result("run")["gap"].sel(blade=3)``.
 
     Raises:
         ResultError: the file does not exist, is not netCDF-4, is not a result, or has no record
@@ -64,9 +65,9 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
 def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     """Return a result of any format with all coordinates of the schema.
 
-    Variables missing in older formats are added: constant sections (format 1), the recess of the
-    tips at rest and zero static growth (before 4), wave frequencies equal to those of the modes
-    (before 5), an unknown work of closing (nan, before 6).
+    Variables that older formats lack are added: zero changes of the sections along beams (format
+    1); before format 4 zero static growth, and the recess of the tips at rest; before format 5 wave
+    frequencies, equal to the frequencies of the modes; before format 6 the work of closing, nan.
     """
     indices = {
         name: (name, index_values(name, dataset.sizes[name]), variable.attributes)
@@ -94,7 +95,7 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
 def result_of(
     stage: StageArrays, histories: Mapping[str, Array], attributes: Mapping[str, Any]
 ) -> xr.Dataset:
-    """Return a result in memory, as `open_result` returns it from a file.
+    """Return a result from arrays in memory, with the content that `open_result` reads from a file.
 
     Args:
         stage: arrays that describe the stage.
@@ -114,9 +115,9 @@ def result_of(
 
 
 def stage_dataset(arrays: StageArrays, motion: Mapping[str, Array] | None = None) -> xr.Dataset:
-    """Return geometry and modes of a stage, and its motion, with the names and units of a result.
+    """Return geometry, modes and motion of a stage, with the names and units of a result.
 
-    Contact, load and march are missing: pictures of modes and of a stage at rest do not need them.
+    The Dataset lacks the data of contact, load and march, which pictures of modes do not need.
 
     Args:
         arrays: arrays that describe the stage.
@@ -133,7 +134,7 @@ def _entry(name: str, values: Any) -> tuple[tuple[str, ...], Array, dict[str, st
 
 @contextmanager
 def opened(result: xr.Dataset | str | PathLike[str]) -> Iterator[xr.Dataset]:
-    """Yield an open result unchanged; a file is opened, and closed afterwards."""
+    """Yield a result: a Dataset unchanged; a file or folder opened, and closed afterwards."""
     if isinstance(result, xr.Dataset):
         yield result
         return
@@ -142,7 +143,7 @@ def opened(result: xr.Dataset | str | PathLike[str]) -> Iterator[xr.Dataset]:
 
 
 def check_result(dataset: xr.Dataset, name: str) -> None:
-    """Check that a Dataset is a result with at least one record; `name` is for messages.
+    """Check that a Dataset is a result with at least one record; messages contain `name`.
 
     Raises:
         ResultError: the Dataset is not a result, or has no record.

@@ -1,14 +1,15 @@
-"""Axial and bending strain of beams and of the casing's wall, from the recovered field.
+"""Axial and bending strain of beams and of the casing's wall, from modal coordinates.
 
-A beam's strain at a distance y from its line is eps - y kappa: the axial strain eps and the change
-of curvature kappa of the finite elements themselves, so that stresses belong to the same energy as
-the motion (`models.elements`). The positive direction of y is a quarter turn counter-clockwise from
-the beam's direction, on the casing outward. The bending strain is kappa t / 2, its value at the
-right (on the casing: the inner) surface; at the left (outer) surface it has the opposite sign.
+The strain of a beam at a distance y from its axis is eps - y kappa, with the axial strain eps and
+the change of curvature kappa. Both are computed by the shape functions of the finite elements
+(`models.elements`), so that the strains have the strain energy of the model. For a beam of the
+rotor y is positive to the left of its direction, for the casing outward. The bending strain
+kappa t / 2 is the value at the right surface of a beam and at the inner surface of the casing; at
+the opposite surface the bending strain has the opposite sign.
 
-In an element of a straight prismatic beam eps is constant (rod) and kappa is linear (cubic), so the
-extremes are at the ends of the element; for a tapered beam the local thickness is used. Both
-strains jump from one element to the next, so each element has its own stations.
+In a straight beam element of constant section eps is constant and kappa linear, so the extremes are
+at the ends of the element; for a tapered beam the local thickness is used. Both strains jump from
+one element to the next, so each element has its own stations.
 """
 
 from typing import Literal, NamedTuple
@@ -70,9 +71,9 @@ def rotor_strain_rows(dataset: xr.Dataset, per_line: int = 1) -> StrainRows:
 
 def casing_strain_rows(dataset: xr.Dataset, per_element: int) -> StrainRows:
     """Return strains for unit modal coordinates at the ends of `per_element` equal pieces of every
-    casing element: (casing_node, per_element + 1, casing_mode), with eps = u' + w / R, and kappa =
-    w'' - u' / R or, if the case specifies the shallow arch, w''. As in the elements, the wall is
-    thin: y / R is neglected.
+    casing element: (casing_node, per_element + 1, casing_mode). The axial strain is u' + w / R, the
+    change of curvature w'' - u' / R or, if the case specifies the shallow arch, w''. The wall is
+    thin, as in the finite elements: y / R is neglected.
     """
     radius = float(dataset.attrs["casing_radius"])
     length = element_lengths(dataset)[:, None, None]

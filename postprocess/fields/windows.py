@@ -9,16 +9,16 @@ from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 
 LATE_SHARE = 1.0 / 3.0
-"""Share of the run, at its end, that is regarded as the motion after its onset."""
+"""Share of the time, at the end of a run, that is regarded as the late motion."""
 
 EVEN = 1e-6
-"""Relative difference from the record step at which records still count as equally spaced."""
+"""Largest relative difference of equal time steps between records from their median."""
 
 
 def select_window(
     dataset: xr.Dataset, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Return the records within [start, end] [s], by default all; values are read when used.
+    """Return the records within [start, end] [s], by default all records.
 
     Raises:
         ViewError: the window ends before it starts, or contains fewer than two records.
@@ -38,10 +38,11 @@ def select_window(
 
 
 def in_window(result: xr.Dataset, start: float | None, end: float | None) -> xr.Dataset:
-    """Return the records within [start, end] [s]; all, also a single one, when both are None.
+    """Return the records within [start, end] [s], or the whole result when both limits are None,
+    even if it has a single record.
 
     Raises:
-        ViewError: as `select_window`.
+        ViewError: the window is invalid, see `select_window`.
     """
     return result if start is None and end is None else select_window(result, start, end)
 
@@ -56,10 +57,10 @@ def late_part(dataset: xr.Dataset) -> xr.Dataset:
 def evenly_spaced(dataset: xr.Dataset, fewest: int) -> tuple[xr.Dataset, float]:
     """Return the equally spaced records and their step [s].
 
-    The last record of a march that diverged, or was interrupted, may be early and is then dropped.
+    The last record is dropped if the march ended early, between two regular records.
 
     Raises:
-        ViewError: the records are not equally spaced, or fewer than `fewest`.
+        ViewError: the records are not equally spaced, or there are fewer than `fewest`.
     """
     time = dataset["time"].values
     steps = np.diff(time)
@@ -79,8 +80,8 @@ def evenly_spaced(dataset: xr.Dataset, fewest: int) -> tuple[xr.Dataset, float]:
 
 
 def span_starts(time: Array, spans: int) -> IntArray:
-    """Return the first record of each of `spans` equal spans of time; spans without records are
-    left out."""
+    """Return the number of the first record in each of `spans` equal spans of time; spans without
+    records are left out. If there are no more records than spans, return all record numbers."""
     if len(time) <= spans:
         return np.arange(len(time))
     number = np.minimum((time - time[0]) * spans // np.ptp(time), spans - 1)
@@ -88,21 +89,21 @@ def span_starts(time: Array, spans: int) -> IntArray:
 
 
 def span_means(values: Array, starts: IntArray) -> Array:
-    """Return means over time, the first axis, from each start to the next."""
+    """Return means of `values` over the first axis, from each start to the next start."""
     count = np.diff(starts, append=len(values))
     sums = np.add.reduceat(values, starts, axis=0)
     return np.asarray(sums / count.reshape(-1, *[1] * (values.ndim - 1)))
 
 
 def span_edges(time: Array, starts: IntArray, begin: float) -> Array:
-    """Return the limits of the spans [s], (span + 1,): `begin`, and the last record of each
-    span."""
+    """Return the limits of the spans [s], (span + 1,): `begin`, and the time of the last record of
+    each span."""
     ends = time[np.append(starts[1:], len(time)) - 1]
     return np.concatenate([[begin], ends])
 
 
 def window_label(dataset: xr.Dataset) -> str:
-    """Return the time interval in words."""
+    """Return the time interval of a Dataset as text, such as "10 to 20 ms"."""
     first, last = dataset["time"].values[[0, -1]]
     unit, scale = handy_unit(float(last), "s")
     return f"{scale * first:.3g} to {scale * last:.3g} {unit}"
