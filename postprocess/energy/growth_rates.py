@@ -56,7 +56,7 @@ class Growth:
     error: float  #: standard error of `rate`, see `fit_growth` [1/s]
     #: true if the rate is clearly less in the second half of the fitted windows than in the first
     slows: bool
-    #: ratio of the last to the largest amplitude before the fitted windows; inf if none is before
+    #: last amplitude over the largest amplitude before the fitted windows; inf if none is before
     rise: float
     residual: float  #: root mean square misfit of the logarithm of the amplitude: 0.1 is about 10 %
     end_rate: float  #: growth rate fitted to the last five windows only [1/s]

@@ -49,12 +49,12 @@ CRITERION: Mapping[RegimeName, str] = {
     f"third and at least {RIPPLE_SHARE:.0%} of the amplitude",
     "no-contact": "no tip ever touched",
     "damped": "no contact in the last tenth of the time",
-    "sustained": "the rest",
+    "sustained": "every other run",
 }
 """Criteria of the regimes; the first that applies is the regime."""
 
 CRITERION_TEXT = "; ".join(
-    [*(f"{name}: {rule}" for name, rule in CRITERION.items()), "the first that applies"]
+    [*(f"{name}: {rule}" for name, rule in CRITERION.items()), "the first that applies is taken"]
 )
 
 

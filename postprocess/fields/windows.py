@@ -11,8 +11,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 LATE_SHARE = 1.0 / 3.0
 """Share of the time, at the end of a run, that is regarded as the late motion."""
 
-EVEN = 1e-6
-"""Largest relative difference of equal time steps between records from their median."""
+EVEN = 1e-6  #: largest relative difference of equal time steps between records from their median
 
 
 def select_window(

@@ -1,4 +1,4 @@
-"""Campbell diagrams (Fig. 8): in the rotating frame, and as seen from the casing."""
+"""Campbell diagrams (the paper's Fig. 8) in the rotating and in the static frame."""
 
 from __future__ import annotations
 
@@ -28,14 +28,17 @@ RING: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4.0, "
 CROSS: dict[str, Any] = {"linestyle": "none", "marker": "X", "markersize": 6.0, "mec": "white"}
 """Mark of a critical speed."""
 
-FINE = 2001  #: number of speeds of a line that is curved on its axes
-ENDS = 0.9  #: share of the axes from which engine orders are labelled, because there is space
+FINE = 2001  #: number of speeds at which the frequency of a wave is computed
+ENDS = 0.9  #: share of the width or height of the axes beyond which engine orders are labelled
 HEADROOM = 1.18  #: ratio of the highest frequency shown to the highest coincidence or mode drawn
 
 
 @dataclass(frozen=True, kw_only=True)
 class Wave:
-    """Frequencies of a wave over the speed, normalised; positive for backward waves."""
+    """Frequencies of a wave over the speed, relative to the reference frequency.
+
+    The frequency is positive while the wave travels backward, negative while it travels forward.
+    """
 
     body: str  #: "bladed-disk" or "casing"
     family: str
@@ -43,7 +46,7 @@ class Wave:
     direction: str  #: direction of travel at rest
     speed: FloatArray
     rotating: FloatArray  #: frequency in the rotating frame
-    #: speeds at which the wave grows, having met another wave
+    #: speeds at which the wave grows because it coincides with another wave
     grows: BoolArray | Literal[False] = False
 
     @property
@@ -53,7 +56,7 @@ class Wave:
 
 
 def waves(data: xr.Dataset, points: int) -> Iterator[Wave]:
-    """Yield all waves: both directions on the bladed disk, forward on the casing.
+    """Yield all waves: backward and forward waves on the bladed disk, forward waves on the casing.
 
     Args:
         data: from `campbell`.
@@ -99,7 +102,7 @@ def waves(data: xr.Dataset, points: int) -> Iterator[Wave]:
 
 
 def drawn_part(data: xr.Dataset) -> xr.Dataset:
-    """Select the modes and coincidences of a diagram.
+    """Select the modes and coincidences that a diagram shows.
 
     Families of the bladed disk are drawn if they coincide with the casing in the operating range;
     `DRAWN_FAMILIES` are always drawn. Of the casing, the lowest mode of each nodal diameter is
@@ -131,7 +134,7 @@ def drawn_part(data: xr.Dataset) -> xr.Dataset:
 
 
 def in_diagram(data: xr.Dataset) -> BoolArray:
-    """Return a mask of the coincidences inside the speed range of the diagrams."""
+    """Return true for each coincidence inside the speed range of the diagrams."""
     first, last = data.attrs["speeds"]
     speed = data["normalised_speed"].values
     return np.asarray((first <= speed) & (speed <= last), dtype=np.bool_)
@@ -139,18 +142,18 @@ def in_diagram(data: xr.Dataset) -> BoolArray:
 
 @styled
 def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
-    """Draw a Campbell diagram: modes of one body as horizontal lines, waves of the other as rays.
+    """Draw a Campbell diagram: frequencies of waves on bladed disk and casing over the speed.
 
-    In the rotating frame the frequencies of the bladed disk are constant. A wave that travels
-    forward on the casing has the frequency k Omega - omega there, which is backward if positive, as
-    drawn. In the static frame the casing has the constant frequencies, and the rays are waves that
-    travel backward on the rotor, on a logarithmic axis. Where a ray would be negative, its wave
-    travels in the other direction: that part is left out. Circles labelled with k mark
-    coincidences; the caption gives their number.
+    In the rotating frame the frequencies of the bladed disk are horizontal lines. A wave that
+    travels forward on the casing has the frequency k Omega - omega in this frame, a rising line. In
+    the static frame, whose frequency axis is logarithmic, the frequencies of the casing are
+    horizontal and the rising lines are waves that travel backward on the rotor. Where k Omega is
+    below omega the rising wave travels in the other direction and is left out. Circles labelled
+    with k mark coincidences; the note below the diagram gives their number.
 
-    A bladed disk with rotation effects has branches instead of constant frequencies, named by their
-    direction at rest: backward waves as full lines, forward waves as dashed lines; the static frame
-    only shows waves with one nodal diameter. Dotted lines are multiples of the speed, crosses mark
+    With rotation effects the frequencies of the bladed disk depend on the speed. Waves that are
+    backward at rest are full lines, waves that are forward at rest dashed lines; the static frame
+    only shows those with one nodal diameter. Dotted lines are multiples of the speed, crosses mark
     critical speeds.
 
     Args:
@@ -193,13 +196,13 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
 
 
 def met_frequencies(data: xr.Dataset, frame: Frame) -> FloatArray:
-    """Return the normalised frequency of each coincidence in a frame."""
+    """Return the normalised frequency at which the waves of each coincidence meet, in a frame."""
     met = data["rotor_frequency" if frame == "rotating" else "casing_frequency"].values
     return np.asarray(met / data.attrs["reference_frequency_hz"], dtype=np.float64)
 
 
 def frequency_limits(data: xr.Dataset, frame: Frame) -> tuple[float, float]:
-    """Return the lowest and highest normalised frequency of the diagram of a `drawn_part`."""
+    """Return the limits of the frequency axis, normalised, for data from `drawn_part`."""
     level = "bladed-disk" if frame == "rotating" else "casing"
     modes, met = data["normalised_mode_frequency"].values, met_frequencies(data, frame)
     frequencies = modes[(data["mode_body"].values == level) & (modes > 0.0)]
@@ -214,7 +217,7 @@ NamedLine = tuple[FloatArray, FloatArray, str, str]
 
 
 def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
-    """Draw the waves of both bodies; yield the lines that have a name."""
+    """Draw the waves of bladed disk and casing; yield the lines that are to be named."""
     turning = "branch" in data.dims
     low, high = axes.get_ylim()
     for wave in sorted(waves(data, FINE), key=lambda wave: wave.body != "casing"):
@@ -256,7 +259,8 @@ def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLin
 
 
 def _draw_engine_orders(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
-    """Draw multiples of the speed; in the static frame only the speed itself."""
+    """Draw multiples of the speed, in the static frame only the speed itself; yield the named ends
+    of the lines."""
     k, (first, last) = data["mode_nodal_diameter"].values, data.attrs["speeds"]
     speed = np.linspace(first, last, 201)
     for order in np.unique(k[k > 0]).tolist() if frame == "rotating" else [1]:
@@ -276,7 +280,7 @@ def _mark_coincidences(axes: Axes, data: xr.Dataset, meets: FloatArray, shown: B
 
 
 def wave_colour(body: str, family: str, k: int) -> str:
-    """Return the colour of a wave, by its body, k = 1 and the suspension."""
+    """Return the colour of a wave, which depends on its body, on k = 1 and on the suspension."""
     if family == "suspension":
         return COLOURS["suspension"]
     if body == "bladed-disk":

@@ -29,10 +29,10 @@ MILLI = 1e3
 
 @styled
 def plot_phases(data: xr.Dataset) -> Figure:
-    """Draw the static phase of shaft and smallest clearance, Fig. 14(c), and their difference.
+    """Draw the phases of shaft and smallest clearance in the static frame, and their difference.
 
-    In waves with a nodal diameter other than one the shaft is at rest, and only the clearance is
-    drawn.
+    The paper's Fig. 14(c). In waves with a nodal diameter other than one the shaft is at rest, and
+    only the phase of the smallest clearance is drawn.
 
     Args:
         data: from `motion_dataset`.
@@ -64,11 +64,11 @@ def plot_phases(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
-    """Draw the deformed stage at some records side by side in static axes, Fig. 13.
+    """Draw the deformed stage at some records side by side in static axes (the paper's Fig. 13).
 
-    Displacements and clearance are exaggerated by the same factor (see `drawing`), so bodies touch
-    in the picture where they really touch. A dot marks the shaft, an open dot the smallest
-    clearance, a cross the axis of rotation.
+    Displacements and clearance are multiplied by the same factor (see `drawing`), so the bodies
+    touch in the picture where they touch in the model. A dot marks the shaft, an open dot the
+    smallest clearance, a cross the axis of rotation.
 
     Args:
         dataset: a result, or a coupled mode as a Dataset with the variables of a result.

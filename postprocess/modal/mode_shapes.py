@@ -1,4 +1,4 @@
-"""Pictures of mode shapes (Fig. 6), undeformed and deformed, with the centre marked."""
+"""Pictures of mode shapes (the paper's Fig. 6): undeformed and deformed body, and its centre."""
 
 from __future__ import annotations
 
@@ -23,50 +23,38 @@ from bladewhirl.postprocess.plotting.style import (
 )
 from bladewhirl.postprocess.plotting.titles import set_title
 
-DRAWN = 0.2
-"""Largest displacement in a picture, as a share of the radius."""
-
-BEAM_PIECES = 8
-"""Largest number of straight pieces by which the Hermite curve of a beam is drawn."""
-
+DRAWN = 0.2  #: largest displacement in a picture, as a share of the radius
+BEAM_PIECES = 8  #: largest number of straight pieces by which the Hermite curve of a beam is drawn
 MOST_PIECES = 16_000
-"""Largest number of pieces of the bladed disk; its beams have fewer pieces where this would be
-exceeded."""
+"""Largest number of pieces in all beams of the bladed disk; with many beams, each beam has fewer
+than `BEAM_PIECES`."""
 
-RING_POINTS = 360
-"""Least number of points of the casing."""
-
-COLUMNS = 6
-"""Largest number of panels side by side."""
-
+RING_POINTS = 360  #: least number of drawn points of the casing
+COLUMNS = 6  #: largest number of panels side by side
 INSTANTS = 4
 """Number of pictures of a travelling wave over a quarter of its period, including both ends."""
 
 PURE = 0.9995
-"""Purity above which a mode is named without its purity, by its nodal diameter only."""
+"""Purity above which only the nodal diameter of a mode is printed, without the purity. Purity is
+the share of the kinetic energy of the mode in its nodal diameter."""
 
-TURNS = "rotation is counter-clockwise"
-"""Note in every picture of a wave that travels or may travel."""
-
-MIXED = 0.5
-"""Purity below which a mode is called mixed instead of being named by a nodal diameter."""
-
-OUTSIDE = 1.1
-"""Radius at which crests are marked, relative to the largest drawn radius."""
-
+TURNS = "rotation is counter-clockwise"  #: note in pictures of modes and waves
+MIXED = 0.5  #: purity below which the name of a mode contains "mixed k" instead of a nodal diameter
+OUTSIDE = 1.1  #: radius at which crests are marked, relative to the largest drawn radius
 MARGIN = 1.02
-"""Half the width of a picture, relative to the largest distance of a drawn point from the
-middle."""
+"""Half the width of a picture over the largest distance of a drawn point from its middle."""
 
 CENTRE_RESTS = 1e-6
-"""Share of the largest displacement below which the centre is regarded as at rest."""
+"""Displacement of the centre below which it is regarded as at rest, as a share of the largest
+displacement of the mode."""
 
 
 class Outline:
-    """Lines of one body, undeformed and displaced by modal coordinates.
+    """Drawn lines of one body, undeformed, and displaced for given modal coordinates.
 
-    Displacements are drawn as in `drawing`: the mean displacement of the body is a shift, the rest
-    is drawn along arcs about the shifted centre, so that a blade that bends does not grow longer.
+    As in `enlarged`, the mean displacement of the body is a shift along a straight line, and the
+    remaining displacement is drawn along arcs about the shifted centre: bent blades keep their
+    length.
     """
 
     def __init__(self, data: xr.Dataset, body: Body) -> None:
@@ -87,7 +75,7 @@ class Outline:
             self._shift = self._rows[:-1].mean(axis=0)
 
     def largest(self, coordinates: FloatArray) -> float:
-        """Return the largest displacement for modal coordinates (..., modes), over all of them."""
+        """Return the largest displacement of any point for all `coordinates` (..., modes)."""
         return float(np.linalg.norm(self._rows @ np.atleast_2d(coordinates).T, axis=1).max())
 
     def moved(self, coordinates: FloatArray, factor: float) -> FloatArray:
@@ -112,15 +100,17 @@ class Outline:
 def draw_shape(
     axes: Axes, outline: Outline, coordinates: FloatArray, motion: FloatArray
 ) -> LineCollection:
-    """Draw a body: undeformed in grey, deformed in the colours of its displacement, which are
-    returned for the colour bar.
+    """Draw a body: undeformed in grey, deformed with the displacement as colour.
 
     Args:
         axes: the panel.
         outline: lines of the body.
-        coordinates: modal coordinates (modes,).
-        motion: modal coordinates (..., modes) of all instants, which the panel fits and to whose
-            largest displacement colours and lengths refer.
+        coordinates: modal coordinates of the drawn instant (modes,).
+        motion: modal coordinates of all instants (..., modes), which determine the size of the
+            panel and the largest displacement, to which colours and drawn displacements refer.
+
+    Returns:
+        the deformed lines, for the colour bar.
     """
     largest = outline.largest(motion)
     factor = DRAWN * outline.radius / largest
@@ -146,11 +136,12 @@ def draw_shape(
 
 @styled
 def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
-    """Draw the mode shapes of a body side by side, Fig. 6.
+    """Draw the mode shapes of a body side by side (the paper's Fig. 6).
 
-    A cross marks a centre at rest, a dot a displaced centre, with its displacement in percent of
-    the largest displacement of the mode; the centre of a casing is its mean motion. Below are the
-    frequency, the purity and, for whirling modes, the directions of travel.
+    A cross marks the centre at rest, a dot the displaced centre; for the casing this is its mean
+    displacement. The text below each shape gives the frequency, the displacement of the centre in
+    percent of the largest displacement of the mode, the purity and, for whirling modes, the
+    directions of travel in the rotating and in the static frame.
 
     Args:
         data: from `motion.shapes_dataset`; each mode has a panel.
@@ -207,11 +198,11 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
 
 @styled
 def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
-    """Draw a travelling wave at some instants in a quarter of its period, with its crests marked.
+    """Draw a travelling wave at `INSTANTS` instants of a quarter of its period, with its crests.
 
     Args:
         data: a mode in time, from `motion.mode_motion`.
-        body: that moves.
+        body: body that moves.
     """
     prefix = "rotor" if body == "bladed-disk" else "casing"
     coordinates = data[f"{prefix}_displacement"].values
@@ -239,7 +230,7 @@ def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
 
 
 def _mark_crests(axes: Axes, angle: float, k: int, label: str) -> None:
-    """Mark the crests of a wave outside the structure; one filled marker identifies a crest."""
+    """Mark the k crests of a wave outside the structure; only the first marker is filled."""
     radius = axes.get_xlim()[1]
     for number in range(k):
         turned = angle + 2.0 * np.pi * number / k
@@ -263,8 +254,8 @@ def _crest(data: xr.Dataset, prefix: str, coordinates: FloatArray, k: int) -> fl
 
 
 def mode_title(family: str, nodal_diameter: int, purity: float = 1.0) -> str:
-    """Return the name of a mode: "1F, k = 2", "suspension", "1F, mixed k"; "1F" if there are no
-    sectors."""
+    """Return the name of a mode, such as "1F, k = 2", "suspension" or "1F, mixed k"; only the
+    family, such as "1F", if the body is not divided into sectors."""
     if family == "suspension" or nodal_diameter < 0:
         return family
     if purity < MIXED:

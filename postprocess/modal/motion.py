@@ -1,9 +1,9 @@
 """Natural and coupled modes in time, as small Datasets for pictures and time series.
 
-A single mode is a standing wave. A pair of degenerate modes gives a standing wave, or one that
-travels in either direction: with the convention of `bladewhirl.models.elements.cyclic` the cosine
-mode times cos(omega t) plus the sine mode times sin(omega t) travels forward; with minus it travels
-backward.
+A single mode is a standing wave. A pair of degenerate modes, cosine and sine mode, gives standing
+and travelling waves. With the convention of `bladewhirl.models.elements.cyclic`, the cosine mode
+times cos(omega t) plus the sine mode times sin(omega t) travels forward; the cosine mode times
+cos(omega t) minus the sine mode times sin(omega t) travels backward.
 """
 
 from __future__ import annotations
@@ -25,41 +25,39 @@ from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShap
 
 Wave = Literal["standing", "forward", "backward"]
 
-PICTURES = 48
-"""Number of records of one period; the period is repeated."""
-
+PICTURES = 48  #: number of records in one period of a mode
 SHARE_OF_RADIUS = 1e-3
-"""Size of a motion, as a share of the tip radius, if the clearance is zero."""
+"""Largest displacement of a motion, as a share of the tip radius, if the clearance is zero."""
 
 BEAM_STATIONS = 8
-"""Number of pieces of a beam, at whose ends the largest displacement is searched."""
+"""Number of pieces of a beam; the largest displacement is searched at the ends of the pieces."""
 
 
 def mode_motion(
     stage: ModalStage, body: Body, numbers: IntArray, *, wave: Wave, title: str
 ) -> xr.Dataset:
-    """Return one period of a mode of the bladed disk or the casing in the frame of the body.
+    """Return one period of a mode of the bladed disk or of the casing, in the axes of that body.
 
-    With Coriolis forces a mode of the bladed disk is a single whirling mode, whose own motion is
-    returned.
+    With Coriolis forces a mode of the bladed disk is a whirling mode, which has a direction of its
+    own.
 
-    The largest displacement equals the clearance, so that nothing touches, or a thousandth of the
-    tip radius if the clearance is zero. The other body is at rest, and so is the shaft.
+    The largest displacement equals the clearance, or a thousandth of the tip radius if the
+    clearance is zero. The body to which the mode does not belong is at rest.
 
     Args:
         stage: finite element models with their modes.
         body: body that moves.
-        numbers: number of the mode among the modes of the body, or numbers of the cosine and the
-            sine mode of a pair; for a whirling mode its single number.
-        wave: standing (the cosine mode of a pair), or a direction of travel, which needs a pair;
-            for a whirling mode only a label.
+        numbers: number of a single mode, or numbers of the cosine and the sine mode of a pair,
+            among the modes of the body; for a whirling mode its number.
+        wave: "standing" for a single mode or the cosine mode of a pair; "forward" or "backward"
+            for a wave of a pair; for a whirling mode only a label.
         title: title of the motion.
 
     Returns:
-        Geometry, modes, time, modal displacements and velocities, and the gap at each tip.
+        Dataset with geometry, modes, time, modal displacements and velocities, and gaps of tips.
 
     Raises:
-        ValueError: a travelling wave is requested of a single mode.
+        ValueError: `wave` is a direction of travel, but there is only a single mode.
     """
     on_disk = body == "bladed-disk"
     arrays = _arrays_of(stage, body, numbers)
@@ -67,7 +65,7 @@ def mode_motion(
     frequency = float((arrays.rotor_frequency if on_disk else arrays.casing_frequency)[0])
     time = 2.0 * np.pi / frequency * np.arange(PICTURES) / PICTURES
     whirls = on_disk and stage.disk_whirl is not None
-    # The two fields of a whirling mode belong to one motion, whichever way it travels.
+    # The two fields of a whirling mode are one motion, whose direction does not depend on `wave`.
     fields, played = (2, "forward") if whirls else (len(numbers), wave)
     shift, rate = _coordinates(frequency * time, fields, played)
     scale = shown_clearance(stage) / _largest(fixed, body, shift)
@@ -88,14 +86,14 @@ def mode_motion(
 
 
 def shapes_dataset(stage: ModalStage, body: Body, numbers: IntArray) -> xr.Dataset:
-    """Return some modes of a body with their purities and, for whirling modes, the directions of
-    travel.
+    """Return a Dataset with shapes and purities of some modes of a body, and with the directions of
+    travel of whirling modes.
 
     Args:
         stage: finite element models with their modes.
-        body: body whose modes are returned; for the bladed disk with Coriolis forces these are
-            whirling modes, at the instant of their real parts.
-        numbers: numbers of the modes, one of each pair.
+        body: body whose modes are returned. Modes of the bladed disk with Coriolis forces are
+            whirling modes; the shape of a whirling mode is its real part.
+        numbers: numbers of the modes; of each pair only one number.
     """
     data = stage_dataset(_arrays_of(stage, body, numbers)).assign_attrs(_attributes(stage))
     if body == "casing":
@@ -111,7 +109,8 @@ def shapes_dataset(stage: ModalStage, body: Body, numbers: IntArray) -> xr.Datas
 
 
 def _arrays_of(stage: ModalStage, body: Body, numbers: IntArray) -> StageArrays:
-    """Return the stage described by modes of one body; the other body is at rest."""
+    """Return the arrays of a stage with some modes of one body; the other body has one mode, which
+    stays at rest."""
     resting = np.zeros(1, dtype=np.int64)
     if body == "casing":
         return stage.arrays(resting, numbers)
@@ -123,17 +122,17 @@ def _arrays_of(stage: ModalStage, body: Body, numbers: IntArray) -> StageArrays:
 def coupled_mode_motion(
     stage: StageModes, motion: CoupledMotion, kappa: float, *, with_pi: bool = True
 ) -> xr.Dataset:
-    """Return a coupled mode in time, until the clearance closes.
+    """Return the motion of a coupled mode as a Dataset.
 
     Args:
         stage: the coupled modes.
         motion: motion of one coupled mode, equally spaced in time.
         kappa: stiffness of the springs that couple these modes [N/m] per radian.
-        with_pi: keep the factor pi of Eq. (8).
+        with_pi: keep the factor pi of the paper's Eq. (8).
 
     Returns:
-        Geometry, modes, time, modal displacements and velocities, the gap at each tip, the energy,
-        and the work of modal damping and of the coupling.
+        Dataset with geometry, modes, time, modal displacements and velocities, gaps of tips,
+        energy, and works of modal damping and coupling.
     """
     rotor, rotor_modes = stage.coordinates(on_casing=False)
     wall, wall_modes = stage.coordinates(on_casing=True)
@@ -163,11 +162,14 @@ def coupled_mode_motion(
 
 
 def radial_shapes(stage: StageModes) -> RadialShapes:
-    """Return the shapes of shaft, tips and casing for unit coordinates, step 4 of Section 3.3.2.
+    """Return the displacements of shaft, tips and casing for unit coordinates of the coupled modes,
+    step 4 of Section 3.3.2 of the paper.
+
+    The shapes are computed from the finite element modes, even if the coupling springs are computed
+    with unit amplitudes, as in the paper.
 
     Args:
-        stage: the coupled modes; the shapes are those of the finite element modes, even if the
-            coupling uses other amplitudes.
+        stage: the coupled modes.
     """
     disk, casing, size = stage.modal.disk, stage.modal.casing, stage.modes.size
     rotor, rotor_modes = stage.coordinates(on_casing=False)
@@ -189,7 +191,7 @@ def radial_shapes(stage: StageModes) -> RadialShapes:
 
 
 def shown_clearance(stage: ModalStage) -> float:
-    """Return the clearance [m], or a thousandth of the tip radius if it is zero."""
+    """Return the clearance [m], or a thousandth of the tip radius if the clearance is zero."""
     given = stage.case
     return given.casing.clearance or SHARE_OF_RADIUS * given.tip_radius
 
@@ -206,8 +208,8 @@ def _attributes(stage: ModalStage) -> dict[str, Any]:
 
 
 def _coordinates(phase: FloatArray, modes: int, wave: str) -> tuple[FloatArray, FloatArray]:
-    """Return modal coordinates of unit size over the phase, and their derivatives with respect to
-    the phase, (pictures, modes)."""
+    """Return modal coordinates of unit amplitude at each phase, (pictures, modes), and their
+    derivatives with respect to the phase."""
     cos, sin = np.cos(phase), np.sin(phase)
     if wave == "standing":
         still = np.zeros((len(phase), modes - 1))
@@ -229,7 +231,8 @@ def _largest(geometry: xr.Dataset, body: Body, coordinates: FloatArray) -> float
 
 
 def _gaps(geometry: xr.Dataset, rotor: FloatArray, casing: FloatArray) -> FloatArray:
-    """Return the gap at each tip, (pictures, blades), without the recess of short blades."""
+    """Return clearance plus wall displacement minus tip displacement at each tip, (pictures,
+    blades); the recess of the tips is not included."""
     angle = geometry["tip_angle"].values
     outward = np.column_stack([np.cos(angle), np.sin(angle)])
     shapes = geometry["rotor_shape"].values[geometry["tip_node"].values, :2]

@@ -1,5 +1,4 @@
-"""Contact scenarios of k = 1 modes (Figs 9 and 10): the position of contact, and the phases of
-shaft and smallest clearance."""
+"""Contact scenarios of modes with one nodal diameter (the paper's Figs 9 and 10)."""
 
 from __future__ import annotations
 
@@ -17,24 +16,21 @@ from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_b
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
 
-DRAWN_CLEARANCE = 0.16
-"""Drawn clearance, as a share of the tip radius."""
-
+DRAWN_CLEARANCE = 0.16  #: drawn clearance, as a share of the tip radius
 SCHEMATIC = (
-    "Schematic: clearance and displacements are enlarged by one factor. Right: the mode's own wave."
+    "Schematic: clearance and displacements are enlarged by one factor. Right: phases of the mode."
 )
 
-ZONE = np.radians(40.0)
-"""Half of the angle over which blades are drawn in contact [rad]."""
+ZONE = np.radians(40.0)  #: half of the angle over which blades are drawn in contact [rad]
 
 
 @styled
 def plot_scenario(data: xr.Dataset) -> Figure:
-    """Draw the position of contact, and the phases of shaft and smallest clearance, Fig. 9 or 10.
+    """Draw the position of contact, and the phases of shaft and smallest clearance.
 
-    Left: rotor and casing as the rings of Fig. 4, with clearance and displacements enlarged by one
-    factor: the displacement of the shaft, the blades in contact, the friction on them, and the
-    whirl driven by friction. Right: the phases over one turn in the rotating frame.
+    The paper's Figs 9 and 10. Left: rotor and casing as rings, with clearance and displacements
+    enlarged by one factor, the displacement of the shaft, the blades in contact, and the friction
+    on these blades. Right: the phases over one turn in the rotating frame.
 
     Args:
         data: one turn of two modes that move with the same frequency.
@@ -71,7 +67,7 @@ def plot_scenario(data: xr.Dataset) -> Figure:
 
 
 def _draw_rings(axes: Axes, data: xr.Dataset) -> None:
-    """Draw the rings and the forces on the shaft; the shaft is displaced towards +x."""
+    """Draw the rings, the shaft displaced towards +x, and the blades in contact with friction."""
     clearance = float(data.attrs["clearance"])
     drawn = DRAWN_CLEARANCE / clearance
     sense = np.sign(data.attrs["shaft_amplitude"])
@@ -117,7 +113,8 @@ def _draw_rings(axes: Axes, data: xr.Dataset) -> None:
 
 
 def _arc(middle: float, radius: float, half_angle: float) -> FloatArray:
-    """Return points (2, angles) of an arc about +x; about -x if the radius is negative."""
+    """Return points (2, angles) of an arc about the point (middle, 0). The arc is centred on the
+    direction +x, or on -x if the radius is negative."""
     angle = np.linspace(-half_angle, half_angle, 240)
     return np.stack([middle + radius * np.cos(angle), radius * np.sin(angle)])
 
@@ -145,6 +142,6 @@ def _arrow(
 
 
 def _broken(degrees: FloatArray) -> FloatArray:
-    """Break the line at jumps from 180 to -180 degrees, which are not a motion."""
+    """Return angles with nan at jumps between 180 and -180 degrees, which are not a motion."""
     jump = np.abs(np.diff(degrees, prepend=degrees[0])) > 180.0
     return np.where(jump, np.nan, degrees)

@@ -1,8 +1,8 @@
-"""Figures of the linear stability of the coupled stage: Figs 11 and 12, and the effect of
-truncation.
+"""Figures of the linear stability of the coupled stage: the paper's Figs 11 and 12, and a figure of
+the effect of modal truncation.
 
-Each figure is drawn from a Dataset of `studies.modal.stability_chart` that contains all its
-numbers, so the figure can be drawn again from the file that is saved with it. Speeds are in
+Each figure is drawn from a Dataset of `studies.modal.stability_chart`. The Dataset contains all
+numbers of the figure, so the figure can be drawn again from the file saved with it. Speeds are in
 multiples of the reference frequency.
 """
 
@@ -37,7 +37,7 @@ from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, is_unstable
 KAPPA_AXIS = "coupling stiffness κ [N/m]"
 
 GROWTH_COLOURS = "cividis_r"
-"""Colour map of growth rates: the lighter the slower; white where nothing grows."""
+"""Colour map of growth rates; slower growth is lighter, and white means no growth."""
 
 MARK: Mapping[str, Any] = {
     "linestyle": "none",
@@ -53,10 +53,12 @@ MANY = 24
 named."""
 
 NAMED = 0.3
-"""Space left of a spectrum for the names of its branches, as a share of its width."""
+"""Width of the space to the left of a spectrum, for the names of its branches, as a share of the
+width of the spectrum."""
 
 FEW = 4
-"""Largest number of zones whose names contain both of the waves that meet."""
+"""Largest number of unstable zones that are named by both waves, casing and rotor; more zones are
+named by the wave on the rotor."""
 
 TYPES = {
     "oscillatory": COLOURS["total"],
@@ -68,11 +70,12 @@ TYPES = {
 
 @styled
 def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Figure:
-    """Draw the stability chart, Fig. 11: zones with their names, growth rates, coincidence speeds.
+    """Draw the stability chart (the paper's Fig. 11): named unstable zones, growth rates, and
+    coincidence speeds.
 
     Args:
-        data: a chart, with its zones if there are any.
-        point: normalised speed and stiffness [N/m] to mark.
+        data: a chart, with or without unstable zones.
+        point: normalised speed and stiffness [N/m] of a point to mark.
     """
     figure, axes = _new_chart(data)
     speed, kappa, growth = (data[name].values for name in ("speed", "kappa", "growth"))
@@ -96,12 +99,14 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
 
 @styled
 def plot_spectrum(data: xr.Dataset) -> Figure:
-    """Draw real and imaginary parts along a line of constant stiffness, Fig. 12.
+    """Draw real and imaginary parts of the eigenvalues over the speed at a constant coupling
+    stiffness (the paper's Fig. 12).
 
-    Divergent, damped and oscillatory modes have different colours; with damping all modes that do
-    not grow are damped. A branch is named by the wave from which it begins, a growing branch by the
-    two waves that meet. If there are many branches, only the frequencies near growing modes are
-    shown. The spectrum is symmetric about zero frequency, so only its upper half is drawn.
+    Divergent (growing), damped and oscillatory modes have different colours; with damping every
+    mode that does not grow is damped. A branch is named by the wave from which it begins, a growing
+    branch by the two waves that coincide. If there are many branches, only the frequencies near
+    growing modes are shown. The spectrum is symmetric about zero frequency, so only its upper half
+    is drawn.
     """
     figure = new_figure(width=FULL_WIDTH, height=0.12)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.0, 1.5))
@@ -153,13 +158,13 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_truncation(data: xr.Dataset) -> Figure:
-    """Draw the zones of all modes and those of a truncated set, to show the zones lost by
-    truncation.
+    """Draw the unstable zones of all modes and the unstable zones of six modes, to show the zones
+    that are lost by truncation.
 
-    A zone narrower than a line is drawn as a line.
+    A zone that is narrower than a line is drawn as a line.
 
     Args:
-        data: zones of the full set and of the truncated set, distinguished by `zone_of`.
+        data: unstable zones of all modes and of six modes, distinguished by `zone_of`.
     """
     figure, axes = _new_chart(data)
     whole = data["zone_of"].values == "all"
@@ -182,14 +187,14 @@ def plot_truncation(data: xr.Dataset) -> Figure:
 
 
 def _words(shown: str, data: xr.Dataset) -> str:
-    """Return the title: quantity, number of modes and damping."""
+    """Return the title: the quantity `shown`, the number of modes, and "damped" with damping."""
     count = len(np.atleast_1d(data.attrs["modes"])) if "modes" in data.attrs else 0
     modes = f", {count} coupled pairs of modes" if count else ""
     return f"{shown}{modes}{', damped' if data.attrs.get('damped') else ''}"
 
 
 def _new_chart(data: xr.Dataset) -> tuple[Figure, Axes]:
-    """Return a figure with axes of speed and stiffness."""
+    """Return a figure with axes of speed and coupling stiffness."""
     figure = new_figure(width=FULL_WIDTH, height=0.085)
     axes = figure.subplots()
     axes.set(
@@ -213,12 +218,12 @@ def _name_zones(axes: Axes, data: xr.Dataset) -> None:
 
 
 def _meeting(casing: str, rotor: str, zones: int) -> str:
-    """Return the name of a zone by its two waves, or by the rotor's if there are many."""
+    """Return the name of a zone: both waves, or only the rotor's if there are many `zones`."""
     return f"{casing} + {rotor}" if zones <= FEW else rotor
 
 
 def _name_meetings(axes: Axes, data: xr.Dataset, heights: FloatArray) -> None:
-    """Name the growing parts of a spectrum by the two waves that meet, the fastest growth first.
+    """Name the growing parts of a spectrum by the waves that coincide, the fastest growth first.
 
     Args:
         axes: the panel.
@@ -234,7 +239,7 @@ def _name_meetings(axes: Axes, data: xr.Dataset, heights: FloatArray) -> None:
 
 
 def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray) -> None:
-    """Name each branch by the wave from which it begins, left of its beginning."""
+    """Name each branch at its left end by the wave from which it begins."""
     first, last = data["speed"].values[[0, -1]]
     axes.set_xlim(first - NAMED * (last - first), last)
     labels = Labels(axes)
@@ -245,8 +250,8 @@ def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray) -> None:
 
 
 def _growing_frequencies(data: xr.Dataset, frequency: FloatArray, growing: BoolArray) -> FloatArray:
-    """Return the frequency of a growing mode in the middle of each zone, nan if there is none,
-    (zone,)."""
+    """Return the frequency of a growing mode in the middle of each zone, (zone,); nan for a zone
+    without a growing mode."""
     middle = 0.5 * (data["zone_lower"].values + data["zone_upper"].values)
     rows = np.abs(data["speed"].values - middle[:, None]).argmin(axis=1)
     positive = np.where(growing & (frequency > 0.0), frequency, np.nan)[rows]
@@ -263,13 +268,13 @@ def _draw_borders(axes: Axes, data: xr.Dataset, label: str = "_") -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class _Zone:
-    """Borders of an unstable zone, from its coincidence speed upwards in stiffness."""
+    """Borders of an unstable zone as functions of the coupling stiffness, in ascending order."""
 
     casing: str
     rotor: str
     kappa: FloatArray  #: [N/m]
-    lower: FloatArray  #: normalised speed, as `upper`
-    upper: FloatArray
+    lower: FloatArray  #: normalised speed at which the zone begins
+    upper: FloatArray  #: normalised speed at which the zone ends
 
 
 def _zones(data: xr.Dataset) -> list[_Zone]:
@@ -278,7 +283,7 @@ def _zones(data: xr.Dataset) -> list[_Zone]:
     for pair in np.unique(pairs, axis=0):
         rows = np.flatnonzero(np.all(pairs == pair, axis=-1))
         zone = {name: data[f"zone_{name}"].values[rows] for name in ("kappa", "lower", "upper")}
-        # at zero stiffness the zone has no width, and no row
+        # At zero stiffness a zone has no width, and the data have no row for it.
         if data.attrs["kappa_range"][0] == 0.0:
             apex = float(data["zone_start"].values[rows[0]])
             for name, value in (("kappa", 0.0), ("lower", apex), ("upper", apex)):
@@ -300,8 +305,8 @@ def _draw_coincidences(axes: Axes, data: xr.Dataset) -> None:
 
 
 def _widened(here: BoolArray) -> BoolArray:
-    """Return the mask with runs of True lengthened by one sample, so that lines of different colour
-    meet."""
+    """Return a mask in which every run of True values is one sample longer at both ends, so that
+    lines of different colours join."""
     wide = here.copy()
     wide[1:] |= here[:-1]
     wide[:-1] |= here[1:]

@@ -1,4 +1,4 @@
-"""Frequencies over nodal diameter (Fig. 7) and over the stiffness of the shaft."""
+"""Frequencies over the nodal diameter (the paper's Fig. 7) and over the stiffness of the shaft."""
 
 from __future__ import annotations
 
@@ -33,26 +33,26 @@ from bladewhirl.postprocess.plotting.titles import set_title, speed_label
 DIAMETER_AXIS = "nodal diameter k [–]"
 
 FEW = 3
-"""Largest number of families for which the axis is broken, with a part for each family."""
+"""Largest number of families for which the frequency axis is broken into a part for each family."""
 
 ROOM = 0.12
 """Margin above and below the frequencies in a part of a broken axis, as a share of that part."""
 
 LOWEST = 0.05
-"""Lowest normalised frequency drawn: at a critical speed a frequency goes to zero."""
+"""Lowest normalised frequency drawn; at a critical speed a frequency is zero, which a logarithmic
+axis cannot show."""
 
 NAMED = 0.3
-"""Space left of the branches for their names, as a share of their width."""
+"""Width of the space to the left of the branches, for their names, as a share of the width of the
+branches on the logarithmic axis."""
 
-ALIKE = 1.05
-"""Ratio of frequencies up to which branches of one family are labelled together."""
-
+ALIKE = 1.05  #: largest ratio of the frequencies of branches of one family that share one label
 FREE, CLAMPED = (
     {way: large if way == "both" else small for way in ("both", "standing", "backward", "forward")}
     for large, small in ((3.0, 2.2), (5.5, 2.8))
 )
-"""Sizes of marks with a free and with a clamped centre [points]; smaller for waves of one
-direction, which are more numerous."""
+"""Sizes of marks [points] with a free and with a clamped centre. The marks are smaller if backward
+and forward waves are distinguished, because there are more of them."""
 
 ASIDE, CLAMPED_ASIDE = {"backward": -0.14, "forward": 0.14}, {"backward": -0.36, "forward": 0.36}
 """Horizontal offset of the marks of waves from their nodal diameter, with a free and a clamped
@@ -64,13 +64,15 @@ WAYS = {"both": "o", "standing": "o", "backward": "<", "forward": ">"}
 
 @styled
 def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
-    """Draw frequencies over nodal diameter with a free and a clamped centre, Fig. 7.
+    """Draw frequencies over nodal diameter with a free and with a clamped centre (Fig. 7 of the
+    paper).
 
-    Many families are drawn on a logarithmic axis, a few on an axis that is broken between them.
+    Up to `FEW` families are drawn on an axis that is broken between the families, more families on
+    a logarithmic axis.
 
     Args:
         data: from `veering`.
-        families: number of families. All when None.
+        families: number of blade families that are drawn; all when None.
     """
     families = families or int(data.attrs["families"])
     names = ["suspension", *(f"{rank}F" for rank in range(1, families + 1))]
@@ -88,7 +90,7 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
         if broken:
             axes.margins(y=ROOM)
             low, high = axes.get_ylim()
-            # so that rounding errors do not fill the panel
+            # The margin prevents rounding errors of equal frequencies from filling the panel.
             least = 0.02 * float(np.mean([low, high]))
             axes.set_ylim(low - least, high + least)
         else:
@@ -117,15 +119,16 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
 def plot_shaft_veering(data: xr.Dataset) -> Figure:
     """Draw the modes with one nodal diameter over the stiffness of the shaft.
 
-    Colours show the share of the springs in the energy of a mode: the character of the suspension
-    mode passes from branch to branch where they veer. Dashed lines are the frequencies with a
-    clamped centre, which each branch approaches. With Coriolis forces forward waves are thin.
+    The colour is the share of the shaft springs in the strain energy of a mode. Where two branches
+    veer, the suspension mode passes from one branch to the other. Dashed lines are the frequencies
+    with a clamped centre, which the branches approach as the stiffness increases. With Coriolis
+    forces the lines of forward waves are thin.
 
     Args:
         data: from `veering`.
     """
     ways = data["branch_direction"].values
-    turns = "forward" in ways  # each direction has its own lines
+    turns = "forward" in ways  # backward and forward waves have different branches
     figure = new_figure(width=FULL_WIDTH if turns else COLUMN_WIDTH, height=0.095)
     axes = figure.subplots()
     stiffness = data["stiffness"].values
@@ -178,14 +181,14 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
 
 
 def _characters(share: FloatArray, frequency: FloatArray, pairs: int) -> list[str]:
-    """Return the families of the branches at the softest springs; the suspension has the largest
-    share of spring energy.
+    """Return the family of each branch at the softest springs; the suspension is the branch with
+    the largest share of the springs in the strain energy.
 
     Args:
-        share: share of the springs in the energy at the softest springs, (branches,).
+        share: share of the springs in the strain energy at the softest springs, (branches,).
         frequency: frequency at the softest springs, (branches,).
-        pairs: number of branches of a family: 2 if backward and forward waves have different
-            branches.
+        pairs: number of branches of each family: 2 if backward and forward waves have different
+            branches, otherwise 1.
     """
     names = ["suspension"] * len(share)
     others = np.argsort(share, kind="stable")[:-pairs]
@@ -195,7 +198,7 @@ def _characters(share: FloatArray, frequency: FloatArray, pairs: int) -> list[st
 
 
 def _at_speed(data: xr.Dataset) -> str:
-    """Return the speed as text if the modes depend on it."""
+    """Return the speed as text for the title if the modes depend on the speed; otherwise ""."""
     return f"\nat {speed_label(data)}, rotating frame" if data.attrs["speed"] else ""
 
 
@@ -209,7 +212,7 @@ def _draw_family(axes: Axes, data: xr.Dataset, family: str) -> None:
     for way in _ways(data):
         of_way, thin = ("", 1.0) if way == "both" else (f", {way}", 0.6)
         k, frequency = _chosen(data, "free", family, way)
-        if way != "standing":  # k = 0 and half the blades are standing; all others are between them
+        if way != "standing":  # only k = 0 and k = half the blades are standing: no line between
             x = k + ASIDE.get(way, 0.0)
             axes.plot(x, frequency, "-", color=COLOURS["rest"], linewidth=0.6, zorder=1)
         axes.plot(
@@ -248,14 +251,14 @@ def _label_family(labels: Labels, data: xr.Dataset, family: str) -> None:
 
 
 def _ways(data: xr.Dataset) -> list[str]:
-    """Return the directions to distinguish: both together without Coriolis forces."""
+    """Return the directions of waves to distinguish; "both" alone without Coriolis forces."""
     whirls = "direction" in (data.indexes["mode"].names if "mode" in data.indexes else ())
     return ["backward", "forward", "standing"] if whirls else ["both"]
 
 
 def _chosen(data: xr.Dataset, centre: str, family: str, way: str) -> tuple[FloatArray, FloatArray]:
-    """Return nodal diameters and normalised frequencies of a family, in ascending nodal
-    diameter."""
+    """Return nodal diameters, ascending, and normalised frequencies of a family, for a free or
+    clamped centre and one direction of waves."""
     here = (data["centre"].values == centre) & _is(data, family)
     if way != "both":
         here &= data["direction"].values == way

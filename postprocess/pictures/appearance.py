@@ -40,8 +40,7 @@ FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf"
 
 FINER = 2  #: rendered points per pixel, in each direction
 
-SQUARE = 0.75
-"""Width of the stage relative to the picture; the panel takes the remaining width."""
+SQUARE = 0.75  #: width of the stage relative to the picture; the panel takes the remaining width
 
 
 def strokes_of(symbols: Symbols) -> list[tuple[str, float, str, Array]]:
@@ -79,8 +78,7 @@ def speed_text(dataset: xr.Dataset) -> str:
     return f"{speed:.5g} rad/s\n{speed * 30 / np.pi:.5g} rpm\nΩ/ω₁ = {relative:.4g}"
 
 
-DOTS = "dots: centre and blade 0"
-"""Meaning of the dots of a picture."""
+DOTS = "dots: centre and blade 0"  #: meaning of the dots of a picture
 
 
 def enlargement(factor: float) -> str:

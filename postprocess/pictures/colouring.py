@@ -47,9 +47,7 @@ Field = Literal[
     "part",
 ]
 
-DIVERGING = "RdBu_r"
-"""Colour map of signed values, distinct for colour-blind readers."""
-
+DIVERGING = "RdBu_r"  #: colour map of signed values, distinct for colour-blind readers
 PART_COLOURS = tuple(
     COLOURS[name] for name in ("k = 0", "other k", "suspension", "k = 1", "contact", "rest")
 )

@@ -251,9 +251,7 @@ def _placed(shape: Array, start: Array, end: Array, half_width: float) -> Array:
 KINDS = {"springs": "spring", "dampers": "damper", "struts": "strut or rigid link"}
 """Names of the symbols that connect two points."""
 
-WIDTHS = {"springs": ZIGZAG, "dampers": DASHPOT, "struts": 0.0}
-"""Half widths of the symbols."""
-
+WIDTHS = {"springs": ZIGZAG, "dampers": DASHPOT, "struts": 0.0}  #: half widths of the symbols
 SHAPES = {
     "springs": _joined(
         [

@@ -21,9 +21,7 @@ FREQUENCY = "frequency / ω₁ [–]"
 
 Offsets = Sequence[tuple[float, float]]
 
-ON: Offsets = [(0, 0)]
-"""Offset of a label from its point [points]: the label covers the point."""
-
+ON: Offsets = [(0, 0)]  #: offset of a label from its point [points]: the label covers the point
 AROUND: Offsets = [(0, 4), (-4, 3), (4, -3), (0, -4), (4, 3), (-4, -3), (5, 0), (-5, 0)]
 """Offsets above, below and at the sides of a point [points]."""
 
@@ -35,8 +33,7 @@ LEFT: Offsets = [(-x, y) for x, y in RIGHT]
 LONGEST_LEADER = 3.0
 """Vertical offset from which a leader connects a label to the end of its line [points]."""
 
-CANDIDATES = 40
-"""Largest number of points of a line at which a label is tried."""
+CANDIDATES = 40  #: largest number of points of a line at which a label is tried
 
 
 def speed_axis(axes: Axes, reference_hz: float) -> None:

@@ -11,9 +11,7 @@ from matplotlib.textpath import TextPath
 
 from bladewhirl.postprocess.plotting.style import INCH, styled
 
-MOST_LETTERS = 40
-"""Largest number of characters of a title per inch of the figure's width."""
-
+MOST_LETTERS = 40  #: largest number of characters of a title per inch of the figure's width
 WIDEST = 0.97
 """Largest width of a line of a title, as a share of the figure's width; a longer line is cut."""
 

@@ -35,20 +35,14 @@ from bladewhirl.postprocess.run.blade_contact import force_limit
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.transforms import Frame
 
-MOST_INSTANTS = 60
-"""Largest number of instants at which the machine is drawn."""
-
+MOST_INSTANTS = 60  #: largest number of instants at which the machine is drawn
 MOST_PLACES = 1_000_000
 """Largest number of coordinates over all instants; a stage with many beams has fewer instants."""
 
 FEWEST_INSTANTS = 10
 
-PIECE = 3
-"""Stride of the drawn stations of a beam; twice as large for the wall."""
-
-ORBIT_POINTS = 5000
-"""Largest number of points of an orbit; more make a page slow."""
-
+PIECE = 3  #: stride of the drawn stations of a beam; twice as large for the wall
+ORBIT_POINTS = 5000  #: largest number of points of an orbit; more make a page slow
 ENERGY_POINTS = 1000
 """Largest number of points of a line of energy: means over equal time intervals."""
 

@@ -12,9 +12,7 @@ from bladewhirl.postprocess.plotting.style import SEQUENTIAL
 FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif'
 INK, LINE = "#1c2330", "#dfe3e8"
 
-COLOUR_SCALE = SEQUENTIAL.capitalize()
-"""Plotly's name of the common colour map."""
-
+COLOUR_SCALE = SEQUENTIAL.capitalize()  #: Plotly's name of the common colour map
 FONT_LOOK = {"family": FONT, "size": 13, "color": INK}
 
 

@@ -24,8 +24,7 @@ from bladewhirl.postprocess.plotting.files import checked_target, filled_templat
 from bladewhirl.postprocess.plotting.registry import FigureKind
 from bladewhirl.postprocess.plotting.style import styled
 
-DPI = 200
-"""Resolution of the pictures: a column of 8 cm is as wide as half a screen [1/inch]."""
+DPI = 200  #: resolution of the pictures: a column of 8 cm is as wide as half a screen [1/inch]
 
 
 @dataclass(frozen=True, kw_only=True)

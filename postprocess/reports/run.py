@@ -24,9 +24,7 @@ from bladewhirl.postprocess.run.summary_table import summary_rows
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
-LATE = "over the last third"
-"""Time window of whirl and contact scenario."""
-
+LATE = "over the last third"  #: time window of whirl and contact scenario
 UNKNOWN = ("complementarity residual", "time step / critical", "wall time")
 """Rows of the summary that exist only for a completed march."""
 

@@ -34,8 +34,7 @@ WINDOWED = ("frequency-map", "energy-families")
 """Figures for the time window of the attribute `window`; the others are for the last third of the
 time."""
 
-MOST_POINTS = 2000
-"""Largest number of points in the table; more make a page slow."""
+MOST_POINTS = 2000  #: largest number of points in the table; more make a page slow
 
 
 def sweep_report(

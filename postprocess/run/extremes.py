@@ -18,8 +18,7 @@ converges."""
 
 WAYS = ("radial", "tangential")
 
-STATIONS = 4
-"""Points of each casing element at which its displacement is computed."""
+STATIONS = 4  #: points of each casing element at which its displacement is computed
 
 
 class WallPeak(TypedDict):

@@ -35,9 +35,7 @@ CASING_PIECES = 4
 """Number of pieces of a casing element; strains, which are not linear in the element, are computed
 at the ends of the pieces."""
 
-PORTION_BYTES = 4e6
-"""Size of the strains computed in one matrix product [bytes]."""
-
+PORTION_BYTES = 4e6  #: size of the strains computed in one matrix product [bytes]
 CACHED_BYTES = 1e6
 """Size of the strains whose extremes are computed together [bytes]; they fit into the cache of a
 core."""

@@ -36,9 +36,7 @@ PADDING, SLICE_PADDING = 4, 2
 """Factors by which the complete motion, and a slice of it, are lengthened with zeros before the
 transform, for smooth lines."""
 
-COARSEST = 0.45
-"""Coarsest resolution of a figure, as a share of the reference frequency."""
-
+COARSEST = 0.45  #: coarsest resolution of a figure, as a share of the reference frequency
 DECADES = 4.0  #: decades below the largest amplitude that are drawn
 MARGIN = 1.12  #: ratio of the highest frequency drawn to the outermost line of a mode
 WITH_K = {"1F": "1F, k = 1", "casing": "casing, k = 1"}

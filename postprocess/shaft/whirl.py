@@ -23,15 +23,9 @@ from bladewhirl.postprocess.shaft.transforms import LOBE, Frame, phasor, stronge
 Direction = Literal["forward", "backward", "none"]
 FRAMES: tuple[Frame, Frame] = ("rotating", "static")
 
-LEAST_TURN = 0.1
-"""Least number of turns about the origin for which a whirl has a direction."""
-
-LEAST_CERTAIN = 10.0
-"""Number of standard errors that a rate has to exceed."""
-
-LARGEST_SHARE = 0.5
-"""Least share of the spectral line at the rate in the mean square."""
-
+LEAST_TURN = 0.1  #: least number of turns about the origin for which a whirl has a direction
+LEAST_CERTAIN = 10.0  #: number of standard errors that a rate has to exceed
+LARGEST_SHARE = 0.5  #: least share of the spectral line at the rate in the mean square
 SPANS = 10  #: number of spans whose rates give the standard error of the rate
 DOUBTFUL = 0.5 * np.pi
 """Angle between two records above which the path may have passed the centre on either side

@@ -27,19 +27,13 @@ from bladewhirl.postprocess.fields.netcdf import (
 )
 from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT, index_values
 
-SWEEP_NAME = "sweep.nc"
-"""Name of the dataset's file in the folder of a sweep."""
-
-MISSING, DONE, FAILED = 0, 1, 2
-"""Codes of the variable `state` of a point."""
-
+SWEEP_NAME = "sweep.nc"  #: name of the dataset's file in the folder of a sweep
+MISSING, DONE, FAILED = 0, 1, 2  #: codes of the variable `state` of a point
 CHECKED_BYTES = 2**28
 """Size of a dataset [bytes] up to which all checksums are verified when it is opened, which reads
 all data."""
 
-BLOCK = 64
-"""Number of points whose checksums are verified together."""
-
+BLOCK = 64  #: number of points whose checksums are verified together
 WINDOW_SHARE = 0.5
 """Length of the time window for spectra and mean energies, as a share of the shortest march; the
 window is at the end of every march, after the transient. In a march that ended early the window is

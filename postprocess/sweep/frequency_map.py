@@ -25,9 +25,7 @@ from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
 MOST_COLUMNS = 1000
 """Largest number of columns of a map: with more points, neighbours share a column."""
 
-DECADES = 4.0
-"""Number of decades below the largest amplitude in a map."""
-
+DECADES = 4.0  #: number of decades below the largest amplitude in a map
 MARGIN = 1.15
 """Ratio of the largest frequency of a map to the outermost mode line that the map includes."""
 
@@ -53,11 +51,8 @@ MODE_DASHES: Mapping[str, Any] = {
 OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
 """Outline of white lines and letters, to make them legible on every colour of a map."""
 
-INSIDE = 0.75
-"""Share of the height of the axes that contains the names of engine orders."""
-
-LATE = 0.9
-"""Position of the name on a line that does not leave the map, as a share of its points."""
+INSIDE = 0.75  #: share of the height of the axes that contains the names of engine orders
+LATE = 0.9  #: position of the name on a line that does not leave the map, as a share of its points
 
 
 def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:

@@ -38,9 +38,7 @@ from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, line_values,
 from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, in_order
 from bladewhirl.postprocess.sweep.regimes import HATCH, NOT_JUDGED, draw_regimes, regime_entries
 
-DIVERGING = "PuOr_r"
-"""Colour map of signed values, distinct for colour-blind readers."""
-
+DIVERGING = "PuOr_r"  #: colour map of signed values, distinct for colour-blind readers
 CLEAR_RANGE = 30.0
 """Ratio of the largest value to the median above which the colour scale is logarithmic."""
 

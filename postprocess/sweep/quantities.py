@@ -16,9 +16,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 
-LINE = "line"
-"""Name of the dimension of combinations of the other keys."""
-
+LINE = "line"  #: name of the dimension of combinations of the other keys
 MOTION = 1e-3
 """Least motion of the shaft (root mean square over the last third) for which whirl and contact side
 are evaluated, as a share of the smallest clearance: smaller motions are the end of a decay, or

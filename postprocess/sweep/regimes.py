@@ -32,8 +32,7 @@ NOT_JUDGED = "The marches are too short to judge growth: sustained is contact up
 MOST_MARKED = 24
 """Largest number of columns, and of rows, for which each cell has the mark of its regime."""
 
-HATCH = "//////"
-"""Hatching of cells without a result."""
+HATCH = "//////"  #: hatching of cells without a result
 
 Names = NDArray[np.str_]
 

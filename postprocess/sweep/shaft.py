@@ -21,9 +21,7 @@ from bladewhirl.postprocess.sweep.drawing import (
 )
 from bladewhirl.solvers.stability.scenario import STEADY
 
-WIDE = 1e3
-"""Ratio of the largest to the median displacement above which the axis is logarithmic."""
-
+WIDE = 1e3  #: ratio of the largest to the median displacement above which the axis is logarithmic
 LEAST_WHIRL = 0.1
 """Smallest range of the axis of whirl on both sides of zero [Hz]: lower frequencies are noise."""
 
