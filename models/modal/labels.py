@@ -138,7 +138,7 @@ def mode_families(
         body: see `labelled_modes`.
     """
     if modes.is_cyclic or structure.layout is None:
-        return tuple(_names(structure, modes, reference, body))
+        return _names(structure, modes, reference, body)[0]
     return tuple(_families_of_twin(structure, modes, _tuned(structure, reference, body)))
 
 
@@ -159,22 +159,29 @@ def families_at_speed(names: list[str], shares: FloatArray) -> list[str]:
     return [*others[:most], "suspension", *others[most:]]
 
 
-def _names(structure: Structure, modes: Modes, reference: tuple[int, int], body: Body) -> list[str]:
-    """Return the families at rest of modes if sectors are equal or there are none.
+def _names(
+    structure: Structure, modes: Modes, reference: tuple[int, int], body: Body
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the families of modes, and the families of the same branches at rest, if sectors are
+    equal or there are none.
 
-    Modes of a rotating structure have the names of the modes at rest with the same rank, because
-    the frequencies of one nodal diameter do not cross as the speed changes.
+    Modes of a rotating structure have the rank of modes at rest, because the frequencies of one
+    nodal diameter do not cross as the speed changes; `families_at_speed` gives their families.
     """
     if structure.at_rest is None:
-        return families(modes, body)
+        names = tuple(families(modes, body))
+        return names, names
     at_rest = labelled_modes(structure.at_rest, reference, body)
     if structure.layout is not None and not structure.at_rest.is_cyclic:
         at_rest = _tuned(structure.at_rest, reference, body)
-    names = {
-        column: iter([at_rest.family[i] for i in np.flatnonzero(at_rest.column == column)])
-        for column in np.unique(modes.column)
-    }
-    return [next(names[column]) for column in modes.column]
+    family, before = [""] * modes.count, [""] * modes.count
+    for column in np.unique(modes.column).tolist():
+        ranked = [at_rest.family[i] for i in np.flatnonzero(at_rest.column == column)]
+        here = np.flatnonzero(modes.column == column)
+        named = families_at_speed(ranked[: len(here)], modes.spring_share[here])
+        for mode, now, then in zip(here.tolist(), named, ranked, strict=False):
+            family[mode], before[mode] = now, then
+    return tuple(family), tuple(before)
 
 
 def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> LabelledModes:
@@ -208,17 +215,10 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
         spring_share=np.concatenate(shares)[order],
         sectors=layout.sectors,
     )
-    family = at_rest = _names(structure, modes, reference, body)
-    if structure.at_rest is not None:
-        family = list(at_rest)
-        for column in np.unique(modes.column).tolist():
-            here = np.flatnonzero(modes.column == column)
-            renamed = families_at_speed([at_rest[i] for i in here], modes.spring_share[here])
-            for mode, name in zip(here.tolist(), renamed, strict=True):
-                family[mode] = name
+    family, at_rest = _names(structure, modes, reference, body)
     return LabelledModes(
-        family=tuple(family),
-        at_rest=tuple(at_rest) if structure.at_rest is not None else (),
+        family=family,
+        at_rest=at_rest if structure.at_rest is not None else (),
         amplitudes=tuple(amplitudes[i] for i in order),
         layout=layout,
         size=structure.size,

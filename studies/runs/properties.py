@@ -67,7 +67,7 @@ def _properties(stage: Stage) -> dict[str, Any]:
         # The lowest mode of each nodal diameter; with unequal sectors the lowest modes.
         "bladed_disk": _lowest_of_disk(stage),
         "shaft_stiffness": None if case.shaft.clamped else case.shaft.springs,  # x and y [N/m]
-        # The lower frequency of the pair. At speed, modes have the names of modes at rest.
+        # The lower frequency of the pair, at speed of the branch with most energy in the springs.
         "suspension": _rate(stage, modes.frequency[pair[0]]) if pair else None,
         "suspension_spring_share": float(modes.spring_share[pair[0]]) if pair else None,
         "casing": _lowest_of_casing(stage),

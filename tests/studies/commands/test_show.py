@@ -92,7 +92,7 @@ def test_the_distorted_mode_and_its_static_answer(path: Path) -> None:
 
 
 def test_the_suspension_at_speed_is_that_of_modes() -> None:
-    # Spin softening: the springs hold more of 1F's strain energy than of the suspension's.
+    # Spin softening: the branch that is 1F at rest has most of its strain energy in the springs.
     soft = {"shaft.stiffness": 6e6, "rotation.effects": "centrifugal", "march.speed": "2300 rpm"}
     small = {"bladed_disk.blades": 8, "bladed_disk.elements_per_blade": 4}
     case = with_values(Case(), {**small, **soft, "reduction.fixed_interface_modes": 40})
@@ -102,7 +102,8 @@ def test_the_suspension_at_speed_is_that_of_modes() -> None:
     assert properties["suspension"]["hz"] == pytest.approx(float(suspension["frequency"]), rel=1e-3)
     share = properties["suspension_spring_share"]
     assert share == pytest.approx(float(suspension["spring_share"]), abs=1e-2)
-    assert float(modes.sel(family="1F")["spring_share"].max()) > share
+    assert share > 0.5
+    assert str(suspension["family_at_rest"].values) == "1F"
 
 
 def test_the_case_shown_is_the_case(path: Path) -> None:
