@@ -149,9 +149,7 @@ def _print_failures(result: Sweep) -> None:
 
 def _print_plan(plan: Plan) -> None:
     """Print hints about the case, and the size of the sweep."""
-    from bladewhirl.models.case.plausibility import case_hints
-
-    for hint in case_hints(plan.case):
+    for hint in plan.hints:
         typer.echo(f"Hint: {hint}.", err=True)
     full = f", full histories {plan.history_bytes / 1e6:.3g} MB" if plan.histories else ""
     typer.echo(

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from bladewhirl.files import write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads, with_values
+from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.stage.build import contact_problem, march_faults
 from bladewhirl.postprocess.sweep.dataset import DONE, Layout
@@ -69,6 +70,14 @@ class Plan:
     def digest(self) -> str:
         """Digest of the input of the points, see `plan_digest`."""
         return plan_digest(self.case, self.grid.over, self.stop_when)
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """Warnings about implausible values at the first and the last point."""
+        ends = (self.grid.values(number) for number in (0, self.grid.size - 1))
+        return tuple(
+            dict.fromkeys(hint for at in ends for hint in case_hints(with_values(self.case, at)))
+        )
 
     def left(self, state: NDArray[np.int8]) -> Iterator[Point]:
         """Yield the unfinished points.

@@ -7,13 +7,14 @@ on the case and the points, not on the number of workers, their order, or interr
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.template import dumps_case
-from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.errors import Hint, UserError
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.solvers.march.free_motion import RULE, StopWhen
 from bladewhirl.studies.runs import folder
@@ -90,6 +91,9 @@ def run_sweep(
             `stop_rule` of the dataset contains the rule.
         watch: progress callbacks.
 
+    Warns:
+        Hint: an implausible value at the first or the last point.
+
     Raises:
         UserError: as for `make_grid` and `plan_sweep`; or the folder exists or cannot be written,
             or the scheduler does not answer.
@@ -101,6 +105,8 @@ def run_sweep(
         raise UserError(f"{directory}: expected a new or an empty folder{hint}")
     grid = make_grid(case, over, large=large)
     plan = plan_sweep(case, grid, histories=histories, large=large, stop_when=stop_when)
+    for hint in plan.hints:
+        warnings.warn(hint, Hint, stacklevel=2)
     watch = watch or Watch()
     watch.planned(plan)
     try:

@@ -253,3 +253,9 @@ def test_a_scheduler_without_encryption_has_to_be_allowed(
 def test_what_is_no_sweep_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ResultError, match="no such file"):
         open_sweep(tmp_path)
+
+
+def test_implausible_values_of_a_key_are_hinted_at(tmp_path: Path) -> None:
+    grid = make_grid(CASE, {"contact.friction": [0.1, 0.2, 30.0]}, large=True)
+    (hint,) = plan_sweep(CASE, grid, histories=False).hints
+    assert hint.startswith("unusual contact.friction = 30.0")
