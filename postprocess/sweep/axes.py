@@ -14,11 +14,11 @@ from bladewhirl.postprocess.plotting.axes import SPEED, rpm_axis
 from bladewhirl.postprocess.sweep.quantities import cell_edges
 
 WIDE_RANGE = 50.0
-"""Ratio of the largest to the smallest value of a key from which its axis is logarithmic."""
+"""Ratio of the largest to the smallest value of a key from which the axis is logarithmic."""
 
 MOST_TICKS = 12
-"""Largest number of ticks at swept values on an axis as wide as a page; for more than twice this
-number of values matplotlib chooses the ticks."""
+"""Largest number of ticks at swept values on an axis as wide as a page. If there are more than
+twice as many values, matplotlib chooses the ticks."""
 
 
 def in_handy_units(data: xr.Dataset) -> xr.Dataset:
@@ -46,15 +46,16 @@ def in_handy_units(data: xr.Dataset) -> xr.Dataset:
 def key_axis(
     axes: Axes, data: xr.Dataset, *, of_y: bool = False, key: str = "", share: float = 1.0
 ) -> None:
-    """Label an axis with a swept key and let it cover the cells of all values, with ticks at the
-    values if they are few; a wide range gets a logarithmic scale.
+    """Set label, limits, scale and ticks of an axis for a swept key; few values get a tick each.
+
+    The axis is logarithmic if the range of the values is wide, see `is_wide`.
 
     Args:
         axes: the panel.
         data: Dataset with the key.
-        of_y: whether the key is on the vertical axis.
-        key: name of the key; the abscissa of the figure by default.
-        share: width of the axis, relative to a page.
+        of_y: true for the vertical axis, false for the horizontal axis.
+        key: name of the key; the key of the horizontal axis by default.
+        share: width of the axis, relative to the width of a page.
     """
     values = data[key or str(data.attrs["along"])]
     place, way = values.values, "y" if of_y else "x"
@@ -87,23 +88,23 @@ def rpm_on_top(data: xr.Dataset, *panels: Axes) -> None:
 
 
 def key_edges(one: xr.Dataset) -> Array:
-    """Return the borders of cells around the values of the abscissa key, (values + 1,)."""
+    """Return the borders of cells around the values of the horizontal key, (values + 1,)."""
     return edges_of(one[str(one.attrs["along"])].values)
 
 
 def edges_of(place: Array) -> Array:
-    """Return the borders of cells around ascending values, (values + 1,), midway on the scale of
-    their axis."""
+    """Return the borders of cells around ascending values, (values + 1,), midway between the values
+    on a linear or, for a wide range, on a logarithmic scale."""
     return cell_edges(place, logarithmic=is_wide(place))
 
 
 def is_wide(values: Array) -> bool:
-    """Return whether a logarithmic axis suits the values better."""
+    """Return true if the values are positive and their range is wide: use a logarithmic axis."""
     return bool(np.min(values) > 0 and np.max(values) >= WIDE_RANGE * np.min(values))
 
 
 def key_words(name: str) -> str:
-    """Return the name of a key of a case as words."""
+    """Return the name of a key as words: "march speed" for march.speed."""
     return name.replace(".", " ").replace("_", " ")
 
 
@@ -117,10 +118,10 @@ def key_label(values: xr.DataArray) -> str:
 
 
 def linear_threshold(rate: Array, error: Array) -> float | None:
-    """Return the power of ten up to which a scale of growth rates is linear; None for a linear
-    scale.
+    """Return the growth rate up to which a scale that is logarithmic above is linear, a power of
+    ten [1/s]; None if the entire scale should be linear.
 
-    The medians of rate and uncertainty are below it, so that noise is not spread over decades.
+    The medians of rates and uncertainties are below it, so that noise is not spread over decades.
 
     Args:
         rate: growth rates, nan where there is none, (...) [1/s].

@@ -1,6 +1,7 @@
-"""Datasets of sweeps: their content for every point, and how to open them.
+"""Datasets of sweeps: the data that are stored for every point, and a function to open them.
 
-The swept keys are the first dimensions of every variable; march.speed is called march_speed.
+The swept keys are the first dimensions of every variable; the key march.speed is the dimension
+march_speed.
 Results that are words, such as the regime, are stored as integer codes with a list of their
 meanings (CF conventions), so that each point has a fixed size and can be written in place;
 `open_sweep` turns the codes into text.
@@ -30,21 +31,20 @@ from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT, index_values
 SWEEP_NAME = "sweep.nc"  #: name of the dataset's file in the folder of a sweep
 MISSING, DONE, FAILED = 0, 1, 2  #: codes of the variable `state` of a point
 CHECKED_BYTES = 2**28
-"""Size of a dataset [bytes] up to which all checksums are verified when it is opened, which reads
-all data."""
+"""Size of a dataset [bytes] up to which all checksums are verified when the dataset is opened."""
 
 BLOCK = 64  #: number of points whose checksums are verified together
 WINDOW_SHARE = 0.5
-"""Length of the time window for spectra and mean energies, as a share of the shortest march; the
+"""Length of the time window for spectra and mean energies, as a share of the shortest march. The
 window is at the end of every march, after the transient. In a march that ended early the window is
-at most this share of its records."""
+at most this share of the march."""
 
 
 LINE, GROUP, SAMPLE, SECTION = "mode", "energy_group", "sample", "section"
 
 SECTIONS = 64
-"""Largest number of points of a Poincaré map, and of local maxima, stored for a march: the last
-ones."""
+"""Largest number of points of the Poincaré map, and of local maxima of the displacement, that are
+stored for a march; the last ones are kept."""
 
 MODE_LINES: Mapping[str, tuple[str, str | None]] = {
     "suspension": ("rotor", "suspension"),
@@ -52,12 +52,12 @@ MODE_LINES: Mapping[str, tuple[str, str | None]] = {
     "2F k=1": ("rotor", "2F"),
     "casing k=1": ("casing", None),
 }
-"""Modes with one nodal diameter, which can move the shaft: body, and family if only one is used."""
+"""Modes with one nodal diameter, which can move the shaft: body, and family or None for any."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """Sizes of the data of each point, the same for all points of a sweep."""
+    """Sizes of the data of a point; all points of a sweep have the same sizes."""
 
     frequency: Array  #: of the spectra [Hz], integer multiples of 1 / window, (frequencies,)
     samples: int  #: number of samples of the decimated histories
@@ -66,12 +66,12 @@ class Layout:
 
     @property
     def window(self) -> float:
-        """Length of the time window at the end of each march for spectra and mean energies [s]."""
+        """Time window of spectra and mean energies, at the end of each march [s]."""
         return float(1.0 / (self.frequency[1] - self.frequency[0]))
 
     @property
     def groups(self) -> tuple[str, ...]:
-        """Groups of rotor modes with strain energies."""
+        """Names of the groups of rotor modes whose strain energies are stored."""
         return groups_of(self.nodal_diameters)
 
     @property
@@ -100,21 +100,22 @@ class Layout:
 
 
 def groups_of(nodal_diameters: int) -> tuple[str, ...]:
-    """Return the groups of rotor modes by nodal diameter in the first blade family."""
+    """Return the names of the groups of rotor modes: the suspension, the first blade family by
+    nodal diameter, and all other modes."""
     return ("suspension", *(f"1F k={k}" for k in range(nodal_diameters)), "rest")
 
 
 def flag(variable: str, meaning: str) -> int:
-    """Return the integer code of a meaning of a variable."""
+    """Return the integer code by which a variable stores a meaning, such as a regime."""
     return SWEEP[variable].labels.index(meaning)
 
 
 def checksum(numbers: Mapping[str, Array], coordinates: Iterable[Array]) -> int:
-    """Return the CRC-32 of the data of a point and of the values of the swept keys.
+    """Return the CRC-32 of the data of a point, the values of all swept keys and the frequencies.
 
     Args:
         numbers: arrays of the point, by name.
-        coordinates: values of every swept key, and frequencies.
+        coordinates: values of every swept key, and frequencies of the spectra.
     """
     crc = 0
     for values in coordinates:
@@ -128,13 +129,13 @@ def checksum(numbers: Mapping[str, Array], coordinates: Iterable[Array]) -> int:
 def changed_point(
     read: Callable[[str, slice], Array], shape: tuple[int, ...], coordinates: Iterable[Array]
 ) -> int | None:
-    """Return the first finished point whose data differ from those written by the sweep; None if
-    there is none.
+    """Return the number of the first finished point whose data do not have the stored checksum;
+    None if all data are as written by the sweep.
 
     Args:
         read: function that returns rows of a variable along the first swept key.
-        shape: numbers of values of the swept keys.
-        coordinates: as for `checksum`.
+        shape: number of values of each swept key.
+        coordinates: values of every swept key, and frequencies of the spectra.
     """
     width, given = prod(shape[1:]), list(coordinates)
     for first in range(0, shape[0], max(1, BLOCK // width)):
@@ -151,16 +152,16 @@ def changed_point(
 def open_sweep(path: str | Path) -> xr.Dataset:
     """Open the dataset of a sweep, by its file or folder; arrays are read when used.
 
-    Results that are words are returned as text. The coordinate `speed_ratio` of the points is the
-    speed divided by the reference frequency. If swept values have a unit in the case, they are also
-    a coordinate along their key, such as `march_speed_rpm`. Arrays are not cached, so that reading
-    the histories of many points one after another takes the memory of one point. In a dataset of up
-    to `CHECKED_BYTES` all points are compared with their checksums. Close the dataset, or use
-    ``with``.
+    Results that are words, such as the regime, are returned as text. The coordinate `speed_ratio`
+    of the points is the speed divided by the reference frequency. If swept values were given with a
+    unit, the values in this unit are a further coordinate, such as `march_speed_rpm`. Arrays are
+    not cached, so that histories of many points, read one after another, take the memory of one
+    point. The checksums of all points are verified if the dataset is not larger than
+    `CHECKED_BYTES`. Close the dataset, or use ``with``.
 
     Raises:
-        ResultError: the file does not exist, is not a sweep that this version reads, or was
-            changed.
+        ResultError: the file does not exist, is not a sweep, was written by a newer version, or was
+            changed after it was written.
     """
     dataset, file = open_file(path, SWEEP_NAME, "a sweep", gaps=True, cache=False)
     fault = _fault(dataset)
@@ -184,7 +185,7 @@ def open_sweep(path: str | Path) -> xr.Dataset:
 
 
 def _fault(dataset: xr.Dataset) -> str:
-    """Return why a dataset is not a sweep that this version reads; empty if it is one."""
+    """Return the reason why this version cannot read a dataset as a sweep; empty if it can."""
     if "over" not in dataset.attrs or "state" not in dataset:
         return "it has no states of its points"
     for name in ("title", "criterion", "window"):

@@ -30,12 +30,10 @@ Digest = dict[str, np.ndarray]
 def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> Digest:
     """Reduce a result to the data of a sweep.
 
-    The data depend only on the result, not on time or machine.
-
     Args:
         dataset: a result.
         report: `complementarity_residual`, `dt_over_critical` and `steps` of the march.
-        layout: sizes; elements without a value are NaN.
+        layout: sizes of the arrays; elements without a value are NaN.
     """
     time = dataset["time"].values
     orbit = shaft_orbit(dataset)
@@ -88,10 +86,8 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
 
 
 def magnitudes(motion: Complex, step: float, frequency: Array) -> Array:
-    """Return the magnitude of the spectrum of a motion x + i y under a Hann window.
-
-    The frequencies do not depend on the length of the motion, so that runs of different length have
-    the same frequencies.
+    """Return the magnitude of the spectrum of a motion x + i y under a Hann window, at given
+    frequencies, which need not fit the length of the motion.
 
     Args:
         motion: equally spaced samples, (samples,).
@@ -109,8 +105,7 @@ def magnitudes(motion: Complex, step: float, frequency: Array) -> Array:
 
 
 def _late(dataset: xr.Dataset, orbit: xr.Dataset, layout: Layout) -> dict[str, object]:
-    """Return the measures of the late motion; arrays are padded with NaN to their size in the
-    layout."""
+    """Return the measures of `late_motion`, with arrays padded with NaN to the layout's sizes."""
     late = late_motion(dataset, orbit)
     section = late["section"].values[-SECTIONS:]
     return {
@@ -131,11 +126,12 @@ def _groups(energies: xr.Dataset, layout: Layout) -> Array:
 
 
 def _mode_frequencies(dataset: xr.Dataset, way: str) -> Array:
-    """Return the lowest frequency of each of `MODE_LINES` [Hz]; NaN without such a mode.
+    """Return the lowest frequency of the modes of each entry of `MODE_LINES` [Hz]; NaN if there is
+    no such mode.
 
     Args:
         dataset: a result.
-        way: direction of the waves on the rotor, used with Coriolis forces.
+        way: "backward" or "forward": waves on the rotor, which differ with Coriolis forces.
     """
     frequencies = []
     for body, family in MODE_LINES.values():
@@ -149,7 +145,8 @@ def _mode_frequencies(dataset: xr.Dataset, way: str) -> Array:
 
 
 def _thinned(time: Array, motion: Array, groups: Array, samples: int) -> dict[str, Array]:
-    """Return histories at equal intervals of records, with at most `samples` values."""
+    """Return histories thinned to at most `samples` equal spans of records: time and position at
+    the start of each span, the largest radius and the mean energies in the span."""
     spans = min(samples, len(time))
     first = np.arange(spans) * len(time) // spans
     counts = np.diff(first, append=len(time))
@@ -163,7 +160,7 @@ def _thinned(time: Array, motion: Array, groups: Array, samples: int) -> dict[st
 
 
 def _padded(values: Array, length: int) -> Array:
-    """Return values padded with NaN to a length along the first axis."""
+    """Return values padded with NaN to `length` along the first axis."""
     out = np.full((length, *values.shape[1:]), np.nan)
     out[: len(values)] = values
     return out

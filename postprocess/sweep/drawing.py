@@ -1,4 +1,7 @@
-"""Shared parts of the figures of sweeps: styles and names of lines, regimes, panels."""
+"""Shared parts of the figures of sweeps: styles and names of lines, colours of regimes, titles.
+
+A line belongs to one combination of values of the swept keys that are not on an axis.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +22,9 @@ from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.postprocess.sweep.axes import key_words, rpm_on_top
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
 
-MOST_LINES = 8  #: largest number of lines in a figure: more cannot be distinguished
+MOST_LINES = 8  #: largest number of lines in a figure; more lines cannot be distinguished
 MOST_ROWS = 4  #: largest number of lines in a figure with a row of panels for each line
-KEY_PARTS = 2  #: number of last parts of a key used as its name: casing.clearance
+KEY_PARTS = 2  #: number of parts of a key, from its end, that name it: casing.clearance
 
 REGIME_COLOURS: Mapping[str, str] = {
     "no-contact": COLOURS["rest"],
@@ -55,23 +58,23 @@ MARK_SIZE = 3.5  #: [points]
 
 
 class Line(NamedTuple):
-    """Line of points and its style."""
+    """Data and style of a line, see the module docstring."""
 
     data: xr.Dataset
     colour: Any
-    label: str  #: values of the other keys; empty if there are none
+    label: str  #: values of the keys that are not on an axis; empty if there are no such keys
     dash: Any
     mark: str
 
     @property
     def place(self) -> Array:
-        """Values of the abscissa key, (points,)."""
+        """Values of the key on the horizontal axis, (points,)."""
         return np.asarray(self.data[str(self.data.attrs["along"])].values)
 
 
 def lines_of(data: xr.Dataset) -> list[Line]:
-    """Return the lines of a figure, at most `MOST_LINES`, evenly selected; they differ in colour,
-    dashes and mark.
+    """Return the lines of a figure, each with its own colour, dashes and mark. Of more than
+    `MOST_LINES` lines an even selection is returned.
     """
     shown, labels = chosen(data.sizes[LINE], MOST_LINES), line_values(data)
     shades = matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 0.8, len(shown)))
@@ -82,7 +85,7 @@ def lines_of(data: xr.Dataset) -> list[Line]:
 
 
 def lines_group(lines: Sequence[Line], *, dashed: bool = True, marked: bool = True) -> Group:
-    """Return the legend entries of lines with their dashes and marks; empty for a single line."""
+    """Return the legend entries of lines, with dashes and marks if requested; none for one line."""
     entries = []
     for line in lines if len(lines) > 1 else ():
         style: Any = line.dash if dashed else "none"
@@ -101,7 +104,7 @@ def draw_marks(axes: Axes, line: Line, values: Array, *, filled: Any) -> None:
         axes: the panel.
         line: line of the points.
         values: ordinates, (points,).
-        filled: whether each mark is filled, (points,).
+        filled: true for points with filled marks, (points,).
     """
     for subset, face in ((filled, line.colour), (~filled, "white")):
         axes.plot(
@@ -115,19 +118,19 @@ def draw_marks(axes: Axes, line: Line, values: Array, *, filled: Any) -> None:
 
 
 def open_mark(label: str) -> tuple[Line2D, str]:
-    """Return the legend entry of an open mark."""
+    """Return the legend entry of an open mark with the text `label`."""
     drawn = Line2D([], [], color=COLOURS["rotor"], marker="o", mfc="white", linestyle="none")
     return drawn, label
 
 
 def label_figure(figure: Figure, data: xr.Dataset, *groups: Group, note: str = "") -> None:
-    """Add the title, legends and an axis in rpm to a figure that is complete except for these.
+    """Add the title, legends below the figure and, if the speed is swept, an axis in rpm.
 
     Args:
-        figure: the figure.
+        figure: figure that is complete except for these parts.
         data: the drawn Dataset.
-        groups: legends from the top.
-        note: text after the title.
+        groups: entries of the legends, the uppermost first.
+        note: text after the quantity in the title.
     """
     rpm_on_top(data, figure.axes[0])
     title_figure(figure, data, note=note)
@@ -137,34 +140,33 @@ def label_figure(figure: Figure, data: xr.Dataset, *groups: Group, note: str = "
 def title_figure(
     figure: Figure, data: xr.Dataset, *, note: str = "", most: int = MOST_LINES, lines: int = 0
 ) -> None:
-    """Set the title of a figure: the quantity, and the keys whose values distinguish lines or
-    panels.
+    """Set the title of a figure: case, quantity, and names of the keys that distinguish its lines.
 
     Args:
         figure: the figure.
         data: the drawn Dataset.
         note: text after the quantity.
         most: largest number of lines in the figure.
-        lines: number of lines; that in `data` by default.
+        lines: number of lines of the sweep; the number of lines in `data` by default.
     """
     count = lines or data.sizes[LINE]
     keys = ", ".join(
         key_words(".".join(str(values.attrs["long_name"]).split(".")[-KEY_PARTS:]))
         for values in other_keys(data)
     )
-    left_out = f" ({most} of {count} lines, the others are in the data)" if count > most else ""
+    left_out = f" ({most} of {count} lines, all lines are in the data)" if count > most else ""
     of_keys = f"\nlines: {keys}{left_out}" if keys else ""
     set_title(figure, data.attrs["case"], f"{data.attrs['title']}{note}{of_keys}")
 
 
 def chosen(count: int, most: int) -> list[int]:
-    """Return all positions, or the first, the last and evenly spaced ones between them."""
+    """Return the numbers of up to `most` of `count` elements, evenly spaced from first to last."""
     spread = np.linspace(0, count - 1, min(count, most))
     return [int(number) for number in spread.round()]
 
 
 def line_label(one: xr.Dataset) -> str:
-    """Return the names and values of the other keys of a line as text."""
+    """Return names and values of the keys that distinguish a line, as text."""
     return ", ".join(
         f"{key_words(values.attrs.get('long_name', name))} = {_amount(float(values), values)}"
         for name, values in one.coords.items()
@@ -173,7 +175,7 @@ def line_label(one: xr.Dataset) -> str:
 
 
 def line_values(data: xr.Dataset) -> list[str]:
-    """Return the values of the other keys of each line with their units."""
+    """Return the values, with units, of the keys that distinguish each line, as text."""
     keys = other_keys(data)
     return [
         ", ".join(_amount(float(values[number]), values) for values in keys)

@@ -1,4 +1,4 @@
-"""The figures of a sweep by name (`plotting.registry`); histories are not read."""
+"""Figures of a sweep by name, see `plotting.registry`."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.quantities import main_key
 
 LEFT_BY_A_SWEEP = ("frequency-map", "shaft-radius", "regimes")
-"""Figures that a sweep writes into its folder."""
+"""Names of the figures that a sweep writes into its folder."""
 
 
 class SweepFigures:
-    """Figures of a sweep over the speed if it is swept, otherwise over the first key."""
+    """Figures of a sweep over the speed or, if the speed is not swept, over the first key."""
 
     def __init__(self, dataset: xr.Dataset) -> None:
         """Use a dataset from `open_sweep`, which must stay open."""
         self._sweep = dataset
 
     def draw(self, name: str) -> tuple[Figure, xr.Dataset]:
-        """Draw one of `SWEEP_FIGURES` and return it with its data.
+        """Draw a figure of `SWEEP_FIGURES`; return the figure and its data.
 
         Raises:
-            ViewError: the figure does not exist, or cannot be drawn for this sweep, such as a
-                figure of a sweep without finished points.
+            ViewError: there is no figure of this name, or it cannot be drawn for this sweep, for
+                instance because no point is finished.
         """
         if name not in SWEEP_FIGURES:
             raise ViewError(f"figure {name!r}: expected one of {', '.join(SWEEP_FIGURES)}")
@@ -37,10 +37,10 @@ class SweepFigures:
 
 
 def leave_figures(directory: Path) -> dict[str, str]:
-    """Write `LEFT_BY_A_SWEEP` into the folder of a sweep, as PNG with their data.
+    """Write the figures `LEFT_BY_A_SWEEP` into the folder of a sweep, as PNG, with their data.
 
     Returns:
-        the figures that could not be drawn, with the reasons.
+        names of the figures that could not be drawn, with the reasons.
     """
     left_out = {}
     with open_sweep(directory) as dataset:

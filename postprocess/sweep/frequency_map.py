@@ -1,4 +1,4 @@
-"""Frequency map of a sweep: spectrum of the shaft over a swept key (Figs 15 and 19)."""
+"""Frequency map of a sweep: spectrum of the shaft over a swept key (the paper's Figs 15 and 19)."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, line_values,
 from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
 
 MOST_COLUMNS = 1000
-"""Largest number of columns of a map: with more points, neighbours share a column."""
+"""Largest number of columns of a map; if there are more points, neighbours share a column."""
 
 DECADES = 4.0  #: number of decades below the largest amplitude in a map
 MARGIN = 1.15
-"""Ratio of the largest frequency of a map to the outermost mode line that the map includes."""
+"""Largest frequency of a map over the largest frequency of the modes that it must include."""
 
 ENGINE_ORDERS = "engine orders"
 
 ORDERS = tuple(order for order in range(-4, 5) if order != 0)
-"""Engine orders with lines; order zero is the axis."""
+"""Engine orders (multiples of the speed) that are drawn as lines."""
 
 LINES: Mapping[str, tuple[str, bool]] = {
     "suspension": (COLOURS["suspension"], True),
     "1F k=1": (COLOURS["k = 1"], True),
     "casing k=1": (COLOURS["casing"], False),
 }
-"""Modes with lines in a map: colour, and whether the range of frequencies includes them."""
+"""Modes drawn as lines in a map: colour, and true if the map must include their frequencies."""
 
 MODE_DASHES: Mapping[str, Any] = {
     "suspension": LINE_DASHES["suspension"],
@@ -49,29 +49,30 @@ MODE_DASHES: Mapping[str, Any] = {
 """Dashes of the lines of modes, as in spectra; engine orders are dotted."""
 
 OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
-"""Outline of white lines and letters, to make them legible on every colour of a map."""
+"""Black outline that makes white lines and letters legible on every colour of a map."""
 
-INSIDE = 0.75  #: share of the height of the axes that contains the names of engine orders
-LATE = 0.9  #: position of the name on a line that does not leave the map, as a share of its points
+INSIDE = 0.75  #: share of the height of the axes within which engine orders are named
+LATE = 0.9  #: position of the name along an engine order that stays inside the map
 
 
 def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return spectra of the shaft along a swept key, with the lines to draw over them.
+    """Return spectra of the shaft along a swept key, with frequencies of modes and engine orders.
 
     Args:
         dataset: from `open_sweep`.
         key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key), for the lines that are drawn: `amplitude` (..., frequency) [m].
-        `frequency` is in multiples of the reference frequency if all points have the same one,
-        otherwise in Hz, forward positive. In the same unit and in the rotating frame: `mode_line`
-        (..., mode, direction), where the speed is subtracted for waves on the casing, and
-        `engine_order` (..., order). With more points than `MOST_COLUMNS` each column has the
-        largest amplitudes of some neighbours.
+        Dataset over (line, key), with up to `MOST_ROWS` lines, one for each combination of the
+        other swept keys: `amplitude` (..., frequency) [m]. `frequency`, forward positive, is in
+        multiples of the reference frequency if all points have the same reference frequency,
+        otherwise in Hz. `mode_line` (..., mode, direction) and `engine_order` (..., order) are
+        frequencies in the same unit and in the rotating frame; for waves on the casing the speed is
+        subtracted. With more than `MOST_COLUMNS` points neighbours share a column, which has their
+        largest amplitudes.
 
     Raises:
-        ViewError: no point is done.
+        ViewError: no point is finished.
     """
     names = ["rotation_speed", "reference_frequency", "mode_frequency", "mode_forward_frequency"]
     points = along(dataset, key, names)
@@ -106,15 +107,15 @@ def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def _unit(points: xr.Dataset) -> tuple[float, str]:
-    """Return the frequency [Hz] by which the frequencies of a map are divided, and the resulting
-    unit."""
+    """Return the frequency [Hz] by which the frequencies of a map are divided, and the unit of the
+    quotient: "1" for multiples of the reference frequency, or "Hz"."""
     reference = points["reference_frequency"].values / (2 * np.pi)
     known = reference[np.isfinite(reference)]
     return (float(known[0]), "1") if np.all(known == known[0]) else (1.0, "Hz")
 
 
 def _mode_lines(points: xr.Dataset) -> xr.DataArray:
-    """Return the frequencies [Hz] of `LINES` in the rotating frame, (line, key, mode,
+    """Return the frequencies [Hz] of the modes `LINES` in the rotating frame, (line, key, mode,
     direction)."""
     ways = [points[name] for name in ("mode_frequency", "mode_forward_frequency")]
     frequencies = xr.concat(ways, "direction").sel(mode=list(LINES))
@@ -135,10 +136,10 @@ def _reach(lines: xr.DataArray, available: float) -> float:
 
 @styled
 def plot_frequency_map(maps: xr.Dataset) -> Figure:
-    """Draw maps from `frequency_map`: amplitude over the swept key and signed frequency.
+    """Draw maps from `frequency_map`: amplitude over the swept key and the frequency, which is
+    positive for forward motion.
 
-    Dotted lines are engine orders, dashed lines are modes; the legend only contains the visible
-    modes. Points without a result are left white.
+    Dotted lines are engine orders, dashed lines are modes. Points without a result are left white.
     """
     maps = in_handy_units(maps)
     amplitude = MILLI * maps["amplitude"].values
@@ -168,7 +169,7 @@ def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
     picture = draw_map(axes, edges, heights, amplitude, norm=decades(top, DECADES))
     limit = float(np.abs(heights).max())
     axes.set(xlim=edges[[0, -1]], ylim=(-limit, limit))
-    # Lines are not interrupted at points without a result.
+    # Points without a result are skipped, so that they do not interrupt the lines.
     one = one.isel({key: np.flatnonzero(np.isfinite(one["engine_order"][:, 0].values))})
     place = one[key].values
     for name, (colour, _) in LINES.items():

@@ -40,7 +40,7 @@ from bladewhirl.postprocess.sweep.regimes import HATCH, NOT_JUDGED, draw_regimes
 
 DIVERGING = "PuOr_r"  #: colour map of signed values, distinct for colour-blind readers
 CLEAR_RANGE = 30.0
-"""Ratio of the largest value to the median above which the colour scale is logarithmic."""
+"""Ratio of the largest value to the median above which a colour scale is logarithmic."""
 
 CROSSED: Mapping[str, Any] = {"hatch": "xxx", "edgecolor": "#777777", "linewidth": 0.0}
 DOUBTFUL = "growth rate within two standard errors of zero"
@@ -51,18 +51,19 @@ def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
     Args:
         dataset: from `open_sweep`, with two or more swept keys.
-        key: horizontal key; the vertical key is the next in order, and all others make lines.
+        key: swept key on the horizontal axis; the first other key is on the vertical axis.
 
     Returns:
-        over (line, vertical key, key): `regime`, `shaft_radius_max`, `growth_rate` and its standard
-        error `growth_error`; attributes `along` and `across`.
+        Dataset over (line, vertical key, key), with a line for each combination of all further
+        keys: `regime`, `shaft_radius_max`, `growth_rate` and its standard error `growth_error`;
+        attributes `along`, the horizontal key, and `across`, the vertical key.
 
     Raises:
-        ViewError: the sweep has only one key, or no finished point.
+        ViewError: only one key is swept, or no point is finished.
     """
     others = [name for name in swept(dataset) if name != key]
     if not others:
-        raise ViewError("maps need two swept keys, this sweep is over one")
+        raise ViewError("maps need two swept keys, but this sweep has only one")
     across, *lines = others
     data = in_order(dataset, ["regime", "shaft_radius_max", "growth_rate", "growth_error"])
     growth = ", growth" if np.isfinite(data["growth_rate"].values).any() else ""
@@ -75,10 +76,10 @@ def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 @styled
 def plot_sweep_maps(maps: xr.Dataset) -> Figure:
-    """Draw maps from `sweep_maps`, a row for each combination of further keys.
+    """Draw maps from `sweep_maps`, with a row of panels for each line of the Dataset.
 
     Growth rates within `CERTAINTY` standard errors of zero are crossed out. If the growth rate
-    cannot be judged at any point, its map is left out.
+    cannot be judged at any point, the map of growth rates is left out.
     """
     maps = in_handy_units(maps)
     shown, titles = chosen(maps.sizes[LINE], MOST_ROWS), line_values(maps)
@@ -137,7 +138,8 @@ def _draw_cells(axes: Axes, maps: xr.Dataset, values: Array, **look: Any) -> Col
 
 
 def _of_magnitudes(values: Array) -> Normalize:
-    """Return a colour scale, logarithmic if a few values would darken the rest."""
+    """Return a colour scale for magnitudes, which is logarithmic if the largest value exceeds
+    `CLEAR_RANGE` times the median."""
     positive = values[np.isfinite(values) & (values > 0)]
     if not positive.size:
         return Normalize(0.0, 1.0)

@@ -1,8 +1,8 @@
-"""Quantities of all points of a sweep, along one swept key: small arrays, read without histories.
+"""Quantities of all points of a sweep, arranged along one swept key; histories are not read.
 
-The first dimensions of all quantities are (line, KEY). KEY is the swept key of the abscissa,
-ascending; a line is a combination of values of the other swept keys, which are coordinates of the
-line.
+The first dimensions of all quantities are (line, key). `key` is the swept key on the horizontal
+axis of a figure, in ascending order. Each element of `line` is one combination of values of the
+other swept keys, which are coordinates along `line`.
 """
 
 from __future__ import annotations
@@ -16,25 +16,24 @@ from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 
-LINE = "line"  #: name of the dimension of combinations of the other keys
+LINE = "line"  #: name of the dimension `line`, see the module docstring
 MOTION = 1e-3
-"""Least motion of the shaft (root mean square over the last third) for which whirl and contact side
-are evaluated, as a share of the smallest clearance: smaller motions are the end of a decay, or
-rounding.
-"""
+"""Least displacement of the shaft (root mean square over the last third of the time) for which
+whirl and contact side are evaluated, as a share of the smallest clearance. Smaller displacements
+are the end of a decay, or rounding errors."""
 
 
 def main_key(dataset: xr.Dataset) -> str:
-    """Return the abscissa of figures: the speed if it is swept, otherwise the first key."""
+    """Return the key for the horizontal axis: the speed if it is swept, otherwise the first key."""
     names = swept(dataset)
     return "march_speed" if "march_speed" in names else names[0]
 
 
 def other_keys(data: xr.Dataset) -> list[xr.DataArray]:
-    """Return the other swept keys, (line,) each.
+    """Return the values (line,) of each swept key that is not on the horizontal axis.
 
     Args:
-        data: Dataset over (line, KEY).
+        data: Dataset over (line, key).
     """
     return [
         values
@@ -44,7 +43,7 @@ def other_keys(data: xr.Dataset) -> list[xr.DataArray]:
 
 
 def along(dataset: xr.Dataset, key: str, names: Sequence[str]) -> xr.Dataset:
-    """Load some variables of a sweep along a key; they are NaN at unfinished points.
+    """Load variables of a sweep along a key; numbers are NaN at points that are not finished.
 
     Args:
         dataset: from `open_sweep`.
@@ -52,8 +51,9 @@ def along(dataset: xr.Dataset, key: str, names: Sequence[str]) -> xr.Dataset:
         names: names of variables.
 
     Returns:
-        the variables and `state` over (line, key, ...); attributes `along`, the key; `case`, the
-        title of the swept case; and `reference_hz` if all points have the same reference frequency.
+        Dataset of the variables and `state` over (line, key, ...). Attributes: `along`, the key;
+        `case`, the title of the swept case; `reference_hz`, the reference frequency if it is the
+        same at all points.
 
     Raises:
         ViewError: no point is finished, or the format of the sweep lacks one of the variables.
@@ -64,14 +64,14 @@ def along(dataset: xr.Dataset, key: str, names: Sequence[str]) -> xr.Dataset:
 
 
 def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
-    """Load variables and `state` over the swept keys in ascending order; see `along`.
+    """Load variables and `state` over all swept keys, each in ascending order.
 
     Args:
         dataset: from `open_sweep`.
         names: names of variables.
 
     Raises:
-        ViewError: as for `along`.
+        ViewError: no point is finished, or the format of the sweep lacks one of the variables.
     """
     missing = [name for name in names if name not in dataset]
     if missing:
@@ -97,12 +97,12 @@ def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
 
 
 def as_lines(data: xr.Dataset, keys: Sequence[str]) -> xr.Dataset:
-    """Combine swept keys into the dimension `LINE`, with an element for each combination of their
-    values; a single element if there are no keys.
+    """Combine swept keys into the dimension `line`, with an element for each combination of their
+    values; without keys the dimension has one element.
 
     Args:
         data: from `in_order`.
-        keys: swept keys that become coordinates of `LINE`.
+        keys: swept keys that become coordinates along `line`.
     """
     if not keys:
         return data.expand_dims(LINE)
@@ -113,29 +113,29 @@ def as_lines(data: xr.Dataset, keys: Sequence[str]) -> xr.Dataset:
 
 
 def shaft_radius(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return largest and final displacement of the shaft [m], and the smallest clearance (Fig. 24).
+    """Return largest and final displacement of the shaft [m], as in the paper's Fig. 24.
 
     Args:
         dataset: from `open_sweep`.
         key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key): `shaft_radius_max`, `shaft_radius_final`, `regime`.
+        Dataset over (line, key): `shaft_radius_max`, `shaft_radius_final`, `regime`.
     """
     names = ["shaft_radius_max", "shaft_radius_final", "regime"]
     return along(dataset, key, names).assign_attrs(title="displacement of the shaft's centre")
 
 
 def regimes(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return regime and growth rate with its standard error [1/s].
+    """Return the regime, the growth rate of the amplitude, and the standard error of the rate.
 
     Args:
         dataset: from `open_sweep`.
         key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key): `regime`, `growth_rate`, `growth_error`, nan where growth cannot be
-        judged.
+        Dataset over (line, key): `regime`; `growth_rate` and `growth_error` [1/s], nan where growth
+        cannot be judged.
     """
     data = along(dataset, key, ["regime", "growth_rate", "growth_error"])
     return data.assign_attrs(
@@ -144,17 +144,19 @@ def regimes(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def whirls(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return the whirl of the shaft over the last third, in both frames.
+    """Return the whirl of the shaft over the last third of each march, in both frames.
 
     Args:
         dataset: from `open_sweep`.
         key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key): `frequency` (line, key, frame) [Hz], forward positive, and its `scatter`
-        [Hz]; `direction` (line, key, frame), "forward", "backward" or "none"; `mode_frequency`
-        [Hz]. Where the shaft moves less than `MOTION` of the clearance, frequency and scatter are
-        nan, and the direction is "at rest".
+        Dataset over (line, key), with a line for each combination of values of the other swept
+        keys: `frequency` (line, key, frame) of the whirl [Hz], forward positive; `scatter` of the
+        frequency [Hz]; `direction` (line, key, frame), "forward", "backward" or "none";
+        `mode_frequency` (line, key, mode) [Hz]; `rotation_frequency`, the speed [Hz]. Where the
+        displacement of the shaft is less than `MOTION` times the clearance, frequency and scatter
+        are nan, and the direction is "at rest".
     """
     names = ["whirl_frequency", "whirl_scatter", "whirl_rotating", "whirl_static"]
     names += ["rotation_speed", "mode_frequency", *_MOVING]
@@ -181,16 +183,18 @@ def whirls(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def contact_sides(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return the angle by which the shaft leads the contact over the last third, and the scenario.
+    """Return the mean angle by which the shaft leads the contact over the last third of each march,
+    and the contact scenario.
 
     Args:
         dataset: from `open_sweep`.
         key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key): `shaft_lead` [rad] and `lead_steadiness`; `scenario`. If no blade touches
-        in the last third, the scenario is "no-contact"; if the shaft moves less than `MOTION` of
-        the clearance, it is "at-rest". In both cases the other variables are nan.
+        Dataset over (line, key): `shaft_lead` [rad], its `lead_steadiness`, and `scenario`. The
+        scenario is "no-contact" if no blade touches in the last third, and "at-rest" if the
+        displacement of the shaft is less than `MOTION` times the clearance; `shaft_lead` and
+        `lead_steadiness` are then nan.
     """
     names = ["shaft_lead", "lead_steadiness", "scenario", "late_contact_share", *_MOVING]
     data = along(dataset, key, names)
@@ -207,20 +211,23 @@ def contact_sides(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return Poincaré sections and local maxima of the shaft's displacement in the last third.
+    """Return Poincaré sections (positions of the shaft once a revolution) and local maxima of the
+    displacement of the shaft, in the last third of each march.
 
     A motion that repeats with every revolution has one section, a motion that repeats with every
-    second revolution has two; the sections of a whirl that is not synchronous with the rotor fill a
-    band. A circle about the origin always has a single radius.
+    second revolution has two sections. The sections of a whirl that is not synchronous with the
+    rotor fill a band. A circular orbit about the origin has a single radius, even if it is not
+    synchronous.
 
     Args:
         dataset: from `open_sweep`.
         key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key, section) [m]: `section_x` and `section_y`, the position whenever blade 0
-        lies on +x, which is therefore the same in both frames; `section_radius`; `radius_peak`. NaN
-        after the last section.
+        Dataset over (line, key, section) [m]: `section_x` and `section_y`, the position whenever
+        blade 0 lies on +x, which is therefore the same in both frames; `section_radius`, the
+        distance of this position from the origin; `radius_peak`, the local maxima. Elements without
+        a value are NaN.
     """
     data = along(dataset, key, ["section_x", "section_y", "radius_peak"])
     radius = ((data["section_x"] ** 2 + data["section_y"] ** 2) ** 0.5).assign_attrs(units="m")
@@ -230,11 +237,11 @@ def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def cell_edges(values: Array, *, logarithmic: bool) -> Array:
-    """Return the borders of cells around values, midway between them, (values + 1,).
+    """Return the borders of cells around values, midway between neighbours, (values + 1,).
 
     Args:
         values: ascending, (values,); the cell of a single value has unit width.
-        logarithmic: whether midway means the geometric mean.
+        logarithmic: true if midway means the geometric mean, false for the arithmetic mean.
     """
     places = np.log(values) if logarithmic else np.asarray(values, dtype=np.float64)
     if len(places) == 1:
@@ -250,5 +257,5 @@ _MOVING = ["late_radius", "smallest_clearance"]
 
 
 def _moves(data: xr.Dataset) -> xr.DataArray:
-    """Return whether the motion of the shaft is large enough for a direction."""
+    """Return true where the shaft moves enough to evaluate whirl and contact side, see `MOTION`."""
     return data["late_radius"] >= MOTION * data["smallest_clearance"]

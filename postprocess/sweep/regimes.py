@@ -1,4 +1,4 @@
-"""Regime of each point of a sweep, and growth rate of the motion."""
+"""Figure of the regime and of the growth rate at each point of a sweep."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from bladewhirl.postprocess.sweep.drawing import (
     lines_of,
 )
 
-NOT_JUDGED = "The marches are too short to judge growth: sustained is contact up to the end."
+NOT_JUDGED = "The marches are too short to judge growth; sustained means contact up to the end."
 
 MOST_MARKED = 24
-"""Largest number of columns, and of rows, for which each cell has the mark of its regime."""
+"""Largest number of columns and of rows for which marks in the cells show the regimes."""
 
 HATCH = "//////"  #: hatching of cells without a result
 
@@ -39,7 +39,7 @@ Names = NDArray[np.str_]
 
 @styled
 def plot_regimes(data: xr.Dataset) -> Figure:
-    """Draw the regime of every point as a strip for each line, and below it the growth rate.
+    """Draw a strip of regimes for each line of the data, and below the strips the growth rates.
 
     Error bars show `CERTAINTY` standard errors. Points without a result are hatched.
 
@@ -69,11 +69,11 @@ def plot_regimes(data: xr.Dataset) -> Figure:
 
 
 def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
-    """Draw cells coloured by regime, with markers if there are few cells; cells without data are
+    """Draw cells coloured by regime, with marks if there are few cells; cells without a result are
     hatched.
 
     Args:
-        axes: the panel, which the cells fill.
+        axes: panel, which the cells fill.
         x: middles of the cells, (columns,).
         y: middles of the cells, (rows,).
         regime: names of the regimes, (rows, columns).
@@ -101,7 +101,7 @@ def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
 
 
 def regime_entries(regime: Names) -> list[tuple[Patch | tuple[Patch, Line2D], str]]:
-    """Return the legend entries: the regimes with their numbers of points.
+    """Return the legend entries: the regimes, each with the number of its points.
 
     Args:
         regime: names of the regimes, of any shape.

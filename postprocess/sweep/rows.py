@@ -1,6 +1,6 @@
-"""Figures of sweeps with two panels for each combination of the other swept keys.
+"""Figures of sweeps with a row of two panels for each line: contact of the blades, strain energies.
 
-They show the contact of the blades and the strain energies.
+A line is one combination of values of the swept keys that are not on the horizontal axis.
 """
 
 from __future__ import annotations
@@ -47,12 +47,12 @@ def two_columns(
     coloured: int,
     label: str,
 ) -> Figure:
-    """Draw a row of two panels for each line; one column is coloured, the other has a legend.
+    """Draw a row of two panels for each line: a map with a colour scale, and a plot with a legend.
 
     Args:
-        data: over (line, key).
-        draw: function that draws both panels of a line and returns the coloured mesh.
-        coloured: number of the coloured column.
+        data: Dataset over (line, key).
+        draw: function that draws both panels of a line and returns the mesh of the map.
+        coloured: column of the maps, 0 for left or 1 for right.
         label: label of the colour scale.
     """
     data = in_handy_units(data)
@@ -73,16 +73,17 @@ def two_columns(
 
 
 def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return the share of the last third that each blade is in contact, and the number of blades of
-    each contact class.
+    """Return the share of the time that each blade is in contact, and the number of blades in each
+    contact class, for the last third of each march.
 
     Args:
         dataset: from `open_sweep`.
         key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key): `late_contact_share` (..., blade), nan for blades that do not exist at a
-        point; `permanent` (99 % or more), `intermittent` and `free` (never), numbers of blades.
+        Dataset over (line, key): `late_contact_share` (..., blade), nan for blades that do not
+        exist at a point; numbers of blades `permanent` (in contact for 99 % of the time or more),
+        `intermittent` (less than 99 %) and `free` (never in contact).
     """
     data = along(dataset, key, ["late_contact_share"])
     share = data["late_contact_share"]
@@ -102,8 +103,7 @@ def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 @styled
 def plot_blade_contacts(data: xr.Dataset) -> Figure:
-    """Draw each blade's share of the time in contact, white for zero, and the number of blades of
-    each class.
+    """Draw the share of the time in contact of each blade, and the number of blades of each class.
 
     Args:
         data: from `blade_contacts`.
@@ -161,8 +161,8 @@ def point_energies(dataset: xr.Dataset, key: str) -> xr.Dataset:
         key: swept key, as a dimension of the sweep.
 
     Returns:
-        over (line, key): `suspension`; `first_family` (..., nodal_diameter); `rest`; `total`. The
-        energy is nan for a nodal diameter that the stage of a point does not have.
+        Dataset over (line, key): `suspension`; `first_family` (..., nodal_diameter), nan for nodal
+        diameters that the stage of a point does not have; `rest`, all other modes; `total`.
     """
     data = along(dataset, key, ["energy_mean"])
     energy = data["energy_mean"]
@@ -190,8 +190,8 @@ def point_energies(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 @styled
 def plot_point_energies(data: xr.Dataset) -> Figure:
-    """Draw energies of suspension, first family and the other modes, and the first family by nodal
-    diameter.
+    """Draw the energies of suspension, first family and all other modes, and a map of the energy of
+    the first family by nodal diameter.
 
     Args:
         data: from `point_energies`.

@@ -1,4 +1,4 @@
-"""Displacement and whirl of the shaft, and the side of its contact, over a swept key (Fig. 24)."""
+"""Figures of a sweep: displacement (the paper's Fig. 24), whirl and contact side of the shaft."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from bladewhirl.solvers.stability.scenario import STEADY
 
 WIDE = 1e3  #: ratio of the largest to the median displacement above which the axis is logarithmic
 LEAST_WHIRL = 0.1
-"""Smallest range of the axis of whirl on both sides of zero [Hz]: lower frequencies are noise."""
+"""Least frequency that the axis of the whirl contains on both sides of zero [Hz]."""
 
 SECTION_PARTS = {
     "section_x": "x once a revolution",
@@ -38,10 +38,9 @@ PARTS = {"shaft_radius_max": "largest", "shaft_radius_final": "at the end"}
 
 @styled
 def plot_shaft_radius(radius: xr.Dataset) -> Figure:
-    """Draw largest and final displacements in mm or µm, with a line for each combination of the
-    other keys.
+    """Draw the largest and the final displacement of the shaft over the swept key.
 
-    Divergent points have open marks: their march was ended, or the motion would have grown further.
+    Divergent points have open marks, because their displacements would have grown further.
 
     Args:
         radius: from `quantities.shaft_radius`.
@@ -73,9 +72,10 @@ def plot_shaft_radius(radius: xr.Dataset) -> Figure:
 
 @styled
 def plot_whirls(data: xr.Dataset) -> Figure:
-    """Draw the whirl's frequency in both frames in Hz, forward upwards, with bars for its scatter.
+    """Draw the frequency of the whirl in both frames [Hz], forward positive, with bars for its
+    scatter.
 
-    Whirls with a clear direction have filled marks. Points whose shaft hardly moves have no mark.
+    Whirls with a clear direction have filled marks. Points where the shaft hardly moves have none.
 
     Args:
         data: from `quantities.whirls`.
@@ -106,10 +106,10 @@ def plot_whirls(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_contact_sides(data: xr.Dataset) -> Figure:
-    """Draw the angle by which the shaft leads the contact, and its steadiness.
+    """Draw the angle by which the shaft leads the contact, and the steadiness of this angle.
 
-    Contact is standard within 90 degrees, the grey band, and inverted outside; open marks are
-    motions without a steady lead. Points without contact have no mark.
+    The contact scenario is standard within 90 degrees, in the grey band, and inverted outside of
+    the band. Points with an unsteady angle have open marks, points without contact have no mark.
 
     Args:
         data: from `quantities.contact_sides`.
@@ -144,7 +144,7 @@ def plot_contact_sides(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_bifurcation(data: xr.Dataset) -> Figure:
-    """Draw sections and maxima in mm or µm as markers.
+    """Draw Poincaré sections and local maxima of the displacement over the swept key.
 
     Args:
         data: from `quantities.bifurcation`.
