@@ -29,10 +29,10 @@ POINTS = 121  #: number of speeds along a line
 COINCIDENT = ("family", "casing_family")
 
 CAPTION = (
-    "Point at a line for its wave and the direction of travel in both frames; click in the legend"
-    " to show or hide a family, drag to zoom in, double-click to reset. Circles are coincidences"
-    " of a wave that travels forward on the casing with one that travels backward on the bladed"
-    " disk; crosses are critical speeds."
+    "Point at a line to see its wave and the directions of travel in both frames; click in the"
+    " legend to show or hide a family, drag to zoom in, double-click to reset. Circles are"
+    " coincidences of a wave that travels forward on the casing with a wave that travels backward"
+    " on the bladed disk; crosses are critical speeds."
 )
 
 POINTED = (
@@ -57,8 +57,9 @@ def campbell_page(data: xr.Dataset) -> Page:
         verdict=f"Coincidences in the operating range: {count}",
         tone="fair" if count else "good",
         reason=(
-            "Where k Ω = ω of the casing + ω of the bladed disk, waves of both travel at the same"
-            f" speed and contact drives them. The operating range is {low:.4g} to {high:.4g} ω₁."
+            "Where k Ω = ω of the casing + ω of the bladed disk, the waves of both bodies travel at"
+            " the same speed and contact can drive them. The operating range is"
+            f" {low:.4g} to {high:.4g} ω₁."
         ),
         warnings=[],
         figures=[*_glance(data)],
@@ -75,7 +76,7 @@ def campbell_page(data: xr.Dataset) -> Page:
 
 def _glance(data: xr.Dataset) -> Iterator[tuple[str, str, str]]:
     hertz = float(data.attrs["reference_frequency_hz"])
-    yield "ω₁", f"{hertz:.5g} Hz", "lowest of the bladed disk, free centre"
+    yield "ω₁", f"{hertz:.5g} Hz", "lowest frequency of the bladed disk, free centre"
     if "branch" not in data.dims:
         return
     for speed, k, family in zip(
@@ -88,7 +89,7 @@ def _glance(data: xr.Dataset) -> Iterator[tuple[str, str, str]]:
             f"{60 * hertz * speed:.1f} rpm, {family}, k = {k}",
         )
     gone = float(data.attrs["clearance_gone"])
-    yield "cold clearance gone", f"{gone:.4f} ω₁", f"{60.0 * hertz * gone:.1f} rpm"
+    yield "clearance at rest used up", f"{gone:.4f} ω₁", f"{60.0 * hertz * gone:.1f} rpm"
 
 
 def _table(data: xr.Dataset, inside: BoolArray) -> Table:

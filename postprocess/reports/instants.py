@@ -1,5 +1,4 @@
-"""Interactive view of a run: machine, orbit of the shaft, contact and energy with a common time
-cursor."""
+"""Interactive plots of a run with a common time cursor: deformed stage, orbit, contact, energy."""
 
 from __future__ import annotations
 
@@ -37,19 +36,19 @@ from bladewhirl.postprocess.shaft.transforms import Frame
 
 MOST_INSTANTS = 60  #: largest number of instants at which the machine is drawn
 MOST_PLACES = 1_000_000
-"""Largest number of coordinates over all instants; a stage with many beams has fewer instants."""
+"""Largest number of coordinates over all instants; it limits the instants of a large stage."""
 
 FEWEST_INSTANTS = 10
 
-PIECE = 3  #: stride of the drawn stations of a beam; twice as large for the wall
-ORBIT_POINTS = 5000  #: largest number of points of an orbit; more make a page slow
+PIECE = 3  #: stride of the drawn stations along a beam; the stride along the wall is twice as large
+ORBIT_POINTS = 5000  #: largest number of points of an orbit; more points make a page slow
 ENERGY_POINTS = 1000
-"""Largest number of points of a line of energy: means over equal time intervals."""
+"""Largest number of points of a curve of energies, which are means over equal time intervals."""
 
 FULL = 32767  #: largest signed number of 16 bits
 
 FRAMES: tuple[Frame, Frame] = ("static", "rotating")
-"""Frames of the orbit; the machine is drawn in the first of them."""
+"""Frames of the orbit; the machine is drawn in the first frame."""
 
 POINTED = (
     "blade %{y}, %{x:.6g} s<br>mean normal force %{customdata[0]:.4g} N<br>"
@@ -59,26 +58,27 @@ POINTED = (
 BOTH_SIGNS = [[0.0, COLOURS["k = 0"]], [0.5, "#ffffff"], [1.0, COLOURS["k = 1"]]]
 
 CAPTION = (
-    "Move the cursor, or point at the histories: all plots show that instant, at first "
-    "the {where}. The machine is drawn in the static frame, {size}; its small disc is on blade 0, "
-    "arrows are contact forces. The orbit is coloured by time, the dashed circle is the clearance. "
-    "Blades over time: mean normal force [N] on each blade, or by the buttons smallest gap [mm] "
-    "or friction [N], in equal time intervals; white is no contact. Below, the strain energy [J]. "
-    "Drag to zoom in, double-click to reset. Look for blades that stay in contact, contact that "
-    "moves from blade to blade, and energy that keeps growing."
+    "Move the cursor, or point at a time in the map below: all plots show that instant, at first "
+    "the {where}. The machine is drawn in the static frame, {size}; small discs mark the shaft and "
+    "blade 0, arrows are contact forces. The orbit is coloured by time, the dashed circle is the "
+    "clearance. The map of blades over time shows the mean normal force [N] on each blade in equal "
+    "time intervals; buttons switch to the smallest gap [mm] or to friction [N]; white is no "
+    "contact. The curves below are strain energies [J]. Drag to zoom in, double-click to reset. "
+    "Look for lasting contact, contact that moves from blade to blade, and energy that grows."
 )
 
 
 def instants(
     dataset: xr.Dataset, maps: xr.Dataset, orbit: xr.Dataset, energy: xr.Dataset
 ) -> Instants:
-    """Return the run at up to `MOST_INSTANTS` equidistant instants, and at an instant of contact.
+    """Return the interactive plots, with the stage at up to `MOST_INSTANTS` equidistant instants
+    and at the instant of the largest contact force.
 
     Args:
         dataset: a result.
         maps: from `blade_contact.contact_maps`.
-        orbit: from `orbits.shaft_orbit`, for the same time window.
-        energy: from `strain.strain_energies`, for the same time window.
+        orbit: from `orbits.shaft_orbit`.
+        energy: from `strain.strain_energies`.
     """
     marked, where = _marked(dataset, orbit)
     beams = dataset.sizes["rotor_line"]
@@ -103,8 +103,8 @@ def instants(
 
 
 def _marked(dataset: xr.Dataset, orbit: xr.Dataset) -> tuple[int, str]:
-    """Return the record of the largest contact force, or of the largest displacement without
-    contact, and its description."""
+    """Return the record that is shown first, and its description: the record of the largest contact
+    force or, in a run without contact, of the largest displacement of the shaft."""
     impulse = dataset["contact_impulse"].values.max(axis=1)
     if impulse.any():
         return int(impulse.argmax()), "largest contact force"
@@ -112,8 +112,8 @@ def _marked(dataset: xr.Dataset, orbit: xr.Dataset) -> tuple[int, str]:
 
 
 def _machine(drawing: Drawing, pictures: list[Picture]) -> list[dict[str, Any]]:
-    """Return filled outlines of the machine, the lowest layer first: colour and points, shape
-    (instant, outline, point, 2), relative to half the width of the picture.
+    """Return the layers of the drawn machine, the lowest layer first: colour and filled outlines
+    (instant, outline, point, 2). Coordinates are integers; `FULL` is half the width of the picture.
     """
     reach = MARGIN * max(float(np.abs(picture.casing.sides).max()) for picture in pictures)
     longest = LONGEST_ARROW * reach / drawing.largest_force if drawing.largest_force else 0.0
@@ -140,13 +140,12 @@ def _machine(drawing: Drawing, pictures: list[Picture]) -> list[dict[str, Any]]:
 
 
 def _outlines(sides: Array) -> Array:
-    """Return outlines of ribbons, shape (line, point, 2): along one side and back along the
-    other."""
+    """Return outlines (line, point, 2) of ribbons: along the right side, back along the left."""
     return np.concatenate([sides[:, :, 0], sides[:, ::-1, 1]], axis=1)
 
 
 def _histories(maps: xr.Dataset, energy: xr.Dataset) -> go.Figure:
-    """Plot contact over blade and time, and energy below it, with a line for the cursor."""
+    """Plot a map of contact over blade and time, energies below it, and the line of the cursor."""
     force, friction = maps["force"].values.T, maps["friction"].values.T
     gap, touched = MILLI * np.maximum(maps["gap"].values.T, 0.0), maps["share"].values.T > 0
     drag = float(np.abs(friction).max()) or 1.0
@@ -210,7 +209,7 @@ def _histories(maps: xr.Dataset, energy: xr.Dataset) -> go.Figure:
 
 
 def _energies(energy: xr.Dataset) -> list[go.Scatter]:
-    """Return the lines of the strain energy; parts that are always zero are left out."""
+    """Return the curves of the strain energies; energies that are always zero are left out."""
     starts = span_starts(energy["time"].values, ENERGY_POINTS)
     return [
         go.Scatter(
@@ -228,8 +227,8 @@ def _energies(energy: xr.Dataset) -> list[go.Scatter]:
 
 
 def _orbit(orbit: xr.Dataset) -> go.Figure:
-    """Plot the path of the shaft in each of `FRAMES`; the last traces are the markers of the
-    cursor."""
+    """Plot the orbit of the shaft in each of `FRAMES`; the last traces are the markers at the
+    instant of the cursor."""
     thinned = orbit.isel(time=span_starts(orbit["time"].values, ORBIT_POINTS))
     time = thinned["time"].values
     clearance = MILLI * float(orbit.attrs["smallest_clearance"])

@@ -28,8 +28,8 @@ def plot(traces: Sequence[Any], **layout: Any) -> go.Figure:
 
 
 def buttons(labels: Sequence[str], owner: Sequence[int | None]) -> list[dict[str, Any]]:
-    """Return a row of buttons above a plot, each of which shows its traces; no buttons for a single
-    label.
+    """Return a row of buttons above a plot, each of which shows some traces and hides all others;
+    no buttons for a single label.
 
     Args:
         labels: labels of the buttons.

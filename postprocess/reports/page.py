@@ -1,7 +1,7 @@
-"""Reports as one HTML file: content, and conversion to a page.
+"""Content of reports, and conversion of the content to a page, which is one HTML file.
 
-A page needs no other file and no network, and its content security policy forbids loading either:
-pictures are embedded as PNG, and the program that draws interactive plots is embedded, too.
+The page embeds pictures as PNG and the program that draws interactive plots. It loads no other
+file, and its content security policy forbids it.
 """
 
 from __future__ import annotations
@@ -29,24 +29,24 @@ DPI = 200  #: resolution of the pictures: a column of 8 cm is as wide as half a 
 
 @dataclass(frozen=True, kw_only=True)
 class Block:
-    """Block of a section; `kind` is the part of the template that shows it."""
+    """Block of a section; `kind` selects the part of the template that shows the block."""
 
     kind: ClassVar[str]
 
     name: str
     title: str
     caption: str = ""
-    folded: bool = False  #: closed until clicked
-    wide: bool = True  #: as wide as the page instead of half as wide
+    folded: bool = False  #: true for a block that is closed until it is clicked
+    wide: bool = True  #: true for the width of the page, false for half of it
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReportFigure(Block):
-    """Figure, or the reason why it is missing."""
+    """Figure, or the reason why the figure is missing."""
 
     kind = "drawing"
 
-    picture: str = ""  #: PNG in base64
+    picture: str = ""  #: PNG in base64; empty if the figure is missing
     obstacle: str = ""  #: reason why there is no picture
 
 
@@ -58,8 +58,8 @@ class Table(Block):
 
     rows: Sequence[Sequence[str]]
     head: Sequence[str] = ()
-    numbers: bool = False  #: columns after the first are numbers
-    marked: int | None = None  #: highlighted row
+    numbers: bool = False  #: true if all columns after the first contain numbers
+    marked: int | None = None  #: number of the highlighted row
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,16 +82,16 @@ class Explorer(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Instants(Explorer):
-    """Machine, orbit and histories with a cursor of instants."""
+    """Plots of machine, orbit and histories at the instant of a time cursor."""
 
     kind = "instants"
 
     times: Array  #: instants [s]
     first: int  #: number of the instant shown first
-    words: Sequence[str]  #: text on the contacts at each instant
+    words: Sequence[str]  #: text about the contact at each instant
     places: Sequence[Array]
-    """Positions of the markers of the orbit, its last traces, at every instant (instant, 2)."""
-    machine: Sequence[Mapping[str, Any]]  #: outlines with `colour` and `places`
+    """Positions of the marker in each orbit at every instant (instant, 2), one array per frame."""
+    machine: Sequence[Mapping[str, Any]]  #: layers of outlines, with `colour` and `places` (points)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,7 +101,7 @@ class Section:
     name: str
     title: str
     blocks: Sequence[Block]
-    words: str = ""
+    words: str = ""  #: text below the title
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,8 +111,8 @@ class Page:
     title: str
     subject: str  #: name, program and date
     verdict: str  #: the result in a few words
-    tone: str  #: "good", "fair", "bad" or "open"
-    reason: str
+    tone: str  #: class of the verdict, which selects its colour: "good", "fair", "bad" or "open"
+    reason: str  #: reason for the verdict
     warnings: Sequence[str]
     figures: Sequence[tuple[str, str, str]]  #: key figures: name, value, remark
     sections: Sequence[Section]
@@ -121,11 +121,11 @@ class Page:
 def report_figures(
     draw: Callable[[str], tuple[Figure, xr.Dataset]], kinds: Iterable[FigureKind]
 ) -> list[ReportFigure]:
-    """Return the figures of a result with captions, or with the reason why the figure is missing.
+    """Return figures with captions; a figure that cannot be drawn has a reason instead.
 
     Args:
-        draw: function that draws the figure of a name, or raises ViewError.
-        kinds: entries of the registry.
+        draw: function that draws the figure of a given name, or raises ViewError.
+        kinds: entries of the registry of figures.
     """
     figures = []
     for kind in kinds:
@@ -165,7 +165,7 @@ def page_html(page: Page) -> str:
 
 
 def write_page(page: Page, path: str | Path) -> Path:
-    """Write a page completely or not at all; return the path.
+    """Write a page; return its path. No incomplete file remains if writing fails.
 
     Raises:
         ViewError: the path does not end in .html.

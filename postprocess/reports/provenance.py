@@ -9,11 +9,11 @@ import xarray as xr
 from bladewhirl.postprocess.reports.page import Section, Table, Text
 
 Provenance = Mapping[str, object]
-"""Content of provenance.json; empty if there is none."""
+"""Content of provenance.json; empty if the file does not exist."""
 
 
 def subject(dataset: xr.Dataset, provenance: Provenance, name: str) -> str:
-    """Return name, program and date of a result."""
+    """Return the line of a report with name, program version and date of a result."""
     date = str(provenance.get("date", ""))[:16].replace("T", " ")
     program = f"bladewhirl {dataset.attrs.get('version', '')}"
     return ", ".join(filter(None, [name, program, f"{date} UTC" if date else ""]))
@@ -26,8 +26,8 @@ def case_section(
 
     Args:
         dataset: a result or a sweep.
-        provenance: its provenance.
-        text: the case.
+        provenance: provenance of the result or sweep.
+        text: the resolved case.
         caption: caption of the case.
     """
     case = Text(
@@ -38,7 +38,7 @@ def case_section(
 
 
 def _tables(dataset: xr.Dataset, provenance: Provenance) -> Iterator[Table]:
-    """Program, machine, and versions of the libraries."""
+    """Yield a table of program and machine, and a table of the versions of the libraries."""
     facts = {name: value for name, value in provenance.items() if isinstance(value, str)}
     facts.setdefault("bladewhirl", str(dataset.attrs.get("version", "")))
     if dataset.attrs.get("symmetry"):

@@ -26,7 +26,7 @@ from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 LATE = "over the last third"  #: time window of whirl and contact scenario
 UNKNOWN = ("complementarity residual", "time step / critical", "wall time")
-"""Rows of the summary that exist only for a completed march."""
+"""Rows of the summary that are known only after the march has ended."""
 
 
 def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -> Page:
@@ -59,7 +59,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
         Section(
             name="verdict",
             title="Regime, and why",
-            words=f"{meaning} In the criterion below, the first line that applies is the regime.",
+            words=f"{meaning} The regime is the first line of the criterion below that applies.",
             blocks=[*_drawn(figures, "verdict"), criterion_table(regime.name)],
         ),
         Section(name="shaft", title="Motion of the shaft", blocks=_drawn(figures, "shaft")),
@@ -75,8 +75,8 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
             dataset,
             provenance,
             text=str(dataset.attrs.get("case", "")).strip(),
-            caption="All keys with the values used, SI units; bladewhirl run on these lines "
-            "repeats the run.",
+            caption="All keys of the case with their values in SI units. Save these lines as a case"
+            " file; bladewhirl run with this file repeats the run.",
         ),
     ]
     return Page(
@@ -97,8 +97,8 @@ def _drawn(figures: RunFigures, section: str) -> list[ReportFigure]:
 
 
 def _late(dataset: xr.Dataset) -> xr.Dataset:
-    """Return the last third of the time, or the complete run if the last third has fewer than two
-    records."""
+    """Return the records of the last third of the time, or of the complete run if the last third
+    has fewer than two records."""
     late = late_part(dataset)
     return late if late.sizes["time"] > 1 else dataset
 
@@ -111,7 +111,7 @@ def _summary(figures: RunFigures) -> Table:
     if missing:
         reported |= {"steps": round(done), "unsolved_steps": 0}
     rows = summary_rows(summarise(dataset, reported, figures.stresses))
-    left_out = {"because", *(UNKNOWN if missing else ())}  # the page begins with the reason
+    left_out = {"because", *(UNKNOWN if missing else ())}  # the reason is at the top of the page
     shown = [row for row in rows.items() if row[0] not in left_out]
     return Table(name="summary", title="Summary", rows=shown)
 

@@ -31,10 +31,10 @@ from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key, other_keys
 
 WINDOWED = ("frequency-map", "energy-families")
-"""Figures for the time window of the attribute `window`; the others are for the last third of the
-time."""
+"""Figures of spectra and mean energies; the attribute `window` of a sweep states their time window.
+All other figures describe the last third of the time."""
 
-MOST_POINTS = 2000  #: largest number of points in the table; more make a page slow
+MOST_POINTS = 2000  #: largest number of points in the table; more points make a page slow
 
 
 def sweep_report(
@@ -46,12 +46,12 @@ def sweep_report(
 ) -> Page:
     """Return the report of a sweep, for `page.write_page`.
 
-    The report of an unfinished sweep contains the available points.
+    The report of an unfinished sweep contains the points that are finished.
 
     Args:
         dataset: from `open_sweep`.
         provenance: provenance of the sweep.
-        failures: failed points: values and reason.
+        failures: values of the swept keys, and reason, of each failed point.
         name: name of the sweep, such as its folder.
     """
     state = dataset["state"].values
@@ -91,7 +91,8 @@ def sweep_report(
 
 
 def _points(dataset: xr.Dataset) -> xr.Dataset:
-    """Return the quantities of every point over (line, key), with keys in convenient units."""
+    """Return the quantities of every point over (line, key), see `sweep.quantities`; the swept keys
+    are in convenient units."""
     names = ["regime", "shaft_radius_max", "growth_rate", "growth_error", "end_time"]
     points = in_handy_units(along(dataset, main_key(dataset), [*names, "contact_share"]))
     touched = (points["contact_share"] > 0).sum("blade")
@@ -107,7 +108,8 @@ def _counts(points: xr.Dataset | None) -> dict[str, int]:
 
 
 def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> tuple[str, str]:
-    """Return the worst regime with its number of points, and its tone."""
+    """Return the verdict and its `tone` (see `page.Page`): the worst regime of all points, with the
+    number of points in this regime."""
     if not counts:
         return "No result yet" if points > failed else "No result", "open"
     worst = next(iter(counts))
@@ -150,7 +152,7 @@ def _glance(
 
 
 def _drawn(dataset: xr.Dataset, section: str) -> list[ReportFigure]:
-    """Return the figures of a section; maps need two swept keys."""
+    """Return the figures of a section; maps are left out if only one key is swept."""
     kinds = [kind for kind in SWEEP_FIGURES.values() if kind.section == section]
     if len(swept(dataset)) == 1:
         kinds = [kind for kind in kinds if kind.name != "maps"]
@@ -163,7 +165,7 @@ def _drawn(dataset: xr.Dataset, section: str) -> list[ReportFigure]:
 
 
 def _windowed(dataset: xr.Dataset, caption: str) -> str:
-    """Return the caption with the time window of spectra and mean energies."""
+    """Return a caption with the time window of spectra and mean energies added."""
     window = str(dataset.attrs.get("window", ""))
     return f"{caption} {window[:1].upper()}{window[1:]}." if window else caption
 
@@ -194,7 +196,7 @@ def _point_table(points: xr.Dataset) -> Table:
         name="all-points",
         title=f"All points ({len(rows)})",
         caption=f"Growth rates ± {CERTAINTY:g} standard errors."
-        + (f" The first {MOST_POINTS}; the others are in the dataset." if left_out > 0 else ""),
+        + (f" First {MOST_POINTS} points; all are in the dataset." if left_out > 0 else ""),
         head=(
             *map(key_heading, (key, *others)),
             "regime",
@@ -216,9 +218,9 @@ def _case_section(dataset: xr.Dataset, provenance: Provenance) -> Section:
         dataset,
         provenance,
         text=str(dataset.attrs.get("case", "")).strip(),
-        caption="All keys with the values used, SI units. Swept keys have another value at every "
-        f"point; bladewhirl run on these lines with {settings} (in SI units, or with a unit) "
-        "repeats a point.",
+        caption="All keys of the case with their values in SI units; the values of swept keys "
+        "differ from point to point. Save these lines as a case file; bladewhirl run with this "
+        f"file and {settings} (in SI units, or with a unit) repeats a point.",
     )
 
 

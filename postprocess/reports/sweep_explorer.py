@@ -1,4 +1,4 @@
-"""Interactive maps of a sweep: spectra over a swept key, and every point with its details."""
+"""Interactive plots of a sweep: spectra over a swept key, and all points with their details."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from bladewhirl.postprocess.sweep.frequency_map import DECADES, LINES
 from bladewhirl.postprocess.sweep.quantities import LINE, cell_edges
 
 MOST_ROWS, MOST_COLUMNS = 500, 500
-"""Largest numbers of frequencies and points of a map; with more, a cell has the largest value of
-its neighbours."""
+"""Largest number of frequencies and largest number of points in a map. If a spectrum has more,
+neighbours share a cell of the map, which has their largest value."""
 
 SYMBOLS: Mapping[str, str] = {
     "no-contact": "circle-open",
@@ -43,22 +43,24 @@ MODE_DASHES: Mapping[str, str] = {
 """Dashes of the lines of modes."""
 
 MAP_CAPTION = (
-    "Amplitude of the shaft [mm] over the swept key and frequency, forward upwards, rotating "
-    "frame, as colour on a logarithmic scale; dotted: engine orders, dashed: modes with one "
-    "nodal diameter. Point at it for the numbers, drag to zoom in, double-click to reset, click "
-    "names to hide lines. Look for a band that leaves an engine order and locks onto a mode."
+    "Amplitude of the shaft [mm], as colour on a logarithmic scale, over the swept key and the "
+    "frequency in the rotating frame, forward positive. Dotted lines are engine orders, dashed "
+    "lines are modes with one nodal diameter. Point at the map for numbers, drag to zoom in, "
+    "double-click to reset, click names to hide lines. Look for a band of large amplitudes that "
+    "leaves an engine order and follows a mode."
 )
 
 POINTS_CAPTION = (
-    "Every point of the sweep: largest displacement of the shaft [mm] over the swept key, coloured "
-    "and shaped by regime. Point at one for its numbers, growth rates ± "
-    f"{CERTAINTY:g} standard errors; click a regime's name to hide it. The displacement "
-    "limit, at which divergent marches end, bounds their values."
+    "Largest displacement of the shaft [mm] at every point of the sweep over the swept key; the "
+    "colour and the shape of a mark show the regime. Point at a mark for its numbers; growth rates "
+    f"are ± {CERTAINTY:g} standard errors. Click the name of a regime to hide its points. "
+    "Divergent marches end at the displacement limit, so their displacements are not maxima."
 )
 
 
 def frequency_explorer(maps: xr.Dataset) -> Explorer:
-    """Return spectra over the swept key, with a button for each line if other keys are swept, too.
+    """Return a plot of spectra over a swept key. If other keys are swept as well, buttons select
+    the combination of their values.
 
     Args:
         maps: from `frequency_map.frequency_map`.
@@ -86,11 +88,11 @@ def frequency_explorer(maps: xr.Dataset) -> Explorer:
 
 
 def points_explorer(points: xr.Dataset) -> Explorer:
-    """Return the largest displacement of the shaft over the swept key, with details of each point.
+    """Return a plot of the largest displacement of the shaft at every point over a swept key.
 
     Args:
-        points: quantities over (line, key): `regime`, `shaft_radius_max` [m], `growth_rate` and
-            `growth_error` [1/s], `end_time` [s], `touched` [1], as in `sweep_report`.
+        points: quantities over (line, key), see `sweep.quantities`: `regime`, `shaft_radius_max`
+            [m], `growth_rate` and `growth_error` [1/s], `end_time` [s], number of blades `touched`.
     """
     points = in_handy_units(points)
     key = points[str(points.attrs["along"])]
@@ -128,8 +130,13 @@ def points_explorer(points: xr.Dataset) -> Explorer:
 
 
 def _map_traces(line: xr.Dataset, top: float, *, shown: bool) -> list[go.Heatmap | go.Scatter]:
-    """Return heatmap, engine orders and modes of one line of a sweep; `top` is log10 of the
-    maximum."""
+    """Return the traces of a map: amplitudes, engine orders and modes.
+
+    Args:
+        line: data from `frequency_map` for one combination of values of the other swept keys.
+        top: decimal logarithm of the largest amplitude of all maps [mm].
+        shown: true for the map that is visible at first.
+    """
     key = str(line.attrs["along"])
     rows, columns = (
         _starts(size, most)
@@ -160,8 +167,8 @@ def _map_traces(line: xr.Dataset, top: float, *, shown: bool) -> list[go.Heatmap
     done = line.isel({key: np.flatnonzero(np.isfinite(line["engine_order"][:, 0].values))})
     orders, modes = done["engine_order"], done["mode_line"]
     group = "engine orders"
-    # Name, group, values, style, and whether the curve is in the legend, where white lines would be
-    # invisible.
+    # Name, group, values, style, and True for an entry in the legend; white engine orders, which
+    # would be invisible there, are represented by a grey line.
     curves: list[tuple[str, str, Array, tuple[str, str, float], bool]] = [
         *(
             (f"{n:+d} Ω", group, orders.sel(order=n).values, ("#ffffff", "dot", 1), False)
@@ -197,7 +204,7 @@ def _map_traces(line: xr.Dataset, top: float, *, shown: bool) -> list[go.Heatmap
 
 
 def _texts(points: xr.Dataset) -> Any:
-    """Return a text with details of every point, shape (line, key)."""
+    """Return texts with the details of every point, (line, key)."""
     key = points[str(points.attrs["along"])]
     names = [line_label(points.isel({LINE: number})) for number in range(points.sizes[LINE])]
     unit = "" if key.attrs["units"] == "1" else f" {key.attrs['units']}"
@@ -229,5 +236,5 @@ def _key_axis(values: xr.DataArray) -> dict[str, Any]:
 
 
 def _starts(count: int, most: int) -> Any:
-    """Return the first member of each of at most `most` groups of neighbours."""
+    """Return the first elements of up to `most` groups of neighbours among `count` elements."""
     return np.unique(np.arange(min(count, most)) * count // min(count, most))

@@ -1,4 +1,4 @@
-"""Regimes in reports: names, meaning and criterion."""
+"""Regimes in reports: names, meanings and criteria."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ class Regime(NamedTuple):
     """Description of a regime in a report."""
 
     name: str
-    tone: str  #: tone of the page, see `page.Page`
-    meaning: str
+    tone: str  #: class of the verdict, which selects its colour, see `page.Page`
+    meaning: str  #: meaning in one sentence
 
 
 REGIMES: Mapping[str, Regime] = {
@@ -33,7 +33,7 @@ def criterion_table(regime: str = "") -> Table:
     return Table(
         name="criterion",
         title="Criterion of the regimes",
-        caption="The first line that applies is the regime.",
+        caption="The regime is the first line that applies.",
         rows=[(str(name), rule) for name, rule in CRITERION.items()],
         wide=not regime,
         folded=not regime,

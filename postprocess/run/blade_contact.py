@@ -1,5 +1,4 @@
-"""Gaps and contact forces over blade and time, and the share of time each blade touches (Fig.
-21)."""
+"""Gaps and contact forces over blade and time (Fig. 21 of the paper), and contact classes."""
 
 from __future__ import annotations
 
@@ -27,24 +26,24 @@ from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, t
 from bladewhirl.postprocess.plotting.titles import head
 
 PERMANENT = 0.99  #: least share of the time in contact for the class "permanent"
-COLUMNS = 600  #: largest number of time spans of a map: more would be invisible
+COLUMNS = 600  #: largest number of time spans of a map; more spans could not be seen
 BRIGHTEST = 99.0
-"""Percentile of the positive forces that gets the brightest colour if otherwise a few peaks would
-leave the remaining map dark."""
+"""Percentile of the positive forces that has the brightest colour if a few peaks are much larger
+than this percentile, see `PEAK`."""
 
 FORCE_DECADES = 3.0  #: number of decades below the largest force that colours distinguish
 SHARE_COLOURS = ["#FBEAF4", COLOURS["contact"], "#4A1238"]
-"""Colours of the share of the time in contact, from 0 to 1."""
+"""Colours of the share of the time in contact, for shares from 0 to 1."""
 
 GAP_COLOURS = ["#9AA5B8", "#FFFFFF"]
-"""Colours of gaps, from zero to the largest: paler than contact."""
+"""Colours of gaps, from zero to the largest gap; they are paler than the colours of contact."""
 
 #: ratio of the largest force to the percentile `BRIGHTEST` above which colours are clipped
 PEAK = 1.5
-FEW_PERCENT = 40.0  #: share of the time in contact [%]: its axis ends here if no share is larger
+FEW_PERCENT = 40.0  #: largest share of the time in contact [%] below which its axis is shortened
 BRIEF, BRIEF_MARGIN = 0.5, 0.1
-"""Share of the time below which contact is brief, so that time axes only show the contact, and the
-margin of these axes on both sides, as a share of the duration of contact."""
+"""Largest share of the time for which contact is called brief: time axes then only show the time of
+contact. The second number is their margin at both ends, as a share of the time of contact."""
 
 CLASS_COLOURS: Mapping[str, str] = {
     "permanent": COLOURS["contact"],
@@ -64,26 +63,26 @@ def contact_maps(
 ) -> xr.Dataset:
     """Compute gaps and forces of every blade in equal spans of time.
 
-    The gap is the smallest of all time steps in a span; the force is the impulse in the span
+    The gap is the smallest gap of all time steps in a span; the force is the impulse in the span
     divided by the length of the span.
 
     Args:
         result: result of a run.
-        columns: largest number of spans; with fewer records, each record has its own span.
+        columns: largest number of spans; if there are fewer records, each record has its own span.
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over (time, blade): `gap` [m], the smallest gap; `force` [N], mean normal force, positive
-        where the casing pushes inward; `friction` [N], mean friction force, positive where it drags
-        towards -theta; `share` [1], share of the time steps in contact. `time` [s] is the end of
-        each span, `edge` (edge,) [s] are the limits of the spans.
+        Dataset over (time, blade): `gap` [m], the smallest gap; `force` [N], mean normal force,
+        positive if the casing pushes the tip inward; `friction` [N], mean friction force, positive
+        if it drags the tip towards -theta; `share` [1], share of the time steps in contact. `time`
+        [s] is the end of each span, `edge` (edge,) [s] are the limits of all spans.
 
     Raises:
-        ViewError: fewer than two records.
+        ViewError: there are fewer than two records.
     """
     dataset = select_window(result, start, end)
     begin = float(dataset["time"][0])
-    dataset = dataset.isel(time=slice(1, None))  # a record covers the time since the previous one
+    dataset = dataset.isel(time=slice(1, None))  # each record covers the time since the one before
     time = dataset["time"].values
     starts = span_starts(time, columns)
     edges = span_edges(time, starts, begin)
@@ -110,28 +109,28 @@ def contact_maps(
 def contact_classes(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Compute the share of the time that each blade is in contact, and its contact class.
+    """Compute the share of time steps at which each blade is in contact, and its contact class.
 
-    The share is the share of time steps with contact between the first and the last record. The
-    class is *permanent* at 99 % or more, *free* without contact, and *intermittent* otherwise.
+    The class is *permanent* for a share of 99 % or more, *free* without contact, and *intermittent*
+    otherwise.
 
     Args:
         result: result of a run with at least two records.
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over blade: `share` [1] and `contact_class`. The attribute `first_contact` [s] is the time
-        of the first contact of the run if it lies within the window, otherwise nan.
+        Dataset over blade: `share` [1] and `contact_class`. The attribute `first_contact` [s] is
+        the time of the first contact of the run; nan if this time is not within the window.
 
     Raises:
-        ViewError: fewer than two records.
+        ViewError: there are fewer than two records.
 
     Example:
         ``contact_classes(result, start=2.0)["share"].sel(blade=3)``
     """
     dataset = select_window(result, start, end)
     time = dataset["time"].values
-    # The counts at a record are those since the previous record.
+    # Each record counts the steps with contact since the previous record.
     touching = dataset["contact_steps"].isel(time=slice(1, None)).sum("time").values
     share = _share(touching, time[-1] - time[0], dataset)
     names = np.select([share >= PERMANENT, share > 0], ["permanent", "intermittent"], "free")
@@ -149,7 +148,7 @@ def contact_classes(
 
 @styled
 def plot_gaps(maps: xr.Dataset) -> Figure:
-    """Draw the gap of every blade over time in mm, and the share of the time in contact, Fig. 21.
+    """Draw the gap of every blade over time and, where a blade touches, the share of the time.
 
     Args:
         maps: from `contact_maps`.
@@ -170,7 +169,7 @@ def plot_gaps(maps: xr.Dataset) -> Figure:
 
 @styled
 def plot_forces(maps: xr.Dataset) -> Figure:
-    """Draw the mean normal force on every blade over time on a logarithmic scale, Fig. 21.
+    """Draw the mean normal force on every blade over time, with logarithmic colours.
 
     Args:
         maps: from `contact_maps`.
@@ -219,18 +218,18 @@ def plot_contact_classes(classes: xr.Dataset) -> Figure:
 
 
 def _share(steps: Array, time: Array | float, dataset: xr.Dataset) -> Array:
-    """Return the share of time steps in contact, from the number of such steps in an interval of
-    `time` [s]."""
+    """Return the share of time steps in contact, from the number `steps` of time steps in contact
+    in an interval of length `time` [s]."""
     return np.asarray(steps / np.maximum(np.round(time / dataset.attrs["time_step"]), 1.0))
 
 
 def contact_span(edge: Array, touching: BoolArray) -> tuple[float, float]:
-    """Return the limits of a time axis [s]: around contact if it is brief, otherwise the complete
-    time.
+    """Return the limits of a time axis [s]: the time of contact with margins if contact is brief,
+    see `BRIEF`; otherwise the complete time.
 
     Args:
         edge: limits of the spans of time [s], (span + 1,).
-        touching: True for spans with contact, (span,).
+        touching: true for spans with contact, (span,).
     """
     spans = np.flatnonzero(touching)
     begin, end = float(edge[0]), float(edge[-1])
@@ -244,15 +243,15 @@ def contact_span(edge: Array, touching: BoolArray) -> tuple[float, float]:
 
 
 def draw_share(axes: Axes, across: xr.DataArray, up: Array, share: xr.DataArray) -> QuadMesh:
-    """Draw shares of the time in contact (time, row) [%]; darkest for permanent contact."""
+    """Draw shares (time, row) of the time in contact in percent; permanent contact is darkest."""
     percent = np.ma.masked_less_equal(100.0 * np.nan_to_num(share.values.T), 0.0)
     scale = LinearSegmentedColormap.from_list("share", SHARE_COLOURS)
     return draw_map(axes, across, up, percent, cmap=scale, vmin=0.0, vmax=100.0)
 
 
 def force_limit(force: Array) -> float:
-    """Return the force of the brightest colour: the largest force, or a percentile if there are few
-    peaks."""
+    """Return the force that has the brightest colour: the largest force or, if a few forces are
+    much larger than all others, the percentile `BRIGHTEST`."""
     pushed = force[force > 0]
     if not len(pushed):
         return 1.0

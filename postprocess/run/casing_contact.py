@@ -17,29 +17,29 @@ from bladewhirl.postprocess.run.blade_contact import COLUMNS, contact_span, draw
 
 SECTORS = 4  #: largest number of sectors of the casing per blade pitch
 LAST_TURNS = 8.0
-"""Number of revolutions at the end of a run that have their own panel: over many revolutions,
-contact that rotates with the rotor is a uniform grey."""
+"""Number of revolutions at the end of a run that are drawn in a second panel, because contact that
+travels around the casing cannot be recognised in a drawing of many revolutions."""
 
 
 def casing_contact(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Compute the share of time steps with contact in each sector of the casing.
+    """Compute the share of time steps with contact in each sector of the casing, over time.
 
-    The share is relative to the time steps at which a blade is in the sector. In each span of time
-    a blade passes every sector; at standstill there are 600 spans.
+    Only the time steps at which a blade is in the sector count. The spans of time are long enough
+    that a blade passes every sector in each of them; at standstill there are 600 spans.
 
     Args:
         result: result of a run.
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over (time, sector): `share` [1], nan where no blade was in the sector. `time` [s] is the
-        end of each span, `time_edge` [s] and `angle_edge` [rad] are the limits of spans and
-        sectors; angles are in the static frame.
+        Dataset over (time, sector): `share` [1], nan where no blade was in the sector. `time` [s]
+        is the end of each span, `time_edge` [s] are the limits of the spans, and `angle_edge` [rad]
+        are the limits of the sectors in the static frame.
 
     Raises:
-        ViewError: fewer than two records.
+        ViewError: there are fewer than two records.
     """
     dataset = select_window(result, start, end)
     time, tips = dataset["time"].values, dataset["tip_angle"].values
@@ -80,8 +80,8 @@ def casing_contact(
 
 
 def with_last_turns(contact: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
-    """Add the contact in the last revolutions: `last_share` (last_time, last_sector), with its
-    limits `last_time_edge` and `last_angle_edge`, unless the run has few revolutions.
+    """Add the contact in the last revolutions, `last_share` (last_time, last_sector), with the
+    limits `last_time_edge` and `last_angle_edge`; return short runs unchanged.
 
     Args:
         contact: from `casing_contact`.
@@ -99,10 +99,10 @@ def with_last_turns(contact: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
 
 @styled
 def plot_casing_contact(contact: xr.Dataset) -> Figure:
-    """Draw the share of the time in contact over casing angle and revolutions; a long run has a
-    second panel with its last revolutions.
+    """Draw the share of the time in contact over casing angle and revolutions.
 
-    If contact is brief, the upper panel only shows the time of contact.
+    The figure of a long run has a second panel with the last revolutions. If contact is brief, the
+    upper panel only shows the time of contact.
 
     Args:
         contact: from `casing_contact`, `with_last_turns`.
@@ -128,7 +128,7 @@ def _limits(contact: xr.Dataset) -> tuple[float, float]:
 
 
 def _draw(axes: Axes, contact: xr.Dataset, which: str) -> QuadMesh:
-    """Draw one of the panels."""
+    """Draw a panel: the complete time if `which` is "", the last revolutions if it is "last_"."""
     turns_each = _turns_each(contact)
     across = (turns_each or 1.0) * contact[f"{which}time_edge"]
     angle = np.degrees(contact[f"{which}angle_edge"].values)
@@ -140,5 +140,5 @@ def _draw(axes: Axes, contact: xr.Dataset, which: str) -> QuadMesh:
 
 
 def _turns_each(contact: xr.Dataset) -> float:
-    """Return the number of revolutions per second."""
+    """Return the number of revolutions of the rotor per second."""
     return abs(float(contact.attrs["speed"])) / (2 * np.pi)

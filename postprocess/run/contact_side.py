@@ -1,4 +1,4 @@
-"""Directions of the shaft and of the smallest clearance over time (Figs 18c, 21c)."""
+"""Directions of the shaft and of the smallest clearance over time (the paper's Figs 18c, 21c)."""
 
 from __future__ import annotations
 
@@ -22,12 +22,11 @@ from bladewhirl.solvers.stability.scenario import (
 )
 
 ALIKE = 1e-6
-"""Share of the widest spread of gaps over the records; where the spread is smaller, the gaps are
-regarded as equal, without a smallest one."""
+"""Least spread of the gaps of all blades at a record (largest minus smallest gap), as a share of
+the largest spread at any record. If the spread is smaller, the gaps are regarded as equal."""
 
-POINTS = 1200  #: largest number of points of a line of phases
-#: largest number of turns of the shaft drawn, the last ones: more would be illegible
-MOST_TURNS = 12.0
+POINTS = 1200  #: largest number of drawn points of each phase
+MOST_TURNS = 12.0  #: largest number of turns of the shaft that are drawn; the last turns are drawn
 
 
 def contact_phase(
@@ -38,26 +37,26 @@ def contact_phase(
     end: float | None = None,
     since: float | None = None,
 ) -> xr.Dataset:
-    """Compute the static angles of the shaft and of the smallest clearance at every record, and the
-    contact scenario.
+    """Compute the directions of the shaft and of the smallest clearance at every record, and the
+    contact scenario of the run.
 
-    If tips touch on one side, the angle of the smallest clearance is the mean direction of their
-    contact impulses. Otherwise it is the angle of the tip with the smallest gap, in steps of a
-    blade pitch; nan if the gaps are equal.
+    If tips touch on one side, the direction of the smallest clearance is the mean direction of
+    their contact impulses. Otherwise it is the angle of the tip with the smallest gap, which
+    changes in steps of a blade pitch; nan if all gaps are equal.
 
     Args:
         result: result of a run.
         orbit: from `orbits.shaft_orbit`, for the same time window; computed when None.
         start, end: limits of the time window [s]; start and end of the run when None.
-        since: start of the time for which the scenario is determined [s]; all records when None.
+        since: time from which the scenario is determined [s]; `start` when None.
 
     Returns:
-        over time [rad]: `shaft_phase` and `smallest_clearance_phase` in (-pi, pi], static frame;
-        `shaft_lead`, the difference of the two, which is the same in every frame; nan where a phase
-        is undefined; `impulse`, the impulse of all contacts since the previous record [N s].
+        Dataset over time: `shaft_phase` and `smallest_clearance_phase` [rad] in (-pi, pi], static
+        frame; `shaft_lead` [rad], the first minus the second phase; phases are nan where they are
+        undefined; `impulse` [N s], the impulse of all contacts since the previous record.
         Attributes: `scenario` ("standard", "inverted", "unsteady" or "at rest"); `lead` [rad] and
-        `steadiness`, means over the time window, weighted by the impulse if a tip touched, see
-        `solvers.scenario`; `window`, the time window in words.
+        `steadiness`, averaged from `since` on, weighted by the impulse if a tip touched, see
+        `solvers.stability.scenario`; `window`, the time from `since` on in words.
     """
     dataset = in_window(result, start, end)
     orbit = shaft_orbit(dataset if orbit is None else orbit, start=start, end=end)
@@ -107,10 +106,10 @@ def _scenario(shaft: Array, clearance: Array, impulse: Array) -> dict[str, str |
 
 @styled
 def plot_contact_phase(phases: xr.Dataset) -> Figure:
-    """Draw the phase of shaft and smallest clearance, and by how much the shaft leads.
+    """Draw the phases of shaft and smallest clearance, and the angle by which the shaft leads.
 
-    The phase is drawn in the frame in which the shaft makes fewer turns. If it makes many turns,
-    only the last ones are drawn.
+    The phases are drawn in the frame in which the shaft makes fewer turns. If the shaft makes more
+    than `MOST_TURNS` turns, only the last turns are drawn.
 
     Args:
         phases: from `contact_phase`.

@@ -1,4 +1,4 @@
-"""Largest displacement of the casing, contact force and stresses of a run, with place and time."""
+"""Largest casing displacement, contact force and stresses of a run, with position and time."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ from bladewhirl.postprocess.fields.kinematics import Array, casing_rows, ring_an
 from bladewhirl.postprocess.fields.result import portions
 
 FORCE_TIME = 1e-3
-"""Time over which contact forces are averaged [s]; if records are further apart, the time between
-two records. The peak force of a march grows as the time step decreases, while the impulse
-converges."""
+"""Time over which contact forces are averaged [s], unless the time between two records is longer.
+Forces are averaged because the peak force of a march grows as the time step decreases."""
 
 
 WAYS = ("radial", "tangential")
@@ -42,14 +41,14 @@ class StressPeak(TypedDict):
     """Largest linear elastic stress of a body."""
 
     stress: float  #: [Pa], signed
-    member: str  #: "blade 3", another part, "casing"
-    radius: float  #: radius of its position in the undeformed body [m]
+    member: str  #: "blade 3", another part of the rotor, or "casing"
+    radius: float  #: radius of the stressed point in the undeformed body [m]
     time: float  #: [s]
 
 
 def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
-    """Return the largest radial (outward positive) and tangential displacement of the wall over all
-    records.
+    """Return the largest radial (positive outward) and tangential displacement of the casing over
+    all records.
 
     Args:
         dataset: a result.
@@ -72,7 +71,7 @@ def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
 
 
 def largest_force(dataset: xr.Dataset) -> ForcePeak:
-    """Return the largest normal force of a blade, averaged over `FORCE_TIME`.
+    """Return the largest normal force on any blade, averaged over `FORCE_TIME`.
 
     Args:
         dataset: a result.
@@ -96,7 +95,7 @@ def stress_peaks(peaks: xr.Dataset) -> dict[str, StressPeak]:
     """Return the largest stress of the bladed disk and of the casing.
 
     Args:
-        peaks: extremes of every member, from `stresses.peak_stresses` or `stresses.stress_history`.
+        peaks: largest stresses of every member, from `stresses.peak_stresses` or `stress_history`.
     """
     of_casing = peaks["member"].values == "casing"
     largest = {}

@@ -1,4 +1,4 @@
-"""Figures of a run by name (`plotting.registry`) and their datasets."""
+"""Figures of a run by name, see `plotting.registry`, and their datasets."""
 
 from __future__ import annotations
 
@@ -29,16 +29,15 @@ from bladewhirl.postprocess.shaft.transforms import Frame
 from bladewhirl.postprocess.shaft.whirl_history import PERIODS, whirl_history
 
 FEWEST_SPANS = 4  #: smallest number of time spans in the figure of the whirl over time
-AT_REST = {"gaps"}  #: figures that are also available for a stage at rest
-#: number of time intervals of the force map, so that a contact is as wide as a line
-FORCE_COLUMNS = 200
+AT_REST = {"gaps"}  #: names of figures that are also available for a stage at rest
+FORCE_COLUMNS = 200  #: number of time intervals of the force map; an interval is as wide as a line
 
 
 class RunFigures:
     """Figures of a run, or of a time window of a run, and their datasets.
 
-    Spectrum, contact classes and contact scenario describe the motion after its onset: without a
-    window they are computed for the last third of the time.
+    Spectrum, contact classes and contact scenario describe the motion after its onset. They are
+    computed for the time window or, without a window, for the last third of the run.
 
     Args:
         dataset: a result.
@@ -55,11 +54,11 @@ class RunFigures:
         self._is_run = start is None and end is None
 
     def draw(self, name: str) -> tuple[Figure, xr.Dataset]:
-        """Draw one of `RUN_FIGURES`; return it with its dataset.
+        """Draw a figure of `RUN_FIGURES`; return the figure and its dataset.
 
         Raises:
-            ViewError: the figure does not exist, or not for this motion, such as an orbit of a
-                stage at rest.
+            ViewError: there is no figure of this name, or it cannot be drawn for this motion, such
+                as an orbit of a stage at rest.
         """
         if name not in RUN_FIGURES:
             raise ViewError(f"figure {name!r}: expected one of {', '.join(RUN_FIGURES)}")
@@ -69,7 +68,7 @@ class RunFigures:
 
     @cached_property
     def orbit(self) -> xr.Dataset:
-        """Motion of the shaft."""
+        """Orbit of the shaft."""
         return shaft_orbit(self.result)
 
     @property
@@ -134,7 +133,7 @@ class RunFigures:
 
     @property
     def casing_contact(self) -> xr.Dataset:
-        """Contact over the angle of the casing, also of the last revolutions."""
+        """Contact over the angle of the casing, for all and for the last revolutions."""
         return with_last_turns(casing_contact(self._with_contact), self.result)
 
     @property

@@ -20,15 +20,15 @@ COMPONENTS = ("radial", "tangential")  #: outward, and counter-clockwise
 
 
 def gap(result: xr.Dataset, *, start: float | None = None, end: float | None = None) -> xr.Dataset:
-    """Return the smallest gap of every blade tip since the previous record, and whether the tip
-    touched.
+    """Return the smallest gap of every blade tip since the previous record, and true or false for
+    contact of the tip in this time.
 
     Args:
         result: result of a run.
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over (time, blade): `gap` [m], `contact`.
+        Dataset over (time, blade): `gap` [m], `contact` (bool).
 
     Example:
         ``gap(result).sel(blade=3)["gap"].plot()``
@@ -57,8 +57,8 @@ def contact_force(
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over (time, blade): `normal` [N], positive if the casing pushes inward; `friction` [N],
-        positive if friction drags towards -theta.
+        Dataset over (time, blade): `normal` [N], positive if the casing pushes the tip inward;
+        `friction` [N], positive if friction drags the tip towards -theta.
 
     Example:
         ``contact_force(result, start=0.5)["normal"].max("blade").plot()``
@@ -120,17 +120,17 @@ def casing_displacement(
 
     Args:
         result: result of a run; it is read portion by portion.
-        angle: one angle or several (points,), from +x, counter-clockwise: numbers in rad, within
-            one turn, or text such as "90 deg".
+        angle: one angle or several angles (points,), counter-clockwise from +x: numbers in rad,
+            from minus one turn to one turn, or text such as "90 deg".
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
         `displacement` (time, angle, component) [m]; components "radial" (outward) and "tangential"
-        (counter-clockwise). One angle is a dimension of length 1.
+        (counter-clockwise). For a single angle the dimension `angle` has the length 1.
 
     Raises:
-        UserError: the text is not an angle, or the angle is more than a turn, such as degrees
-            without a unit.
+        UserError: a text is not an angle, or an angle is more than a turn, for instance because it
+            is in degrees but has no unit.
 
     Example:
         ``casing_displacement(result, angle="90 deg")["displacement"].sel(component="radial")``
@@ -148,7 +148,7 @@ def casing_displacement(
 
 
 def _radians(angle: object) -> float:
-    """Return one angle [rad] from a number or text."""
+    """Return an angle in rad from a number or text."""
     try:
         radians = to_si(angle, "rad") if isinstance(angle, str) else float(cast(float, angle))
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""Measures of the last third of a run: whirl, contact side, contacts, sections."""
+"""Measures of the last third of a run: whirl, contact side, contact of blades, Poincaré map."""
 
 from __future__ import annotations
 
@@ -23,14 +23,15 @@ def late_motion(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
         orbit: from `orbits.shaft_orbit`, for the same time window.
 
     Returns:
-        `late_radius` [m], root mean square of the displacement; `whirl_rotating` and
-        `whirl_static`, directions of whirl; `whirl_frequency` [Hz] in the rotating frame, forward
-        positive, nan at rest (the frequency in the static frame is higher by the speed), and
-        `whirl_scatter` [Hz], the standard deviation of the frequency over the spans of
-        `whirl_history`, nan for a single span; `scenario`, `shaft_lead` [rad] and `lead_steadiness`
-        from `contact_phase`; `late_contact_share` (blade,), nan for a single record; `section`
-        (revolution, axis) [m], the Poincaré map, which is the same in both frames; `radius_peak`
-        (peak,) [m], local maxima of the displacement.
+        Dataset of these measures: `late_radius` [m], root mean square displacement of the shaft.
+        `whirl_rotating` and `whirl_static`: directions of whirl in the two frames.
+        `whirl_frequency` [Hz]: frequency in the rotating frame, forward positive, nan at rest; the
+        frequency in the static frame is higher by the speed. `whirl_scatter` [Hz]: standard
+        deviation of the frequency over the time spans of `whirl_history`, nan for a single span.
+        `scenario`, `shaft_lead` [rad] and `lead_steadiness`: from `contact_phase`.
+        `late_contact_share` (blade,): share of the time in contact, nan for a single record.
+        `section` (revolution, axis) [m]: positions of the Poincaré map, which are the same in both
+        frames. `radius_peak` (peak,) [m]: local maxima of the displacement.
     """
     late, path = late_part(dataset), late_part(orbit)
     phases = contact_phase(late, path)
@@ -60,10 +61,10 @@ def late_motion(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
 
 
 def radius_peaks(orbit: xr.Dataset) -> Array:
-    """Return the local maxima of the displacement [m], (peaks,), also between records.
+    """Return the local maxima of the displacement of the shaft, also between records, (peaks,) [m].
 
-    The square of the displacement is interpolated by the cubic through its values and rates at the
-    records; a maximum is where its rate, taken as linear between two records, falls through zero.
+    The square of the displacement is interpolated by cubics through the values and rates at the
+    records. A maximum is where the rate, interpolated linearly between records, falls through zero.
 
     Args:
         orbit: from `orbits.shaft_orbit`, for the time considered.
@@ -80,8 +81,8 @@ def radius_peaks(orbit: xr.Dataset) -> Array:
 
 
 def _sections(orbit: xr.Dataset) -> Array:
-    """Return the positions of the shaft once a revolution (revolutions, 2) [m]; empty if the time
-    is shorter than a revolution."""
+    """Return the positions of the Poincaré map (revolutions, 2) [m]; an empty array if the time is
+    shorter than a revolution."""
     try:
         return np.asarray(poincare_map(orbit)["place"].values)
     except ViewError:

@@ -1,4 +1,4 @@
-"""Measures of a run used in the claims of the paper: regime, whirl, contact side, energies."""
+"""Measures of a run by which claims of the paper are checked: regime, whirl, contact, energies."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ from bladewhirl.postprocess.shaft.whirl import Whirl, ripple, whirl
 from bladewhirl.postprocess.shaft.whirl_history import whirl_history
 
 HOLDERS = ("suspension", "k = 0", "k = 1", "other k", "rest")
-"""Groups of modes with strain energy; "k" is the nodal diameter in the first blade family."""
+"""Groups of modes whose strain energies are compared; k is the nodal diameter in the first blade
+family, and "rest" are all other modes."""
 
 
 class Motion:
@@ -38,7 +39,7 @@ class Motion:
 
     @cached_property
     def energies(self) -> xr.Dataset:
-        """Strain energy [J] over time of each of `HOLDERS`, and `total`."""
+        """Strain energy [J] over time of each group of `HOLDERS`, and the total."""
         return xr.Dataset(energy_terms(strain_energies(self.result)))
 
     @cached_property
@@ -79,8 +80,8 @@ class Motion:
         return max(1, int(np.searchsorted(self.result["time"].values, time, side="right")))
 
     def radius_between(self, start: float, end: float) -> tuple[float, float]:
-        """Return the mean of the shaft's displacement in a window, and the difference of its
-        largest and smallest value [m]."""
+        """Return the mean of the shaft's displacement from `start` to `end` [s], and the difference
+        of its largest and smallest value [m]."""
         values = select_window(self.orbit, start, end)["radius"].values
         return float(values.mean()), float(np.ptp(values))
 
@@ -90,7 +91,7 @@ class Motion:
 
     @cached_property
     def late_whirl_rates(self) -> np.ndarray[Any, np.dtype[np.float64]]:
-        """Return the whirl rate in the static frame in equal spans of the last third, forward
+        """Whirl rates in the static frame in equal spans of the last third of the time, forward
         positive [rad/s]."""
         rates = whirl_history(late_part(self.orbit))["rate"].sel(frame="static")
         return np.asarray(rates.dropna("time").values)
@@ -111,12 +112,12 @@ class Motion:
         return float(np.degrees(self.late_phase.attrs["lead"]))
 
     def energy(self, start: float, end: float) -> dict[str, float]:
-        """Return the mean strain energy of each of `HOLDERS` in a window, and `total` [J]."""
+        """Return the mean strain energy from `start` to `end` [s] of each group, and the total."""
         window = select_window(self.energies, start, end)
         return {name: float(window[name].mean()) for name in (*HOLDERS, "total")}
 
     def share(self, start: float, end: float) -> dict[str, float]:
-        """Return the share of each of `HOLDERS` in the strain energy in a window."""
+        """Return the share of each group in the strain energy from `start` to `end` [s]."""
         energy = self.energy(start, end)
         total = energy.pop("total") or 1.0
         return {name: value / total for name, value in energy.items()}
@@ -127,15 +128,10 @@ class Motion:
         return 2.0 / 3.0 * self.end, self.end
 
     def onset(self, times: float, since: float) -> float:
-        """Return the first time at which the strain energy exceeds a multiple of its earlier value
-        [s].
+        """Return the first time [s] at which the strain energy exceeds `times` times its value at
+        the time `since` [s]; infinite if there is no such time.
 
-        The energy is averaged over periods of the reference frequency. Infinite if the energy stays
-        below.
-
-        Args:
-            times: factor by which the energy must exceed its value at `since`.
-            since: time of the earlier value [s].
+        The energy is averaged over periods of the reference frequency.
         """
         time, total = self.energies["time"].values, self.energies["total"].values
         number = (time * self.reference / (2.0 * np.pi)).astype(int)
@@ -146,8 +142,8 @@ class Motion:
         return float(time[first[at + above[0]]]) if len(above) else float("inf")
 
     def ripple_between(self, start: float, end: float) -> float:
-        """Return the root mean square of the motion about its mean position in rotating axes in a
-        window [m]."""
+        """Return the root mean square of the motion about its mean position in rotating axes, from
+        `start` to `end` [s], [m]."""
         return ripple(select_window(self.orbit, start, end), "rotating")[0]
 
     @cached_property
@@ -167,26 +163,26 @@ class Motion:
         return self.blades["free"] < self.result.sizes["blade"]
 
     def section_scatter(self) -> float:
-        """Scatter of the points of the Poincaré map in the last third, relative to their distance
-        from 0."""
+        """Return the largest distance of a point of the Poincaré map in the last third from the
+        mean of all points, relative to the mean distance of the points from the origin."""
         place = poincare_map(late_part(self.orbit))["place"].values
         spread = np.hypot(*(place - place.mean(axis=0)).T).max()
         return float(spread / np.hypot(*place.T).mean())
 
     @cached_property
     def casing_motion(self) -> float:
-        """Largest radial displacement of a casing node in the last third [m]."""
+        """Largest radial displacement of a casing node in the last third of the time [m]."""
         late = late_part(self.result)
         radial = self.result["casing_shape"].isel(casing_component=0).values
         return float(np.abs(reduce_modes(late, "casing_displacement", radial)).max())
 
 
 def orbit_distance(one: Motion, other: Motion, *, until: float = np.inf) -> float:
-    """Return the root mean square distance of two orbits in rotating axes, relative to the radius
-    of the second.
+    """Return the root mean square distance of the orbits of two runs in rotating axes, relative to
+    the root mean square radius of the orbit of `other`.
 
-    Only records that both runs have, up to the time `until` [s], are compared; NaN if the second
-    shaft is at rest.
+    Only records that both runs contain, up to the time `until` [s], are compared. NaN if the shaft
+    of `other` is at rest.
     """
     a, b = one.orbit["rotating"].values, other.orbit["rotating"].values
     records = min(len(a), len(b), other.record_at(until))

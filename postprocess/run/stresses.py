@@ -1,8 +1,8 @@
 """Stresses in blades, disk and casing over time, and their extremes.
 
-Stress is E times strain (`strains`). Like the model it is linear: no yield, no stress concentration
-where beams meet, no centrifugal stress. The stress at a surface is the axial stress plus or minus
-the bending stress.
+The stress is Young's modulus times the strain, see `strains`. It does not include yielding, stress
+concentration where beams meet, and centrifugal stress. The stress at a surface is the axial stress
+plus or minus the bending stress.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figur
 from bladewhirl.postprocess.plotting.titles import head
 
 CASING_PIECES = 4
-"""Number of pieces of a casing element; strains, which are not linear in the element, are computed
-at the ends of the pieces."""
+"""Number of pieces of a casing element. Strains are computed at the ends of the pieces, because
+they are not linear in the element."""
 
 PORTION_BYTES = 4e6  #: size of the strains computed in one matrix product [bytes]
 CACHED_BYTES = 1e6
-"""Size of the strains whose extremes are computed together [bytes]; they fit into the cache of a
-core."""
+"""Size of the strains whose extremes are computed together [bytes]; it fits into the cache of a
+processor core."""
 
-COLUMNS = 1000  #: largest number of time spans of a line; the largest value of each span is drawn
+COLUMNS = 1000  #: largest number of time spans of a curve; the largest value of a span is drawn
 UNITS = {
     "axial_strain": "1",
     "axial_stress": "Pa",
@@ -56,15 +56,15 @@ PEAKS = {"peak_stress": "Pa", "peak_time": "s", "peak_radius": "m"}
 
 
 class _Body(NamedTuple):
-    """Body with its beams sorted by members; points are all stations of its elements."""
+    """Rotor or casing, with its elements sorted by members; points are the stations of elements."""
 
-    history: str
+    history: str  #: name of the variable with the modal displacements
     axial: Array  #: axial strains for unit modal coordinates (point, mode)
     bending: Array  #: bending strains for unit modal coordinates (point, mode)
     modulus: Array  #: (point, 1) [Pa]
     radius: Array  #: radius in the undeformed body (point,) [m]
     starts: IntArray  #: first point of each member
-    columns: slice  #: range of the members of this body among those of all bodies
+    columns: slice  #: range of the members of this body among the members of both bodies
 
 
 def stress_history(
@@ -78,12 +78,13 @@ def stress_history(
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over (time, member), where members are "blade 0", ..., the other parts, "casing":
-        `axial_stress` [Pa] and `axial_strain` [1], the value with the largest magnitude, signed;
-        `bending_stress` [Pa] and `bending_strain` [1], the largest magnitude at a surface;
-        `largest_stress` and `smallest_stress` [Pa] at the surfaces. Over member: `peak_stress`
-        [Pa], the surface stress with the largest magnitude over all times, signed, with its time
-        `peak_time` [s] and its radius in the undeformed body, `peak_radius` [m].
+        Dataset over (time, member); members are "blade 0" and so on, the other parts of the rotor,
+        and "casing". `axial_stress` [Pa] and `axial_strain` [1]: the value of largest magnitude in
+        the member, signed. `bending_stress` [Pa] and `bending_strain` [1]: the largest magnitude at
+        a surface. `largest_stress` and `smallest_stress` [Pa]: extremes at the surfaces. Over
+        member only: `peak_stress` [Pa], the surface stress of largest magnitude at any time,
+        signed, the time `peak_time` [s], and the radius of the point in the undeformed body,
+        `peak_radius` [m].
 
     Example:
         ``stress_history(result)["largest_stress"].sel(member="blade 3").plot()``
@@ -120,7 +121,7 @@ def stress_history(
 
 
 def peak_stresses(dataset: xr.Dataset) -> xr.Dataset:
-    """Compute only `peak_stress`, `peak_time` and `peak_radius` of `stress_history`.
+    """Compute `peak_stress`, `peak_time` and `peak_radius` of `stress_history`, without histories.
 
     Args:
         dataset: a result.
@@ -161,7 +162,7 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
 def _body(
     history: str, rows: StrainRows, modulus: Array, radius: Array, member: IntArray, *, first: int
 ) -> _Body:
-    """Return a body from values at (element, station); `first` is its first member."""
+    """Return a body from values (element, station); `first` is the number of its first member."""
     stations = rows.axial.shape[1]
     starts = stations * np.flatnonzero(np.diff(member, prepend=-1))
     return _Body(
@@ -199,7 +200,7 @@ def _maximum(values: Array, starts: IntArray) -> Array:
 
 
 def _largest(values: Array, starts: IntArray) -> Array:
-    """Return the value with the largest magnitude in each member, signed."""
+    """Return the value of largest magnitude in each member, signed, (member, record)."""
     high, low = _maximum(values, starts), np.minimum.reduceat(values, starts, axis=0)
     return np.where(high >= -low, high, low)
 
@@ -207,7 +208,7 @@ def _largest(values: Array, starts: IntArray) -> Array:
 def _note_peaks(
     peak: dict[str, Array], body: _Body, time: Array, axial: Array, bending: Array
 ) -> None:
-    """Update the extremes with a portion of records."""
+    """Update the peak stresses of the members of a body with a portion of records."""
     size = body.modulus * (np.abs(axial) + bending)
     ranges = pairwise([*body.starts, len(size)])
     for column, (first, end) in enumerate(ranges, body.columns.start):
@@ -223,8 +224,8 @@ def _note_peaks(
 
 @styled
 def plot_stress(history: xr.Dataset) -> Figure:
-    """Draw the largest stress in blades, other parts and casing over time, and the extremes of
-    every blade.
+    """Draw the largest stress in blades, other parts and casing over time, and the extremes of the
+    stress in every blade.
 
     Args:
         history: from `stress_history`.
@@ -272,8 +273,8 @@ def _draw_time(axes: Axes, history: xr.Dataset, size: Array, blades: int) -> Non
 
 
 def _draw_blades(axes: Axes, history: xr.Dataset, scale: float) -> None:
-    """Draw bars from the smallest to the largest surface stress, with dashes at the extreme axial
-    stresses."""
+    """Draw for every blade a bar from the smallest to the largest surface stress, and dashes at the
+    smallest and largest axial stress."""
     blade = np.arange(history.sizes["member"])
     ends = [
         (scale * history[low].min("time").values, scale * history[high].max("time").values)

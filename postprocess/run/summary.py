@@ -37,13 +37,13 @@ from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, whirl
 EnergyHolders = TypedDict(
     "EnergyHolders", {"suspension": float, "1F": dict[str, float], "rest": float}
 )
-"""Strain energies [J]; those of the first family by nodal diameter, which is text as in JSON ("0",
-"1", ...)."""
+"""Strain energies of groups of modes [J]. The energies of the first family, "1F", are given by
+nodal diameter, which is a text ("0", "1", ...) as in JSON."""
 
 
 class LineOfWhirl(TypedDict):
-    """Line of a spectrum: frequencies in both frames [Hz], forward positive, and share of the mean
-    square."""
+    """Line of a spectrum: its frequency in both frames [Hz], forward positive, and its share of the
+    mean square displacement."""
 
     rotating: float
     static: float
@@ -58,7 +58,7 @@ MARCH_REPORT = (
     "wall_time",
     "us_per_step",
 )
-"""Key figures that the histories do not contain."""
+"""Key figures of the march that the histories in a result do not contain."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,10 +66,10 @@ class Summary:
     """Key figures of a run; the fields are the keys of `summary.json`."""
 
     regime: RegimeName
-    regime_criterion: str  #: criterion of the regimes, and the reason for this one
+    regime_criterion: str  #: criterion of the regimes, and the reason for the regime of this run
     growth_rate: float | None  #: growth rate of the amplitude [1/s]; None if it cannot be judged
     growth_rate_error: float | None  #: standard error of `growth_rate` [1/s]
-    growth_rate_end: float | None  #: growth rate fitted to the very last windows only [1/s]
+    growth_rate_end: float | None  #: growth rate fitted to the last five windows only [1/s]
     growth_residual: float | None  #: root mean square misfit of the logarithm of the amplitude
     ripple_growth_rate: float | None  #: growth rate of the motion about its mean position [1/s]
     ripple_growth_rate_error: float | None  #: standard error of `ripple_growth_rate` [1/s]
@@ -80,31 +80,31 @@ class Summary:
     whirl_frequency_rotating: float | None
     """Net turns per second about the bearing's centre in rotating axes over the last third [Hz],
     forward positive; None if there is no single whirl frequency, see `whirl.whirl`."""
-    whirl_frequency_static: float | None  #: the same in static axes [Hz]
+    whirl_frequency_static: float | None  #: whirl frequency in static axes [Hz]
     #: standard error of the whirl frequency in either frame [Hz]
     whirl_frequency_error: float | None
     whirl_lines: list[LineOfWhirl]  #: strongest lines of the two-sided spectrum over the last third
-    ripple_rms: float  #: motion about its mean position in rotating axes, last third [m]
+    ripple_rms: float  #: motion of the shaft about its mean position, rotating axes, last third [m]
     ripple_frequency: float | None  #: net turns per second about the mean position [Hz]
     ripple_lines: list[LineOfWhirl]  #: strongest lines of the two-sided spectrum of the ripple
     tip_displacement_max: float  #: largest displacement of a blade tip over the records [m]
-    strain_energy_max: float  #: largest of bladed disk and shaft springs over the records [J]
-    strain_energy_final: EnergyHolders  #: strain energies at the last record [J]
-    strain_energy_rest: dict[str, float]  #: energy `rest` of the last record by family [J]
-    strain_energy_casing_final: float  #: casing with its support at the last record [J]
+    strain_energy_max: float  #: largest strain energy of bladed disk and shaft springs [J]
+    strain_energy_final: EnergyHolders  #: strain energies of groups of modes, last record [J]
+    strain_energy_rest: dict[str, float]  #: strain energy `rest` of the last record by family [J]
+    strain_energy_casing_final: float  #: strain energy of casing and its support, last record [J]
     work: Works  #: works of load, contact forces, damping and drive [J]
     drive_power: float | None  #: mean power against contact forces over the last third [W]
     drive_torque: float | None  #: `drive_power` divided by the speed [N m]; None at rest
     casing_displacement_max: dict[str, WallPeak]  #: "radial" and "tangential"
     contact_force_max: ForcePeak
-    contact_impulse: float  #: normal impulse on all blades together [N s]
+    contact_impulse: float  #: sum of the normal impulses on all blades [N s]
     stress_max: dict[str, StressPeak]  #: largest stress of "bladed_disk" and "casing"
     yield_strength: float | None  #: lowest of the yield strengths given in the case [Pa]
-    contact_share: list[float]  #: share of all steps with contact, of each blade
+    contact_share: list[float]  #: share of the time steps in contact, for each blade
     gap_violation_max: float  #: deepest penetration at any step [m]
     energy_residual: float  #: error of the energy balance, relative to its largest term
-    complementarity_residual: float  #: largest over the steps, relative to the scale of the gap
-    unsolved_steps: int  #: steps whose complementarity problem no exact method solved
+    complementarity_residual: float  #: largest residual of any step, relative to the gap's scale
+    unsolved_steps: int  #: number of steps whose contact problem no exact method solved
     dt_over_critical: float  #: ratio of the time step to the critical time step
     steps: int
     wall_time: float  #: [s]
@@ -188,10 +188,11 @@ def summarise(
 
 
 def energy_residual(dataset: xr.Dataset) -> float:
-    """Return the error of the energy balance relative to its largest term; 0 at rest.
+    """Return the largest error of the energy balance relative to its largest term; 0 at rest.
 
-    At every record energy - energy_0 = external + normal + friction + coupling work - damping loss,
-    all since the first record; `damping_work` is the energy lost to damping and therefore positive.
+    At every record, energy - energy_0 = external + normal + friction + coupling work - damping
+    work. Works are since the first record, energy_0 is the energy at the first record, and the
+    damping work is positive.
     """
     works = {
         name: dataset[f"{name}_work"].values
@@ -237,13 +238,13 @@ def _lines(orbit: xr.Dataset) -> list[LineOfWhirl]:
 
 
 def _finite(value: float) -> float | None:
-    """Return a number for JSON, None in place of nan and infinity."""
+    """Return a number for JSON; None for nan and infinity, which JSON cannot represent."""
     return float(value) if np.isfinite(value) else None
 
 
 def _rest(dataset: xr.Dataset) -> dict[str, float]:
-    """Return the strain energy of the bladed disk at the end by family, without suspension and
-    first family."""
+    """Return the strain energy of the bladed disk at the last record by family, without the
+    suspension and the first family."""
     last = family_energies(dataset.isel(time=[-1]))["energy"].isel(time=0).sum("nodal_diameter")
     named = zip(last["family"].values, last.values, strict=True)
     return {str(k): float(e) for k, e in named if k not in (SUSPENSION, FIRST_FAMILY)}
@@ -259,7 +260,7 @@ def _largest_tip_displacement(dataset: xr.Dataset) -> float:
 
 
 def _holders(energies: xr.Dataset) -> EnergyHolders:
-    """Return the strain energies of the groups at one record."""
+    """Return the strain energies of the groups of modes at one record."""
     family = energies["first_family"]
     return {
         "suspension": float(energies["suspension"]),

@@ -1,4 +1,4 @@
-"""Summary of a run as rows of text, a table on screen, and hints."""
+"""Summary of a run as rows of text and as a table on screen; hint about large displacements."""
 
 import numpy as np
 from rich.table import Table
@@ -66,7 +66,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
 
 
 def _normal(work: Works) -> str:
-    """Return the work of the normal forces as text, with its two parts if they are known."""
+    """Return the work of the normal forces as text, split into its two parts if they are known."""
     closing = work["closing"]
     if closing is None:
         return f"normal forces {_text(work['normal'], 'J')}"
@@ -146,5 +146,5 @@ def displacement_hints(summary: Summary, tip_radius: float) -> tuple[str, ...]:
         return ()
     return (
         f"tips moved up to {summary.tip_displacement_max:.3g} m; above {limit:.2g} m the linear "
-        "model is off by a tenth or more: the kind of motion is valid, its size is not",
+        "model is off by a tenth or more: the regime is valid, the displacements are not",
     )
