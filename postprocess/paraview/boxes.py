@@ -1,9 +1,10 @@
-"""Beams and wall as boxes of their true thickness and width, or as lines.
+"""Beams and casing wall as boxes of their true thickness and width, or as lines.
 
-Every beam and every element of the casing is a box along a line with its own stations, so that
-strains may jump between elements. Cross-sections stay plane and normal: a corner at the distance y
-from the line has the displacement of the line minus y times the rotation along it. Lines are boxes
-without thickness, with one corner at a station instead of four.
+Every beam of the rotor and every element of the casing is a box along the axis of the beam, with
+stations of its own, so that strains can jump between elements. Cross-sections stay plane and
+normal: a corner at the distance y from the axis has the displacement of the axis minus y times the
+rotation of the cross-section, along the axis. A line is a box without thickness, which has one
+corner at each station instead of four.
 """
 
 from dataclasses import dataclass
@@ -34,32 +35,31 @@ from bladewhirl.postprocess.fields.strains import (
     rotor_strain_rows,
 )
 
-BEAM_PIECES = 2  #: pieces of a beam: enough for a smooth cubic with linear strain
+BEAM_PIECES = 2  #: number of pieces of a beam
 ARC_POINTS = 180  #: smallest number of pieces of the casing
-SIDES = np.array([0, 1, 1, 0])  #: right, left, left, right: the corners of a cross-section
-ENDS = np.array([-0.5, -0.5, 0.5, 0.5])  #: their heights over the plane, relative to the width
+SIDES = np.array([0, 1, 1, 0])  #: side of each corner of a cross-section: 0 right, 1 left
+ENDS = np.array([-0.5, -0.5, 0.5, 0.5])  #: heights of these corners, relative to the width
 
-# The same quantities for bodies drawn as lines.
-LINE_ARC_POINTS = 360
-LINE = np.zeros(1)
+LINE_ARC_POINTS = 360  #: smallest number of pieces of a casing drawn as lines
+LINE = np.zeros(1)  #: height of the only corner of a line
 
 
 @dataclass(frozen=True, kw_only=True)
 class Boxes:
-    """Boxes along lines, at rest, in the axes of their body."""
+    """Boxes of a body at rest, in the axes of the body."""
 
     body: str  #: "rotor" or "casing"
     line: Array  #: stations (element, station, 2) [m]
-    #: unit vectors across the line, to its left or, on the casing, outward (shape as `line`)
+    #: unit normals, to the left of beams and outward on the casing (element, station, 2)
     normal: Array
-    #: offset of right (inner) and left (outer) side along `normal` (shape as `line`) [m]
+    #: distance of right and left side, or inner and outer, along `normal` (element, station, 2) [m]
     offset: Array
     width: Array  #: (element, station or 1) [m]
     modulus: Array  #: (element, station or 1) [Pa]
     rows: Array  #: displacement for unit coordinates (element, station, 2, mode)
-    turn_rows: Array  #: rotation of the cross-section, counter-clockwise (element, station, mode)
+    turn_rows: Array  #: rotation of the cross-section for unit coordinates (element, station, mode)
     strain_rows: StrainRows
-    solid: bool = True  #: False for lines
+    solid: bool = True  #: true for boxes, false for lines
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -67,7 +67,7 @@ class Boxes:
         return self.line.shape[0], self.line.shape[1]
 
     def points(self) -> Array:
-        """Return the corners (element * station * 4 or 1, 3) [m]."""
+        """Return the corners (corner, 3) [m], 4 for each station of a box, 1 for each of a line."""
         place = self.line[:, :, None] + self._beside()
         ends = ENDS if self.solid else LINE
         height = np.broadcast_to(ends * self.width[..., None], place.shape[:-1])
@@ -80,14 +80,15 @@ class Boxes:
         return np.stack([first, first + 1], axis=-1).reshape(-1, 2)
 
     def on_cells(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Return values (element,) repeated for every cell of `lines` or `quads`."""
+        """Return values of elements (element,) as values of the cells of `lines` or `quads`."""
         stations = self.shape[1]
         if not self.solid:
             return np.repeat(values, stations - 1)
         return np.concatenate([np.repeat(values, 4 * (stations - 1)), values, values])
 
     def quads(self) -> IntArray:
-        """Return faces (quad, 4), counter-clockwise from outside: sides and ends."""
+        """Return faces of boxes (quad, 4): first all sides, then all ends; the corners are in
+        counter-clockwise order if the face is seen from outside."""
         elements, stations = self.shape
         first = 4 * (stations * np.arange(elements)[:, None] + np.arange(stations - 1))[..., None]
         corner = np.arange(4)
@@ -102,13 +103,13 @@ class Boxes:
         return quads[:, ::-1] if mirrored else quads
 
     def vectors(self, dataset: xr.Dataset, quantity: str, records: IntArray) -> Array:
-        """Return displacement [m] or velocity [m/s] (record, corner, 2) in body axes."""
+        """Return displacement [m] or velocity [m/s] (record, corner, 2) in the axes of the body."""
         coordinates = history(dataset, f"{self.body}_{quantity}", records)
         count = len(records)
         flat = self.rows.reshape(-1, self.rows.shape[-1])
         line = (coordinates @ flat.T).reshape(count, *self.shape, 1, 2)
         turned = coordinates @ self.turn_rows.reshape(-1, self.rows.shape[-1]).T
-        across = rotate(self._beside(), np.pi / 2)  # the effect of a small turn
+        across = rotate(self._beside(), np.pi / 2)  # displacement for a small unit rotation
         moved = line + turned.reshape(count, *self.shape, 1, 1) * across
         return np.asarray(moved.reshape(count, -1, 2))
 
@@ -118,7 +119,7 @@ class Boxes:
         return Strains.of(coordinates, self.strain_rows)
 
     def _beside(self) -> Array:
-        """Return vectors from the line to the corners (element, station, 4 or 1, 2) [m]."""
+        """Return vectors from the axis to the corners (element, station, 4 or 1, 2) [m]."""
         if not self.solid:
             return np.zeros((*self.shape, 1, 2))
         return np.asarray(self.offset[:, :, SIDES, None] * self.normal[:, :, None])
@@ -144,7 +145,7 @@ def rotor_boxes(dataset: xr.Dataset, pieces: int = BEAM_PIECES) -> Boxes:
 
 
 def casing_boxes(dataset: xr.Dataset, arc_points: int = ARC_POINTS) -> Boxes:
-    """Return the wall of the casing, in static axes, from the inner surface outward."""
+    """Return the wall of the casing in static axes; the inner surface lies at the clearance."""
     pieces = -(-arc_points // dataset.sizes["casing_node"])
     angle = station_angles(dataset, pieces)
     outward = np.stack([np.cos(angle), np.sin(angle)], axis=-1)

@@ -1,9 +1,9 @@
-"""Parts of a stage as grids at records: bladed disk, casing, tips and supports.
+"""Grids of the parts of a stage at some records: bladed disk, casing, tips and supports.
 
-Lines and boxes have the same arrays on points and cells. Points are at their positions at rest,
-turned with the body; `displacement` has its true size. Points moved by `warp` are those of a
-picture (`EnlargedStage`): clearance and displacement are multiplied by one factor, so that bodies
-touch in ParaView exactly when they touch in the run.
+The points of a grid are at their positions at rest, turned with the body. The array `displacement`
+has its true size. The array `warp` moves the points to their positions in a picture, see
+`EnlargedStage`: clearance and displacement are multiplied by one factor, so that bodies touch in
+ParaView exactly when they touch in the run. Lines and boxes have the same arrays.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from bladewhirl.postprocess.paraview.boxes import (
 from bladewhirl.postprocess.pictures.symbols import StageSymbols
 
 HOLDERS = ("springs", "dampers", "struts")
-"""Symbols that are written, without hatched ground; struts include rigid links."""
+"""Kinds of symbols that are written; struts include rigid links."""
 
 PORTION = 300  #: largest number of records computed together
 PORTION_POINTS = 1_000_000  #: largest number of points computed together
@@ -52,9 +52,10 @@ class StageParts:
     Args:
         dataset: a result.
         records: numbers of records.
-        surface: boxes of true thickness and width instead of lines.
-        rotating: rotating instead of static axes.
-        exaggeration: factor of `warp`; None takes the factor of a picture of these records.
+        surface: true for boxes of true thickness and width, false for lines.
+        rotating: true for rotating axes, false for static axes.
+        exaggeration: factor of clearance and displacement in `warp`; chosen when None, as for a
+            picture of these records.
 
     Raises:
         ViewError: the exaggeration is not positive.
@@ -111,12 +112,12 @@ class StageParts:
         ]
 
     def _part_names(self) -> list[str]:
-        """Return the names of the values of `part`: parts of the bladed disk, casing, supports."""
+        """Return the names of parts; the array `part` contains positions in this list."""
         rotor = dict.fromkeys(map(str, self._dataset["rotor_part"].values))
         return [*(name or "other beams" for name in rotor), "casing", *HOLDERS]
 
     def grids(self) -> Iterator[dict[str, meshio.Mesh]]:
-        """Yield for each record the grids of the parts by name."""
+        """Yield the grids of the parts, by name, for each record."""
         for records in self._portions:
             stage = self._enlarged(records, self.exaggeration)
             ahead = stage.turns
@@ -152,7 +153,7 @@ class StageParts:
         )
 
     def _drawn(self, stage: EnlargedStage, index: int, line: Array, wall: Array) -> list[Array]:
-        """Return the drawn corners of both bodies (corner, 2) in the axes of the body [m]."""
+        """Return the drawn corners (corner, 2) [m] of rotor and casing, each in its own axes."""
         pieces = np.arange(self._per_element + 1)
         stations = self._per_element * np.arange(self._dataset.sizes["casing_node"])[:, None]
         around = (stations + pieces) % len(wall)
@@ -164,10 +165,10 @@ class StageParts:
     def _body_fields(
         self, boxes: Boxes, rest: Array, records: IntArray, angle: Array
     ) -> dict[str, Array]:
-        """Return arrays on points (record, corner, ...): `displacement` [m], its rate `velocity`
-        [m/s], `radial_displacement` [m], `axial_strain`, `bending_strain` [1], `axial_stress`,
-        `bending_stress` and `surface_stress` [Pa]; `gap` [m] is the gap at the tip of a blade on
-        all points of the blade, and the clearance on the other points.
+        """Return the fields of a body on points (record, corner, ...), as in `series.export_vtk`.
+
+        The field `gap` [m] of the rotor is the gap at the tip of a blade for all points of the
+        blade, and the mean clearance for all other points.
         """
         dataset, count = self._dataset, len(records)
         moved = boxes.vectors(dataset, "displacement", records)
@@ -178,7 +179,7 @@ class StageParts:
         bend = strains.bending[..., None] * np.where(
             SIDES == 0, 1.0, -1.0
         )  # strain on the right side
-        if not boxes.solid:  # the surface with the larger stress
+        if not boxes.solid:  # a line has the stress of the surface with the larger magnitude
             bend = np.copysign(strains.bending, strains.axial)[..., None]
         surface = strains.axial[..., None] + bend
         corners = len(rest) // strains.axial[0].size
@@ -201,8 +202,8 @@ class StageParts:
     def _body(
         self, number: int, drawn: Array, angle: float, fields: dict[str, Array], index: int
     ) -> meshio.Mesh:
-        """Return the grid of bladed disk or casing; `drawn` are the corners in its axes (corner, 2)
-        [m]."""
+        """Return the grid of bladed disk or casing; `drawn` contains its drawn corners (corner, 2)
+        in the axes of the body [m]."""
         rest = self._rest[number]
         return meshio.Mesh(
             points=_turned(rest, angle),
@@ -215,7 +216,7 @@ class StageParts:
         )
 
     def _cell_data(self, boxes: Boxes) -> dict[str, NDArray[Any]]:
-        """Return `part` and `blade` (integers, -1 for none) and `thickness` [m] of every
+        """Return the numbers `part` and `blade` (-1 for no blade) and `thickness` [m] of every
         element."""
         dataset = self._dataset
         if boxes.body == "casing":
@@ -250,8 +251,8 @@ class StageParts:
     def _contact(
         self, nodes: Array, angle: float, fields: dict[str, Array], index: int
     ) -> meshio.Mesh:
-        """Return the grid of the tips with contact forces, in front of the blades, where arrows are
-        visible."""
+        """Return the grid of the tips with contact forces. The points lie on the front of the
+        blades, so that arrows are visible."""
         rest, blade = self._tips_at_rest, np.arange(len(self._tips))
         return meshio.Mesh(
             points=_turned(rest, angle),
@@ -271,9 +272,10 @@ class StageParts:
         nodes: Array,
         turns: tuple[Array, Array],
     ) -> meshio.Mesh | None:
-        """Return springs, dampers, struts and links as lines; None if there are none.
+        """Return springs, dampers, struts and links as lines; None if the stage has none of these.
 
-        Ends on a body have the `displacement` of the body, to first order, and its `warp`.
+        An end that is attached to a body has the `warp` and, to first order, the `displacement` of
+        the body.
         """
         angles = float(turns[1][index]), float(turns[0][index])
         moved = self._symbols.drawn(

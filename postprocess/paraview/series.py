@@ -1,8 +1,8 @@
-"""ParaView time series of a run: grids of the parts at some instants, and the index of the files.
+"""ParaView time series of a run: grids of the parts at some instants, and an index of the files.
 
-The folder contains `series.pvd` (to open), `view.py` (to run in ParaView), `mesh.vtu` (undeformed
-mesh with named sets) and `frames/` (a .vtu file per part and instant). The index is complete after
-every instant, so that an interrupted export is readable.
+The folder contains `series.pvd` (the index, which ParaView opens), `view.py` (a script for
+ParaView), `mesh.vtu` (undeformed mesh with named sets) and `frames/` (a .vtu file per part and
+instant). The index is updated after every instant, so that an interrupted export is readable.
 """
 
 import logging
@@ -32,7 +32,7 @@ logger = logging.getLogger(__name__)
 FILL = "SERIES: dict[str, Any] = {}"
 """Line of view.py that is replaced by the description of the series."""
 
-EARLY = 100  #: number of records in which the first motion is searched
+EARLY = 100  #: number of records, from the first, in which the first motion is searched
 BODIES = ("rotor", "casing")
 
 Progress = Callable[[int, int], None]
@@ -53,36 +53,36 @@ def export_vtk(
 ) -> Path:
     """Write a time series of the run between `start` and `end` [s]; return the path of series.pvd.
 
-    Parts are `rotor`, `casing`, the tips as `contact`, and `supports`: springs, dampers, struts and
-    links as lines. Points are undeformed, the rotor's turned by Omega t. All fields have their true
-    size:
+    Parts are `rotor`, `casing`, `contact` (the tips) and `supports` (springs, dampers, struts and
+    links as lines). Points are at their undeformed positions; the points of the rotor are turned by
+    Omega t. All fields have their true size:
 
-    * `displacement` [m], `velocity` [m/s]: vectors in static axes. The velocity is the rate of
-      displacement in static axes, without the transport velocity of the turning disk.
-    * `radial_displacement` [m]: along the outward radius; zero at the centre.
+    * `displacement` [m], `velocity` [m/s]: vectors in static axes. The velocity is the rate of the
+      displacement vector, without the velocity due to the rotation of the undeformed disk.
+    * `radial_displacement` [m]: displacement along the outward radius; zero at the centre.
     * `axial_strain`, `bending_strain` [1], `axial_stress`, `bending_stress` [Pa] (`strains`), and
       `surface_stress` [Pa], the sum of axial and bending stress at the surface; for lines, at the
       side with the larger sum.
-    * `gap` [m]: on a blade, the smallest gap of its tip since the previous record; on other parts,
-      the clearance, so that a threshold filter selects the blades in contact.
+    * `gap` [m]: on a blade, the smallest gap of its tip since the previous record; on other parts
+      of the rotor the clearance, so that a threshold filter selects the blades in contact.
     * `contact_force` [N], only on `contact`: the impulse since the previous record divided by the
       time between the records, as a vector (normal inward, positive friction towards -theta).
-    * on cells: `part` and `blade`, integers, -1 for none, and `thickness` [m].
+    * on cells: the numbers `part` and `blade` (-1 for no blade), and `thickness` [m].
 
     `warp` [m] is the vector from each point to its position in `bladewhirl render`. The filter Warp
     By Vector with `warp` and factor 1 shows displacement and clearance multiplied by `exaggeration`
-    (chosen when None), and bodies touch there exactly when they touch in the run.
+    (chosen when None); in this view bodies touch exactly when they touch in the run.
 
     With `surface`, beams and wall are boxes of their true thickness and width, made of quads. With
     `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and all
     vectors are in rotating axes. If `start` is None, records before the first motion are omitted,
-    because ParaView would adapt the colour scale to them. Frames listed in the manifest of the
-    folder are removed; other files are replaced only with `overwrite`. `progress` is called with
-    the numbers of frames done and in total.
+    because ParaView would fit the colour scale to records at rest. Frames of an earlier export are
+    removed; files that are not listed in the manifest of the folder are replaced only with
+    `overwrite`. `progress` is called with the number of finished frames and the number of frames.
 
     Raises:
-        ViewError: the time window is empty, or the number of frames or the exaggeration is not
-            positive.
+        ViewError: no record lies in the time window, or the number of frames or the exaggeration is
+            not positive.
         ResultError: the result is of an old format without cross-sections.
         FileExistsError: a file exists that the manifest does not list.
     """
@@ -127,7 +127,7 @@ def write_series(
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path:
-    """Write the series of chosen records, see `export_vtk`; return the path of series.pvd."""
+    """Write the series of given records, see `export_vtk`; return the path of series.pvd."""
     parts = StageParts(
         dataset, records, surface=surface, rotating=rotating, exaggeration=exaggeration
     )
@@ -162,7 +162,7 @@ def write_series(
 
 
 def write_vtu(path: Path, mesh: meshio.Mesh) -> None:
-    """Write a mesh with cells of one kind in single precision as a binary .vtu file."""
+    """Write a mesh as a binary .vtu file in single precision; all cells have the same type."""
     ((kind, cells),) = ((block.type, block.data) for block in mesh.cells)
     single = meshio.Mesh(
         _single(mesh.points),
@@ -195,7 +195,8 @@ def frame_name(part: str, number: int) -> str:
 
 
 def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[str, Any]:
-    """Return the description of the series for view.py: instant to show, ranges, names."""
+    """Return the description of the series for view.py: title, first instant to show, sizes, names
+    of the parts."""
     force = np.linalg.norm(contact_forces(dataset, records), axis=-1).max(axis=1)
     moved = np.linalg.norm(history(dataset, "rotor_displacement", records), axis=1)
     shown = int(np.argmax(force if force.any() else moved))
@@ -211,13 +212,13 @@ def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[st
 
 
 def undeformed_mesh(dataset: xr.Dataset) -> meshio.Mesh:
-    """Return both bodies as one line mesh at t = 0, with named sets as 0/1 arrays on cells and
-    points.
+    """Return bladed disk and casing as one mesh of lines at t = 0, with named sets as arrays of 0
+    and 1 on cells and points.
 
     Arrays on cells are `rotor`, `casing`, each part of the rotor (`blades`, `spokes`, ...) and
-    `thickness` [m] in the plane. Arrays on points are `rotor`, `casing`, `tips`, `centre` and
-    `blade`, the number of the blade on its tip (-1 elsewhere). The nodes of the casing are joined
-    by straight lines.
+    `thickness` [m]. Arrays on points are `rotor`, `casing`, `tips`, `centre` and `blade`: the
+    number of the blade on the node at its tip, -1 on all other nodes. The nodes of the casing are
+    joined by straight lines.
     """
     rotor = dataset["rotor_point"].values
     angle, radius = dataset["casing_angle"].values, dataset.attrs["casing_radius"]
@@ -259,5 +260,5 @@ def _closed_lines(points: int) -> IntArray:
 
 
 def _members(size: int, chosen: IntArray) -> IntArray:
-    """Return a named set as a 0/1 array (size,)."""
+    """Return an array (size,) that is 1 at the chosen positions and 0 elsewhere."""
     return np.isin(np.arange(size), chosen).astype(np.int64)

@@ -1,4 +1,4 @@
-"""Open the series in this folder in ParaView, drawn and coloured as by `bladewhirl render`.
+"""Open the series in this folder in ParaView, drawn like the pictures of `bladewhirl render`.
 
     paraview --script=view.py
     pvbatch view.py PICTURE.png
@@ -53,7 +53,7 @@ def main() -> None:
         forces.OrientationArray = forces.ScaleArray = ["POINTS", "contact_force"]
         forces.ScaleFactor = ARROW * SERIES["tip_radius"] / SERIES["largest_force"]
         forces.GlyphMode = "All Points"
-        forces.GlyphTransform.Translate = [-1.0, 0.0, 0.0]  # they end on the tips
+        forces.GlyphTransform.Translate = [-1.0, 0.0, 0.0]  # arrows end on the tips
         arrows = simple.Show(forces, view)
         simple.ColorBy(arrows, None)
         arrows.DiffuseColor = arrows.AmbientColor = [0.84, 0.37, 0.0]

@@ -1,1 +1,1 @@
-"""Stages, runs and modes drawn with pyvista: stills, sheets, films and web pages."""
+"""Pictures of stages, runs and modes: stills, sheets of stills, films and web pages."""

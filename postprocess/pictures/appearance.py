@@ -19,16 +19,16 @@ from bladewhirl.postprocess.pictures.symbols import Symbols
 INK = "#20262e"
 FAINT = "#5f6872"
 BACKGROUND = "white"
-NO_VALUE = "#cdd2d8"  #: where the field has no value
-MASS_COLOUR = "#f0e442"  #: yellow, unlike the colours of parts
-FORCE_COLOUR = "#d55e00"  #: vermilion, distinct from the map in every kind of colour vision
+NO_VALUE = "#cdd2d8"  #: colour of places where the field has no value
+MASS_COLOUR = "#f0e442"  #: colour of point masses, distinct from the colours of parts
+FORCE_COLOUR = "#d55e00"  #: colour of forces, distinct from colour maps for colour-blind readers
 
 # Sizes relative to the radius of the picture.
 OUTLINE = 0.0035
 HUB = 0.022
 MARK = 0.014
-RIM = 0.006  #: light rim around hub and mark
-EDGE = 0.002  #: light edge on both sides of strokes
+RIM = 0.006  #: width of the light rim around hub and mark
+EDGE = 0.002  #: width of the light edge on both sides of strokes
 CONTACT_DISC = 0.014
 ARROW_WIDTH = 0.011
 LONGEST_ARROW = 0.17
@@ -38,13 +38,14 @@ MARGIN = 1.04
 FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
 """Font of the figures."""
 
-FINER = 2  #: rendered points per pixel, in each direction
+FINER = 2  #: number of rendered points per pixel, in each direction
 
-SQUARE = 0.75  #: width of the stage relative to the picture; the panel takes the remaining width
+SQUARE = 0.75  #: width of the stage, as a share of the picture; the remaining width is the panel
 
 
 def strokes_of(symbols: Symbols) -> list[tuple[str, float, str, Array]]:
-    """Return name, width, colour and ends (stroke, 2, 2) of each kind of stroke, lowest first."""
+    """Return name, width, colour and end points (stroke, 2, 2) of each kind of stroke, in the order
+    of drawing."""
     return [
         ("struts", STRUT, INK, symbols.struts),
         ("ground", GROUND, FAINT, symbols.ground),
@@ -54,15 +55,15 @@ def strokes_of(symbols: Symbols) -> list[tuple[str, float, str, Array]]:
 
 
 def scene_colours(colouring: Colouring, levels: int) -> Array:
-    """Return the colours of a picture (colour, 3) between 0 and 1, with the colour map in `levels`
-    steps."""
+    """Return all colours of a picture (colour, 3), between 0 and 1, with `levels` colours of the
+    colour map."""
     fixed = [BACKGROUND, INK, FAINT, FORCE_COLOUR, NO_VALUE, MASS_COLOUR]
     return np.array([to_rgb(colour) for colour in [*fixed, *colouring.colours(levels)]])
 
 
 def contact_text(forces: Array) -> str:
-    """Return a text with the number of blades in contact and the largest force, from forces (blade,
-    2) [N]."""
+    """Return a text with the number of blades in contact and the largest of the contact `forces`
+    (blade, 2) [N]."""
     size = np.linalg.norm(forces, axis=1)
     touching = int(np.count_nonzero(size))
     if not touching:
@@ -72,7 +73,7 @@ def contact_text(forces: Array) -> str:
 
 
 def speed_text(dataset: xr.Dataset) -> str:
-    """Return the speed in three units, one per line."""
+    """Return the speed as text of three lines: rad/s, rpm, multiple of the reference frequency."""
     speed = float(dataset.attrs["speed"])
     relative = speed / float(dataset.attrs["reference_frequency"])
     return f"{speed:.5g} rad/s\n{speed * 30 / np.pi:.5g} rpm\nΩ/ω₁ = {relative:.4g}"
@@ -82,27 +83,27 @@ DOTS = "dots: centre and blade 0"  #: meaning of the dots of a picture
 
 
 def enlargement(factor: float) -> str:
-    """Return the caption of the exaggeration."""
+    """Return the text that states the `factor` of displacement and clearance."""
     if factor == 1:
         return "true size"
     return f"displacement and clearance\ndrawn {factor:g} times as large"
 
 
 class ShaftTrail(NamedTuple):
-    """Path of the centre over time."""
+    """Path of the shaft's centre in the inset of a picture, which contains a circle as a scale."""
 
-    places: Array  #: relative to the radius of the circle (record, 2)
-    title: str  #: title with the radius of the circle
+    places: Array  #: positions, relative to the radius of the circle (record, 2)
+    title: str  #: title of the inset, with the radius of the circle
 
 
 def shaft_trail(dataset: xr.Dataset, records: IntArray, frame: Frame) -> ShaftTrail:
-    """Return the path of the centre at records, in static or rotating axes."""
+    """Return the path of the shaft's centre at some records, in static or rotating axes."""
     rows = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
     way = history(dataset, "rotor_displacement", records) @ rows.T
     if frame == "static":
         way = rotate(way, turn(dataset, records))
     reach = float(np.linalg.norm(way, axis=1).max())
     unit, scale = handy_unit(reach, "m")
-    end = scale_end(1.1 * scale * reach)  # the orbit stays clear of the circle
+    end = scale_end(1.1 * scale * reach)  # the circle is larger than the orbit
     title = f"shaft\N{RIGHT SINGLE QUOTATION MARK}s orbit, circle r = {end:g} {unit}"
     return ShaftTrail(scale / end * way, title)

@@ -1,7 +1,7 @@
 """Colouring of the stage in a picture, by a field of a result or by parts.
 
-The values do not depend on the exaggeration. Each side of beams and wall has its own values,
-because bending strains differ.
+The values are true values, independent of the exaggeration of the picture. The two sides of beams
+and of the wall have different values, because bending strains differ.
 """
 
 from __future__ import annotations
@@ -55,23 +55,23 @@ PART_COLOURS = tuple(
 
 
 class Stations(NamedTuple):
-    """Numbers of pieces of beams and wall."""
+    """Numbers of straight pieces by which beams and wall are drawn."""
 
-    per_line: int  #: pieces of a beam
-    per_element: int  #: pieces of an element of the casing
+    per_line: int  #: number of pieces of a beam
+    per_element: int  #: number of pieces of an element of the casing
 
 
 @dataclass(frozen=True, kw_only=True)
 class Colouring:
-    """True values of a field in a picture; NaN where it has no value."""
+    """True values of a field in a picture; NaN where the field has no value."""
 
     name: str  #: label of the scale, without unit
     unit: str  #: unit of the scale; "" for parts
     scale: float  #: factor from the SI unit to `unit`
-    rotor: Array  #: (record, line, station, side)
-    casing: Array  #: (record, station, side); the first station is not repeated
-    signed: bool = False
-    #: colours of parts by name; the values are then numbers of parts
+    rotor: Array  #: values (record, line, station, side)
+    casing: Array  #: values (record, station, side); the first station is not repeated at the end
+    signed: bool = False  #: true if the scale contains negative values
+    #: colours of parts by name; the values are then numbers of parts. None for a field
     parts: Mapping[str, str] | None = None
 
     @property
@@ -82,8 +82,7 @@ class Colouring:
         return DIVERGING if self.signed else SEQUENTIAL
 
     def colours(self, levels: int) -> list[str]:
-        """Return the colours of the map in `levels` steps, or the colours of the parts, as
-        #rrggbb."""
+        """Return `levels` colours of the colour map, or the colours of the parts, as #rrggbb."""
         if isinstance(self.colour_map, str):
             shades = matplotlib.colormaps[self.colour_map](np.linspace(0.0, 1.0, levels))
             return [to_hex(shade) for shade in shades]
@@ -99,7 +98,7 @@ class Colouring:
 
     @property
     def largest(self) -> float:
-        """Largest magnitude."""
+        """Largest magnitude of the values, in the SI unit."""
         sizes = [np.abs(values[np.isfinite(values)]) for values in (self.rotor, self.casing)]
         return float(max(np.max(size, initial=0.0) for size in sizes))
 
@@ -107,7 +106,7 @@ class Colouring:
 def colouring(
     dataset: xr.Dataset, field: Field, records: IntArray, stations: Stations, rotating: bool
 ) -> Colouring:
-    """Return the values of a field at records, in rotating or static axes.
+    """Return the values of a field at some records; velocities are in rotating or static axes.
 
     Raises:
         ViewError: the field does not exist.
@@ -141,8 +140,9 @@ def colouring(
 def _magnitude(
     dataset: xr.Dataset, field: str, records: IntArray, stations: Stations, rotating: bool
 ) -> tuple[Array, Array]:
-    """Return for rotor and casing the magnitude of displacement, of deformation (displacement
-    without the mean motion of the body), or of velocity in the axes of the picture.
+    """Return the magnitude of a vector field for rotor and for casing: of the displacement, of the
+    deformation (displacement without the mean motion of the body), or of the velocity in the axes
+    of the picture.
     """
     _, rows = line_rows(dataset, stations.per_line)
     beams = rows.reshape(-1, 2, rows.shape[-1])
@@ -186,7 +186,8 @@ def _strained(
 
 
 def _at_surfaces(strains: Strains, field: str, modulus: Array) -> Array:
-    """Values (record, element, station, side), right or inner side first."""
+    """Return axial strain, bending strain or stress (record, element, station, side). The first
+    side is the right side of beams and the inner side of the casing."""
     bend = strains.bending[..., None] * np.array([1.0, -1.0])
     axial = strains.axial[..., None] + 0.0 * bend
     if field == "bending-strain":
@@ -197,7 +198,7 @@ def _at_surfaces(strains: Strains, field: str, modulus: Array) -> Array:
 
 
 def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> tuple[Array, Array]:
-    """Return the gap at the tip of every blade, on all its stations; NaN on the casing."""
+    """Return the gap at the tip of a blade for all stations of the blade; NaN on other parts."""
     gap, blade = history(dataset, "gap", records), line_blades(dataset)
     values = np.where(blade >= 0, gap[:, blade], np.nan)
     rotor = np.repeat(values[:, :, None], stations.per_line + 1, axis=2)
@@ -206,8 +207,7 @@ def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> tuple[Ar
 
 
 def _parts(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colouring:
-    """Return the numbers of the parts: parts of the rotor in the order of the mesh, then the
-    casing."""
+    """Return the colouring by parts: parts of the rotor in the order of the mesh, then the casing."""
     part = dataset["rotor_part"].values.astype(str)
     names = list(dict.fromkeys(part))
     number = np.array([names.index(name) for name in part], dtype=np.float64)
@@ -230,11 +230,11 @@ def _on_both_sides(values: Array) -> Array:
 
 
 def scale_end(largest: float) -> float:
-    """Return the round end of a colour scale from 0 whose quarters are short numbers."""
+    """Return a round end for a colour scale that begins at 0, at least `largest`; the quarters of
+    the scale are numbers with few digits."""
     if largest == 0:
         return 1.0
     decade = 10.0 ** np.floor(np.log10(largest))
     steps = (1, 1.2, 1.6, 2, 2.4, 3.2, 4, 5, 6, 8, 10)
-    # With the tolerance, a value of 1.2 that became 1.2000000000000002 by rounding still ends at
-    # 1.2.
+    # With the tolerance a value of 1.2000000000000002, a rounded 1.2, gives the end 1.2.
     return float(decade * min(step for step in steps if step * decade >= largest * (1 - 1e-9)))

@@ -1,6 +1,6 @@
 """Geometry of a picture of the stage: beams and wall as filled ribbons, contact as arrows.
 
-Points are taken from `EnlargedStage` and turned into the axes of the picture.
+Points are taken from `EnlargedStage` and transformed to the axes of the picture.
 """
 
 from dataclasses import dataclass
@@ -22,14 +22,14 @@ from bladewhirl.postprocess.pictures.symbols import StageSymbols, Symbols
 
 Frame = Literal["static", "rotating"]
 
-BEAM_STATIONS = 6  #: straight pieces of a beam
+BEAM_STATIONS = 6  #: number of straight pieces of a beam
 RING_STATIONS = 720  #: smallest number of straight pieces of the casing
 MARK = 0.7  #: radius of the mark on the first blade, relative to the tip radius
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ribbon:
-    """Strip of quads along lines."""
+    """Strips of quadrilaterals along beams or along the wall."""
 
     sides: Array  #: points on both sides (line, station, side, 2) [m]
     values: Array  #: true values of the field at the sides (line, station, side)
@@ -37,7 +37,8 @@ class Ribbon:
 
 @dataclass(frozen=True, kw_only=True)
 class Picture:
-    """Stage at one record. Lengths are exaggerated as drawn; values have their true size."""
+    """Stage at one record. Positions are as drawn, with displacements and clearance multiplied by
+    the exaggeration; values of fields and forces are true."""
 
     time: float  #: [s]
     rotor: Ribbon
@@ -50,13 +51,14 @@ class Picture:
 
 
 class Drawing:
-    """Stage at chosen records.
+    """Pictures of the stage at chosen records.
 
     Args:
         dataset: a result.
         records: numbers of the records.
         exaggeration: factor of displacements and clearance; a round number is chosen when None.
-        frame: in "static" the rotor turns, in "rotating" the casing turns back.
+        frame: axes of the picture: in "static" axes the rotor turns, in "rotating" axes the casing
+            turns backward.
         colour: field that colours beams and wall, see `colouring`.
     """
 
@@ -104,13 +106,15 @@ class Drawing:
         return float(np.linalg.norm(self._forces, axis=-1).max())
 
     def linear_limit(self) -> float | None:
-        """Displacement [m] from which a linear model is wrong by a tenth, if exceeded."""
+        """Return the displacement [m] from which a linear model is wrong by a tenth; None if no
+        displacement at these records is larger."""
         bent = self._stage.rotor_displacement - self._stage.centre[:, None]
         limit = LARGE_DISPLACEMENT * self._stage.tip_radius
         return limit if np.linalg.norm(bent, axis=-1).max() > limit else None
 
     def reach(self) -> tuple[float, float]:
-        """Largest distances from the origin [m] of the drawn stage and of tips in contact."""
+        """Return the largest distance of the drawn stage, and of tips in contact, from the origin
+        [m]."""
         stage = contact = 0.0
         for index in range(len(self)):
             seen = self.picture(index)
@@ -149,8 +153,8 @@ class Drawing:
         )
 
     def _casing_ribbon(self, index: int, sides: Array) -> Ribbon:
-        """Return the wall from the inner surface outward; the first station is repeated at the
-        end."""
+        """Return the wall as a ribbon from the inner to the outer surface; the first station is
+        repeated at the end."""
         closed = np.append(np.arange(len(sides)), 0)
         return Ribbon(
             sides=rotate(sides[closed], self._casing_turn[index])[None],
@@ -161,8 +165,8 @@ class Drawing:
 def arrows(tips: Array, forces: Array, length_per_newton: float, width: float) -> Array:
     """Return outlines (blade, 7, 2) of arrows that end on the tips and point along the forces.
 
-    Corners 0, 1, 5, 6 are the shaft and 2, 3, 4 the head, up to five widths long. A blade without
-    contact has an arrow of zero size.
+    Corners 0, 1, 5 and 6 belong to the shaft of the arrow, corners 2, 3 and 4 to its head, which is
+    up to five widths long. The arrow of a blade without contact has zero size.
     """
     size = np.linalg.norm(forces, axis=1)
     ahead = np.divide(forces, size[:, None], out=np.zeros_like(forces), where=size[:, None] > 0)
@@ -178,7 +182,7 @@ def arrows(tips: Array, forces: Array, length_per_newton: float, width: float) -
 
 
 def widened(sides: Array, right: float, left: float) -> Array:
-    """Return ribbon sides (line, station, 2, 2) with margins [m] on the right and on the left."""
+    """Return the sides of ribbons (line, station, 2, 2), widened by `right` and `left` [m]."""
     span = sides[:, :, 1] - sides[:, :, 0]
     across = span / np.linalg.norm(span, axis=-1)[..., None]
     return np.stack([sides[:, :, 0] - right * across, sides[:, :, 1] + left * across], axis=2)

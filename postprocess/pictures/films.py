@@ -13,17 +13,17 @@ from PIL import Image
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.pictures.offscreen import Pixels
 
-FRAME_RATE = 25  #: pictures a second; 40 ms is a whole number of the time unit of a GIF, 10 ms
+FRAME_RATE = 25  #: pictures per second; 40 ms is a multiple of the time unit of a GIF, 10 ms
 
 Progress = Callable[[int, int], None]
-"""Called with the numbers of pictures done and in total."""
+"""Function that is called with the number of finished pictures and the number of all pictures."""
 
 
 def write_gif(path: Path, pictures: Iterable[Pixels], palette: Image.Image) -> None:
-    """Write a GIF that loops.
+    """Write a GIF that repeats without end.
 
-    All pictures have one palette and are not dithered: colours do not flicker, and the file is half
-    as large as with a palette for each picture.
+    All pictures have the same palette and are not dithered, so that colours do not flicker; the
+    file is half as large as with a palette for each picture.
     """
     frames = (
         Image.fromarray(pixels).quantize(palette=palette, dither=Image.Dither.NONE)
@@ -50,7 +50,7 @@ def shared_palette(exact: Array, sample: Pixels) -> Image.Image:
 
 
 def write_mp4(path: Path, pictures: Iterable[Pixels]) -> None:
-    """Write an MP4 (H.264) that browsers and slides play."""
+    """Write an MP4 film with the H.264 codec, which browsers and presentation programs play."""
     # Any: imageio declares its writers without their methods.
     writer: Any = imageio.get_writer(path, fps=FRAME_RATE, codec="libx264", quality=7)
     with writer as film:

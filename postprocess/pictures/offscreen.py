@@ -1,5 +1,7 @@
-"""Stage as pixels, drawn without a display, after a check that the system can do so: otherwise VTK
-would crash."""
+"""Pictures of a stage as pixels, drawn without a display.
+
+Before VTK draws, the required libraries are checked, because VTK crashes if a library is missing.
+"""
 
 from __future__ import annotations
 
@@ -33,17 +35,17 @@ _MOST_DEVICES = 16
 
 
 class OffScreenError(UserError):
-    """Missing library for drawing without a display; the message names packages to install."""
+    """A library for drawing without a display is missing; the message names packages to install."""
 
 
 @functools.cache
 def require_off_screen() -> None:
     """Make VTK draw off-screen through EGL, or raise OffScreenError.
 
-    On Linux VTK loads OpenGL when the first window opens and ends with a segmentation fault if
-    libEGL or a driver is missing, so the same steps are tried here first. Other systems contain
-    OpenGL, and if the user has set VTK_DEFAULT_OPENGL_WINDOW to another window, that window is used
-    without a check.
+    On Linux VTK loads OpenGL when the first window opens, and ends with a segmentation fault if
+    libEGL or a driver is missing. This function tries to load both first. Nothing is checked on
+    other systems, which contain OpenGL, or if the user has set VTK_DEFAULT_OPENGL_WINDOW to another
+    window than EGL.
     """
     if not sys.platform.startswith("linux") or os.environ.get(_CHOICE, _EGL) != _EGL:
         return
@@ -53,17 +55,18 @@ def require_off_screen() -> None:
         raise _missing("libEGL.so.1") from error
     if not _has_driver(egl):
         raise _missing("an OpenGL driver for libEGL.so.1")
-    # Without this VTK first tries an X display: a warning if there is no display, a crash if libX11
-    # is missing, too.
+    # Otherwise VTK tries an X display first, which gives a warning if there is no display, and a
+    # crash if libX11 is missing as well.
     os.environ[_CHOICE] = _EGL
 
 
 @contextmanager
 def off_screen_plotter(size: tuple[int, int]) -> Iterator[pyvista.Plotter]:
-    """Yield a white plotter for pictures of a size in pixels, without a display.
+    """Yield a white plotter without a display, for pictures of the given size [pixels].
 
-    The plotter is `FINER` times as wide and high, and `pixels_of` reduces the picture: this smooths
-    edges in two thirds of the time of multi-sampling. pyvista is imported here, after the check.
+    The plotter is `FINER` times as wide and as high as the pictures, and `pixels_of` reduces its
+    picture. This smooths edges in two thirds of the time that multi-sampling takes. pyvista is
+    imported after the check of the libraries.
 
     Raises:
         OffScreenError: the system cannot draw without a display.
@@ -81,7 +84,7 @@ def off_screen_plotter(size: tuple[int, int]) -> Iterator[pyvista.Plotter]:
 
 
 def pixels_of(plotter: pyvista.Plotter) -> Pixels:
-    """Return the picture of a plotter from `off_screen_plotter`."""
+    """Return the picture in a plotter from `off_screen_plotter`, reduced to its final size."""
     plotter.render()
     return np.array(Image.fromarray(plotter.screenshot(return_img=True)).reduce(FINER))
 
@@ -96,10 +99,10 @@ def stage_view(
     trail: IntArray | None = None,
     sheet: bool = False,
 ) -> Iterator[Callable[[int | None], Pixels]]:
-    """Yield a function that returns the pixels of the index-th record.
+    """Yield a function of an index, which returns the picture of the stage at the index-th record.
 
-    For None it returns the record drawn before, with a panel for all records. See `Panel` for
-    `sheet`.
+    For the index None the function returns the previous picture again, with a panel that describes
+    all records. See `Panel` for `note`, `trail` and `sheet`.
     """
     with off_screen_plotter(size) as plotter:
         from bladewhirl.postprocess.pictures.panel import Panel
@@ -129,7 +132,7 @@ def _missing(library: str) -> OffScreenError:
 
 
 def _has_driver(egl: ctypes.CDLL) -> bool:
-    """Return whether EGL can be initialised on a graphics card or a software driver.
+    """Return true if EGL can be initialised on a graphics card or by a software driver.
 
     Displays are left open: closing them would also close the displays of VTK in this process.
     """

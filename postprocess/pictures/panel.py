@@ -36,27 +36,28 @@ from bladewhirl.postprocess.pictures.symbols import KINDS, Symbols, sample
 TOPS = {"title": 0.97, "time": 0.885, "speed": 0.82, "frame": 0.7, "contact": 0.565, "orbit": 0.475}
 """Upper edges of the texts, relative to the height of the window."""
 
-#: upper and lower edge of colour scale or key, relative to the window
+#: upper and lower edge of the colour scale or of the key of colours, relative to the window
 SCALE_TOP, SCALE_FOOT = 0.455, 0.05
-ORBIT_SIZE = 0.17  #: size of the inset; the scale begins below it
+ORBIT_SIZE = 0.17  #: size of the inset with the orbit, relative to the window
 BAR_SHARE = 0.11  #: longest scale bar, relative to the width of the window
 #: radius and sideways offset of a blade number, relative to the tip radius
 NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045
-LETTERS = 3.6  #: size of blade numbers in a picture of a sheet, relative to a single picture
+LETTERS = 3.6  #: size of blade numbers in a sheet, relative to their size in a single picture
 KEY_STEP = 0.034
 KEY_LETTERS, TITLE_LETTERS = 27, 22
 
 
 class Panel:
-    """Captions and colour scale right of the stage.
+    """Texts and colour scale to the right of the stage.
 
     Args:
         scene: the stage.
         dataset: a result.
-        note: further line of text.
-        trail: consecutive records; an inset shows the orbit of the shaft in them.
-        sheet: whether the picture belongs to a sheet, with larger blade numbers and the length of
-            the scale bar in the panel.
+        note: additional line of text.
+        trail: consecutive records, for which an inset shows the orbit of the shaft; None for no
+            inset.
+        sheet: true for a picture of a sheet, which has larger blade numbers, and the length of the
+            scale bar in the panel.
     """
 
     def __init__(
@@ -99,7 +100,7 @@ class Panel:
             write_key(scene.plotter, drawing.colouring.parts, top)
 
     def show(self, picture: Picture) -> None:
-        """Update time, contact and orbit."""
+        """Update time, contact text, blade numbers and orbit."""
         self._time.input = f"t = {1e3 * picture.time:.1f} ms"
         self._contact.input = contact_text(picture.forces)
         self._numbers.show(picture)
@@ -107,7 +108,7 @@ class Panel:
             self._orbit.show(picture.time)
 
     def show_all(self) -> None:
-        """Show the time window of all pictures, and the largest force."""
+        """Show the time window and the largest force of all records instead of one record."""
         first, last = 1e3 * self._drawing.times[[0, -1]]
         largest = self._drawing.largest_force
         self._time.input = f"{first:.4g} to {last:.4g} ms"
@@ -116,7 +117,7 @@ class Panel:
 
 
 class Orbit:
-    """Inset with the orbit of the shaft over some records, up to the time of the picture."""
+    """Inset with the orbit of the shaft over some records, emphasised up to the picture's time."""
 
     def __init__(self, scene: StageScene, dataset: xr.Dataset, records: IntArray) -> None:
         drawing = scene.drawing
@@ -142,7 +143,7 @@ class Orbit:
         scene.plotter.add_mesh(self._dot, color=INK, lighting=False)
 
     def show(self, time: float) -> None:
-        """Show the orbit up to a time [s]."""
+        """Emphasise the orbit up to a time [s]."""
         past = int(np.searchsorted(self._time, time, side="right"))
         seen = self._way.copy()
         seen[past:] = self._way[past - 1]
@@ -160,7 +161,7 @@ class Orbit:
 
 
 class BladeNumbers:
-    """Numbers next to the blades; some are left out if there are too many to be legible."""
+    """Numbers next to the blades; with many blades only every second, fifth or tenth number."""
 
     def __init__(self, scene: StageScene, blades: int, letters: float = 1.0) -> None:
         steps = (1, 2, 5, 10, 20, 50, 100, 200, 500)
@@ -188,7 +189,8 @@ class BladeNumbers:
 
 
 def draw_scale_bar(scene: StageScene, enlarged: str) -> str:
-    """Draw a scale bar in the lower left corner; return the text that explains it."""
+    """Draw a scale bar in the lower left corner; return its text: the length of the bar, and the
+    true size of the `enlarged` quantities that are drawn as long as the bar."""
     (left, foot), (right, _) = scene.place(0.02, 0.03), scene.place(0.02 + BAR_SHARE, 0.03)
     decade = 10.0 ** np.floor(np.log10(right - left))
     length = decade * max(step for step in (1, 2, 5) if step * decade <= right - left)
@@ -207,7 +209,7 @@ def _on_plane(points: Array) -> Array:
 
 
 def write_title(plotter: pyvista.Plotter, dataset: xr.Dataset) -> None:
-    """Write the title of the case on top."""
+    """Write the title of the case at the top of the panel."""
     title = textwrap.fill(str(dataset.attrs["title"]), TITLE_LETTERS, max_lines=2)
     write(plotter, title, TOPS["title"], 16)
 
@@ -240,7 +242,7 @@ def write_key(
     *,
     sign: str = "\N{BLACK SQUARE}",
 ) -> None:
-    """Write the key of colours below `top`."""
+    """Write a key below `top`: `sign` in each colour, with its name."""
     for number, (name, colour) in enumerate(colours.items()):
         height = top - KEY_STEP * number
         write(plotter, sign, height, 19, color=INK, indent=-0.0012)
@@ -249,7 +251,7 @@ def write_key(
 
 
 def write_symbols(scene: StageScene, top: float) -> int:
-    """Write the key of the drawn symbols below `top`; return their number."""
+    """Write a key of the drawn kinds of symbols below `top`; return the number of kinds."""
     drawn = scene.drawing.picture(0).symbols
     left, right, number = 0.018, 0.06, 0
     for kind, name in KINDS.items():
@@ -274,12 +276,12 @@ def write(
     """Write text into the panel.
 
     Args:
-        plotter: window.
+        plotter: plotter with the panel.
         text: the text.
-        top: upper edge, relative to the height of the window.
-        size: font size at a height of 960 pixels.
-        color: colour.
-        indent: distance from the left edge of the panel, relative to the width.
+        top: upper edge of the text, relative to the height of the window.
+        size: font size in a window that is 960 pixels high.
+        color: colour of the text.
+        indent: distance from the left edge of the panel, relative to the width of the window.
     """
     width, height = plotter.window_size
     actor: pyvista.Text = plotter.add_text(
@@ -296,5 +298,5 @@ def write(
 
 
 def _short(name: str) -> str:
-    """Return the name shortened to the length of a line of the key."""
+    """Return a name, shortened to the length of a line of the key."""
     return name if len(name) <= KEY_LETTERS else name[: KEY_LETTERS - 1] + "\N{HORIZONTAL ELLIPSIS}"

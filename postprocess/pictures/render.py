@@ -1,7 +1,7 @@
 """Stills, sheets of stills and animations of a run, drawn off-screen.
 
-pyvista and the scene are imported where they are used (`offscreen`): importing VTK takes long, and
-must not happen before the check that VTK can draw.
+pyvista is imported by `offscreen` where it is used, because importing VTK takes long, and must not
+happen before the check that VTK can draw.
 """
 
 from collections.abc import Iterator, Mapping
@@ -34,12 +34,12 @@ from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view
 from bladewhirl.postprocess.plotting.files import checked_target
 
 WINDOW = (1280, 960)  #: [pixels]; multiples of 16, for video codecs
-GIF_WINDOW = (960, 720)  #: [pixels]; smaller, since a GIF compresses badly
+GIF_WINDOW = (960, 720)  #: [pixels]; smaller than `WINDOW`, because a GIF file is large
 CELL = 480  #: width and height of a picture of a sheet [pixels]
 PANEL_HEIGHT = 960  #: smallest height of a sheet, for a legible panel [pixels]
-FRAMES = 120
-MOST_FRAMES = 600
-FRAMES_PER_BLADE = 3  #: with fewer pictures per blade passage the wheel seems to turn backward
+FRAMES = 120  #: number of pictures of an animation by default
+MOST_FRAMES = 600  #: largest number of pictures chosen for a given time window
+FRAMES_PER_BLADE = 3  #: fewest pictures per blade passage; else the wheel seems to turn backward
 
 
 def animation_records(
@@ -51,12 +51,15 @@ def animation_records(
 ) -> IntArray:
     """Return the records of an animation in which the rotation is smooth.
 
-    Pictures are a whole number of records apart, with at least 24 in a revolution and three in a
-    blade passage. Without a time window there are `frames` (120) pictures about the strongest
-    contact, or at the end of a run without contact; if only one end of the window is given, they
-    start or end there. If both ends are given, the pictures fill the window: at most 600, or
-    `frames`, which may be too few for a smooth rotation (see `sampling_hint`). Raises ViewError as
-    `frame_records`.
+    Pictures are a whole number of records apart, with at least 24 pictures in a revolution and
+    three in a blade passage. Without a time window the animation has `frames` pictures (120 by
+    default) about the strongest contact, or at the end of a run without contact. If only `start` or
+    only `end` is given, the pictures start or end at this time. If both are given, the pictures
+    cover the window: at most 600 pictures, or `frames` pictures, which can be too few for a smooth
+    rotation (see `sampling_hint`).
+
+    Raises:
+        ViewError: the time window does not begin inside the run, or `frames` is not positive.
     """
     window = frame_records(dataset, dataset.sizes["time"], start, end)
     if start is not None and end is not None:
@@ -80,9 +83,11 @@ def sheet_records(
 ) -> IntArray:
     """Return equidistant records for a sheet.
 
-    Without a time window they cover the revolution of the strongest contact, in a run without
-    contact the last revolution, and at zero speed the complete run. Raises ViewError as
-    `frame_records`.
+    Without a time window the records cover the revolution with the strongest contact, in a run
+    without contact the last revolution, and at zero speed the complete run.
+
+    Raises:
+        ViewError: the time window does not begin inside the run, or `frames` is not positive.
     """
     speed, step = abs(float(dataset.attrs["speed"])), float(dataset.attrs["record_step"])
     span = 1 + round(2 * np.pi / speed / step) if speed else dataset.sizes["time"]
@@ -115,7 +120,7 @@ def render_still(
     frame and colour; with `orbit` an inset shows the orbit of the shaft in the previous revolution.
 
     Raises:
-        ViewError: the time is outside the run, or the path has another suffix.
+        ViewError: the time is outside the run, or the path does not end in .png.
         OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".png")
@@ -143,15 +148,15 @@ def render_animation(
     size: tuple[int, int] | None = None,
     progress: Progress | None = None,
 ) -> Path:
-    """Draw records (see `animation_records`) as GIF or MP4, 25 a second; return the path.
+    """Draw records (see `animation_records`) as a GIF or MP4 with 25 pictures per second; return
+    the path.
 
     See `Drawing` for exaggeration, frame and colour; all pictures have the same scales of colours
-    and arrows. With `orbit` an inset shows the orbit of the shaft. The size is 960 x 720 pixels for
-    a GIF and 1280 x 960 for an MP4 by default. `progress` is called with the numbers of pictures
-    done and in total.
+    and arrows. With `orbit` an inset shows the orbit of the shaft. The default size is 960 x 720
+    pixels for a GIF and 1280 x 960 pixels for an MP4. See `Progress` for `progress`.
 
     Raises:
-        ViewError: another suffix.
+        ViewError: the path does not end in .gif or .mp4.
         OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".gif", ".mp4")
@@ -192,11 +197,15 @@ def render_sheet(
     columns: int | None = None,
     cell: int = CELL,
 ) -> Path:
-    """Draw the stage at each record, row by row, with one panel at the side, as PNG; return the
-    path.
+    """Draw a sheet with a picture of each record, row by row, and one panel at the side, as PNG;
+    return the path.
 
-    All pictures have the same scales of colours, forces and displacements. `columns` is chosen by
-    default, `cell` is the width of a picture in pixels. Raises errors as `render_still`.
+    All pictures have the same scales of colours, forces and displacements. `columns` is chosen when
+    None, `cell` is the width of a picture [pixels].
+
+    Raises:
+        ViewError: the path does not end in .png.
+        OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".png")
     drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
@@ -231,10 +240,10 @@ def _labelled(pixels: Pixels, time: float) -> Pixels:
 
 
 def _palette(drawing: Drawing, samples: list[Pixels]) -> Image.Image:
-    """Return the palette of a GIF: colours of the scene, and intermediate colours of the
-    samples."""
+    """Return the palette of a GIF: the colours of the scene, and other colours from the samples,
+    such as those of smoothed edges."""
     seen = np.vstack(samples).reshape(1, -1, 3)
-    drawn = seen[:, np.any(seen[0] < 240, axis=1)]  # a near-white colour would replace white
+    drawn = seen[:, np.any(seen[0] < 240, axis=1)]  # without colours close to white
     return shared_palette(scene_colours(drawing.colouring, 90), drawn)
 
 
@@ -249,7 +258,7 @@ def _revolution_before(dataset: xr.Dataset, record: int) -> IntArray:
 def check_inside(dataset: xr.Dataset, time: float) -> None:
     """Check that a time [s] lies in the run; raise ViewError otherwise."""
     first, last = dataset["time"].values[[0, -1]]
-    step = float(dataset.attrs["record_step"])  # the last record may be before the end
+    step = float(dataset.attrs["record_step"])  # tolerance: the run can end after its last record
     if not first - step <= time <= last + step:
         raise ViewError(f"time {time:g} s lies outside the run, [{first:g}, {last:g}] s")
 
@@ -265,8 +274,8 @@ def _stride(dataset: xr.Dataset) -> int:
 
 
 def _busiest(dataset: xr.Dataset, span: int) -> int:
-    """Return the first of the `span` successive records with the largest total contact impulse;
-    those at the end of a run without contact."""
+    """Return the first of those `span` successive records that have the largest total contact
+    impulse; in a run without contact the first of the last `span` records."""
     total = np.concatenate([[0.0], np.cumsum(_contact_impulse(dataset).sum(axis=1))])
     within = total[span:] - total[:-span]
     return int(np.argmax(within)) if total[-1] > 0 else len(within) - 1

@@ -1,5 +1,7 @@
-"""Stage in a pyvista plotter: graphical objects are created once and moved from record to
-record."""
+"""Stage in a pyvista plotter.
+
+The graphical objects are created once; for another record their points and colours are changed.
+"""
 
 import numpy as np
 import pyvista
@@ -34,10 +36,10 @@ CIRCLE = np.column_stack(
 
 
 class StageScene:
-    """Drawing of the stage in a `pyvista.Plotter`, on the screen or off-screen.
+    """Stage in a `pyvista.Plotter`, on the screen or off-screen.
 
-    Colours show the true values of the field. Without `marks`, shaft and first blade have no dots.
-    Layers have small distances in z, so the view must be along z, see `aim`.
+    Colours show the true values of the field. Dots mark the shaft and the first blade if `marks` is
+    true. Objects lie in layers at different z, so the view must be along z, see `aim`.
     """
 
     def __init__(self, plotter: pyvista.Plotter, drawing: Drawing, *, marks: bool = True) -> None:
@@ -55,7 +57,7 @@ class StageScene:
             self._outlines.append(self._add(ribbon.values.size, outline, layer=0, color=INK))
             halves = _strip_quads(lines, stations, 2)
             self._ribbons.append(self._add(2 * ribbon.values.size, halves, layer=1))
-        # Strokes have light edges, since they cross parts of any colour.
+        # Strokes have light edges to be visible on parts of any colour.
         self._edges, self._strokes = (
             {
                 name: self._add(
@@ -95,7 +97,7 @@ class StageScene:
         self.show(first)
 
     def show(self, picture: Picture) -> None:
-        """Move all actors to the picture; points and colours change in place."""
+        """Show a picture: change the points and colours of all objects in place."""
         circle = self._size * CIRCLE
         # The outline of the inner surface lies inside the wall, so that gaps keep their size.
         edge = OUTLINE * self._size
@@ -124,14 +126,14 @@ class StageScene:
         _move(self._arrows, arrows(picture.tips, picture.forces, self._metres_per_newton, width))
 
     def dots(self, middles: Array, size: float, colour: str, *, layer: int) -> None:
-        """Add outlined discs at points (dot, 2) [m]; the size is relative to the stage."""
+        """Add outlined discs at points (dot, 2) [m]; `size` is a radius, relative to the stage."""
         faces = disc_triangles(len(middles))
         for step, share, shade in ((0, size + OUTLINE, INK), (1, size, colour)):
             mesh = self._add(len(middles) * DISC_CORNERS, faces, layer=layer + step, color=shade)
             _move(mesh, middles[:, None] + share * self._size * CIRCLE)
 
     def symbols(self, symbols: Symbols) -> None:
-        """Add symbols that do not move."""
+        """Add symbols that are the same in all pictures."""
         for _, width, colour, strokes in strokes_of(symbols):
             mesh = self._add(4 * len(strokes), _stroke_quads(len(strokes)), layer=2, color=colour)
             _move(mesh, stroke_corners(strokes, width * self._size))
@@ -145,7 +147,7 @@ class StageScene:
         self.plotter.reset_camera_clipping_range()
 
     def place(self, across: float, up: float) -> Array:
-        """Return the point of the drawing plane [m] at a relative position in the window."""
+        """Return the point of the drawing plane [m] at a position in the window, from 0 to 1."""
         width, height = self.plotter.window_size
         half = self._half_height * width / height
         middle = (1 - SQUARE) * half
@@ -165,7 +167,7 @@ class StageScene:
         color: str | None = None,
         shown: bool = True,
     ) -> pyvista.PolyData:
-        """Add a mesh of polygons without lighting, coloured by the field if no colour is given."""
+        """Add a mesh of polygons without lighting, coloured by the field if `color` is None."""
         space = np.zeros((points, 3))
         space[:, 2] = 1e-3 * layer * self._size
         cells = np.concatenate([np.insert(f, 0, f.shape[1], axis=1).ravel() for f in faces])
@@ -193,9 +195,9 @@ class StageScene:
 
 
 def stroke_corners(strokes: Array, width: float) -> Array:
-    """Return corners (stroke, 4, 2) of strokes (stroke, 2, 2) of a width [m].
+    """Return corners (stroke, 4, 2) of strokes with given end points (stroke, 2, 2) and width [m].
 
-    Each stroke is drawn longer by its width, so that the strokes of a zigzag meet.
+    Each stroke is lengthened by half its width at both ends, so that the strokes of a zigzag join.
     """
     span = strokes[:, 1] - strokes[:, 0]
     length = np.linalg.norm(span, axis=-1, keepdims=True)
@@ -210,8 +212,8 @@ def _stroke_quads(strokes: int) -> IntArray:
 
 
 def _strip_quads(lines: int, stations: int, strips: int) -> IntArray:
-    """Return the quads (quad, 4) of ribbons of strips; points are ordered (line, station, strip,
-    side)."""
+    """Return the corner numbers of quadrilaterals (quad, 4) for ribbons that consist of strips; the
+    points are in the order (line, station, strip, side)."""
     across = 2 * strips
     start = across * (np.arange(lines)[:, None] * stations + np.arange(stations - 1))
     corners = np.array([0, 1, across + 1, across])
@@ -220,17 +222,18 @@ def _strip_quads(lines: int, stations: int, strips: int) -> IntArray:
 
 
 def _halves(sides: Array) -> Array:
-    """Return the sides of two strips (line, station, 4, 2) of a ribbon (line, station, 2, 2).
+    """Divide ribbons (line, station, 2, 2) into halves; return their sides (line, station, 4, 2).
 
-    Each half has the uniform colour of its surface; with a gradient across the thickness the colour
-    of the surface would hardly be visible.
+    Each half has the colour of its surface throughout. With a gradient across the thickness the
+    colours of the surfaces would hardly be visible.
     """
     middle = sides.mean(axis=2)
     return np.stack([sides[:, :, 0], middle, middle, sides[:, :, 1]], axis=2)
 
 
 def disc_triangles(discs: int) -> IntArray:
-    """Return triangles (triangle, 3) of discs; VTK fails to triangulate a polygon of zero size."""
+    """Return the corner numbers of triangles (triangle, 3) of discs, because VTK cannot triangulate
+    a polygon of zero size."""
     corner = np.arange(1, DISC_CORNERS - 1)
     fan = np.column_stack([np.zeros_like(corner), corner, corner + 1])
     triangles: IntArray = (DISC_CORNERS * np.arange(discs)[:, None, None] + fan).reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""Picture of a stage before any run: parts, supports and named sets."""
+"""Picture of a stage at rest: parts, supports and named sets."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ if TYPE_CHECKING:
     from bladewhirl.postprocess.pictures.scene import StageScene
 
 SET_COLOURS = ("#ffffff", "#20262e", "#f0e442", "#cc79a7", "#56b4e9", "#009e73")
-"""Colours of the dots at the nodes of the sets, in order."""
+"""Colours of the dots at the nodes of the sets, in the order of the sets."""
 
-DOT = 0.011  #: radius of the dots of the first set, relative to the picture; others are smaller
+DOT = 0.011  #: radius of the dots of the first set, relative to the radius of the picture
 
 
 def stage_at_rest(
     arrays: StageArrays, *, title: str, tip_radius: float, casing_radius: float, clamped: bool
 ) -> xr.Dataset:
-    """Return a Dataset of a stage at rest, with a single instant."""
+    """Return a Dataset of a stage at rest, with a single record."""
     motion = {
         "time": np.zeros(1),
         "rotor_displacement": np.zeros((1, len(arrays.rotor_frequency))),
@@ -60,7 +60,7 @@ def draw_stage(
 
     Args:
         dataset: from `stage_at_rest`, or a result, of which the first record is drawn.
-        path: target.
+        path: path of the picture.
         node_sets: nodes of the rotor by the name of the set.
         exaggeration: factor of the clearance; chosen when None, see `Drawing`.
         size: width and height [pixels].
@@ -85,7 +85,8 @@ def draw_stage(
 
 
 def _mark_sets(scene: StageScene, node_sets: Mapping[str, IntArray]) -> None:
-    """Draw dots at the nodes of every set, concentric if sets share a node."""
+    """Draw dots at the nodes of every set; the dots are smaller from set to set, so that all dots
+    at a shared node are visible."""
     for number, (nodes, colour) in enumerate(zip(node_sets.values(), SET_COLOURS, strict=False)):
         size = DOT * (1.0 - number / (len(SET_COLOURS) + 1))
         scene.dots(scene.drawing.nodes[nodes], size, colour, layer=8 + 2 * number)
@@ -122,7 +123,7 @@ def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, In
 
 
 def _sizes(dataset: xr.Dataset) -> str:
-    """Return number of blades, tip radius and clearance, one per line."""
+    """Return number of blades, tip radius and clearance as text of three lines."""
     clearance = dataset["clearance"].values[:, None] + dataset["tip_recess"].values
     (low, high), (unit, scale) = (
         np.sort(clearance.ravel())[[0, -1]],

@@ -1,8 +1,9 @@
 """Symbols of supports and attachments: springs, dampers, struts, ground, rigid links, point masses.
 
-Sizes are relative to the tip radius; only a strut has its true length. One end of a symbol moves
-with the body, the other is fixed to the ground: for the casing in static axes, for the springs of
-the shaft in the axes of the case, for its dampers in rotating axes, as in the model.
+Sizes are relative to the tip radius; only struts have their true length. One end of a support moves
+with the body, the other end is fixed to the ground. As in the model, the ground is at rest in
+static axes for the casing, in the axes that the case specifies for the springs of the shaft, and in
+rotating axes for the dampers of the shaft.
 """
 
 from __future__ import annotations
@@ -24,10 +25,10 @@ DASHPOT = 0.013  #: half of the width of a damper
 GROUND = 0.022  #: half of the width of a piece of ground
 HATCHES = 4
 BESIDE = 0.048  #: angle between a spring or strut and the damper next to it [rad]
-BRACKET = 0.03  #: height of a spring along the wall above the wall
+BRACKET = 0.03  #: distance of a tangential spring from the wall
 FOUNDATION = 36  #: number of springs that represent a uniform support of the casing
-SMALL = 0.6  #: relative size of the springs of a uniform support, and of those of the shaft
-SHAFT_SPRING = 2.4  #: length of the springs of the shaft, relative to other small springs
+SMALL = 0.6  #: relative size of the springs of a uniform support and of the shaft springs
+SHAFT_SPRING = 2.4  #: length of the shaft springs, relative to the springs of a uniform support
 MASS = 0.02  #: radius of a point mass
 
 
@@ -36,13 +37,13 @@ NO_MASSES = np.zeros((0, 2))
 
 
 class Symbols(NamedTuple):
-    """Drawn symbols: strokes (stroke, 2, 2) from end to end, and discs."""
+    """Drawn symbols: strokes, given by their end points (stroke, 2, 2), and discs."""
 
     springs: Array = NO_STROKES
     dampers: Array = NO_STROKES
     ground: Array = NO_STROKES
-    struts: Array = NO_STROKES  #: also rigid links
-    masses: Array = NO_MASSES  #: centres (mass, 2)
+    struts: Array = NO_STROKES  #: struts and rigid links
+    masses: Array = NO_MASSES  #: centres of the discs of point masses (mass, 2)
 
 
 Kind = Literal["springs", "dampers", "struts"]
@@ -52,20 +53,21 @@ class Holder(NamedTuple):
     """Supports of one kind between the casing and the ground."""
 
     kind: Kind
-    angles: Array  #: angles of the feet on the wall (foot,) [rad]
-    ways: Array  #: vectors from each foot to the ground (foot, 2) [m]
-    lift: float = 0.0  #: height of the brackets that carry the feet [m]
-    scale: float = 1.0  #: relative size
+    angles: Array  #: angles of the attachment points on the wall (foot,) [rad]
+    ways: Array  #: vectors from each attachment point to the ground (foot, 2) [m]
+    lift: float = 0.0  #: height of the brackets on the wall that carry the supports [m]
+    scale: float = 1.0  #: relative size of the symbols
 
 
 class Symbol(NamedTuple):
-    """Symbols of one kind, from start to end."""
+    """Symbols of one kind between two points."""
 
     kind: Kind
     start: Array  #: (symbol, 2) [m]
     end: Array  #: (symbol, 2) [m]
-    size: float  #: scale of the width [m]
-    grounded: Array | None = None  #: directions of the ground at the ends (symbol, 2)
+    size: float  #: length with which relative widths are multiplied [m]
+    #: vectors into the ground, which is drawn at the ends (symbol, 2); None for ends on a body
+    grounded: Array | None = None
 
 
 class StageSymbols:
@@ -74,8 +76,8 @@ class StageSymbols:
     Args:
         dataset: a result.
         angles: angles of the casing's stations (station,) [rad].
-        clearance: additional length of the springs of the casing [m], as space for its drawn
-            motion.
+        clearance: additional length of the springs of the casing [m], which gives space to the
+            drawn motion of the casing.
     """
 
     def __init__(self, dataset: xr.Dataset, angles: Array, clearance: float = 0.0) -> None:
@@ -98,12 +100,13 @@ class StageSymbols:
     def drawn(
         self, wall: Array, rest: Array, centre: Array, nodes: Array, ahead: float = 0.0
     ) -> tuple[Symbols, ...]:
-        """Return symbols of the casing, of springs and dampers of the shaft, and of the rotor, each
-        in the axes of their body.
+        """Return four groups of symbols: casing, springs of the shaft, dampers of the shaft, rotor.
+
+        The groups are in static axes, in the axes of the shaft springs, and in rotating axes.
 
         Args:
-            wall: drawn outer surface (station, 2) [m].
-            rest: outer surface at rest (station, 2) [m].
+            wall: drawn outer surface of the casing (station, 2) [m].
+            rest: drawn outer surface of the casing at rest (station, 2) [m].
             centre: drawn centre, in rotating axes (2,) [m].
             nodes: drawn nodes, in rotating axes (rotor_node, 2) [m].
             ahead: angle from the static to the rotating axes [rad].
@@ -123,8 +126,8 @@ class StageSymbols:
     def together(
         self, symbols: tuple[Symbols, ...], casing_turn: float, rotor_turn: float
     ) -> Symbols:
-        """Return all symbols of `drawn` as one, turned by the angles of the casing's and the
-        rotor's axes [rad]."""
+        """Return the groups of `drawn` combined in the axes of the picture, in which the axes of
+        casing and rotor have the given angles [rad]."""
         spring_turn = casing_turn if self._static_springs else rotor_turn
         turns = (casing_turn, spring_turn, rotor_turn, rotor_turn)
         turned = [
@@ -154,8 +157,8 @@ class StageSymbols:
 
 
 def _holders(dataset: xr.Dataset, radius: float, clearance: float) -> list[Holder]:
-    """Return springs, dampers and struts between casing and ground; those at one angle are side by
-    side."""
+    """Return springs, dampers and struts between casing and ground; supports at the same angle are
+    side by side."""
     founded = float(dataset.get("casing_foundation", 0.0)) > 0
     around = 2 * np.pi * (np.arange(FOUNDATION if founded else 0) + 0.5) / FOUNDATION
     length = radius * SPRING
@@ -191,13 +194,13 @@ def _holders(dataset: xr.Dataset, radius: float, clearance: float) -> list[Holde
 
 
 def sample(kind: str, start: Array, end: Array) -> Symbols:
-    """Return a spring, damper or strut, one of `KINDS`, from a point (2,) to another."""
+    """Return a symbol of one of the `KINDS` from the point `start` (2,) to the point `end` (2,)."""
     width = float(0.18 * np.linalg.norm(end - start))
     return Symbols()._replace(**{kind: _placed(SHAPES[kind], start[None], end[None], width)})
 
 
 def _strokes(parts: Iterable[Symbol], masses: Array = NO_MASSES) -> Symbols:
-    """Combine strokes of symbols and the discs of masses."""
+    """Return the strokes of symbols, with the discs of point masses at `masses`."""
     strokes: dict[str, list[Array]] = {kind: [NO_STROKES] for kind in (*SHAPES, "ground")}
     for kind, start, end, size, grounded in parts:
         strokes[kind].append(_placed(SHAPES[kind], start, end, WIDTHS[kind] * size))
@@ -217,8 +220,8 @@ def _optional(dataset: xr.Dataset, name: str, shape: tuple[int, ...]) -> NDArray
 
 
 def _positive(dataset: xr.Dataset, name: str, count: int) -> NDArray[np.bool_]:
-    """Return a mask of the positive ones of the first `count` values; all False without the
-    variable."""
+    """Return a mask of the first `count` values of a variable, true for positive values; all False
+    if the dataset lacks the variable."""
     values = dataset[name].values[:count] > 0 if name in dataset else np.zeros(count)
     return np.asarray(values, dtype=np.bool_)
 
@@ -234,12 +237,13 @@ def _joined(points: list[tuple[float, float]]) -> Array:
 
 
 def _placed(shape: Array, start: Array, end: Array, half_width: float) -> Array:
-    """Return the strokes of a shape from each start to each end, (symbol * stroke, 2, 2).
+    """Return the strokes of symbols of one shape, (symbol * stroke, 2, 2).
 
     Args:
-        shape: strokes in units of the length (first coordinate) and of half the width (second).
-        start: (symbol, 2) [m].
-        end: (symbol, 2) [m].
+        shape: strokes (stroke, 2, 2); the first coordinate is relative to the length of a symbol,
+            the second to half of its width.
+        start: start of each symbol (symbol, 2) [m].
+        end: end of each symbol (symbol, 2) [m].
         half_width: half of the width of the symbols [m].
     """
     span = (end - start)[:, None, None]
@@ -270,7 +274,7 @@ SHAPES = {
     ),
     "struts": _joined([(0.0, 0.0), (1.0, 0.0)]),
 }
-"""Strokes of the symbols, as `_placed` takes them."""
+"""Strokes of each kind of symbol, in the relative coordinates of `_placed`."""
 
 GROUND_SHAPE = np.concatenate(
     [
@@ -278,4 +282,4 @@ GROUND_SHAPE = np.concatenate(
         *(_joined([(0.0, y), (0.55, y - 0.45)]) for y in np.linspace(-0.7, 1.0, HATCHES)),
     ]
 )
-"""Strokes of hatched ground: a line across, and hatches into the ground."""
+"""Strokes of hatched ground, in the relative coordinates of `_placed`."""

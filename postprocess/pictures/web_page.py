@@ -1,8 +1,7 @@
-"""Animation of a run as one HTML file that a browser plays offline, with zoom, time and values at
-the pointer.
+"""Animation of a run as one HTML file that a browser plays offline.
 
-The page contains points as 16-bit and colours as 8-bit integers, and the program that draws them
-(`web_page.html`).
+The page contains points as 16-bit integers, colours as 8-bit integers, and the program that draws
+them (`web_page.html`).
 """
 
 from __future__ import annotations
@@ -59,13 +58,12 @@ def render_page(
     colour: Field = "displacement",
     progress: Progress | None = None,
 ) -> Path:
-    """Write an HTML page of records (see `animation_records`); return the path.
+    """Write an animation of records (see `animation_records`) as an HTML page; return the path.
 
-    See `Drawing` for exaggeration, frame and colour. `progress` is called with the numbers of
-    pictures done and in total.
+    See `Drawing` for exaggeration, frame and colour, and `films.Progress` for `progress`.
 
     Raises:
-        ViewError: the path has another suffix.
+        ViewError: the path does not end in .html.
     """
     target = checked_target(path, ".html")
     drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
@@ -107,8 +105,8 @@ def render_page(
 def _pack(
     drawing: Drawing, size: float, progress: Progress | None
 ) -> tuple[Array, Array, dict[str, list[int]]]:
-    """Return points and shades (record, number), and the offset and shape of each named array in a
-    record."""
+    """Return the points (record, coordinate), the shades (record, station), and the layout of a
+    record: the offset and shape of each array of points, by name."""
     places, shades, layout = [], [], dict[str, list[int]]()
     for index in range(len(drawing)):
         shapes = _shapes(drawing, drawing.picture(index), size)
@@ -128,8 +126,7 @@ def _pack(
 
 
 def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Array]:
-    """Return the points of all drawn shapes by name [m]; arrays of lines have shape (line, station,
-    ...)."""
+    """Return the points of all drawn shapes, by the name of the shape [m]."""
     force = drawing.largest_force
     length = LONGEST_ARROW * size / MARGIN / force if force else 0.0
     return {
@@ -145,7 +142,7 @@ def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Arr
 
 
 def _shades(colouring: Colouring, values: Array) -> Array:
-    """Return the numbers of the colours of values."""
+    """Return the number of the colour of each value; `NONE` for NaN."""
     low, high = colouring.limits
     if colouring.parts is not None:
         low, high = 0.0, len(colouring.parts) - 1.0
@@ -157,7 +154,7 @@ def _shades(colouring: Colouring, values: Array) -> Array:
 
 
 def _instants(drawing: Drawing) -> dict[str, Any]:
-    """Return time and contacts of each picture."""
+    """Return for each picture its time, the text about contact, and a 0 or 1 for each blade."""
     forces = [drawing.picture(index).forces for index in range(len(drawing))]
     return {
         "times": [f"t = {1e3 * time:.1f} ms" for time in drawing.times],
@@ -167,7 +164,7 @@ def _instants(drawing: Drawing) -> dict[str, Any]:
 
 
 def _looks(colouring: Colouring) -> dict[str, Any]:
-    """Return colours, and sizes in the units of the points."""
+    """Return colours, and sizes in the units of the integer points."""
     unit = FULL / MARGIN
     return {
         "ink": INK,
@@ -188,8 +185,8 @@ def _looks(colouring: Colouring) -> dict[str, Any]:
 
 
 def _orbit(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
-    """Return the orbit of the shaft from the first to the last record, relative to the radius of a
-    circle."""
+    """Return the orbit of the shaft from the first to the last picture, as a `ShaftTrail`, and the
+    record of each picture in it."""
     records = np.arange(drawing.records.min(), drawing.records.max() + 1)
     trail = shaft_trail(dataset, records, drawing.frame)
     return {
@@ -200,6 +197,6 @@ def _orbit(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
 
 
 def _members(dataset: xr.Dataset) -> list[str]:
-    """Return the name of the blade or part of each beam."""
+    """Return for each beam the name of its blade or part."""
     names, member = member_names(dataset)
     return [names[number] for number in member]

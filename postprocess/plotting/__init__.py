@@ -1,1 +1,1 @@
-"""Style, legends, units and files of every figure."""
+"""Common parts of all figures: style, axes, titles, legends, files, and the registry of figures."""

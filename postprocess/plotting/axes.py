@@ -23,24 +23,24 @@ Offsets = Sequence[tuple[float, float]]
 
 ON: Offsets = [(0, 0)]  #: offset of a label from its point [points]: the label covers the point
 AROUND: Offsets = [(0, 4), (-4, 3), (4, -3), (0, -4), (4, 3), (-4, -3), (5, 0), (-5, 0)]
-"""Offsets above, below and at the sides of a point [points]."""
+"""Offsets of a label above, below and at the sides of its point [points]."""
 
 RIGHT: Offsets = [(8, step) for step in range(0, 31, 3)]
-"""Offsets to the right of the end of a line and upwards; large offsets get a leader [points]."""
+"""Offsets of a label to the right of the end of a line and upwards [points]."""
 
-LEFT: Offsets = [(-x, y) for x, y in RIGHT]
+LEFT: Offsets = [(-x, y) for x, y in RIGHT]  #: offsets to the left of a line and upwards [points]
 
 LONGEST_LEADER = 3.0
-"""Vertical offset from which a leader connects a label to the end of its line [points]."""
+"""Vertical offset above which a leader connects a label to the end of its line [points]."""
 
 CANDIDATES = 40  #: largest number of points of a line at which a label is tried
 
 
 def speed_axis(axes: Axes, reference_hz: float) -> None:
-    """Label an x axis of normalised speeds, and add one in rpm on top.
+    """Label an x axis of normalised speeds, and add an axis in rpm on top.
 
     Args:
-        axes: the x values are multiples of the reference frequency.
+        axes: axes whose x values are multiples of the reference frequency.
         reference_hz: reference frequency [Hz].
     """
     axes.set_xlabel(SPEED)
@@ -48,17 +48,17 @@ def speed_axis(axes: Axes, reference_hz: float) -> None:
 
 
 def rpm_axis(axes: Axes, reference_hz: float) -> None:
-    """Add an axis in rpm on top to an axis of normalised speeds, see `speed_axis`."""
+    """Add an axis in rpm on top of axes whose x values are normalised speeds, see `speed_axis`."""
     unit = 60.0 * reference_hz
     functions = (lambda x: np.asarray(x) * unit, lambda x: np.asarray(x) / unit)
     axes.secondary_xaxis("top", functions=functions).set_xlabel("speed [rpm]")
 
 
 def frequency_axis(axes: Axes, reference_hz: float, label: str = FREQUENCY) -> None:
-    """Label a y axis of normalised frequencies, and add one in Hz on the right.
+    """Label a y axis of normalised frequencies, and add an axis in Hz on the right.
 
     Args:
-        axes: the y values are multiples of the reference frequency.
+        axes: axes whose y values are multiples of the reference frequency.
         reference_hz: reference frequency [Hz].
         label: label of the normalised axis.
     """
@@ -68,12 +68,12 @@ def frequency_axis(axes: Axes, reference_hz: float, label: str = FREQUENCY) -> N
 
 
 def draw_map(axes: Axes, x: ArrayLike, y: ArrayLike, values: ArrayLike, **look: Any) -> QuadMesh:
-    """Draw values (row, column) as coloured cells without grid lines; in a PDF they are a raster
-    image.
+    """Draw values (row, column) as coloured cells without grid lines; in a PDF the cells are a
+    raster image.
 
     Args:
         axes: the panel.
-        x, y: borders of the columns and rows, or their centres.
+        x, y: borders, or middles, of the columns and of the rows.
         values: values shown as colours; masked values and nan are left out.
         look: arguments of `pcolormesh`.
     """
@@ -87,10 +87,10 @@ def decades(top: float, number: float) -> LogNorm:
 
 
 class Labels:
-    """Labels of axes; one that would cover another or leave the axes is left out."""
+    """Labels in a panel; a label that would cover another label or leave the panel is left out."""
 
     def __init__(self, axes: Axes) -> None:
-        """Lay out the figure, which must be complete except for its labels."""
+        """Lay out the figure of a panel; the figure must be complete except for its labels."""
         figure = axes.get_figure(root=True)
         layout = figure.get_layout_engine() if figure else None
         if figure and layout:
@@ -99,7 +99,7 @@ class Labels:
         self._taken: list[Bbox] = []
 
     def keep_free(self, x: ArrayLike, y: ArrayLike, size: float = 4.0) -> None:
-        """Keep labels away from points whose marks have the diameter `size` [points]."""
+        """Keep labels away from the points x, y, whose marks have the diameter `size` [points]."""
         half = 0.5 * size * self._axes.figure.dpi / 72.0
         for place in self._axes.transData.transform(np.column_stack([x, y])):
             self._taken.append(Bbox([place - half, place + half]))
@@ -107,15 +107,16 @@ class Labels:
     def add(
         self, x: ArrayLike, y: ArrayLike, text: str, colour: str, offsets: Offsets = ON
     ) -> bool:
-        """Write a label at the first position where it covers no other; return False if there is
-        none.
+        """Write a label at the first position where it covers no other label.
 
         Args:
-            x: positions, or points of a line, in the order of preference.
-            y: as `x`.
+            x, y: positions, or points of a line, in the order of preference.
             text: the label.
             colour: colour of the text.
-            offsets: offsets from a position, in the order of preference.
+            offsets: offsets of the label from a position, in the order of preference.
+
+        Returns:
+            False if no position has space for the label, which is then left out.
         """
         places = np.column_stack([np.atleast_1d(x), np.atleast_1d(y)])
         places = places[np.isfinite(places).all(axis=1)]

@@ -1,4 +1,4 @@
-"""Names of output files, and templates of pages."""
+"""Suffixes of output files, and HTML pages from templates."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def checked_target(path: str | Path, *suffixes: str) -> Path:
 
 
 def filled_template(package: str, name: str, **values: object) -> str:
-    """Return a page from its jinja2 template, a file in a package.
+    """Return an HTML page from a jinja2 template, the file `name` in a package.
 
-    Text is escaped; values passed through `tojson` are safe in scripts, with arrays as `packed`.
+    Text is escaped. The filter `tojson` makes values safe in scripts; `packed` converts arrays.
 
     Raises:
         jinja2.UndefinedError: a value of the template is missing.
@@ -38,10 +38,10 @@ def filled_template(package: str, name: str, **values: object) -> str:
 
 
 def packed(values: Any) -> Any:
-    """Return an array in the format of Plotly: bytes in base64, with type and shape.
+    """Return an array in the format of Plotly: its bytes in base64, its type and its shape.
 
     Args:
-        values: array; integers must be below 2^31, and arrays of two or more axes become float32.
+        values: array; integers must be below 2^31; numbers in two or more axes become float32.
     """
     if values.dtype.kind not in "fiu":
         return values.tolist()

@@ -14,7 +14,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend_handler import HandlerTuple
 
 HEIGHT = 0.45
-"""Height that a figure reserves for its legends [inch]; the figure grows if they need more."""
+"""Height that a figure reserves for its legends [inch]; the figure grows if legends are higher."""
 
 MOST_COLUMNS = 6
 TITLE_LETTERS = 98  #: largest number of characters in a line of a legend's title
@@ -28,7 +28,7 @@ class Group(NamedTuple):
 
 
 def entries_of(*panels: Axes) -> list[tuple[Artist, str]]:
-    """Return the labelled artists of panels; of several artists with one label only the first."""
+    """Return the labelled artists of panels; of artists with the same label only the first."""
     pairs = [zip(*axes.get_legend_handles_labels(), strict=True) for axes in panels]
     named: dict[str, Artist] = {}
     for handle, label in (entry for panel in pairs for entry in panel):
@@ -37,7 +37,7 @@ def entries_of(*panels: Axes) -> list[tuple[Artist, str]]:
 
 
 def legends_below(figure: Figure, *groups: Group) -> None:
-    """Add a legend for each group that has entries, one under the other, below a figure.
+    """Add legends below a figure, one for each group that has entries.
 
     Each legend has as many columns as fit. The figure grows if the legends need more than `HEIGHT`.
 
@@ -62,7 +62,7 @@ def legends_below(figure: Figure, *groups: Group) -> None:
             if columns == 1 or legend.get_window_extent().width < 0.98 * figure.bbox.width:
                 break
             legend.remove()
-        legend.set_in_layout(False)  # the rectangle of the layout reserves its space
+        legend.set_in_layout(False)  # the space of legends is reserved below
         legends.append(legend)
     if legends:
         heights = [legend.get_window_extent().height / figure.dpi for legend in legends]  # [inch]

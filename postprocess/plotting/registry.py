@@ -1,8 +1,8 @@
 """Registry of the figures of a run and of a sweep: names, captions, and functions.
 
-A new figure needs a function that computes its dataset, a function that draws it, and an entry in
-`figures.toml`; the command line, its help, reports and `bladewhirl.plot` then contain the figure.
-The entry only names the functions, so that this module imports nothing but the standard library.
+A new figure needs a function that computes its dataset, a function that draws the dataset, and an
+entry in `figures.toml`. The command line, its help, reports and `bladewhirl.plot` then contain the
+figure. The entry only names the functions, so this module imports nothing but the standard library.
 """
 
 from __future__ import annotations
@@ -23,32 +23,32 @@ POSTPROCESS = "bladewhirl.postprocess"
 
 @dataclass(frozen=True, kw_only=True)
 class FigureKind:
-    """Entry of the registry."""
+    """Entry of the registry: a kind of figure."""
 
     name: str
     title: str
     about: str  #: content of the figure, in one line
-    reading: str = ""  #: units, signs, and what to look for
-    section: str = ""  #: section of the report that shows it
-    wide: bool = False  #: as wide as the page of the report instead of half as wide
+    reading: str = ""  #: help for reading the figure: units, signs, signs of dangerous motion
+    section: str = ""  #: section of the report that shows the figure; empty for no section
+    wide: bool = False  #: true for the width of the page of a report, false for half of it
     data: str  #: attribute of `RunFigures`, or "module:function", that computes the dataset
     plot: str  #: "module:function" in postprocess that draws the dataset
     options: Mapping[str, str] = field(default_factory=dict)  #: keyword arguments of `data`
 
     @property
     def caption(self) -> str:
-        """Caption in a report."""
+        """Caption of the figure in a report."""
         return f"{self.about}. {self.reading}".strip()
 
     def draw(self, *source: object) -> tuple[Figure, xr.Dataset]:
-        """Draw the figure; return it with its dataset.
+        """Draw the figure; return the figure and its dataset.
 
         Args:
             source: a `RunFigures`, or a sweep and the swept key of the x axis.
 
         Raises:
-            ViewError: the data of the figure do not exist, such as a Poincaré map of a rotor at
-                rest.
+            ViewError: the dataset cannot be computed, such as a Poincaré map of a rotor that does
+                not turn.
         """
         if ":" in self.data:
             data = resolve_name(f"{POSTPROCESS}.{self.data}")(*source, **self.options)
@@ -59,7 +59,7 @@ class FigureKind:
 
 
 def captions(kinds: Mapping[str, FigureKind]) -> list[str]:
-    """Return a line for each figure: its name and content."""
+    """Return a line of text for each kind of figure: its name and content."""
     return [f"{name}: {kind.about}." for name, kind in kinds.items()]
 
 

@@ -36,11 +36,11 @@ COLOURS: Mapping[str, str] = {
     "contact": "#CC79A7",
     "rest": "#AAAAAA",
 }
-"""Colours of Okabe and Ito, distinct for colour-blind readers; each has the same meaning in all
+"""Colours of Okabe and Ito, distinct for colour-blind readers; a colour has the same meaning in all
 figures."""
 
 SEQUENTIAL = "cividis"
-"""Colour map of magnitudes, uniform in lightness, also for colour-blind readers."""
+"""Colour map of magnitudes; its lightness increases evenly, also for colour-blind readers."""
 
 STYLE: Mapping[str, Any] = {
     "font.size": 7.5,
@@ -75,7 +75,7 @@ FORMATS = ("png", "pdf")  #: default formats of a figure
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
-    """Decorate a function so that it draws in the common style, not in the user's settings."""
+    """Decorate a function so that it draws in the common style, regardless of user settings."""
 
     @wraps(draw)
     def in_style(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -97,10 +97,10 @@ def new_figure(*, width: float = COLUMN_WIDTH, height: float) -> Figure:
 
 
 def time_axis(*panels: Axes) -> None:
-    """Scale the ticks of time axes to a suitable unit, and label the last axis.
+    """Show the times of panels in a suitable unit, and label the time axis of the last panel.
 
     Args:
-        panels: panels above each other, drawn over seconds.
+        panels: panels, the uppermost first, whose x values are times [s].
     """
     unit, scale = handy_unit(max(abs(end) for end in panels[-1].get_xlim()), "s")
     for axes in panels:
@@ -116,11 +116,12 @@ def save_figure(
     data: xr.Dataset | None = None,
     formats: Sequence[str] = FORMATS,
 ) -> list[Path]:
-    """Save a figure in one or more formats, with its data as netCDF; return the paths.
+    """Save a figure in one or more formats, and its data as netCDF; return the paths of the files.
 
     Args:
-        figure: drawn in the common style.
-        path: target, whose folder is created if needed; a suffix .png, .pdf or .svg is replaced.
+        figure: figure drawn in the common style.
+        path: path of the files without suffix; a suffix .png, .pdf or .svg is ignored. The folder
+            is created if needed.
         data: data of the figure; None writes no netCDF file.
         formats: "png", "pdf" or "svg".
     """

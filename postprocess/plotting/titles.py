@@ -1,4 +1,4 @@
-"""Titles of figures: the case's name, the speed, and what is shown."""
+"""Titles of figures: name of the case, content of the figure, and speed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bladewhirl.postprocess.plotting.style import INCH, styled
 
 MOST_LETTERS = 40  #: largest number of characters of a title per inch of the figure's width
 WIDEST = 0.97
-"""Largest width of a line of a title, as a share of the figure's width; a longer line is cut."""
+"""Largest width of a line of a title, as a share of the figure's width; wider lines are cut."""
 
 
 def speed_label(dataset: xr.Dataset) -> str:
@@ -24,18 +24,21 @@ def speed_label(dataset: xr.Dataset) -> str:
 
 
 def head(figure: Figure, data: xr.Dataset, *words: str) -> None:
-    """Set the title: the case's name, and the speed with a few words.
+    """Set the title of a figure: the name of the case, and a line with the speed.
 
     Args:
-        figure: drawn in the common style.
+        figure: figure drawn in the common style.
         data: dataset with the attributes of `fields.labelled`.
-        words: further text on the line of the speed.
+        words: texts that follow the speed.
     """
     set_title(figure, str(data.attrs.get("case_title", "")), ", ".join([speed_label(data), *words]))
 
 
 def set_title(figure: Figure, case: str, shown: str) -> None:
-    """Set the title: the case's name and what is shown, each line cut to the figure's width."""
+    """Set the title of a figure: the name of the case, and the lines `shown`.
+
+    Each line is cut to the width of the figure.
+    """
     in_font = get_font(findfont(FontProperties())).get_char_index
     name = " ".join(case[: int(MOST_LETTERS * figure.get_figwidth())].split())
     name = "".join(c if in_font(ord(c)) else "\N{REPLACEMENT CHARACTER}" for c in name)
@@ -45,12 +48,12 @@ def set_title(figure: Figure, case: str, shown: str) -> None:
 
 @styled
 def refit(figure: Figure, *, title: str | None = None, width: float | None = None) -> None:
-    """Change the title and the width of a figure, which keeps its height.
+    """Change the title and the width of a figure; the height does not change.
 
     Args:
-        figure: drawn in the common style.
-        title: new title; an empty one removes the title, None keeps it.
-        width: new width [m]; None keeps it.
+        figure: figure drawn in the common style.
+        title: new title; an empty text removes the title, None keeps the title.
+        width: new width [m]; None keeps the width.
     """
     if width is not None:
         figure.set_figwidth(width / INCH)
@@ -59,7 +62,7 @@ def refit(figure: Figure, *, title: str | None = None, width: float | None = Non
 
 
 def _cut(line: str, figure: Figure) -> str:
-    """Return a line, cut to the width of the figure."""
+    """Return a line of a title, cut to the width of the figure."""
     most = WIDEST * 72.0 * figure.get_figwidth()  # [points]
     size = FontProperties(size=rcParams["figure.titlesize"]).get_size_in_points()
     cut = line

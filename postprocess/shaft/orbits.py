@@ -1,4 +1,4 @@
-"""Orbit of the shaft's centre in rotating and static axes, and its whirl."""
+"""Orbit of the shaft's centre in rotating and static axes."""
 
 from typing import Any
 
@@ -18,13 +18,13 @@ from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 LONG_LINE = 5000
-"""Number of points above which a line is a raster image in a PDF, because the file would be too
-large."""
+"""Number of points above which a line is drawn as a raster image in a PDF, to limit the size of
+the file."""
 
 TINY = 0.05
 """Ratio of the radius of an orbit to the clearance below which the clearance is not drawn."""
 
-DRAWN_TURNS = 2.0  #: number of turns of the late motion drawn
+DRAWN_TURNS = 2.0  #: number of turns of the shaft, at the end, that are drawn black
 PALE = "#B0B0B0"
 CLEARANCE_LINE: dict[str, Any] = {
     "color": COLOURS["casing"],
@@ -41,13 +41,14 @@ def shaft_orbit(
     """Compute displacement and velocity of the shaft's centre in both frames.
 
     Args:
-        result: result of a run, or an orbit, from which the window is taken.
+        result: result of a run, or an orbit from this function, of which the window is returned.
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over (time, axis): `rotating` and `static`, displacement [m]; `rotating_velocity` and
-        `static_velocity` [m/s], the rates of these components, so the static velocity is R (u_dot +
-        Omega x u). Over time: `radius` [m], the same in both frames. A clamped centre stays at 0.
+        Dataset over (time, axis): `rotating` and `static`, the components of the displacement in
+        the two frames [m]; `rotating_velocity` and `static_velocity`, the rates of these components
+        [m/s], so the static velocity is R (u_dot + Omega x u). Over time: `radius` [m], the length
+        of the displacement. All are zero for a clamped centre.
 
     Example:
         ``shaft_orbit(result, start=1.0)["radius"].plot()``
@@ -79,11 +80,11 @@ def shaft_orbit(
 
 @styled
 def plot_orbit(orbit: xr.Dataset) -> Figure:
-    """Draw an orbit from `shaft_orbit` in rotating and static axes, and its late radius over time.
+    """Draw an orbit from `shaft_orbit` in both frames, and the radius of its last turns over time.
 
     The complete motion is pale, the last two turns are black. Titles give direction and frequency
-    of the whirl over the last third. The axes fit the clearance; if the orbit is much smaller, they
-    fit the orbit, and the title gives the clearance.
+    of the whirl over the last third of the time. A circle shows the clearance; if the orbit is much
+    smaller, the axes fit the orbit, and the title gives the clearance instead.
     """
     late = last_turns(orbit)
     clearance, radius = orbit.attrs["smallest_clearance"], float(orbit["radius"].max())
@@ -117,8 +118,10 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
 
 
 def last_turns(orbit: xr.Dataset) -> xr.Dataset:
-    """Return the last two turns in the frame with the faster whirl or, without whirl, the last two
-    periods of the reference frequency; at most the last third.
+    """Return the records of the last two turns of the shaft in the frame with the faster whirl.
+
+    Without whirl these are the last two periods of the reference frequency. In any case at most the
+    last third of the time is returned.
     """
     late = late_part(orbit)
     rates = [abs(turn.rate) for frame in FRAMES if (turn := whirl(late, frame)).goes_round]
@@ -137,7 +140,7 @@ def _draw_radius(axes: Axes, late: xr.Dataset) -> None:
 
 
 def _draw_path(axes: Axes, place: Array) -> None:
-    """Draw a path (record, 2), its start and its end."""
+    """Draw a path (record, 2), with marks at its start and at its end."""
     long = len(place) > LONG_LINE
     axes.plot(*place.T, color=PALE, linewidth=0.4, label="whole motion", rasterized=long)
     ends: dict[str, Any] = {"color": COLOURS["rotor"], "linestyle": "none", "markersize": 4}

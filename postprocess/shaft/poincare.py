@@ -1,4 +1,4 @@
-"""State space and Poincaré map of the shaft (Figs 20c and d)."""
+"""State space and Poincaré map of the shaft (the paper's Figs 20c and d)."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def poincare_map(
 ) -> xr.Dataset:
     """Compute position and velocity of the shaft once a revolution, whenever blade 0 lies on +x.
 
-    Between records the position is interpolated by the cubic through positions and velocities, the
-    velocity by a cubic spline. A motion that repeats with every revolution gives one point.
+    Between records the position is interpolated by cubics through positions and velocities, the
+    velocity by a cubic spline. A motion that repeats with every revolution gives a single point.
 
     Args:
         result: result of a run, or its orbit from `orbits.shaft_orbit`.
@@ -35,11 +35,11 @@ def poincare_map(
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        position `place` [m] and `velocity` [m/s] over (time, axis), with the time [s] of each
-        section.
+        Dataset over (time, axis): position `place` [m] and `velocity` [m/s]; `time` contains the
+        instants [s] at which blade 0 lies on +x.
 
     Raises:
-        ViewError: the rotor does not turn, or the time is shorter than a revolution.
+        ViewError: the rotor does not turn, or the time window is shorter than a revolution.
     """
     orbit = shaft_orbit(result, start=start, end=end)
     time = orbit["time"].values
@@ -73,8 +73,7 @@ def state_space(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """Compute position and velocity of the shaft in one frame, at all records and once a
-    revolution.
+    """Compute position and velocity of the shaft at all records, and its Poincaré map.
 
     Args:
         result: result of a run, or its orbit from `orbits.shaft_orbit`.
@@ -82,12 +81,12 @@ def state_space(
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        position `place` [m] and `velocity` [m/s] over (time, axis); `section_place` and
-        `section_velocity` over (revolution, axis), from `poincare_map`, with the time [s] as
-        coordinate.
+        Dataset: position `place` [m] and `velocity` [m/s] over (time, axis); from `poincare_map`,
+        `section_place` and `section_velocity` over (revolution, axis), where the coordinate
+        `revolution` is a time [s].
 
     Raises:
-        ViewError: as for `poincare_map`.
+        ViewError: the rotor does not turn, or the time window is shorter than a revolution.
     """
     orbit = shaft_orbit(result, start=start, end=end)
     motion = orbit[[frame, f"{frame}_velocity"]].rename(
@@ -101,11 +100,10 @@ def state_space(
 
 @styled
 def plot_state_space(states: xr.Dataset) -> Figure:
-    """Draw velocity over position along x (top) and y (bottom): the motion (left) and once a
-    revolution (right).
+    """Draw velocity over position along x (upper row) and y (lower row): the motion in the left
+    column, the Poincaré map in the right column.
 
-    The last third of the time is drawn in strong, the earlier motion in pale colour; all panels
-    have the same axes.
+    The last third of the time is black, the earlier motion is pale.
 
     Args:
         states: from `state_space`.

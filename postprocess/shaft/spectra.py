@@ -1,8 +1,9 @@
-"""Spectrum and spectrogram of the shaft, with the lines of modes.
+"""Spectrum and spectrogram of the shaft, with lines at the frequencies of modes.
 
-Unlike the spectrum of x only (the paper's Figs 15 and 17a), these spectra separate forward from
-backward motion, see `transforms`. Frequencies are positive for forward motion, in the sense of
-rotation. The side lobes of the Blackman-Harris window are below the smallest amplitude drawn.
+The paper's Figs 15 and 17a are spectra of the displacement along x. The spectra of this module are
+computed from x + i y and separate forward from backward motion, see `transforms`. Frequencies are
+positive for forward motion, in the sense of rotation. The side lobes of the Blackman-Harris window
+are below the smallest amplitude drawn.
 """
 
 from __future__ import annotations
@@ -28,17 +29,17 @@ from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Frame, phasor, spectrum
 
 SHARE, PERIODS, MOST = 1.0 / 5.0, 5.0, 0.5
-"""Length of a slice of the spectrogram: share of the time, least number of periods of the reference
-frequency, and largest share of the time."""
+"""Length of a slice of the spectrogram: as a share of the time, at least this number of periods of
+the reference frequency, but at most this share of the time."""
 
 SLICES = 120  #: approximate number of slices of a spectrogram
 PADDING, SLICE_PADDING = 4, 2
-"""Factors by which the complete motion, and a slice of it, are lengthened with zeros before the
-transform, for smooth lines."""
+"""Factors by which the complete motion, and a slice of the spectrogram, are lengthened with zeros
+before the transform, for smooth curves."""
 
-COARSEST = 0.45  #: coarsest resolution of a figure, as a share of the reference frequency
+COARSEST = 0.45  #: coarsest frequency resolution of a figure, as a share of the reference frequency
 DECADES = 4.0  #: decades below the largest amplitude that are drawn
-MARGIN = 1.12  #: ratio of the highest frequency drawn to the outermost line of a mode
+MARGIN = 1.12  #: highest frequency drawn, over the highest frequency of a line of a mode
 WITH_K = {"1F": "1F, k = 1", "casing": "casing, k = 1"}
 """Names of modes in the legend with their nodal diameter."""
 
@@ -60,20 +61,20 @@ LINE_DASHES: Mapping[str, Any] = {
 
 
 def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
-    """Return the frequencies in a frame of the modes that can move the shaft [rad/s].
+    """Return the frequencies in a frame of the speed and of modes that can move the shaft [rad/s].
 
     These modes have one nodal diameter: first family and suspension of the bladed disk, and the
-    lowest mode of the casing, each as a forward and a backward wave. In the other frame the
-    frequency of a wave differs by the speed; with Coriolis forces forward and backward waves have
-    different frequencies in every frame. The last line is the speed: the frequency of a stationary
-    load in the rotating frame, or of a load fixed to the rotor in the static frame.
+    lowest mode of the casing, each as a forward and a backward wave. The frequencies of a wave in
+    the two frames differ by the speed. A further line, "Ω", is the frequency of a stationary load
+    in the rotating frame, or of a load that turns with the rotor in the static frame.
 
     Args:
         dataset: a result.
         frame: frame of the observer.
 
     Returns:
-        (line,), forward positive, with the coordinate `mode`: "1F", "suspension", "casing", "Ω".
+        Frequencies (line,), forward positive. The coordinate `mode` (line,) contains the names
+        "1F", "suspension", "casing" and "Ω".
     """
     speed = abs(float(dataset.attrs["speed"]))
     rotor_shift, casing_shift = (0.0, -speed) if frame == "rotating" else (speed, 0.0)
@@ -102,7 +103,7 @@ def shaft_spectrum(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """Compute the amplitude of the shaft over frequency, by one transform of all records.
+    """Compute the amplitude of the shaft over frequency, by a single transform of all records.
 
     Args:
         result: result of a run, or its orbit from `orbits.shaft_orbit`.
@@ -110,11 +111,11 @@ def shaft_spectrum(
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        `amplitude` (frequency,) [m], frequency [rad/s] ascending, forward positive. Attribute
-        `resolution` [rad/s].
+        Dataset of `amplitude` (frequency,) [m]; `frequency` [rad/s] is ascending, and positive for
+        forward motion. The attribute `resolution` is a frequency [rad/s].
 
     Raises:
-        ViewError: the records are too few, or not equally spaced.
+        ViewError: there are too few records, or the records are not equally spaced.
 
     Example:
         ``shaft_spectrum(result, "static", start=2.0)["amplitude"].plot()``
@@ -142,21 +143,21 @@ def shaft_spectrogram(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """Compute the amplitude of the shaft over frequency and time, Fig. 17(a).
+    """Compute the amplitude of the shaft over frequency and time (the paper's Fig. 17a).
 
     Args:
         result: result of a run, or its orbit from `orbits.shaft_orbit`.
         frame: frame of the observer.
-        length: length of a slice [s]. When None, a fifth of the time, or five periods of the
-            reference frequency if these are longer, but not more than half the time.
+        length: length of a slice [s]. When None, the longer of a fifth of the time and five periods
+            of the reference frequency, but not more than half of the time.
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        `amplitude` (frequency, time) [m]: frequency [rad/s] ascending, forward positive; time [s]
-        is the middle of each slice. Slices lie completely within the records.
+        Dataset of `amplitude` (frequency, time) [m]; `frequency` [rad/s] is ascending, and positive
+        for forward motion; `time` [s] is the middle of each slice.
 
     Raises:
-        ViewError: the records are too few, or not equally spaced.
+        ViewError: there are too few records, or the records are not equally spaced.
     """
     even, step = evenly_spaced(shaft_orbit(result, start=start, end=end), FEWEST_RECORDS)
     records = even.sizes["time"]
@@ -180,14 +181,15 @@ def shaft_spectrogram(
 
 
 def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
-    """Return the drawn range of a spectrum, with all lines of modes, `modal_line` (line,).
+    """Return the frequency range of a spectrum that is drawn, with the frequencies of modes and
+    speed added as `modal_line` (line,).
 
     Args:
         spectrum: from `shaft_spectrum` or `shaft_spectrogram`.
         lines: from `modal_lines`, for the same frame.
 
     Raises:
-        ViewError: the window is too short to resolve about half of the reference frequency.
+        ViewError: the time window is too short: the resolution is coarser than `COARSEST`.
     """
     edge = MARGIN * float(np.abs(lines).max())
     resolution, needed = (
@@ -205,7 +207,7 @@ def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
 
 @styled
 def plot_spectrum(spectrum: xr.Dataset) -> Figure:
-    """Draw the shaft's amplitude over frequency in Hz with the lines of modes.
+    """Draw the amplitude of the shaft over frequency, with lines at the frequencies of modes.
 
     Args:
         spectrum: from `shaft_spectrum`, `with_lines`.
@@ -236,7 +238,8 @@ def plot_spectrum(spectrum: xr.Dataset) -> Figure:
 
 @styled
 def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
-    """Draw the shaft's amplitude over frequency in Hz and time with the lines of modes.
+    """Draw the amplitude of the shaft over frequency and time, with lines at the frequencies of
+    modes.
 
     Args:
         spectrogram: from `shaft_spectrogram`, `with_lines`.
@@ -264,7 +267,7 @@ def _resolution(spectrum: xr.Dataset) -> str:
 
 
 def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:
-    """Draw the lines of modes; the two lines of a mode have one name."""
+    """Draw the lines of modes and speed; the two lines of a mode have one entry in the legend."""
     named: set[str] = set()
     for value, mode in zip(lines.values, lines["mode"].values, strict=True):
         name = f"−{mode}" if mode == ORDER and value < 0.0 else WITH_K.get(str(mode), str(mode))

@@ -1,8 +1,8 @@
 """Complex spectra of the shaft's position x + i y, which separate forward and backward motion.
 
-The transform of exp(i omega t) has one line at omega, positive counter-clockwise. A circle of
-radius r has the amplitude r at one frequency; a straight vibration has half its amplitude at two
-frequencies.
+The transform of exp(i omega t) has one line at omega, which is positive for counter-clockwise
+motion. A circular motion of radius r has the amplitude r at one frequency. A straight vibration of
+amplitude a has the amplitude a / 2 at two frequencies of opposite sign.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Frame = Literal["rotating", "static"]
 Complex = NDArray[np.complex128]
 
 FEWEST_RECORDS = 16  #: smallest number of records for a spectrum
-MOST_LINES, LEAST_SHARE = 3, 0.02  #: largest number of lines reported, and least share of a line
+MOST_LINES, LEAST_SHARE = 3, 0.02  #: number and least share of the lines in `strongest_lines`
 LOBE = 2  #: half width of a line under the Hann window, in multiples of the resolution
 
 
@@ -34,8 +34,8 @@ class SpectralLine:
 
 
 def phasor(orbit: xr.Dataset, frame: Frame) -> Complex:
-    """Return x + i y of the shaft, mirrored if the rotor turns clockwise, so that forward is
-    positive."""
+    """Return x + i y of the shaft, or x - i y if the rotor turns clockwise, so that forward motion
+    has positive frequencies."""
     x, y = orbit[frame].values.T
     return np.asarray(x + (-1j if orbit.attrs["speed"] < 0 else 1j) * y)
 
@@ -54,7 +54,8 @@ def spectrum(
             frequencies of the padded transform when None.
 
     Returns:
-        ascending frequencies, and amplitudes in the unit of the motion, (..., frequencies).
+        Ascending frequencies (frequencies,), and amplitudes in the unit of the motion, (...,
+        frequencies).
     """
     weighted = motion * (window / window.sum())
     if frequency is None:
@@ -72,9 +73,10 @@ def spectrum(
 def strongest_lines(orbit: xr.Dataset, frame: Frame) -> tuple[SpectralLine, ...]:
     """Return up to three of the strongest lines of the two-sided spectrum; none for a short motion.
 
-    A spectrum with a Hann window is used. The share of a line is the power within its width around
-    a peak, its frequency the centre of this power. In the other frame the frequencies differ by the
-    speed, and the shares are the same.
+    The spectrum is computed with a Hann window. The share of a line is the share of its power, the
+    power within the width of the line around a peak, in the total power. Its frequency is the
+    centre of this power. The frequencies in the two frames differ by the speed, the shares are
+    equal.
 
     Args:
         orbit: from `orbits.shaft_orbit`.
@@ -85,7 +87,7 @@ def strongest_lines(orbit: xr.Dataset, frame: Frame) -> tuple[SpectralLine, ...]
     except ViewError:
         return ()
     motion = phasor(even, frame)
-    # Positive frequencies first: of two equal lines the forward one is reported.
+    # Positive frequencies come first, so that of two equal lines the forward line is the first.
     frequency, amplitude = map(np.fft.ifftshift, spectrum(motion, step, np.hanning(len(motion))))
     power = np.abs(amplitude) ** 2
     total = float(power.sum())

@@ -1,9 +1,9 @@
 """Whirl of the shaft: net turns about the bearing's centre.
 
-A whirl has a frequency if its phase makes net turns: the slope of the unwrapped angle about the
-bearing's centre. The mean of x cross v divided by the mean of r^2 is not such a frequency: a small
-fast component contributes its own rate, weighted by its squared amplitude. Frequencies are positive
-for forward motion, in the sense of rotation (+theta at standstill).
+The rate of a whirl is the slope of the unwrapped angle of the shaft about the bearing's centre. The
+mean of x cross v divided by the mean of r^2 is a different rate, to which a small, fast component
+contributes its own rate, weighted by its squared amplitude. Rates and frequencies are positive for
+forward motion, in the sense of rotation (+theta at standstill).
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ Direction = Literal["forward", "backward", "none"]
 FRAMES: tuple[Frame, Frame] = ("rotating", "static")
 
 LEAST_TURN = 0.1  #: least number of turns about the origin for which a whirl has a direction
-LEAST_CERTAIN = 10.0  #: number of standard errors that a rate has to exceed
-LARGEST_SHARE = 0.5  #: least share of the spectral line at the rate in the mean square
+LEAST_CERTAIN = 10.0  #: number of standard errors that the rate of a whirl must exceed
+LARGEST_SHARE = 0.5  #: least share in the mean square of the spectral line at the rate of the whirl
 SPANS = 10  #: number of spans whose rates give the standard error of the rate
 DOUBTFUL = 0.5 * np.pi
-"""Angle between two records above which the path may have passed the centre on either side
-[rad]."""
+"""Angle between two records above which it is uncertain on which side the path has passed the
+centre [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +38,7 @@ class Whirl:
 
     rate: float  #: slope of the unwrapped angle [rad/s]; nan at rest
     error: float  #: standard error of `rate` [rad/s]; nan if the motion is too short
-    goes_round: bool  #: whether there is a single whirl frequency, see `whirl`
+    goes_round: bool  #: true if there is a single whirl frequency, see `whirl`
 
     @property
     def direction(self) -> Direction:
@@ -66,16 +66,17 @@ class Whirl:
 def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
     """Compute the net turns about the bearing's centre over all records of an orbit.
 
-    The rate is the slope of a straight line fitted to the unwrapped angle; its values in the two
+    The rate is the slope of a straight line fitted to the unwrapped angle; the rates in the two
     frames differ exactly by the speed. The error is the standard error of the mean of the slopes in
-    ten equal spans, so it measures the variation of the rate and does not depend on the number of
-    records. There is no single whirl frequency if the angle increases by less than a tenth of a
-    turn, by less than its oscillation about the fitted line (as in an orbit outside the centre,
-    such as a ripple about a steady position), or by less than ten standard errors. If the position
-    turns by more than a quarter turn between two records, it may have passed the centre on either
-    side: each such pair of records raises the required increase by one turn. There is no single
-    whirl frequency either if the spectrum has no line at the rate with half of the mean square: the
-    net turns of several circles, none larger than all others together, are only a mean.
+    ten equal spans of time. It measures the variation of the rate.
+
+    There is a single whirl frequency if four conditions hold. The fitted angle changes by a tenth
+    of a turn or more. It changes by more than the angle oscillates about the fitted line; this
+    excludes orbits that do not enclose the centre, such as a ripple about a steady position. The
+    rate is larger than ten standard errors. The spectrum has a line at the rate with half of the
+    mean square or more; otherwise the rate is only a mean of the rates of several circular motions.
+    If the position turns by more than a quarter turn between two records, the path may have passed
+    the centre on either side: each such pair of records adds one turn to the oscillation.
 
     Args:
         orbit: from `orbits.shaft_orbit`, for the time considered.
@@ -102,8 +103,9 @@ def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
 
 
 def _has_line(orbit: xr.Dataset, frame: Frame, rate: float, error: float) -> bool:
-    """Return whether the spectrum has a line with half of the mean square at the rate, within the
-    width of the line or the error of the rate; also True if the motion is too short for a spectrum.
+    """Return true if the spectrum has a line with half of the mean square or more at the rate,
+    within the width of the line or the error of the rate; also if there is no spectral line, for
+    instance because the motion is too short.
     """
     lines = strongest_lines(orbit, "rotating")
     time = orbit["time"].values
@@ -116,16 +118,16 @@ def _has_line(orbit: xr.Dataset, frame: Frame, rate: float, error: float) -> boo
 
 
 def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, BoolArray]:
-    """Return the unwrapped angle about the bearing's centre [rad], forward positive, and the
-    uncertain steps.
+    """Return the unwrapped angle about the bearing's centre [rad], forward positive, and a mask of
+    the steps in which the number of turns is uncertain.
 
     Args:
         orbit: from `orbits.shaft_orbit`.
         frame: frame of the observer.
 
     Returns:
-        angle (time,); whether the step after each record may have passed the centre on either side,
-        (time - 1,).
+        angle (time,); mask (time - 1,), true if the path may have passed the centre on either side
+        between a record and the next record, see `DOUBTFUL`.
     """
     angle = np.unwrap(np.angle(phasor(orbit, "rotating")))
     doubtful = np.abs(np.diff(angle)) > DOUBTFUL
@@ -135,13 +137,13 @@ def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, BoolArray]:
 
 
 def ripple(orbit: xr.Dataset, frame: Frame) -> tuple[float, xr.Dataset]:
-    """Return the motion about its mean position: root mean square [m], and its orbit about that
-    position.
+    """Return the ripple, the motion about the mean position: its root mean square [m], and its
+    orbit.
 
     Args:
         orbit: from `orbits.shaft_orbit`, for the time considered.
-        frame: frame of the mean position; the returned orbit contains the motion in this frame as
-            `rotating`.
+        frame: frame in which the mean position is computed. The variable `rotating` of the returned
+            orbit is the ripple in this frame.
     """
     place = orbit[frame].values
     about = place - place.mean(axis=0)

@@ -18,7 +18,7 @@ from bladewhirl.postprocess.shaft.transforms import Frame
 from bladewhirl.postprocess.shaft.whirl import FRAMES, LEAST_TURN, phase, span_rates
 
 PERIODS = 2.0
-"""Least length of a span, in periods of the reference frequency, over which ripple averages out."""
+"""Least length of a span of time, in periods of the reference frequency; ripple averages out."""
 
 MOST_SPANS = 40  #: largest number of spans of a run
 LOOK = {"rotating": ("-", "o", "rotor"), "static": ("--", "s", "casing")}
@@ -30,19 +30,20 @@ def whirl_history(
 ) -> xr.Dataset:
     """Compute mean rate and direction of the whirl in equal spans of time, in both frames.
 
-    The rate is computed as in `whirl.whirl`: the slope of the unwrapped angle about the bearing's
-    centre. A direction is clear if the angle changes by at least a tenth of a turn, and by more
-    than the number of turns that may have been miscounted.
+    The rate is the slope of the unwrapped angle about the bearing's centre, as in `whirl.whirl`.
+    The whirl has a direction in a span if the angle changes by at least a tenth of a turn, and by
+    at least one turn for each pair of records between which the path may have passed the centre on
+    either side.
 
     Args:
         result: result of a run, or its orbit from `orbits.shaft_orbit`.
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over (frame, time), where time is the middle of each span: `rate` [rad/s], positive forward
-        (in the sense of rotation), nan if the shaft is at rest; `direction`, 1 forward, -1
-        backward, 0 for no net rotation; over time: `radius` [m], root mean square of the
-        displacement. Attribute `span`, the length of a span [s].
+        Dataset over (frame, time), where time is the middle of each span: `rate` [rad/s], positive
+        for forward motion (in the sense of rotation), nan if the shaft is at rest; `direction`, 1
+        for forward, -1 for backward, 0 for no clear direction. Over time: `radius` [m], root mean
+        square of the displacement. The attribute `span` is the length of a span [s].
 
     Example:
         ``whirl_history(result)["rate"].sel(frame="static").plot()``
@@ -72,7 +73,7 @@ def whirl_history(
 def _turning(
     orbit: xr.Dataset, frame: Frame, starts: IntArray, square: Array, length: float
 ) -> tuple[Array, IntArray]:
-    """Return rate and direction, positive forward, in each span."""
+    """Return rate and direction in each span, both positive for forward whirl."""
     angle, doubtful = phase(orbit, frame)
     rate = np.where(square > 0, span_rates(orbit["time"].values, angle, starts), np.nan)
     turns = np.nan_to_num(rate) * length / (2 * np.pi)
@@ -83,10 +84,10 @@ def _turning(
 
 @styled
 def plot_whirl_history(whirls: xr.Dataset) -> Figure:
-    """Draw the whirl in both frames over time in Hz, forward positive, and below it the radius of
-    the orbit.
+    """Draw the frequency of the whirl in both frames over time, forward positive, and below it the
+    radius of the orbit.
 
-    Filled marks have a clear direction. The two lines differ by the speed of rotation.
+    Spans with a clear direction have filled marks.
 
     Args:
         whirls: from `whirl_history`.
