@@ -33,9 +33,8 @@ CLOSING = 0.01  #: least share of the clearance by which a tip approaches in a d
 
 MOST_RIPPLE = 0.9  #: ratio of ripple to amplitude above which only the amplitude is described
 
+#: remark on a sustained motion whose amplitude, or ripple, grows
 GROWS_SO_FAR = "the {} grows, but ends below {:g} times its earlier value: extend the march"
-"""Remark on a sustained motion whose amplitude, or ripple, grows."""
-
 CRITERION: Mapping[RegimeName, str] = {
     "divergent": "the march ended at its displacement limit, or over the last third of the time "
     "the amplitude (root of the mean strain energy of bladed disk and shaft springs in equal "

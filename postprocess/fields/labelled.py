@@ -7,9 +7,8 @@ from typing import Any
 
 import xarray as xr
 
+#: attributes of a result that are copied to every Dataset derived from the result, both [rad/s]
 ABOUT = ("speed", "reference_frequency")
-"""Attributes of a result that are copied to every Dataset derived from the result, both [rad/s]."""
-
 COORDINATE_UNITS = {"time": "s", "edge": "s", "frequency": "rad/s", "angle": "rad"}
 
 

@@ -8,9 +8,8 @@ import xarray as xr
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 
+#: share of the time, at the end of a run, that is regarded as the late motion
 LATE_SHARE = 1.0 / 3.0
-"""Share of the time, at the end of a run, that is regarded as the late motion."""
-
 EVEN = 1e-6  #: largest relative difference of equal time steps between records from their median
 
 

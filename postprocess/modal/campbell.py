@@ -19,15 +19,12 @@ from bladewhirl.postprocess.plotting.titles import set_title
 
 Frame = Literal["rotating", "static"]
 
+#: families of the bladed disk that are drawn even if they have no coincidence
 DRAWN_FAMILIES = ("1F", "suspension")
-"""Families of the bladed disk that are drawn even if they have no coincidence."""
-
+#: mark of a coincidence
 RING: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4.0, "mfc": "white"}
-"""Mark of a coincidence."""
-
+#: mark of a critical speed
 CROSS: dict[str, Any] = {"linestyle": "none", "marker": "X", "markersize": 6.0, "mec": "white"}
-"""Mark of a critical speed."""
-
 FINE = 2001  #: number of speeds at which the frequency of a wave is computed
 ENDS = 0.9  #: share of the width or height of the axes beyond which engine orders are labelled
 HEADROOM = 1.18  #: ratio of the highest frequency shown to the highest coincidence or mode drawn

@@ -31,9 +31,8 @@ than `BEAM_PIECES`."""
 
 RING_POINTS = 360  #: least number of drawn points of the casing
 COLUMNS = 6  #: largest number of panels side by side
+#: number of pictures of a travelling wave over a quarter of its period, including both ends
 INSTANTS = 4
-"""Number of pictures of a travelling wave over a quarter of its period, including both ends."""
-
 PURE = 0.9995
 """Purity above which only the nodal diameter of a mode is printed, without the purity. Purity is
 the share of the kinetic energy of the mode in its nodal diameter."""
@@ -41,9 +40,8 @@ the share of the kinetic energy of the mode in its nodal diameter."""
 TURNS = "rotation is counter-clockwise"  #: note in pictures of modes and waves
 MIXED = 0.5  #: purity below which the name of a mode contains "mixed k" instead of a nodal diameter
 OUTSIDE = 1.1  #: radius at which crests are marked, relative to the largest drawn radius
+#: half the width of a picture over the largest distance of a drawn point from its middle
 MARGIN = 1.02
-"""Half the width of a picture over the largest distance of a drawn point from its middle."""
-
 CENTRE_RESTS = 1e-6
 """Displacement of the centre below which it is regarded as at rest, as a share of the largest
 displacement of the mode."""

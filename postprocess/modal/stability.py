@@ -36,9 +36,8 @@ from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, is_unstable
 
 KAPPA_AXIS = "coupling stiffness κ [N/m]"
 
+#: colour map of growth rates; slower growth is lighter, and white means no growth
 GROWTH_COLOURS = "cividis_r"
-"""Colour map of growth rates; slower growth is lighter, and white means no growth."""
-
 MARK: Mapping[str, Any] = {
     "linestyle": "none",
     "marker": "^",

@@ -32,12 +32,10 @@ from bladewhirl.postprocess.plotting.titles import set_title, speed_label
 
 DIAMETER_AXIS = "nodal diameter k [–]"
 
+#: largest number of families for which the frequency axis is broken into a part for each family
 FEW = 3
-"""Largest number of families for which the frequency axis is broken into a part for each family."""
-
+#: margin above and below the frequencies in a part of a broken axis, as a share of that part
 ROOM = 0.12
-"""Margin above and below the frequencies in a part of a broken axis, as a share of that part."""
-
 LOWEST = 0.05
 """Lowest normalised frequency drawn; at a critical speed a frequency is zero, which a logarithmic
 axis cannot show."""

@@ -39,9 +39,8 @@ from bladewhirl.postprocess.paraview.boxes import (
 )
 from bladewhirl.postprocess.pictures.symbols import StageSymbols
 
+#: kinds of symbols that are written; struts include rigid links
 HOLDERS = ("springs", "dampers", "struts")
-"""Kinds of symbols that are written; struts include rigid links."""
-
 PORTION = 300  #: largest number of records computed together
 PORTION_POINTS = 1_000_000  #: largest number of points computed together
 

@@ -29,9 +29,8 @@ from bladewhirl.postprocess.paraview.parts import StageParts
 
 logger = logging.getLogger(__name__)
 
+#: line of view.py that is replaced by the description of the series
 FILL = "SERIES: dict[str, Any] = {}"
-"""Line of view.py that is replaced by the description of the series."""
-
 EARLY = 100  #: number of records, from the first, in which the first motion is searched
 BODIES = ("rotor", "casing")
 

@@ -35,9 +35,8 @@ LONGEST_ARROW = 0.17
 SPRING, GROUND, STRUT = 0.0032, 0.0026, 0.011  #: widths of strokes
 MARGIN = 1.04
 
+#: font of the figures
 FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
-"""Font of the figures."""
-
 FINER = 2  #: number of rendered points per pixel, in each direction
 
 SQUARE = 0.75  #: width of the stage, as a share of the picture; the remaining width is the panel

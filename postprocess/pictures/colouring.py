@@ -207,7 +207,7 @@ def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> tuple[Ar
 
 
 def _parts(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colouring:
-    """Return the colouring by parts: parts of the rotor in the order of the mesh, then the casing."""
+    """Return the colouring by parts: the parts of the rotor in mesh order, then the casing."""
     part = dataset["rotor_part"].values.astype(str)
     names = list(dict.fromkeys(part))
     number = np.array([names.index(name) for name in part], dtype=np.float64)

@@ -33,9 +33,8 @@ from bladewhirl.postprocess.pictures.scene import (
 )
 from bladewhirl.postprocess.pictures.symbols import KINDS, Symbols, sample
 
+#: upper edges of the texts, relative to the height of the window
 TOPS = {"title": 0.97, "time": 0.885, "speed": 0.82, "frame": 0.7, "contact": 0.565, "orbit": 0.475}
-"""Upper edges of the texts, relative to the height of the window."""
-
 #: upper and lower edge of the colour scale or of the key of colours, relative to the window
 SCALE_TOP, SCALE_FOOT = 0.455, 0.05
 ORBIT_SIZE = 0.17  #: size of the inset with the orbit, relative to the window

@@ -252,9 +252,8 @@ def _placed(shape: Array, start: Array, end: Array, half_width: float) -> Array:
     return np.asarray(strokes.reshape(-1, 2, 2))
 
 
+#: names of the symbols that connect two points
 KINDS = {"springs": "spring", "dampers": "damper", "struts": "strut or rigid link"}
-"""Names of the symbols that connect two points."""
-
 WIDTHS = {"springs": ZIGZAG, "dampers": DASHPOT, "struts": 0.0}  #: half widths of the symbols
 SHAPES = {
     "springs": _joined(

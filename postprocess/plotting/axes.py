@@ -22,17 +22,14 @@ FREQUENCY = "frequency / ω₁ [–]"
 Offsets = Sequence[tuple[float, float]]
 
 ON: Offsets = [(0, 0)]  #: offset of a label from its point [points]: the label covers the point
+#: offsets of a label above, below and at the sides of its point [points]
 AROUND: Offsets = [(0, 4), (-4, 3), (4, -3), (0, -4), (4, 3), (-4, -3), (5, 0), (-5, 0)]
-"""Offsets of a label above, below and at the sides of its point [points]."""
-
+#: offsets of a label to the right of the end of a line and upwards [points]
 RIGHT: Offsets = [(8, step) for step in range(0, 31, 3)]
-"""Offsets of a label to the right of the end of a line and upwards [points]."""
-
 LEFT: Offsets = [(-x, y) for x, y in RIGHT]  #: offsets to the left of a line and upwards [points]
 
+#: vertical offset above which a leader connects a label to the end of its line [points]
 LONGEST_LEADER = 3.0
-"""Vertical offset above which a leader connects a label to the end of its line [points]."""
-
 CANDIDATES = 40  #: largest number of points of a line at which a label is tried
 
 

@@ -13,9 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend_handler import HandlerTuple
 
+#: height that a figure reserves for its legends [inch]; the figure grows if legends are higher
 HEIGHT = 0.45
-"""Height that a figure reserves for its legends [inch]; the figure grows if legends are higher."""
-
 MOST_COLUMNS = 6
 TITLE_LETTERS = 98  #: largest number of characters in a line of a legend's title
 

@@ -39,9 +39,8 @@ COLOURS: Mapping[str, str] = {
 """Colours of Okabe and Ito, distinct for colour-blind readers; a colour has the same meaning in all
 figures."""
 
+#: colour map of magnitudes; its lightness increases evenly, also for colour-blind readers
 SEQUENTIAL = "cividis"
-"""Colour map of magnitudes; its lightness increases evenly, also for colour-blind readers."""
-
 STYLE: Mapping[str, Any] = {
     "font.size": 7.5,
     "axes.titlesize": 7.5,

@@ -35,21 +35,18 @@ from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.transforms import Frame
 
 MOST_INSTANTS = 60  #: largest number of instants at which the machine is drawn
+#: largest number of coordinates over all instants; it limits the instants of a large stage
 MOST_PLACES = 1_000_000
-"""Largest number of coordinates over all instants; it limits the instants of a large stage."""
-
 FEWEST_INSTANTS = 10
 
 PIECE = 3  #: stride of the drawn stations along a beam; the stride along the wall is twice as large
 ORBIT_POINTS = 5000  #: largest number of points of an orbit; more points make a page slow
+#: largest number of points of a curve of energies, which are means over equal time intervals
 ENERGY_POINTS = 1000
-"""Largest number of points of a curve of energies, which are means over equal time intervals."""
-
 FULL = 32767  #: largest signed number of 16 bits
 
+#: frames of the orbit; the machine is drawn in the first frame
 FRAMES: tuple[Frame, Frame] = ("static", "rotating")
-"""Frames of the orbit; the machine is drawn in the first frame."""
-
 POINTED = (
     "blade %{y}, %{x:.6g} s<br>mean normal force %{customdata[0]:.4g} N<br>"
     "mean friction %{customdata[1]:.4g} N<br>smallest gap %{customdata[2]:.4g} mm<extra></extra>"

@@ -21,9 +21,8 @@ LONG_LINE = 5000
 """Number of points above which a line is drawn as a raster image in a PDF, to limit the size of
 the file."""
 
+#: ratio of the radius of an orbit to the clearance below which the clearance is not drawn
 TINY = 0.05
-"""Ratio of the radius of an orbit to the clearance below which the clearance is not drawn."""
-
 DRAWN_TURNS = 2.0  #: number of turns of the shaft, at the end, that are drawn black
 PALE = "#B0B0B0"
 CLEARANCE_LINE: dict[str, Any] = {

@@ -40,9 +40,8 @@ before the transform, for smooth curves."""
 COARSEST = 0.45  #: coarsest frequency resolution of a figure, as a share of the reference frequency
 DECADES = 4.0  #: decades below the largest amplitude that are drawn
 MARGIN = 1.12  #: highest frequency drawn, over the highest frequency of a line of a mode
+#: names of modes in the legend with their nodal diameter
 WITH_K = {"1F": "1F, k = 1", "casing": "casing, k = 1"}
-"""Names of modes in the legend with their nodal diameter."""
-
 ORDER = "Ω"  #: label of the line of the speed
 LINE_COLOURS: Mapping[str, str] = {
     FIRST_FAMILY: COLOURS["k = 1"],

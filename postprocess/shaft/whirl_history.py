@@ -17,9 +17,8 @@ from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import Frame
 from bladewhirl.postprocess.shaft.whirl import FRAMES, LEAST_TURN, phase, span_rates
 
+#: least length of a span [periods of the reference frequency], so that ripple averages out
 PERIODS = 2.0
-"""Least length of a span of time, in periods of the reference frequency; ripple averages out."""
-
 MOST_SPANS = 40  #: largest number of spans of a run
 LOOK = {"rotating": ("-", "o", "rotor"), "static": ("--", "s", "casing")}
 """Line, marker and colour of each frame."""

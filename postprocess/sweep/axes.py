@@ -13,9 +13,8 @@ from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.axes import SPEED, rpm_axis
 from bladewhirl.postprocess.sweep.quantities import cell_edges
 
+#: ratio of the largest to the smallest value of a key from which the axis is logarithmic
 WIDE_RANGE = 50.0
-"""Ratio of the largest to the smallest value of a key from which the axis is logarithmic."""
-
 MOST_TICKS = 12
 """Largest number of ticks at swept values on an axis as wide as a page. If there are more than
 twice as many values, matplotlib chooses the ticks."""

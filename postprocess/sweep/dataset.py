@@ -30,9 +30,8 @@ from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT, index_values
 
 SWEEP_NAME = "sweep.nc"  #: name of the dataset's file in the folder of a sweep
 MISSING, DONE, FAILED = 0, 1, 2  #: codes of the variable `state` of a point
+#: size of a dataset [bytes] up to which all checksums are verified when the dataset is opened
 CHECKED_BYTES = 2**28
-"""Size of a dataset [bytes] up to which all checksums are verified when the dataset is opened."""
-
 BLOCK = 64  #: number of points whose checksums are verified together
 WINDOW_SHARE = 0.5
 """Length of the time window for spectra and mean energies, as a share of the shortest march. The

@@ -41,6 +41,7 @@ REGIME_MARKS: Mapping[str, str] = {
     "divergent": "^",
 }
 
+#: dashes and marks of the lines of a figure, in the order of the lines
 DASHES: Sequence[Any] = (
     "-",
     (0, (4, 1.5)),
@@ -52,8 +53,6 @@ DASHES: Sequence[Any] = (
     (0, (1, 3)),
 )
 MARKS = ("o", "s", "D", "^", "v", "P", "X", "h")
-"""Dashes and marks of the lines of a figure, in order."""
-
 MARK_SIZE = 3.5  #: [points]
 
 

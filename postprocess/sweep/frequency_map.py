@@ -22,18 +22,15 @@ from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edge
 from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, line_values, title_figure
 from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
 
+#: largest number of columns of a map; if there are more points, neighbours share a column
 MOST_COLUMNS = 1000
-"""Largest number of columns of a map; if there are more points, neighbours share a column."""
-
 DECADES = 4.0  #: number of decades below the largest amplitude in a map
+#: largest frequency of a map over the largest frequency of the modes that it must include
 MARGIN = 1.15
-"""Largest frequency of a map over the largest frequency of the modes that it must include."""
-
 ENGINE_ORDERS = "engine orders"
 
+#: engine orders (multiples of the speed) that are drawn as lines
 ORDERS = tuple(order for order in range(-4, 5) if order != 0)
-"""Engine orders (multiples of the speed) that are drawn as lines."""
-
 LINES: Mapping[str, tuple[str, bool]] = {
     "suspension": (COLOURS["suspension"], True),
     "1F k=1": (COLOURS["k = 1"], True),
@@ -48,9 +45,8 @@ MODE_DASHES: Mapping[str, Any] = {
 }
 """Dashes of the lines of modes, as in spectra; engine orders are dotted."""
 
+#: black outline that makes white lines and letters legible on every colour of a map
 OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
-"""Black outline that makes white lines and letters legible on every colour of a map."""
-
 INSIDE = 0.75  #: share of the height of the axes within which engine orders are named
 LATE = 0.9  #: position of the name along an engine order that stays inside the map
 

@@ -39,9 +39,8 @@ from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, in_order
 from bladewhirl.postprocess.sweep.regimes import HATCH, NOT_JUDGED, draw_regimes, regime_entries
 
 DIVERGING = "PuOr_r"  #: colour map of signed values, distinct for colour-blind readers
+#: ratio of the largest value to the median above which a colour scale is logarithmic
 CLEAR_RANGE = 30.0
-"""Ratio of the largest value to the median above which a colour scale is logarithmic."""
-
 CROSSED: Mapping[str, Any] = {"hatch": "xxx", "edgecolor": "#777777", "linewidth": 0.0}
 DOUBTFUL = "growth rate within two standard errors of zero"
 

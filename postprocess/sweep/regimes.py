@@ -29,9 +29,8 @@ from bladewhirl.postprocess.sweep.drawing import (
 
 NOT_JUDGED = "The marches are too short to judge growth; sustained means contact up to the end."
 
+#: largest number of columns and of rows for which marks in the cells show the regimes
 MOST_MARKED = 24
-"""Largest number of columns and of rows for which marks in the cells show the regimes."""
-
 HATCH = "//////"  #: hatching of cells without a result
 
 Names = NDArray[np.str_]

@@ -22,9 +22,7 @@ from bladewhirl.postprocess.sweep.drawing import (
 from bladewhirl.solvers.stability.scenario import STEADY
 
 WIDE = 1e3  #: ratio of the largest to the median displacement above which the axis is logarithmic
-LEAST_WHIRL = 0.1
-"""Least frequency that the axis of the whirl contains on both sides of zero [Hz]."""
-
+LEAST_WHIRL = 0.1  #: least frequency that the axis of the whirl contains on both sides of zero [Hz]
 SECTION_PARTS = {
     "section_x": "x once a revolution",
     "section_radius": "radius once a revolution",
