@@ -14,16 +14,16 @@ from bladewhirl.postprocess.plotting.style import COLOURS, COLUMN_WIDTH, new_fig
 from bladewhirl.postprocess.plotting.titles import set_title
 
 WIDTHS = {"forward": 1.6, "backward": 0.7}
-"""Widths of the lines of both directions of whirl [points]."""
+"""Widths of the lines of forward and of backward critical speeds [points]."""
 
 
 @styled
 def plot_critical_speeds(data: xr.Dataset) -> Figure:
-    """Draw critical speeds over the stiffness of the shaft, forward and backward.
+    """Draw the critical speeds of forward and backward whirl over the stiffness of the shaft.
 
-    Colours show the share of the shaft springs in the strain energy: where it is large, the disk
-    moves on its springs, and the critical speed increases with the root of the stiffness; where it
-    is small, the blades bend. Grey lines are stiffness and speed of the case.
+    Colours show the share of the shaft springs in the strain energy. If this share is large, the
+    disk moves on its springs, and the critical speed increases with the root of the stiffness; if
+    it is small, the blades bend. Grey lines are stiffness and speed of the case.
 
     Args:
         data: from `bladewhirl.critical_speeds`.

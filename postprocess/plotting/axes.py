@@ -147,7 +147,7 @@ class Labels:
 
 
 def coloured_line(axes: Axes, x: FloatArray, y: FloatArray, value: FloatArray) -> LineCollection:
-    """Draw a line whose colour shows a value between 0 and 1 along it."""
+    """Draw a line whose colour along the line shows values between 0 and 1."""
     points = np.column_stack([x, y])
     lines = LineCollection(
         [*np.stack([points[:-1], points[1:]], axis=1)],

@@ -24,7 +24,7 @@ def test_a_named_file_and_a_window_with_units(run: Path, tmp_path: Path) -> None
     arguments = ["--from", "50 ms", "--to", "0.4", "--frames", "5", "--frame", "rotating"]
     done = answer("render", run, "-o", path, *arguments)
     assert "5 pictures from 0.05 s to 0.4 s" in done.stdout
-    assert "a revolution" in done.stderr  # too few for a smooth turn
+    assert "frames per revolution" in done.stderr  # too few for a smooth turn
     with Image.open(path) as film:
         assert getattr(film, "n_frames", 1) == 5
 
