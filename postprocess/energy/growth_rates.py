@@ -4,7 +4,8 @@ Growth must be distinguished from ripple, beating, noise, the onset of a load, a
 approaches a limit cycle. The amplitude is the root of the strain energy of the bladed disk with its
 shaft springs, averaged over equal windows: averaging smooths the ripple, and the strain energy also
 exists with a clamped shaft. A small ripple that grows about a large steady displacement hardly
-changes this amplitude, so the motion about the mean position of each window is examined as well.
+changes this amplitude, so the ripple, the motion about the mean position of each window, is
+examined as well.
 """
 
 from dataclasses import dataclass, replace

@@ -75,7 +75,7 @@ used if a result does not contain these two parts."""
 
 
 def work_histories(dataset: xr.Dataset) -> xr.Dataset:
-    """Return works since the start over time; work that feeds the motion is positive.
+    """Return the works of a run over time, since its start; work that feeds the motion is positive.
 
     Args:
         dataset: a result.

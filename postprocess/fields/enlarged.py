@@ -114,7 +114,7 @@ class EnlargedStage:
             self.nodes, self.line = with_recess(dataset, self.line, shift)
 
     def rotor_line(self, index: int) -> Array:
-        """Return drawn stations of the beams (rotor_line, station, 2) [m], index-th record."""
+        """Return drawn stations of beams (rotor_line, station, 2) [m] at the index-th record."""
         shift = self.centre[index]
         flat = self.line.reshape(-1, 2)
         line = magnify(flat, self.rotor_displacement[index], shift, self.factor)

@@ -154,7 +154,7 @@ def _checked(variable: xr.Variable, label: str, *, gaps: bool, cache: bool) -> x
 
 
 def complete_records(attributes: Mapping[str, Any]) -> int | None:
-    """Return the number of complete records by the attributes of a file; None if it is not stated.
+    """Return the number of complete records that attributes of a file state; None if they do not.
 
     If a run is killed while it writes to disk, its histories may be longer than the number of
     complete records, with missing data; these must not be read.
@@ -193,7 +193,7 @@ def attribute_fault(attributes: Mapping[str, Any]) -> str:
 
 
 def value_fault(dataset: xr.Dataset) -> str:
-    """Describe the first invalid array among those without time; empty if all are valid."""
+    """Describe the first invalid array that does not depend on time; empty if all are valid."""
     nodes = dataset.sizes["rotor_node"]
     for name, variable in STATIC.items():
         if name in dataset and (expected := expectation(dataset[name].values, variable, nodes)):

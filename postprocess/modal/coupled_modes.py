@@ -31,8 +31,8 @@ MILLI = 1e3
 def plot_phases(data: xr.Dataset) -> Figure:
     """Draw the phases of shaft and smallest clearance in the static frame, and their difference.
 
-    The paper's Fig. 14(c). In waves with a nodal diameter other than one the shaft is at rest, and
-    only the phase of the smallest clearance is drawn.
+    This is the paper's Fig. 14(c). In waves with a nodal diameter other than one the shaft is at
+    rest, and only the phase of the smallest clearance is drawn.
 
     Args:
         data: from `motion_dataset`.

@@ -164,8 +164,8 @@ def radial_shapes(stage: StageModes) -> RadialShapes:
     """Return the displacements of shaft, tips and casing for unit coordinates of the coupled modes,
     step 4 of Section 3.3.2 of the paper.
 
-    The shapes are computed from the finite element modes, even if the coupling springs are computed
-    with unit amplitudes, as in the paper.
+    The displacements are those of the finite element modes, even if the coupling is computed with
+    the paper's simplification that the radial amplitude of every mode is 1.
 
     Args:
         stage: the coupled modes.

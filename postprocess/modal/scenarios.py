@@ -28,9 +28,9 @@ ZONE = np.radians(40.0)  #: half of the angle over which blades are drawn in con
 def plot_scenario(data: xr.Dataset) -> Figure:
     """Draw the position of contact, and the phases of shaft and smallest clearance.
 
-    The paper's Figs 9 and 10. Left: rotor and casing as rings, with clearance and displacements
-    enlarged by one factor, the displacement of the shaft, the blades in contact, and the friction
-    on these blades. Right: the phases over one turn in the rotating frame.
+    These are the paper's Figs 9 and 10. The left panel shows rotor and casing as rings, with
+    clearance and displacements enlarged by one factor; the displacement of the shaft; and the
+    blades in contact with the friction on them. The right panel shows the phases over one turn.
 
     Args:
         data: one turn of two modes that move with the same frequency.

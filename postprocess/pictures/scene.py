@@ -232,8 +232,8 @@ def _halves(sides: Array) -> Array:
 
 
 def disc_triangles(discs: int) -> IntArray:
-    """Return the corner numbers of triangles (triangle, 3) of discs, because VTK cannot triangulate
-    a polygon of zero size."""
+    """Return the corner numbers (triangle, 3) of the triangles that form discs. The discs are not
+    polygons, because VTK cannot triangulate a polygon of zero size."""
     corner = np.arange(1, DISC_CORNERS - 1)
     fan = np.column_stack([np.zeros_like(corner), corner, corner + 1])
     triangles: IntArray = (DISC_CORNERS * np.arange(discs)[:, None, None] + fan).reshape(-1, 3)

@@ -20,8 +20,8 @@ COMPONENTS = ("radial", "tangential")  #: outward, and counter-clockwise
 
 
 def gap(result: xr.Dataset, *, start: float | None = None, end: float | None = None) -> xr.Dataset:
-    """Return the smallest gap of every blade tip since the previous record, and true or false for
-    contact of the tip in this time.
+    """Return for every blade tip the smallest gap since the previous record, and true if the tip
+    touched in this time.
 
     Args:
         result: result of a run.

@@ -117,10 +117,11 @@ def key_label(values: xr.DataArray) -> str:
 
 
 def linear_threshold(rate: Array, error: Array) -> float | None:
-    """Return the growth rate up to which a scale that is logarithmic above is linear, a power of
-    ten [1/s]; None if the entire scale should be linear.
+    """Return the growth rate above which a scale of growth rates is logarithmic, a power of ten
+    [1/s]; None if the entire scale is linear.
 
-    The medians of rates and uncertainties are below it, so that noise is not spread over decades.
+    The returned rate exceeds the medians of rates and uncertainties, so that noise is in the linear
+    part of the scale.
 
     Args:
         rate: growth rates, nan where there is none, (...) [1/s].

@@ -203,7 +203,7 @@ def _fault(dataset: xr.Dataset) -> str:
                 return f"it has no {name!r}"
             continue
         if dataset[name].dims != (*swept(dataset), *variable.dimensions):
-            return f"with {name!r} over its points"
+            return f"with {name!r} over the points of the sweep"
         # Only codes are checked now; numbers are checked when they are read.
         if variable.labels and (expected := expectation(dataset[name].values, variable)):
             return f"with {name!r} as {expected}"
@@ -213,7 +213,7 @@ def _fault(dataset: xr.Dataset) -> str:
             return f"with finite numbers along {name!r}"
     for name, labels in ((LINE, [*MODE_LINES]), (GROUP, groups_of(dataset.sizes[GROUP] - 2))):
         if name not in dataset or dataset[name].values.tolist() != [*labels]:
-            return f"with its names along {name!r}"
+            return f"with other names along {name!r}"
     if np.any(np.diff(dataset["frequency"].values) <= 0.0):
         return "with ascending numbers along 'frequency'"
     return _changed(dataset, made_by)
@@ -230,5 +230,5 @@ def _changed(dataset: xr.Dataset, made_by: int) -> str:
 
 
 def swept(dataset: xr.Dataset) -> list[str]:
-    """Return the dimensions of the swept keys, in order."""
+    """Return the dimensions of the swept keys, in the order of the sweep."""
     return [str(dimension) for dimension in dataset["state"].dims]

@@ -73,7 +73,7 @@ def plot_whirls(data: xr.Dataset) -> Figure:
     """Draw the frequency of the whirl in both frames [Hz], forward positive, with bars for its
     scatter.
 
-    Whirls with a clear direction have filled marks. Points where the shaft hardly moves have none.
+    Whirls with a clear direction have filled marks. Where the shaft hardly moves there is no mark.
 
     Args:
         data: from `quantities.whirls`.
