@@ -55,10 +55,7 @@ def _run(page: Path, folder: Path, state: str) -> None:
         return
     shutil.rmtree(folder, ignore_errors=True)
     done = subprocess.run(
-        [sys.executable, blocks.__file__, page, folder],
-        capture_output=True,
-        text=True,
-        check=False,
+        [sys.executable, blocks.__file__, page, folder], capture_output=True, text=True, check=False
     )
     if done.returncode:
         raise ExtensionError(f"{page}: a block fails\n{done.stderr}")

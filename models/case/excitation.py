@@ -7,12 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from bladewhirl.models.inputs.fields import (
-    PositiveSpeed,
-    TimeOrZero,
-    count,
-    quantity,
-)
+from bladewhirl.models.inputs.fields import PositiveSpeed, TimeOrZero, count, quantity
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.units import Speed
 

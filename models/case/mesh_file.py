@@ -11,13 +11,7 @@ from math import hypot
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import (
-    BeforeValidator,
-    Field,
-    PlainValidator,
-    PrivateAttr,
-    StrictStr,
-)
+from pydantic import BeforeValidator, Field, PlainValidator, PrivateAttr, StrictStr
 
 from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
 from bladewhirl.meshes.line_mesh import IntArray

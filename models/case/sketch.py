@@ -76,10 +76,7 @@ class SketchTable(Table):
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield names, references, sectors and edits that do not fit together."""
         for place, expected in chain(
-            _name_faults(self),
-            _reference_faults(self),
-            _sector_faults(self),
-            _edit_faults(self),
+            _name_faults(self), _reference_faults(self), _sector_faults(self), _edit_faults(self)
         ):
             yield Inconsistency("", expected, place=place)
 

@@ -202,10 +202,7 @@ def elastic_stiffness(
     """Return the stiffness matrix of beams and springs, with a row for every DoF of every node."""
     sections = model.properties.at(assembler.points)
     beams = assembler.matrix(
-        straight_stiffness,
-        transform,
-        EA=sections.axial_stiffness,
-        EI=sections.bending_stiffness,
+        straight_stiffness, transform, EA=sections.axial_stiffness, EI=sections.bending_stiffness
     )
     return sp.csr_array(beams + node_springs(model, assembler.node_dofs))
 

@@ -26,10 +26,7 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.elements.assembly import curved_beams
 from bladewhirl.models.elements.cyclic import SectorLayout
-from bladewhirl.models.elements.forms import (
-    curved_stiffness,
-    mass,
-)
+from bladewhirl.models.elements.forms import curved_stiffness, mass
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.sections.wall import Wall, WallProperties

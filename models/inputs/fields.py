@@ -11,13 +11,7 @@ from functools import cache
 from numbers import Integral, Real
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    BeforeValidator,
-    PlainSerializer,
-    PlainValidator,
-    TypeAdapter,
-    ValidationError,
-)
+from pydantic import BeforeValidator, PlainSerializer, PlainValidator, TypeAdapter, ValidationError
 from pydantic_core import PydanticCustomError
 
 from bladewhirl.models.inputs.errors import CaseError, Fault

@@ -25,12 +25,7 @@ from bladewhirl.models.elements.cyclic import NO_COLUMN, nodal_diameter_of
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.modal.describe import stage_arrays
 from bladewhirl.models.modal.labels import LabelledModes, labelled_modes, whirl_families
-from bladewhirl.models.modal.modes import (
-    DENSE_LIMIT,
-    Modes,
-    lowest_pairs,
-    natural_frequencies,
-)
+from bladewhirl.models.modal.modes import DENSE_LIMIT, Modes, lowest_pairs, natural_frequencies
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
 from bladewhirl.models.rotation.at_speed import TurningDisk, turning_disk

@@ -96,11 +96,7 @@ def _cyclic_modes(structure: Structure, reference: tuple[int, int], count: int |
         shapes.append(shape)
         columns.append(column)
     return collect_modes(
-        structure,
-        np.concatenate(squares),
-        np.hstack(shapes),
-        np.concatenate(columns),
-        count,
+        structure, np.concatenate(squares), np.hstack(shapes), np.concatenate(columns), count
     )
 
 

@@ -8,11 +8,7 @@ import scipy.sparse.linalg as spla
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
-from bladewhirl.models.elements.build import (
-    case_bladed_disk,
-    numbers_within_reach,
-    tip_in_sector,
-)
+from bladewhirl.models.elements.build import case_bladed_disk, numbers_within_reach, tip_in_sector
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.modal.labels import labelled_modes
 

@@ -31,11 +31,7 @@ from bladewhirl.models.elements.bladed_disk import (
     elastic_stiffness,
     nodal_to_line_axes,
 )
-from bladewhirl.models.elements.forms import (
-    coriolis,
-    mass,
-    tension_stiffness,
-)
+from bladewhirl.models.elements.forms import coriolis, mass, tension_stiffness
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.beam_model import BeamModel
 

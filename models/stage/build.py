@@ -58,10 +58,7 @@ def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:
 def march_faults(stage: Stage) -> Iterator[Fault]:
     """Yield all faults that prevent time integration."""
     yield from chain(
-        _mode_faults(stage),
-        time_step_faults(stage),
-        _load_faults(stage),
-        _start_faults(stage),
+        _mode_faults(stage), time_step_faults(stage), _load_faults(stage), _start_faults(stage)
     )
 
 

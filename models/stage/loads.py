@@ -131,9 +131,7 @@ def initial_state(stage: Stage) -> Start:
 
 
 def boundary_values(
-    stage: Stage,
-    tips: tuple[tuple[float, float], ...] | None,
-    centre: tuple[float, float],
+    stage: Stage, tips: tuple[tuple[float, float], ...] | None, centre: tuple[float, float]
 ) -> FloatArray:
     """Return the values of the boundary DoF in one array: radial values of all tips, tangential
     values of all tips (zero if None), and x and y of the centre, (2 blades + 2,)."""
@@ -162,11 +160,7 @@ def _distortion(stage: Stage, load: CasingDistortion) -> tuple[Load, ...]:
     half_turn = np.pi / load.duration  # sin(pi t / T) is a cosine with the phase -pi / 2
     return (
         Load(
-            rotor=still,
-            casing=pattern,
-            end=load.duration,
-            frequency=half_turn,
-            phase=-np.pi / 2.0,
+            rotor=still, casing=pattern, end=load.duration, frequency=half_turn, phase=-np.pi / 2.0
         ),
     )
 

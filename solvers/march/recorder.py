@@ -82,10 +82,7 @@ class Recorder:
     """
 
     def __init__(
-        self,
-        path: str | PathLike[str],
-        stage: StageArrays,
-        attributes: Mapping[str, Attribute],
+        self, path: str | PathLike[str], stage: StageArrays, attributes: Mapping[str, Attribute]
     ) -> None:
         self._records, self._steps = 0, 0
         self._raw = GuardedFile(path)
@@ -193,10 +190,7 @@ class Recorder:
         widths = widths_of(variable, sizes)
         rows = _rows_stored(widths)
         created = self._file.create_variable(
-            name,
-            variable.dimensions,
-            variable.kind,
-            chunks=(rows, *widths),
+            name, variable.dimensions, variable.kind, chunks=(rows, *widths)
         )
         created.attrs.update(variable.attributes)
 

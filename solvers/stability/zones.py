@@ -51,12 +51,7 @@ class UnstableZones:
 
 
 def unstable_zones(
-    modes: CouplingModes,
-    *,
-    kappas: FloatArray,
-    low: float,
-    high: float,
-    with_pi: bool = True,
+    modes: CouplingModes, *, kappas: FloatArray, low: float, high: float, with_pi: bool = True
 ) -> UnstableZones:
     """Find every interval of unstable speeds at each spring stiffness.
 

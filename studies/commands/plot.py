@@ -10,12 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from bladewhirl.postprocess.plotting.registry import REPLACED, RUN_FIGURES, SWEEP_FIGURES, captions
-from bladewhirl.studies.commands.options import (
-    End,
-    Replace,
-    Start,
-    output_option,
-)
+from bladewhirl.studies.commands.options import End, Replace, Start, output_option
 
 if TYPE_CHECKING:
     from bladewhirl.postprocess.run.figures import RunFigures
@@ -52,8 +47,7 @@ def plot(
     start: Start = None,
     end: End = None,
     output: Annotated[
-        Path | None,
-        output_option(f"Folder for the figures; by default DIR/{PLOTS}."),
+        Path | None, output_option(f"Folder for the figures; by default DIR/{PLOTS}.")
     ] = None,
     format_name: Annotated[
         Literal["png", "pdf", "svg"] | None,

@@ -60,8 +60,7 @@ def render(
         ),
     ] = None,
     frames: Annotated[
-        int | None,
-        typer.Option(min=2, help="Number of pictures: by default 120, in a sheet 9."),
+        int | None, typer.Option(min=2, help="Number of pictures: by default 120, in a sheet 9.")
     ] = None,
     start: Start = None,
     end: End = None,

@@ -33,8 +33,7 @@ def run(
         Path | None, typer.Argument(help="Case file; not with --resume.", show_default=False)
     ] = None,
     output: Annotated[
-        Path | None,
-        output_option("Folder to make; by default runs/NAME of the case.", "DIR"),
+        Path | None, output_option("Folder to make; by default runs/NAME of the case.", "DIR")
     ] = None,
     overrides: Changes = None,
     overwrite: Overwrite = False,

@@ -115,10 +115,7 @@ def show(
         target = output or Path(f"{case.stem}.png")
         claim_output(target, named=True, overwrite=overwrite)
         _draw(stage, target)
-    document = {
-        "case": checked.model_dump(mode="json", exclude_none=True),
-        "derived": derived,
-    }
+    document = {"case": checked.model_dump(mode="json", exclude_none=True), "derived": derived}
     marched = {body: MARCHES[cyclic] for body, cyclic in derived["cyclic"].items()}
     derived = derived | {"marched": marched}
     rates = [

@@ -53,8 +53,7 @@ def stability(
         ),
     ] = SPEEDS,
     kappas: Annotated[
-        Span,
-        span_option("--kappas", "Stiffnesses of the chart [N/m].", unit="N/m", counted=True),
+        Span, span_option("--kappas", "Stiffnesses of the chart [N/m].", unit="N/m", counted=True)
     ] = KAPPAS,
     line: Annotated[
         float,

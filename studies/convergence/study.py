@@ -264,11 +264,7 @@ def observed_order(size: FloatArray, change: FloatArray) -> float:
 
 
 def _compared(
-    case: Case,
-    key: str,
-    values: Sequence[float],
-    store: RunStore,
-    progress: Progress | None,
+    case: Case, key: str, values: Sequence[float], store: RunStore, progress: Progress | None
 ) -> xr.Dataset:
     """March a case with each value of a key; return differences from the last, finest march."""
     cases = [with_values(case, {key: value}) for value in values]

@@ -56,11 +56,7 @@ class System:
         Growth rates are exactly zero where undamped modes do not grow.
         """
         return growth_rate(
-            self.modes,
-            speed=omegas,
-            kappa=kappas[:, None],
-            with_pi=self.with_pi,
-            progress=progress,
+            self.modes, speed=omegas, kappa=kappas[:, None], with_pi=self.with_pi, progress=progress
         )
 
     def options(self) -> dict[str, object]:

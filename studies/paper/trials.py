@@ -49,8 +49,7 @@ CASES: Mapping[str, Case] = {
         {**CONTACT, "excitation": {"type": "casing-distortion", "duration": 0.01}},
     ),
     "imbalance": with_values(
-        Case(title="Mass imbalance"),
-        {**CONTACT, "excitation": {"type": "imbalance", "ramp": 0.1}},
+        Case(title="Mass imbalance"), {**CONTACT, "excitation": {"type": "imbalance", "ramp": 0.1}}
     ),
 }
 """Cases by scenario, as in examples/: the stage for the modal analysis, and the two loads that

@@ -212,11 +212,15 @@ def state_at(prepared: Prepared, begin: Checkpoint) -> Any:
     steps = int(begin.state["step"])
     if steps > prepared.timing.steps + 1:
         reached = (steps - 1) * prepared.timing.time_step
-        raise UserError(f"march.duration: expected at least {reached:.6g} s, the time already marched")
+        raise UserError(
+            f"march.duration: expected at least {reached:.6g} s, the time already marched"
+        )
     try:
         return state_from(prepared.scheme.init(), begin.state)
     except ValueError as error:
-        raise UserError(f"{CHECKPOINT_NAME}: does not contain the state of this march ({error})") from None
+        raise UserError(
+            f"{CHECKPOINT_NAME}: does not contain the state of this march ({error})"
+        ) from None
 
 
 def check_room(directory: Path, needed: int) -> None:

@@ -22,14 +22,7 @@ from bladewhirl.postprocess.sweep.dataset import DONE, Layout
 from bladewhirl.solvers.march.free_motion import STOPS, FreeMotion, StopWhen
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 from bladewhirl.studies.runs import folder
-from bladewhirl.studies.sweeps.axes import (
-    OVER,
-    Grid,
-    coordinate,
-    make_grid,
-    unit_of,
-    value_at,
-)
+from bladewhirl.studies.sweeps.axes import OVER, Grid, coordinate, make_grid, unit_of, value_at
 from bladewhirl.studies.sweeps.layout import history_bytes, make_layout, march_extent
 from bladewhirl.studies.sweeps.points import Point, stage_at
 from bladewhirl.studies.sweeps.store import Coordinates
@@ -203,10 +196,7 @@ def read_plan(directory: Path) -> Plan:
             " marched before would not agree with new points"
         )
     return plan_sweep(
-        case,
-        make_grid(case, over, large=True),
-        histories=histories,
-        stop_when=stop_when,
+        case, make_grid(case, over, large=True), histories=histories, stop_when=stop_when
     )
 
 

@@ -28,11 +28,7 @@ from bladewhirl.solvers.march.free_motion import FreeMotion, StopWhen
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.folder import portable_case
 from bladewhirl.studies.runs.prepare import prepare_stage
-from bladewhirl.studies.runs.recorded_march import (
-    expected_bytes,
-    march_in_memory,
-    march_to_file,
-)
+from bladewhirl.studies.runs.recorded_march import expected_bytes, march_in_memory, march_to_file
 from bladewhirl.studies.sweeps.axes import Value
 
 KEPT_STAGES = 2

@@ -192,11 +192,7 @@ class Store(AbstractContextManager["Store"]):
 
 
 def _reserve(
-    h5: h5py.File,
-    file: h5netcdf.File,
-    name: str,
-    kind: np.dtype[Any],
-    sizes: Mapping[str, int],
+    h5: h5py.File, file: h5netcdf.File, name: str, kind: np.dtype[Any], sizes: Mapping[str, int]
 ) -> Any:
     """Create and allocate a variable, filled with NaN or, for integers, with unmasked zeros."""
     empty = kind.type(np.nan) if kind.kind == "f" else None

@@ -145,11 +145,7 @@ def resume_sweep(
 
 
 def _carry_out(
-    plan: Plan,
-    directory: Path,
-    watch: Watch,
-    scheduler: str | None,
-    workers: int | None,
+    plan: Plan, directory: Path, watch: Watch, scheduler: str | None, workers: int | None
 ) -> Sweep:
     """March all unfinished points."""
     from bladewhirl.postprocess.sweep.figures import leave_figures

@@ -238,7 +238,4 @@ def reduced_models() -> Pairs:
     """Compare with zero the frequency error of a reduced stage, and the ratio of errors after and
     before doubling the number of modes."""
     coarse, fine = reduction_error(110).max(), reduction_error(220).max()
-    return {
-        "craig_bampton_error": (0.0, coarse),
-        "craig_bampton_convergence": (0.0, fine / coarse),
-    }
+    return {"craig_bampton_error": (0.0, coarse), "craig_bampton_convergence": (0.0, fine / coarse)}
