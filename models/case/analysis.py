@@ -8,21 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, StrictBool, StrictStr
 
 from bladewhirl.models.case.schemes import SchemeName
-from bladewhirl.models.inputs.fields import (
-    DisplacementPair,
-    DisplacementRows,
-    Length,
-    NumberOrZero,
-    PositiveVelocity,
-    RotationSpeed,
-    Stiffness,
-    StiffnessOrZero,
-    Time,
-    TimeOrZero,
-    VelocityPair,
-    VelocityRows,
-    count,
-)
+from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.mode_names import mode_choice
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.timing import Timing
@@ -42,7 +28,7 @@ MODES = 110
 class Reduction(Table):
     """Craig-Bampton reduction of the bladed disk to tips and centre, and modes for the march."""
 
-    fixed_interface_modes: Annotated[int, count(1)] = MODES
+    fixed_interface_modes: Annotated[int, fields.count(1)] = MODES
     """Number of fixed-interface modes of all blades together (eta in the paper, Section 2.2). The
     default is five per blade for 22 blades, with which the frequencies of family 5F have errors
     below 1 %, or all modes of a smaller bladed disk; scale it with the number of blades.
@@ -57,7 +43,7 @@ class Reduction(Table):
 class Damping(Table):
     """Modal damping of bladed disk and casing."""
 
-    ratio: NumberOrZero = 0.005
+    ratio: fields.NumberOrZero = 0.005
     """Damping ratio xi of every mode (not in the paper; suspension transients decay within about
     1.1 s)."""
 
@@ -65,7 +51,7 @@ class Damping(Table):
 class Contact(Table):
     """Contact between tips and casing."""
 
-    friction: NumberOrZero = 0.1
+    friction: fields.NumberOrZero = 0.1
     """Coulomb friction coefficient (paper, Table 2)."""
     sliding: Literal["permanent", "signed"] = "permanent"
     """"permanent": friction drags every tip against the rotation ("sliding is assumed" in the
@@ -74,13 +60,13 @@ class Contact(Table):
     tip_rotation: StrictBool = False
     """Add u_t / R, with the tangential displacement u_t of a tip, to the angle of the tip on the
     casing."""
-    restitution: NumberOrZero = 0.0
+    restitution: fields.NumberOrZero = 0.0
     """Ratio of the speeds of a tip after and before an impact, 0 to 1, for march.scheme =
     "moreau-jean"."""
-    penalty_stiffness: Stiffness = 1e9
+    penalty_stiffness: fields.Stiffness = 1e9
     """Contact force per depth of penetration, for march.scheme = "penalty" [N/m]. A stiffness that
     is too large for the time step is an error."""
-    stick_speed: PositiveVelocity = 0.01
+    stick_speed: fields.PositiveVelocity = 0.01
     """Relative speed above which friction has its full value, for march.scheme = "penalty" [m/s].
     Below this speed friction is smaller, and tips creep instead of sticking."""
 
@@ -96,17 +82,17 @@ class Initial(Table):
     Tips and centre have the given motion; all other nodes of the bladed disk follow statically.
     """
 
-    centre_velocity: VelocityPair = (0.0, 0.0)
+    centre_velocity: fields.VelocityPair = (0.0, 0.0)
     """Velocity of the centre, x and y [m/s]. The nodes between centre and tips follow statically;
     a motion of the centre's mass only would differ in its effect by a factor of 4 to 45."""
-    centre_displacement: DisplacementPair = (0.0, 0.0)
+    centre_displacement: fields.DisplacementPair = (0.0, 0.0)
     """Displacement of the centre, x and y [m]."""
-    tip_velocity: VelocityRows | None = Field(
+    tip_velocity: fields.VelocityRows | None = Field(
         default=None, examples=["[[0.0, 0.0], [0.0, 0.0], ...]"]
     )
     """Velocity of each tip, radial and tangential [m/s], blades x 2; default 0. The blade follows
     statically."""
-    tip_displacement: DisplacementRows | None = Field(
+    tip_displacement: fields.DisplacementRows | None = Field(
         default=None, examples=["[[0.0, 0.0], [0.0, 0.0], ...]"]
     )
     """Displacement of each tip, radial and tangential [m], blades x 2; default 0."""
@@ -115,7 +101,7 @@ class Initial(Table):
 class Coupling(Table):
     """Coupling of bladed disk and casing through frame and bearings (Eqs 4-10)."""
 
-    stiffness: StiffnessOrZero = 0.0
+    stiffness: fields.StiffnessOrZero = 0.0
     """Stiffness kappa of the springs [N/m] (0 in the paper's Table 2)."""
     modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "six"
     """Modes that the springs couple, named as in reduction.modes. Springs can couple the modes that
@@ -131,19 +117,19 @@ class Coupling(Table):
 class March(Table):
     """The march, that is, the time integration."""
 
-    speed: RotationSpeed = Speed(1.05)
+    speed: fields.RotationSpeed = Speed(1.05)
     """Speed of rotation. A number is a multiple of the reference frequency, the lowest frequency of
     the full bladed disk with a free centre (even if this case clamps it). Text is an absolute
     speed: "2500 rpm", "42 Hz" (revolutions per second) or "262 rad/s". Zero and negative speeds are
     allowed (1.05 in the paper, Section 4.3)."""
-    time_step: Time = 1e-6
+    time_step: fields.Time = 1e-6
     """Time step [s] (paper, Section 4.2). The error is of second order for free motion and of first
     order in contact: halve the step to see its effect."""
-    duration: TimeOrZero = 3.0
+    duration: fields.TimeOrZero = 3.0
     """Simulated time [s] (paper, Table 2)."""
-    record_step: Time = 1e-4
+    record_step: fields.Time = 1e-4
     """Time between records [s], a whole number of time steps."""
-    displacement_limit: Length | None = Field(default=None, examples=["0.5"])
+    displacement_limit: fields.Length | None = Field(default=None, examples=["0.5"])
     """Displacement at which a march ends as divergent [m]: radially or tangentially at a blade tip,
     or radially at the casing. The default is the length of a blade, far beyond the range of a
     linear model. The model has errors of a tenth at a third of this length, but larger transients

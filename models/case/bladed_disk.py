@@ -11,19 +11,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, StrictStr, model_seri
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.mesh_file import MeshTable
-from bladewhirl.models.inputs.fields import (
-    MOST,
-    Angle,
-    Inertia,
-    Length,
-    LengthOrZero,
-    Mass,
-    NumberOrZero,
-    Stiffness,
-    count,
-    number,
-    rows,
-)
+from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.rectangular import BeamSection
 
@@ -31,16 +19,16 @@ MOST_SPREAD = 0.2
 """Largest standard deviation of random factors; with a larger one, factors below zero are likely.
 """
 
-Blades = tuple[Annotated[int, count(0)], ...]
-Factors = tuple[Annotated[float, number("positive")], ...]
+Blades = tuple[Annotated[int, fields.count(0)], ...]
+Factors = tuple[Annotated[float, fields.number("positive")], ...]
 
 
 class TaperStation(Table):
     """A section along the blade; keys that are left out have the values of bladed_disk.blade."""
 
-    width: Length | None = None
+    width: fields.Length | None = None
     """Size out of the plane [m]."""
-    thickness: Length | None = None
+    thickness: fields.Length | None = None
     """Size in the plane [m]."""
     material: StrictStr | None = None
     """Name of a material in material.named."""
@@ -49,18 +37,18 @@ class TaperStation(Table):
 class CentrePoint(Table):
     """Point on the centre line of a blade."""
 
-    span: Annotated[float, number("positive")]
+    span: Annotated[float, fields.number("positive")]
     """Radial distance from the root, as a share of the distance from root to tip."""
-    angle: Angle
+    angle: fields.Angle
     """Angle from the radial line through the root [rad]."""
 
 
 class Shroud(BeamSection):
     """A ring of beams from blade to blade."""
 
-    radius: Length
+    radius: fields.Length
     """Radius at which the shroud meets the blades [m]."""
-    elements: Annotated[int, count(1)] = 1
+    elements: Annotated[int, fields.count(1)] = 1
     """Number of beams from blade to blade: one straight beam, or several along the arc."""
     cuts: Blades = ()
     """Blades after which the ring is cut; an empty list is a closed ring."""
@@ -69,20 +57,20 @@ class Shroud(BeamSection):
 class DiskRing(BeamSection):
     """A ring of straight beams within the disk, from spoke to spoke."""
 
-    thickness: Length = 0.03
+    thickness: fields.Length = 0.03
     """Size in the plane of motion [m]."""
-    radius: Length
+    radius: fields.Length
     """Radius at which the ring meets the spokes [m]."""
 
 
 class PointMass(Table):
     """A point mass at one radius of some or all blades, or at the centre."""
 
-    radius: LengthOrZero
+    radius: fields.LengthOrZero
     """Radius [m]: 0 at the centre, otherwise between root and tip."""
-    mass: Mass
+    mass: fields.Mass
     """Mass on each blade, or at the centre [kg]."""
-    inertia: Inertia = 0.0
+    inertia: fields.Inertia = 0.0
     """Rotary inertia on each blade, or at the centre [kg m2]."""
     blades: Blades | None = None
     """Blades with the mass; all by default."""
@@ -99,13 +87,13 @@ class Mistuning(Table):
     """Factors on the length of each blade from root to tip. Shrouds and masses along the blade keep
     their radius: only the part of the blade beyond the outermost shroud or mass changes length.
     Sections of a taper stay with their elements."""
-    stiffness_spread: NumberOrZero = 0.0
+    stiffness_spread: fields.NumberOrZero = 0.0
     """Standard deviation, about 1, of random factors on Young's modulus."""
-    mass_spread: NumberOrZero = 0.0
+    mass_spread: fields.NumberOrZero = 0.0
     """Standard deviation, about 1, of random factors on the density."""
-    length_spread: NumberOrZero = 0.0
+    length_spread: fields.NumberOrZero = 0.0
     """Standard deviation, about 1, of random factors on the length."""
-    seed: Annotated[int, count(0)] = 0
+    seed: Annotated[int, fields.count(0)] = 0
     """Seed of the random factors; each quantity has a random stream of its own."""
 
     def factors(self, name: str, blades: int) -> FloatArray:
@@ -134,31 +122,31 @@ class Mistuning(Table):
                 yield Inconsistency(f"{key}_spread", f"at most {MOST_SPREAD:g}", ())
 
 
-TaperRows = Annotated[tuple[TaperStation, ...], rows('{ thickness = "12 mm" }')]
-CentreRows = Annotated[tuple[CentrePoint, ...], rows('{ span = 1.0, angle = "10 deg" }')]
-ShroudRows = Annotated[tuple[Shroud, ...], rows('{ radius = "0.4 m", thickness = "5 mm" }')]
-RingRows = Annotated[tuple[DiskRing, ...], rows('{ radius = "25 mm", thickness = "20 mm" }')]
-MassRows = Annotated[tuple[PointMass, ...], rows('{ radius = "0.4 m", mass = "50 g" }')]
+TaperRows = Annotated[tuple[TaperStation, ...], fields.rows('{ thickness = "12 mm" }')]
+CentreRows = Annotated[tuple[CentrePoint, ...], fields.rows('{ span = 1.0, angle = "10 deg" }')]
+ShroudRows = Annotated[tuple[Shroud, ...], fields.rows('{ radius = "0.4 m", thickness = "5 mm" }')]
+RingRows = Annotated[tuple[DiskRing, ...], fields.rows('{ radius = "25 mm", thickness = "20 mm" }')]
+MassRows = Annotated[tuple[PointMass, ...], fields.rows('{ radius = "0.4 m", mass = "50 g" }')]
 
 
 class DiskSection(BeamSection):
     """The rectangular section of the disk's beams, by default thicker than the section of the
     blades."""
 
-    thickness: Length = 0.03
+    thickness: fields.Length = 0.03
     """Size in the plane of motion [m]."""
 
 
 class BladedDisk(Table):
     """A bladed disk of beams: blades from root to tip, spokes, and a rim through the roots."""
 
-    blades: Annotated[int, count(3)] = 22
+    blades: Annotated[int, fields.count(3)] = 22
     """Number of blades (paper, Section 2.1)."""
-    tip_radius: Length = 0.5
+    tip_radius: fields.Length = 0.5
     """Radius of the blade tips [m] (paper, Table 1)."""
-    disk_radius: Length = 0.05
+    disk_radius: fields.Length = 0.05
     """Radius of the blade roots [m] (paper, Table 1)."""
-    elements_per_blade: Annotated[int, count(1)] = 10
+    elements_per_blade: Annotated[int, fields.count(1)] = 10
     """Beam elements along each blade (paper, Section 2.1)."""
     blade: BeamSection = BeamSection()
     """Section of the blades: width out of the plane of motion, thickness in the plane [m] (paper,
@@ -185,11 +173,11 @@ class BladedDisk(Table):
     disk_rings: RingRows = ()
     """More rings within the disk, rows of { radius = "25 mm", thickness = "20 mm" }; the spokes
     have nodes at the rings."""
-    web_radial: Stiffness = 1e9
+    web_radial: fields.Stiffness = 1e9
     """Radial stiffness of each spring from centre to root for disk_kind = "rim" [N/m]."""
-    web_tangential: Stiffness = 1e9
+    web_tangential: fields.Stiffness = 1e9
     """Tangential stiffness of each spring from centre to root for disk_kind = "rim" [N/m]."""
-    tip_mass: Mass = 0.0
+    tip_mass: fields.Mass = 0.0
     """Point mass at each tip [kg]."""
     point_masses: MassRows = ()
     """More point masses, rows of { radius = "0.4 m", mass = "50 g" }. Every blade has the mass,
@@ -239,8 +227,10 @@ class BladedDisk(Table):
             yield Inconsistency("disk_radius", expected, ("tip_radius",))
             return
         sector = self.elements_per_blade + sum(shroud.elements for shroud in self.shrouds)
-        if self.blades * sector > MOST:
-            expected = f"at most {MOST} elements on bladed_disk.blades = {self.blades} blades"
+        if self.blades * sector > fields.MOST:
+            expected = (
+                f"at most {fields.MOST} elements on bladed_disk.blades = {self.blades} blades"
+            )
             if self.shrouds:
                 expected += f", including those of shrouds, not {self.blades * sector}"
             yield Inconsistency("elements_per_blade", expected, ("blades", "shrouds"))

@@ -7,16 +7,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from bladewhirl.models.inputs.fields import (
-    Angle,
-    DampingOrZero,
-    Length,
-    LengthOrZero,
-    StiffnessOrZero,
-    count,
-    quantity,
-    rows,
-)
+from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.rectangular import BeamSection
 from bladewhirl.models.sections.wall import TURN, Arc, Lobe, RingProfile
@@ -32,24 +23,24 @@ cubic polynomial between nodes, exceeds 2 % of the amplitude."""
 class Station(Table):
     """The wall's thickness at an angle."""
 
-    angle: Angle
+    angle: fields.Angle
     """Angle from the x axis [rad]."""
-    thickness: Length
+    thickness: fields.Length
     """Size in the plane of motion [m]."""
 
 
 class SpringSupport(Table):
     """Springs and dampers from the wall to the ground at an angle."""
 
-    angle: Angle
+    angle: fields.Angle
     """Angle from the x axis [rad]."""
-    radial: StiffnessOrZero = 0.0
+    radial: fields.StiffnessOrZero = 0.0
     """Radial stiffness [N/m]."""
-    tangential: StiffnessOrZero = 0.0
+    tangential: fields.StiffnessOrZero = 0.0
     """Tangential stiffness [N/m]."""
-    radial_damping: DampingOrZero = 0.0
+    radial_damping: fields.DampingOrZero = 0.0
     """Radial damping [N s/m]."""
-    tangential_damping: DampingOrZero = 0.0
+    tangential_damping: fields.DampingOrZero = 0.0
     """Tangential damping [N s/m]."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
@@ -64,16 +55,16 @@ class SpringSupport(Table):
 class Strut(BeamSection):
     """A straight strut from the wall to the ground."""
 
-    angle: Angle
+    angle: fields.Angle
     """Angle of the foot on the wall from the x axis [rad]."""
-    inclination: Angle = 0.0
+    inclination: fields.Angle = 0.0
     """Angle from the outward normal to the strut, counter-clockwise, less than a quarter turn in
     either direction [rad]."""
-    length: Length
+    length: fields.Length
     """Length [m]."""
     ends: Literal["pinned", "built-in"] = "pinned"
     """A pinned strut is a bar, a built-in strut is a beam."""
-    damping: DampingOrZero = 0.0
+    damping: fields.DampingOrZero = 0.0
     """Damping along the strut [N s/m]."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
@@ -86,14 +77,14 @@ class Strut(BeamSection):
 class Casing(Table):
     """A ring of curved beams at tip_radius + clearance."""
 
-    elements: Annotated[int, count(3)] = 40
+    elements: Annotated[int, fields.count(3)] = 40
     """Number of curved beam elements (paper, Section 2.1). With four elements per wavelength the
     error of a frequency is 0.5 %. Twice the number of blades gives four elements to every wave that
     the blades can distinguish."""
-    clearance: LengthOrZero = 1e-3
+    clearance: fields.LengthOrZero = 1e-3
     """Gap between tips and casing at rest [m] (paper, Table 1); the mean gap if there are lobes."""
     clearance_lobes: Annotated[
-        tuple[Lobe, ...], rows('{ lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }')
+        tuple[Lobe, ...], fields.rows('{ lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }')
     ] = ()
     """Out-of-round clearance, rows of { lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }:
     amplitude * cos(lobes * (angle - phase)) added to clearance, fixed in the static frame; 2 lobes
@@ -101,18 +92,18 @@ class Casing(Table):
     wall: BeamSection = BeamSection()
     """Section of the wall [m] (paper, Table 1)."""
     thickness_lobes: Annotated[
-        tuple[Lobe, ...], rows('{ lobes = 2, amplitude = "1 mm", phase = "30 deg" }')
+        tuple[Lobe, ...], fields.rows('{ lobes = 2, amplitude = "1 mm", phase = "30 deg" }')
     ] = ()
     """Waves of the wall's thickness, rows as in clearance_lobes, added to wall.thickness or to
     thickness_stations."""
     thickness_stations: Annotated[
-        tuple[Station, ...], rows('{ angle = "90 deg", thickness = "12 mm" }')
+        tuple[Station, ...], fields.rows('{ angle = "90 deg", thickness = "12 mm" }')
     ] = ()
     """Thickness of the wall at angles, rows of { angle = "90 deg", thickness = "12 mm" }, with
     linear interpolation between them around the ring. If there are rows, wall.thickness is not
     used."""
     stiffened_arcs: Annotated[
-        tuple[Arc, ...], rows('{ start = "30 deg", end = "60 deg", thickness = "20 mm" }')
+        tuple[Arc, ...], fields.rows('{ start = "30 deg", end = "60 deg", thickness = "20 mm" }')
     ] = ()
     """Arcs of the wall with another section or material, rows of { start = "30 deg", end = "60
     deg", thickness = "20 mm" } with any of thickness, width, young_modulus and density; keys that
@@ -121,12 +112,12 @@ class Casing(Table):
     curvature: Literal["exact", "shallow"] = "exact"
     """Bending strain, "exact" or "shallow" (not in the paper; a ring without supports has its three
     rigid motions with "exact" only)."""
-    support: Annotated[float, quantity("N/m2", "not negative")] = 1508.0
+    support: Annotated[float, fields.quantity("N/m2", "not negative")] = 1508.0
     """Uniform elastic support, radial and tangential [N/m per metre of circumference] (not in the
     paper; the lowest casing frequency is then 0.055 reference frequencies, "very low" as in the
     paper)."""
     springs: Annotated[
-        tuple[SpringSupport, ...], rows('{ angle = "90 deg", radial = "1 MN/m" }')
+        tuple[SpringSupport, ...], fields.rows('{ angle = "90 deg", radial = "1 MN/m" }')
     ] = ()
     """Springs from the wall to the ground, rows of { angle = "90 deg", radial = "1 MN/m",
     tangential = 0, radial_damping = "2 kN s/m", tangential_damping = 0 }, in addition to support.
@@ -134,7 +125,8 @@ class Casing(Table):
     Dampers act in a march, in which the error of contact is then of first order in march.time_step;
     modes are computed without dampers."""
     struts: Annotated[
-        tuple[Strut, ...], rows('{ angle = "90 deg", length = "300 mm", thickness = "8 mm" }')
+        tuple[Strut, ...],
+        fields.rows('{ angle = "90 deg", length = "300 mm", thickness = "8 mm" }'),
     ] = ()
     """Straight struts from the wall to the ground, rows of { angle = "90 deg", inclination = 0,
     length = "300 mm", width = "100 mm", thickness = "10 mm", ends = "pinned", damping = 0 }; with

@@ -7,15 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.solvers.march import recorder
 from bladewhirl.solvers.march.march import Chunk
-from bladewhirl.solvers.march.recorder import (
-    Attribute,
-    NonFiniteError,
-    Values,
-    finite_records,
-    sizes_of,
-    widths_of,
-)
 from bladewhirl.solvers.march.schema import HISTORY
 
 
@@ -33,21 +26,21 @@ class Records:
     def __init__(
         self,
         stage: StageArrays,
-        attributes: Mapping[str, Attribute],
+        attributes: Mapping[str, recorder.Attribute],
         most: int,
-        room: dict[str, Values] | None = None,
+        room: dict[str, recorder.Values] | None = None,
     ) -> None:
         self.stage, self.records, self.steps = stage, 0, 0
         self.attributes = dict(attributes)
-        sizes = sizes_of(stage)
-        self._room: dict[str, Values] = {} if room is None else room
+        sizes = recorder.sizes_of(stage)
+        self._room: dict[str, recorder.Values] = {} if room is None else room
         for name, variable in HISTORY.items():
-            widths, stored = tuple(widths_of(variable, sizes)), self._room.get(name)
+            widths, stored = tuple(recorder.widths_of(variable, sizes)), self._room.get(name)
             if stored is None or len(stored) < most or stored.shape[1:] != widths:
                 self._room[name] = np.empty((most, *widths), dtype=variable.kind)
 
     @property
-    def histories(self) -> dict[str, Values]:
+    def histories(self) -> dict[str, recorder.Values]:
         """All records, by the names of the schema."""
         return {name: values[: self.records] for name, values in self._room.items()}
 
@@ -58,7 +51,7 @@ class Records:
             NonFiniteError: a record is not finite; this record and all later ones are left out.
         """
         history = {name: np.asarray(getattr(chunk, name)) for name in HISTORY}
-        finite = finite_records(history)
+        finite = recorder.finite_records(history)
         last = self.records + finite
         for name, values in history.items():
             self._room[name][self.records : last] = values[:finite]
@@ -66,8 +59,8 @@ class Records:
         if finite:
             self.steps = int(chunk.step[finite - 1])
         if finite < chunk.records:
-            raise NonFiniteError(f"record {last} is not finite")
+            raise recorder.NonFiniteError(f"record {last} is not finite")
 
-    def finish(self, reason: str, message: str, report: Mapping[str, Attribute]) -> None:
+    def finish(self, reason: str, message: str, report: Mapping[str, recorder.Attribute]) -> None:
         """Store the reason of the end, a message and the quality measures of the march."""
         self.attributes |= {"end_reason": reason, "end_message": message, **report}

@@ -7,15 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from bladewhirl.studies.commands.options import (
-    AsJson,
-    CaseFile,
-    CaseFolder,
-    Changes,
-    Replace,
-    Span,
-    span_option,
-)
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, facts, table
 from bladewhirl.studies.modal.columns import Column, texts
 
@@ -29,14 +21,16 @@ SPECIAL_SPEEDS = (
 
 
 def campbell(
-    case: CaseFile,
+    case: options.CaseFile,
     speeds: Annotated[
-        Span,
-        span_option("--speeds", 'Speeds of the diagrams: multiples of ω₁, or "2000 rpm:9000 rpm".'),
+        options.Span,
+        options.span(
+            "--speeds", 'Speeds of the diagrams: multiples of ω₁, or "2000 rpm:9000 rpm".'
+        ),
     ] = SPEEDS,
     operating: Annotated[
-        Span,
-        span_option("--operating", 'Operating range to shade: multiples of ω₁, or "40 Hz:60 Hz".'),
+        options.Span,
+        options.span("--operating", 'Operating range to shade: multiples of ω₁, or "40 Hz:60 Hz".'),
     ] = OPERATING,
     families: Annotated[
         int,
@@ -44,14 +38,14 @@ def campbell(
             help="Number of families of the bladed disk, without the suspension pair.", min=1
         ),
     ] = 5,
-    output: CaseFolder = None,
+    output: options.CaseFolder = None,
     html: Annotated[
         Path | None,
         typer.Option(help="Write both diagrams as an interactive page, FILE.html.", metavar="FILE"),
     ] = None,
-    overwrite: Replace = False,
-    json: AsJson = False,
-    overrides: Changes = None,
+    overwrite: options.Replace = False,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
 ) -> None:
     """Find coincidence speeds and draw Campbell diagrams, in the rotating and the static frame.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Overwrite, output_option
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, table
 from bladewhirl.studies.commands.progress import progress_bar
 from bladewhirl.studies.modal.columns import Column
@@ -26,11 +26,11 @@ QUANTITIES = (
 
 
 def compare(
-    case: CaseFile,
-    output: Annotated[Path | None, output_option("Folder to make, for a figure.")] = None,
-    overwrite: Overwrite = False,
-    json: AsJson = False,
-    overrides: Changes = None,
+    case: options.CaseFile,
+    output: Annotated[Path | None, options.output("Folder to make, for a figure.")] = None,
+    overwrite: options.Overwrite = False,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
 ) -> None:
     """March a case with every contact scheme, side by side.
 

@@ -6,18 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from bladewhirl.studies.commands.options import (
-    AsJson,
-    CaseFile,
-    CaseFolder,
-    Changes,
-    Overwrite,
-    Workers,
-    in_si,
-    several,
-)
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, facts, table
 from bladewhirl.studies.commands.progress import progress_bar
 from bladewhirl.studies.modal.columns import Column, rows_of
@@ -44,28 +33,32 @@ there are too few differences, or because the differences are not monotone."""
 
 
 def convergence(
-    case: CaseFile,
+    case: options.CaseFile,
     time_steps: Annotated[
         Sequence[float] | None,
-        typer.Option(
-            parser=several("--time-steps", in_si("s"), "times"),
-            metavar="STEP,STEP,...",
-            help="Time steps in s or with a unit; by default 4, 2, 1, 1/2 times that of the case.",
+        options.several(
+            "--time-steps",
+            "STEP,STEP,...",
+            "Time steps in s or with a unit; by default 4, 2, 1, 1/2 times that of the case.",
+            options.in_si("s"),
+            "times",
         ),
     ] = None,
     modes: Annotated[
         Sequence[int] | None,
-        typer.Option(
-            parser=several("--modes", int, "whole numbers"),
-            metavar="COUNT,COUNT,...",
-            help="Numbers of fixed-interface modes; by default 2 to 6 per blade.",
+        options.several(
+            "--modes",
+            "COUNT,COUNT,...",
+            "Numbers of fixed-interface modes; by default 2 to 6 per blade.",
+            int,
+            "whole numbers",
         ),
     ] = None,
-    output: CaseFolder = None,
-    overwrite: Overwrite = False,
-    workers: Workers = None,
-    json: AsJson = False,
-    overrides: Changes = None,
+    output: options.CaseFolder = None,
+    overwrite: options.Overwrite = False,
+    workers: options.Workers = None,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
 ) -> None:
     """Study how a march depends on its time step and on its modes.
 

@@ -7,27 +7,20 @@ from typing import Annotated
 
 import typer
 
-from bladewhirl.studies.commands.options import (
-    AsJson,
-    CaseFile,
-    CaseFolder,
-    Changes,
-    Replace,
-    Stiffnesses,
-)
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, table
 
 
 def critical_speeds(
-    case: CaseFile,
+    case: options.CaseFile,
     branches: Annotated[
         int, typer.Option(help="Number of branches in each direction of whirl.", min=1)
     ] = 2,
-    stiffnesses: Stiffnesses = None,
-    output: CaseFolder = None,
-    overwrite: Replace = False,
-    json: AsJson = False,
-    overrides: Changes = None,
+    stiffnesses: options.Stiffnesses = None,
+    output: options.CaseFolder = None,
+    overwrite: options.Replace = False,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
 ) -> None:
     """Draw the map of critical speeds over the stiffness of the shaft.
 

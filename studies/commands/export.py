@@ -8,14 +8,7 @@ from typing import Annotated
 import typer
 
 from bladewhirl.models.inputs.errors import writing
-from bladewhirl.studies.commands.options import (
-    End,
-    Replace,
-    Rotating,
-    RunFolder,
-    Start,
-    output_option,
-)
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.progress import progress_bar
 
 VTK = "vtk"
@@ -23,23 +16,25 @@ VTK = "vtk"
 
 
 def export(
-    directory: RunFolder,
+    directory: options.RunFolder,
     frames: Annotated[int, typer.Option(min=1, help="Number of instants, evenly spaced.")] = 300,
-    start: Start = None,
-    end: End = None,
+    start: options.Start = None,
+    end: options.End = None,
     surface: Annotated[
         bool,
         typer.Option("--surface", help="Write boxes of true thickness and width instead of lines."),
     ] = False,
-    rotating: Rotating = False,
+    rotating: options.Rotating = False,
     exaggeration: Annotated[
         float | None,
         typer.Option(
             help="Factor on displacement and clearance in the field warp; automatic by default."
         ),
     ] = None,
-    output: Annotated[Path | None, output_option(f"Folder to write; by default DIR/{VTK}.")] = None,
-    overwrite: Replace = False,
+    output: Annotated[
+        Path | None, options.output(f"Folder to write; by default DIR/{VTK}.")
+    ] = None,
+    overwrite: options.Replace = False,
 ) -> None:
     """Write a series for ParaView: run its view.py, or open series.pvd and apply Warp By Vector.
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
-from bladewhirl.studies.commands.options import Changes, Force, output_option
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, table
 from bladewhirl.studies.modal.columns import Column
 
@@ -23,10 +23,10 @@ def mesh(
         Path, typer.Argument(help="Case file, or a mesh file: .msh of Gmsh, .vtu, .inp of Abaqus.")
     ],
     output: Annotated[
-        Path | None, output_option("Mesh file to write: .vtu, .msh or .inp.", "FILE")
+        Path | None, options.output("Mesh file to write: .vtu, .msh or .inp.", "FILE")
     ] = None,
-    overrides: Changes = None,
-    force: Force = False,
+    overrides: options.Changes = None,
+    force: options.Force = False,
 ) -> None:
     r"""List the groups of a mesh, and write the mesh in another format.
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Replace, output_option
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, table
 from bladewhirl.studies.modal.columns import rows_of
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 
 def modes(
-    case: CaseFile,
+    case: options.CaseFile,
     count: Annotated[
         int, typer.Option(help="Number of modes of each body, from the lowest on.", min=1)
     ] = 60,
-    json: AsJson = False,
-    output: Annotated[Path | None, output_option("Folder to make for pictures and films.")] = None,
+    json: options.AsJson = False,
+    output: Annotated[Path | None, options.output("Folder to make for pictures and films.")] = None,
     shapes: Annotated[
         str | None,
         typer.Option(
@@ -46,8 +46,8 @@ def modes(
         ),
     ] = None,
     films: Annotated[bool, typer.Option(help="Write films, as GIF and as VTK series.")] = True,
-    overwrite: Replace = False,
-    overrides: Changes = None,
+    overwrite: options.Replace = False,
+    overrides: options.Changes = None,
 ) -> None:
     """List natural frequencies of the full bladed disk, with the centre as in the case, and of the
     casing.

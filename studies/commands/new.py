@@ -8,12 +8,12 @@ from typing import Annotated
 import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
-from bladewhirl.studies.commands.options import Force
+from bladewhirl.studies.commands import options
 
 
 def new(
     path: Annotated[Path, typer.Argument(help="File to write.")] = Path("case.toml"),
-    force: Force = False,
+    force: options.Force = False,
 ) -> None:
     """Write a case file with every key, its default and its meaning."""
     from bladewhirl.files import write_atomically

@@ -22,11 +22,15 @@ MOST_POINTS = 100_000
 """Largest COUNT of a range; a larger number is taken as a typing error."""
 
 
-def parsed(option: str, read: Callable[[str], Any], expected: str) -> Callable[[str], Any]:
-    """Return the parser of an option; parsing errors name the option and the expected values.
+def option(
+    name: str, metavar: str, help_text: str, read: Callable[[str], Any], expected: str
+) -> Any:
+    """Return a typer option with a parser; parsing errors name the option and the expected values.
 
     Args:
-        option: name of the option.
+        name: name of the option.
+        metavar: name of the value in the help text.
+        help_text: description of the option.
         read: function that converts the text, or raises a ValueError.
         expected: description of the valid values.
     """
@@ -35,9 +39,9 @@ def parsed(option: str, read: Callable[[str], Any], expected: str) -> Callable[[
         try:
             return read(text)
         except ValueError:
-            raise UserError(f"{option} {text}: expected {expected}") from None
+            raise UserError(f"{name} {text}: expected {expected}") from None
 
-    return parse
+    return typer.Option(name, parser=parse, metavar=metavar, help=help_text)
 
 
 def in_si(unit: str, least: float = float("-inf")) -> Callable[[str], float]:
@@ -57,24 +61,27 @@ def in_si(unit: str, least: float = float("-inf")) -> Callable[[str], float]:
     return read
 
 
-def time_of(option: str) -> Callable[[str], float]:
-    """Return the parser of a time [s]."""
-    return parsed(option, in_si("s"), 'a time in seconds, or with a unit such as "0.8 ms"')
+def time(name: str, help_text: str) -> Any:
+    """Return the typer option of a time [s]."""
+    expected = 'a time in seconds, or with a unit such as "0.8 ms"'
+    return option(name, "TIME", help_text, in_si("s"), expected)
 
 
-def stiffness_of(option: str) -> Callable[[str], float]:
-    """Return the parser of a stiffness [N/m]."""
-    return parsed(option, in_si("N/m", 0.0), "a number of zero or more, in N/m or with a unit")
+def stiffness(name: str, help_text: str) -> Any:
+    """Return the typer option of a stiffness [N/m]."""
+    expected = "a number of zero or more, in N/m or with a unit"
+    return option(name, "STIFFNESS", help_text, in_si("N/m", 0.0), expected)
 
 
-def speed_of(option: str) -> Callable[[str], Speed]:
-    """Return the parser of a speed, with a unit or relative to the reference frequency."""
+def speed(name: str, help_text: str) -> Any:
+    """Return the typer option of a speed, with a unit or relative to the reference frequency."""
     expected = "multiples of the reference frequency, or text in rpm, Hz or rad/s"
-    return parsed(option, _speed, expected)
+    return option(name, "SPEED", help_text, _speed, expected)
 
 
-def several(option: str, read: Callable[[str], Any], name: str) -> Callable[[str], list[Any]]:
-    """Return a parser that sorts two or more different positive values, separated by commas."""
+def several(name: str, metavar: str, help_text: str, read: Callable[[str], Any], noun: str) -> Any:
+    """Return the typer option of two or more different positive values, separated by commas; the
+    parser sorts them."""
 
     def read_all(text: str) -> list[Any]:
         values = sorted({read(word.strip()) for word in text.split(",")})
@@ -82,7 +89,8 @@ def several(option: str, read: Callable[[str], Any], name: str) -> Callable[[str
             raise ValueError
         return values
 
-    return parsed(option, read_all, f"two or more different {name} above zero")
+    expected = f"two or more different {noun} above zero"
+    return option(name, metavar, help_text, read_all, expected)
 
 
 def _speed(text: str) -> Speed:
@@ -149,26 +157,26 @@ def parse_span(option: str, text: str, *, unit: str = "", counted: bool = False)
     return Span(f"{option} {text}", start, stop, count)
 
 
-def output_option(help_text: str, metavar: str | None = None) -> Any:
+def output(help_text: str, metavar: str | None = None) -> Any:
     """Return the typer option of the file or folder to write."""
     return typer.Option("--output", "-o", metavar=metavar, help=help_text)
 
 
-def span_option(name: str, help_text: str, *, unit: str = "", counted: bool = False) -> Any:
+def span(name: str, help_text: str, *, unit: str = "", counted: bool = False) -> Any:
     """Return the typer option of a `Span`; its default is given as text, which typer parses."""
     parser = partial(parse_span, name, unit=unit, counted=counted)
     form = "START:STOP:COUNT" if counted else "START:STOP"
     return typer.Option(name, parser=parser, metavar=form, help=help_text)
 
 
-CaseFolder = Annotated[Path | None, output_option("Folder to make; CASE-COMMAND by default.")]
+CaseFolder = Annotated[Path | None, output("Folder to make; CASE-COMMAND by default.")]
 CaseFile = Annotated[Path, typer.Argument(help="Case file.", show_default=False)]
 RunFolder = Annotated[
     Path, typer.Argument(metavar="DIR", help="Folder of a run, or its result.nc.")
 ]
 Stiffnesses = Annotated[
     Span | None,
-    span_option(
+    span(
         "--stiffnesses",
         "Stiffness of each shaft spring, N/m or '1 kN/mm:1 MN/mm'; by default a thousandth"
         " to a thousand times that of the case.",
@@ -190,21 +198,13 @@ Replace = Annotated[
 Force = Annotated[bool, typer.Option("--force", "--overwrite", help="Overwrite an existing file.")]
 Start = Annotated[
     float | None,
-    typer.Option(
+    time(
         "--from",
-        parser=time_of("--from"),
-        metavar="TIME",
-        help='Start of the time window in s, or such as "0.8 ms"; by default the start of the run.',
+        'Start of the time window in s, or such as "0.8 ms"; by default the start of the run.',
     ),
 ]
 End = Annotated[
-    float | None,
-    typer.Option(
-        "--to",
-        parser=time_of("--to"),
-        metavar="TIME",
-        help="End of the time window; by default the end of the run.",
-    ),
+    float | None, time("--to", "End of the time window; by default the end of the run.")
 ]
 Rotating = Annotated[
     bool, typer.Option("--rotating", help="Show the series as seen from the rotor.")

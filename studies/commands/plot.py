@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from bladewhirl.postprocess.plotting.registry import REPLACED, RUN_FIGURES, SWEEP_FIGURES, captions
-from bladewhirl.studies.commands.options import End, Replace, Start, output_option
+from bladewhirl.studies.commands import options
 
 if TYPE_CHECKING:
     from bladewhirl.postprocess.run.figures import RunFigures
@@ -44,10 +44,10 @@ def plot(
             show_default=False,
         ),
     ] = None,
-    start: Start = None,
-    end: End = None,
+    start: options.Start = None,
+    end: options.End = None,
     output: Annotated[
-        Path | None, output_option(f"Folder for the figures; by default DIR/{PLOTS}.")
+        Path | None, options.output(f"Folder for the figures; by default DIR/{PLOTS}.")
     ] = None,
     format_name: Annotated[
         Literal["png", "pdf", "svg"] | None,
@@ -65,7 +65,7 @@ def plot(
     title: Annotated[
         str | None, typer.Option(help='Another title of the figure; "" for no title.')
     ] = None,
-    overwrite: Replace = False,
+    overwrite: options.Replace = False,
 ) -> None:
     """Draw figures of a run or a sweep, with the data of each figure as netCDF.
 

@@ -9,15 +9,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
-from bladewhirl.studies.commands.options import (
-    End,
-    Replace,
-    RunFolder,
-    Start,
-    claim_output,
-    output_option,
-    time_of,
-)
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.progress import progress_bar
 
 FrameOfView = Literal["static", "rotating"]
@@ -34,7 +26,7 @@ FieldOfColour = Literal[
 
 
 def render(
-    directory: RunFolder,
+    directory: options.RunFolder,
     gif: Annotated[bool, typer.Option("--gif", help="An animation that loops (default).")] = False,
     mp4: Annotated[bool, typer.Option("--mp4", help="A film.")] = False,
     png: Annotated[bool, typer.Option("--png", help="Stills, one for each --time.")] = False,
@@ -54,7 +46,7 @@ def render(
     ] = False,
     output: Annotated[
         Path | None,
-        output_option(
+        options.output(
             "File to write; its suffix replaces --gif, --mp4, --png or --html. "
             "By default animation.gif, animation.mp4, still.png, sheet.png or page.html in DIR."
         ),
@@ -62,14 +54,13 @@ def render(
     frames: Annotated[
         int | None, typer.Option(min=2, help="Number of pictures: by default 120, in a sheet 9.")
     ] = None,
-    start: Start = None,
-    end: End = None,
+    start: options.Start = None,
+    end: options.End = None,
     time: Annotated[
         list[float] | None,
-        typer.Option(
-            parser=time_of("--time"),
-            metavar="TIME",
-            help="Instant of a still; may be given several times. By default the record with the"
+        options.time(
+            "--time",
+            "Instant of a still; may be given several times. By default the record with the"
             " largest mean contact force (normal and friction) since the previous record.",
         ),
     ] = None,
@@ -88,7 +79,7 @@ def render(
     orbit: Annotated[
         bool, typer.Option("--orbit", help="Show the shaft's orbit in an inset.")
     ] = False,
-    overwrite: Replace = False,
+    overwrite: options.Replace = False,
 ) -> None:
     """Draw a run as GIF, MP4, PNG or HTML, without a display.
 
@@ -141,7 +132,7 @@ def render(
             if hint:
                 typer.echo(f"Hint: {hint}; --from and --to choose another window.", err=True)
     for path, _ in pictures:
-        claim_output(path, named=output is not None, overwrite=True)
+        options.claim_output(path, named=output is not None, overwrite=True)
 
 
 def _targets(directory: Path, output: Path | None, kinds: list[str]) -> dict[str, Path]:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from bladewhirl.studies.commands.options import Replace, claim_output, output_option
+from bladewhirl.studies.commands import options
 
 
 def report(
@@ -15,9 +15,9 @@ def report(
         Path, typer.Argument(metavar="DIR", help="Folder of a run or a sweep, finished or not.")
     ],
     output: Annotated[
-        Path | None, output_option("File to write; by default DIR/report.html.", "FILE")
+        Path | None, options.output("File to write; by default DIR/report.html.", "FILE")
     ] = None,
-    overwrite: Replace = False,
+    overwrite: options.Replace = False,
 ) -> None:
     """Write a report as one HTML file that any browser shows without a network.
 
@@ -29,5 +29,5 @@ def report(
     from bladewhirl.studies.runs.report import report_target
 
     target = report_target(directory, output)
-    claim_output(target, named=output is not None, overwrite=overwrite)
+    options.claim_output(target, named=output is not None, overwrite=overwrite)
     typer.echo(f"Wrote {write_report(directory, target)}.")

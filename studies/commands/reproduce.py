@@ -7,14 +7,8 @@ from typing import Annotated
 
 import typer
 
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.exits import interruptible
-from bladewhirl.studies.commands.options import (
-    AsJson,
-    Scheduler,
-    Workers,
-    output_option,
-    refuse_both,
-)
 from bladewhirl.studies.commands.progress import progress_bar
 
 FOLDER = Path("reproduction")
@@ -41,7 +35,7 @@ def reproduce(
             " casing distortion, 0.025 for imbalance, 0.35 for imbalance with six modes.",
         ),
     ] = None,
-    output: Annotated[Path, output_option("Folder of marches and scorecard.", "DIR")] = FOLDER,
+    output: Annotated[Path, options.output("Folder of marches and scorecard.", "DIR")] = FOLDER,
     overrides: Annotated[
         list[str] | None,
         typer.Option(
@@ -54,9 +48,9 @@ def reproduce(
         int | None,
         typer.Option(help="Number of marches per claim, with forces changed by 1e-7.", min=1),
     ] = None,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    json: AsJson = False,
+    workers: options.Workers = None,
+    scheduler: options.Scheduler = None,
+    json: options.AsJson = False,
 ) -> None:
     """Judge the claims of the source paper from marches and sweeps.
 
@@ -78,7 +72,7 @@ def reproduce(
     from bladewhirl.studies.paper.scorecard import scorecard_table
     from bladewhirl.studies.sweeps.sweep import Watch
 
-    refuse_both(scheduler, workers)
+    options.refuse_both(scheduler, workers)
     plan = Plan(
         claims=chosen_claims(claims or []),
         changes=override_values(overrides or []),

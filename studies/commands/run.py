@@ -9,16 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.exits import INTERRUPTED
-from bladewhirl.studies.commands.options import (
-    AsJson,
-    Changes,
-    End,
-    Overwrite,
-    Rotating,
-    Start,
-    output_option,
-)
 from bladewhirl.studies.commands.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -33,16 +25,16 @@ def run(
         Path | None, typer.Argument(help="Case file; not with --resume.", show_default=False)
     ] = None,
     output: Annotated[
-        Path | None, output_option("Folder to make; by default runs/NAME of the case.", "DIR")
+        Path | None, options.output("Folder to make; by default runs/NAME of the case.", "DIR")
     ] = None,
-    overrides: Changes = None,
-    overwrite: Overwrite = False,
+    overrides: options.Changes = None,
+    overwrite: options.Overwrite = False,
     frames: Annotated[
         int, typer.Option(help="Number of frames of the ParaView series; 0 for no series.")
     ] = 300,
-    start: Start = None,
-    end: End = None,
-    rotating: Rotating = False,
+    start: options.Start = None,
+    end: options.End = None,
+    rotating: options.Rotating = False,
     resume: Annotated[
         Path | None,
         typer.Option(
@@ -50,7 +42,7 @@ def run(
             help="Continue the run in this folder; --set march.duration=6 makes it longer.",
         ),
     ] = None,
-    json: AsJson = False,
+    json: options.AsJson = False,
 ) -> None:
     """March a case in time.
 

@@ -8,14 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bladewhirl.models.inputs.errors import CaseError, UserError, writing
-from bladewhirl.studies.commands.options import (
-    AsJson,
-    CaseFile,
-    Changes,
-    Replace,
-    claim_output,
-    output_option,
-)
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, facts, table
 from bladewhirl.studies.modal.columns import Column, texts
 
@@ -72,9 +65,9 @@ PROPERTIES = (
 
 
 def show(
-    case: CaseFile,
-    overrides: Changes = None,
-    json: AsJson = False,
+    case: options.CaseFile,
+    overrides: options.Changes = None,
+    json: options.AsJson = False,
     with_case: Annotated[
         bool, typer.Option("--case", help="Print every key of the case after the properties.")
     ] = False,
@@ -83,9 +76,9 @@ def show(
     ] = False,
     output: Annotated[
         Path | None,
-        output_option("File of the drawing; by default the name of the case with .png."),
+        options.output("File of the drawing; by default the name of the case with .png."),
     ] = None,
-    overwrite: Replace = False,
+    overwrite: options.Replace = False,
 ) -> None:
     """Print the properties of a case, and with --case all its keys.
 
@@ -113,7 +106,7 @@ def show(
         typer.echo(f"Hint: {hint}.", err=True)
     if png:
         target = output or Path(f"{case.stem}.png")
-        claim_output(target, named=True, overwrite=overwrite)
+        options.claim_output(target, named=True, overwrite=overwrite)
         _draw(stage, target)
     document = {"case": checked.model_dump(mode="json", exclude_none=True), "derived": derived}
     marched = {body: MARCHES[cyclic] for body, cyclic in derived["cyclic"].items()}

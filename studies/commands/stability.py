@@ -7,17 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from bladewhirl.studies.commands.options import (
-    AsJson,
-    CaseFile,
-    CaseFolder,
-    Changes,
-    Replace,
-    Span,
-    span_option,
-    speed_of,
-    stiffness_of,
-)
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, facts, table
 from bladewhirl.studies.commands.progress import progress_bar
 from bladewhirl.studies.modal.columns import texts
@@ -27,41 +17,29 @@ KAPPAS: Any = "0:1000:300"
 
 
 def stability(
-    case: CaseFile,
+    case: options.CaseFile,
     speed: Annotated[
-        Any,
-        typer.Option(
-            parser=speed_of("--speed"),
-            metavar="SPEED",
-            help='One speed: multiples of ω₁, or text such as "2500 rpm".',
-        ),
+        Any, options.speed("--speed", 'One speed: multiples of ω₁, or text such as "2500 rpm".')
     ] = None,
     kappa: Annotated[
         float | None,
-        typer.Option(
-            parser=stiffness_of("--kappa"),
-            metavar="STIFFNESS",
-            help="One coupling stiffness [N/m], together with --speed.",
-        ),
+        options.stiffness("--kappa", "One coupling stiffness [N/m], together with --speed."),
     ] = None,
     speeds: Annotated[
-        Span,
-        span_option(
+        options.Span,
+        options.span(
             "--speeds",
             'Speeds of the chart: multiples of ω₁, or "2000 rpm:9000 rpm:600".',
             counted=True,
         ),
     ] = SPEEDS,
     kappas: Annotated[
-        Span, span_option("--kappas", "Stiffnesses of the chart [N/m].", unit="N/m", counted=True)
+        options.Span,
+        options.span("--kappas", "Stiffnesses of the chart [N/m].", unit="N/m", counted=True),
     ] = KAPPAS,
     line: Annotated[
         float,
-        typer.Option(
-            parser=stiffness_of("--line"),
-            metavar="STIFFNESS",
-            help="Stiffness [N/m] for which eigenvalues are drawn over speed.",
-        ),
+        options.stiffness("--line", "Stiffness [N/m] for which eigenvalues are drawn over speed."),
     ] = 500.0,
     modes: Annotated[
         str,
@@ -82,13 +60,13 @@ def stability(
             "--physical", help="Use the physical amplitude of each mode, not unit amplitudes."
         ),
     ] = False,
-    output: CaseFolder = None,
+    output: options.CaseFolder = None,
     films: Annotated[
         bool, typer.Option(help="Also write the divergent mode as VTK series and GIF.")
     ] = True,
-    overwrite: Replace = False,
-    json: AsJson = False,
-    overrides: Changes = None,
+    overwrite: options.Replace = False,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
 ) -> None:
     """Chart growth rates over speed and coupling stiffness, or compute one point.
 

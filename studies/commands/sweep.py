@@ -8,15 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.exits import ALL_FAILED, interruptible
-from bladewhirl.studies.commands.options import (
-    AsJson,
-    Changes,
-    Scheduler,
-    Workers,
-    output_option,
-    refuse_both,
-)
 from bladewhirl.studies.commands.output import emit
 from bladewhirl.studies.commands.progress import progress_bar
 
@@ -43,10 +36,10 @@ def sweep(
             ' case file, "casing.clearance=0.5 mm,1 mm". Several --over: all combinations.',
         ),
     ] = None,
-    output: Annotated[Path | None, output_option("Folder to make.", "DIR")] = None,
-    overrides: Changes = None,
-    scheduler: Scheduler = None,
-    workers: Workers = None,
+    output: Annotated[Path | None, options.output("Folder to make.", "DIR")] = None,
+    overrides: options.Changes = None,
+    scheduler: options.Scheduler = None,
+    workers: options.Workers = None,
     histories: Annotated[
         bool, typer.Option("--histories", help="Keep the full history of every point.")
     ] = False,
@@ -64,7 +57,7 @@ def sweep(
     yes: Annotated[
         bool, typer.Option("--yes", help="Allow more than 100,000 points or long marches.")
     ] = False,
-    json: AsJson = False,
+    json: options.AsJson = False,
 ) -> None:
     """March a case with every value of a key, or every combination of values of several keys.
 
@@ -78,7 +71,7 @@ def sweep(
     from bladewhirl.studies.sweeps.axes import parse_over
     from bladewhirl.studies.sweeps.sweep import Watch, resume_sweep, run_sweep
 
-    refuse_both(scheduler, workers)
+    options.refuse_both(scheduler, workers)
     remedy = f"bladewhirl sweep --resume {resume or output} finishes it"
     with progress_bar("sweeping", lines="points") as update, interruptible(remedy):
 

@@ -7,30 +7,23 @@ from typing import Annotated
 
 import typer
 
-from bladewhirl.studies.commands.options import (
-    AsJson,
-    CaseFile,
-    CaseFolder,
-    Changes,
-    Replace,
-    Stiffnesses,
-)
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, facts
 
 
 def veering(
-    case: CaseFile,
+    case: options.CaseFile,
     families: Annotated[
         int,
         typer.Option(
             help="Number of families in the first diagram, without the suspension pair.", min=1
         ),
     ] = 12,
-    stiffnesses: Stiffnesses = None,
-    output: CaseFolder = None,
-    overwrite: Replace = False,
-    json: AsJson = False,
-    overrides: Changes = None,
+    stiffnesses: options.Stiffnesses = None,
+    output: options.CaseFolder = None,
+    overwrite: options.Replace = False,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
 ) -> None:
     """Draw frequencies over nodal diameter and over the stiffness of the shaft.
 

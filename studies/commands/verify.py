@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from bladewhirl.studies.commands.options import AsJson
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, table
 from bladewhirl.studies.commands.progress import progress_bar
 from bladewhirl.studies.modal.columns import Column
@@ -26,7 +26,7 @@ def verify(
         ),
     ] = None,
     full: Annotated[bool, typer.Option("--full", help="Include the cases that take long.")] = False,
-    json: AsJson = False,
+    json: options.AsJson = False,
     markdown: Annotated[
         bool, typer.Option("--markdown", help="Print the table as Markdown.")
     ] = False,

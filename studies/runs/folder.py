@@ -13,11 +13,10 @@ from pathlib import Path, PurePosixPath
 from platform import platform
 from typing import Any
 
-from bladewhirl.files import write_atomically
-from bladewhirl.files import listed
+from bladewhirl.files import listed, write_atomically
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.case.mesh_file import MeshTable
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME
 from bladewhirl.solvers.march.schema import RESULT_NAME
@@ -130,7 +129,8 @@ def read_failures(directory: Path, size: float = float("inf")) -> list[dict[str,
     except (OSError, ValueError, TypeError, KeyError, RecursionError):
         pass
     raise UserError(
-        f"{path}: expected the failed points of a sweep; without this file --resume tries them again"
+        f"{path}: expected the failed points of a sweep; without this file --resume tries them"
+        " again"
     )
 
 

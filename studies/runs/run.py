@@ -14,17 +14,10 @@ from bladewhirl.models.inputs.errors import Hint, UserError, writing
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME, Checkpoint, read_checkpoint
 from bladewhirl.solvers.march.schema import RESULT_NAME
-from bladewhirl.studies.runs import folder
+from bladewhirl.studies.runs import folder, recorded_march
 from bladewhirl.studies.runs.outputs import Run, Window, write_outputs
 from bladewhirl.studies.runs.place import locked, taking_place
 from bladewhirl.studies.runs.prepare import Prepared, prepare
-from bladewhirl.studies.runs.recorded_march import (
-    Progress,
-    check_room,
-    expected_bytes,
-    march_to_file,
-    state_at,
-)
 
 
 def run(
@@ -36,7 +29,7 @@ def run(
     start: float | None = None,
     end: float | None = None,
     rotating: bool = False,
-    progress: Progress | None = None,
+    progress: recorded_march.Progress | None = None,
 ) -> Run:
     """March a case, and write all its results into a folder.
 
@@ -75,7 +68,7 @@ def run(
     for hint in stage_hints(prepared.stage):
         warnings.warn(hint, Hint, stacklevel=2)
     with writing(directory):
-        check_room(directory, expected_bytes(prepared))
+        recorded_march.check_room(directory, recorded_march.expected_bytes(prepared))
         files = folder.case_files(case)
         with taking_place(directory) as place:
             claim(place, folder.files_of_run(case))
@@ -93,7 +86,7 @@ def resume(
     *,
     frames: int = 300,
     rotating: bool = False,
-    progress: Progress | None = None,
+    progress: recorded_march.Progress | None = None,
 ) -> Run:
     """Finish a run that was killed, or extend a run, with bitwise the same result as without
     interruption.
@@ -120,7 +113,7 @@ def resume(
     window = Window(frames=frames, rotating=rotating)
     window.check(case.march.duration)
     prepared = prepare(case)
-    state_at(prepared, checkpoint)  # nothing is written if the run cannot continue
+    recorded_march.state_at(prepared, checkpoint)  # nothing is written if the run cannot continue
     with writing(directory), locked(directory):
         remove_leftovers(directory)
         write_atomically(path, folder.portable_case(case))
@@ -142,12 +135,12 @@ def _march_and_sum_up(
     prepared: Prepared,
     place: Path,
     window: Window,
-    progress: Progress | None,
+    progress: recorded_march.Progress | None,
     begin: Checkpoint | None = None,
 ) -> Run:
     """March into a folder that contains the case, and write all outputs there."""
     case = prepared.stage.case
-    report = march_to_file(
+    report = recorded_march.march_to_file(
         prepared,
         place / RESULT_NAME,
         folder.portable_case(case),

@@ -23,18 +23,7 @@ from bladewhirl.files import replacing, write_atomically
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT
-from bladewhirl.postprocess.sweep.dataset import (
-    DONE,
-    FAILED,
-    GROUP,
-    LINE,
-    MODE_LINES,
-    SWEEP_NAME,
-    WINDOW_SHARE,
-    Layout,
-    changed_point,
-    checksum,
-)
+from bladewhirl.postprocess.sweep import dataset
 from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT
 from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
 from bladewhirl.studies.sweeps.axes import Grid
@@ -45,7 +34,7 @@ Coordinates = Mapping[str, tuple[FloatArray, str]]
 
 
 def create(
-    directory: Path, grid: Grid, coordinates: Coordinates, layout: Layout, attributes: Any
+    directory: Path, grid: Grid, coordinates: Coordinates, layout: dataset.Layout, attributes: Any
 ) -> None:
     """Create the dataset of a sweep, completely or not at all.
 
@@ -57,7 +46,7 @@ def create(
         attributes: further attributes of the dataset.
     """
     with (
-        replacing(directory / SWEEP_NAME) as draft,
+        replacing(directory / dataset.SWEEP_NAME) as draft,
         h5py.File(draft, "w") as h5,
         h5netcdf.File(h5, "w") as file,
     ):
@@ -79,7 +68,10 @@ def create(
         made.attrs.update(
             {"units": "Hz", "long_name": "frequency in the rotating frame, forward positive"}
         )
-        for name, labels in ((GROUP, layout.groups), (LINE, tuple(MODE_LINES))):
+        for name, labels in (
+            (dataset.GROUP, layout.groups),
+            (dataset.LINE, tuple(dataset.MODE_LINES)),
+        ):
             text = np.array(labels, dtype=object)
             file.create_variable(name, (name,), h5py.string_dtype(), data=text)
         for name, variable in SWEEP.items():
@@ -95,7 +87,7 @@ def create(
         file.attrs["criterion"] = CRITERION_TEXT
         file.attrs["window"] = (
             f"spectra and mean energies are over the last {layout.window:.6g} s of each march,"
-            f" at most {WINDOW_SHARE:.0%} of it"
+            f" at most {dataset.WINDOW_SHARE:.0%} of it"
         )
         file.attrs.update(attributes)
 
@@ -115,7 +107,7 @@ class Store(AbstractContextManager["Store"]):
 
     def __init__(self, directory: Path, grid: Grid, plan: str | None = None) -> None:
         self._directory, self._grid = directory, grid
-        path, failed = directory / SWEEP_NAME, read_failures(directory, grid.size)
+        path, failed = directory / dataset.SWEEP_NAME, read_failures(directory, grid.size)
         #: reason of each failed point
         self.failures = {int(entry["point"]): entry["reason"] for entry in failed}
         try:
@@ -135,7 +127,7 @@ class Store(AbstractContextManager["Store"]):
             )
         names = (*(axis.name for axis in grid.axes), "frequency")
         self._coordinates = [self._h5[name][()] for name in names]
-        changed = changed_point(
+        changed = dataset.changed_point(
             lambda name, rows: np.asarray(self._h5[name][rows]), grid.shape, self._coordinates
         )
         if changed is not None:
@@ -161,7 +153,7 @@ class Store(AbstractContextManager["Store"]):
     @property
     def done(self) -> int:
         """Number of finished points."""
-        return int(np.count_nonzero(self.state == DONE))
+        return int(np.count_nonzero(self.state == dataset.DONE))
 
     def write(self, point: int, outcome: Outcome) -> None:
         """Write a point: first its data, then its state."""
@@ -172,10 +164,10 @@ class Store(AbstractContextManager["Store"]):
             self.failures.pop(point, None)
             for name, values in outcome.items():
                 self._variables[name][index] = values
-            self._variables["checksum"][index] = checksum(outcome, self._coordinates)
+            self._variables["checksum"][index] = dataset.checksum(outcome, self._coordinates)
         self._h5.flush()
         self._write_failures()
-        self.state[point] = FAILED if isinstance(outcome, Failure) else DONE
+        self.state[point] = dataset.FAILED if isinstance(outcome, Failure) else dataset.DONE
         self._variables["state"][index] = self.state[point]
         self._h5.flush()
 

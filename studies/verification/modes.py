@@ -17,18 +17,8 @@ from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.modal.modes import families, structure_modes
 from bladewhirl.models.modal.reduction import craig_bampton
 from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.studies.verification import stages
 from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
-from bladewhirl.studies.verification.stages import (
-    beam,
-    bladed_disk,
-    clamped,
-    disk_modes,
-    hertz,
-    natural_frequencies,
-    observed_order,
-    steel,
-    tip_reference,
-)
 
 CENTRES = ("free", "clamped")
 LISTED = 92
@@ -42,11 +32,11 @@ def stage_modes(centre: str) -> Pairs:
     """Compare frequencies of the stage of the paper's Table 1 with OpenSees; count modes with wrong
     names."""
     known = reference("disk_modes")[centre]
-    modes = disk_modes(bladed_disk(clamped=centre == "clamped"))
+    modes = stages.disk_modes(stages.bladed_disk(clamped=centre == "clamped"))
     names = zip(modes.nodal_diameter.tolist(), families(modes, "bladed-disk"), strict=True)
     expected = zip(known["nodal_diameter"], known["family"], strict=True)
     return {
-        "stage_frequencies": (known["frequency_hz"], hertz(modes)[:LISTED]),
+        "stage_frequencies": (known["frequency_hz"], stages.hertz(modes)[:LISTED]),
         "stage_names": (0, sum(a != b for a, b in zip(expected, names, strict=False))),
     }
 
@@ -66,7 +56,7 @@ def static_response(centre: str) -> Pairs:
     Stiffnesses are tangential and radial at a tip, tangential at a root and at a free centre.
     """
     known = reference("disk_static")[centre]
-    disk = bladed_disk(clamped=centre == "clamped")
+    disk = stages.bladed_disk(clamped=centre == "clamped")
     nodes = disk.mesh.node_sets
     root = int(disk.structure.node_dofs[nodes["roots"][0], 1])
     places = {
@@ -93,7 +83,7 @@ def static_response(centre: str) -> Pairs:
 @verifies()
 def unbalance_response() -> Pair:
     """Compare the unbalance response, (K - Omega^2 M) u = m e Omega^2, with OpenSees."""
-    known, disk = reference("disk_harmonic"), bladed_disk()
+    known, disk = reference("disk_harmonic"), stages.bladed_disk()
     tips, centre = disk.mesh.node_sets["tips"], disk.mesh.node_sets["centre"][0]
     expected, computed = [], []
     for row in known["response"]:
@@ -111,15 +101,15 @@ def cantilever(
     taper: Section | Sequence[Section], elements: int, tip_mass: float = 0.0
 ) -> FloatArray:
     """Return the frequencies of a blade clamped at its root [rad/s]."""
-    sketch = beam(taper, elements, length=SPAN)
+    sketch = stages.beam(taper, elements, length=SPAN)
     if tip_mass:
         sketch.mass("end", tip_mass)
-    return natural_frequencies(clamped(sketch))
+    return stages.natural_frequencies(stages.clamped(sketch))
 
 
 def exact_bending() -> FloatArray:
     """Return the first three bending frequencies of a uniform cantilever [rad/s]."""
-    section = steel(0.01)
+    section = stages.steel(0.01)
     roots = np.array([1.8751040687119611, 4.694091132974175, 7.854757438237613])
     unit = np.sqrt(section.bending_stiffness / section.line_mass)
     return np.asarray((roots / SPAN) ** 2 * unit)
@@ -128,18 +118,18 @@ def exact_bending() -> FloatArray:
 @verifies()
 def bending_cantilever() -> Pair:
     """Compare bending frequencies of a uniform cantilever with Euler-Bernoulli theory."""
-    return exact_bending(), cantilever(steel(0.01), 24)[:3]
+    return exact_bending(), cantilever(stages.steel(0.01), 24)[:3]
 
 
 def bending_errors(elements: int) -> FloatArray:
     """Return the relative errors of the bending frequencies."""
-    return cantilever(steel(0.01), elements)[:3] / exact_bending() - 1.0
+    return cantilever(stages.steel(0.01), elements)[:3] / exact_bending() - 1.0
 
 
 def stretching_errors(elements: int) -> FloatArray:
     """Return the relative errors of the first three stretching frequencies."""
     exact = np.pi * (np.arange(3) + 0.5) / SPAN * np.sqrt(2.1e11 / 7800.0)
-    computed = cantilever(steel(0.01), elements)
+    computed = cantilever(stages.steel(0.01), elements)
     nearest = np.argmin(np.abs(computed[:, None] - exact), axis=0)
     return np.asarray(computed[nearest] / exact - 1.0)
 
@@ -176,7 +166,8 @@ def by_ritz(thickness: Sequence[float]) -> FloatArray:
 def tapered_blade_of(elements: int) -> Pair:
     """Return frequencies of a tapered blade, 20, 12 and 8 mm thick, by Ritz and by elements."""
     taper = [0.020, 0.012, 0.008]
-    return by_ritz(taper), cantilever([steel(size) for size in taper], elements, TIP_MASS)[:3]
+    sections = [stages.steel(size) for size in taper]
+    return by_ritz(taper), cantilever(sections, elements, TIP_MASS)[:3]
 
 
 @verifies()
@@ -196,7 +187,7 @@ def orders_of_convergence() -> Pairs:
     """Compare orders of convergence with four for bending (cubic elements) and with two for
     stretching (linear elements)."""
     return {
-        name: (np.full(3, order), observed_order(np.array([error(n), error(2 * n)]))[0])
+        name: (np.full(3, order), stages.observed_order(np.array([error(n), error(2 * n)]))[0])
         for name, error, n, order in (
             ("order_of_bending", bending_errors, 6, 4.0),
             ("order_of_stretching", stretching_errors, 32, 2.0),
@@ -208,28 +199,30 @@ def orders_of_convergence() -> Pairs:
 @verifies()
 def cyclic_against_full() -> Pair:
     """Compare frequencies computed sector by sector with frequencies computed without symmetry."""
-    structure = bladed_disk(elements=4).structure
+    structure = stages.bladed_disk(elements=4).structure
     whole = la.eigh(structure.stiffness.toarray(), structure.mass.toarray(), eigvals_only=True)
-    return np.sqrt(whole), disk_modes(bladed_disk(elements=4)).frequency
+    return np.sqrt(whole), stages.disk_modes(stages.bladed_disk(elements=4)).frequency
 
 
 @verifies()
 def nearly_tuned() -> Pair:
     """Compare 60 frequencies of a stage with one slightly heavier tip with the symmetric stage."""
-    disk = bladed_disk(elements=4)
+    disk = stages.bladed_disk(elements=4)
     mass = disk.structure.mass.copy().tolil()
     for dof in (disk.tip_radial[0], disk.tip_tangential[0]):
         mass[dof, dof] *= 1.0 + 1e-7
-    nearly = structure_modes(replace(disk.structure, mass=mass.tocsr()), tip_reference(disk), 60)
-    return disk_modes(disk, 60).frequency[:60], nearly.frequency[:60]
+    nearly = structure_modes(
+        replace(disk.structure, mass=mass.tocsr()), stages.tip_reference(disk), 60
+    )
+    return stages.disk_modes(disk, 60).frequency[:60], nearly.frequency[:60]
 
 
 def reduction_error(kept: int) -> FloatArray:
     """Return the relative error of the first 22 elastic frequencies of a reduced stage."""
-    disk = bladed_disk()
+    disk = stages.bladed_disk()
     boundary = np.concatenate([disk.tip_radial, disk.tip_tangential, disk.centre])
-    reduced = craig_bampton(disk.structure, boundary, kept, tip_reference(disk)).modes
-    exact = disk_modes(disk).frequency[:22]
+    reduced = craig_bampton(disk.structure, boundary, kept, stages.tip_reference(disk)).modes
+    exact = stages.disk_modes(disk).frequency[:22]
     return np.asarray(reduced.frequency[:22] / exact - 1.0)
 
 

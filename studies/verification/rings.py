@@ -8,22 +8,13 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.modes import Modes, structure_modes
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.sections.wall import Wall
+from bladewhirl.studies.verification import stages
 from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
-from bladewhirl.studies.verification.stages import (
-    CASING_REFERENCE,
-    RADIUS,
-    casing,
-    casing_modes,
-    hertz,
-    observed_order,
-    ring,
-    steel,
-)
 
 
 def lowest(modes: Modes, k: int) -> float:
     """Return the lowest frequency of a nodal diameter [Hz]."""
-    return float(hertz(modes)[modes.nodal_diameter == k][0])
+    return float(stages.hertz(modes)[modes.nodal_diameter == k][0])
 
 
 def flexural(elements: int, name: str) -> Pair:
@@ -31,7 +22,7 @@ def flexural(elements: int, name: str) -> Pair:
     values."""
     known, rows = reference("ring"), reference("ring")["modes"][2:]
     support = known["ring"]["foundation"] if name == "flexural_on_foundation_hz" else 0.0
-    modes = casing_modes(elements, support)
+    modes = stages.casing_modes(elements, support)
     return [row[name] for row in rows], [lowest(modes, row["nodal_diameter"]) for row in rows]
 
 
@@ -55,7 +46,7 @@ def ring_errors(elements: int) -> FloatArray:
 def translation_error(elements: int) -> float:
     """Return the squared frequency of a free ring's translation [rad^2/s^2]; its exact value is
     0."""
-    return float(casing_modes(elements).frequency[1] ** 2)
+    return float(stages.casing_modes(elements).frequency[1] ** 2)
 
 
 @verifies()
@@ -65,17 +56,17 @@ def orders_of_convergence() -> Pairs:
     bending = np.array([ring_errors(n)[-1] for n in (80, 160)])
     translation = np.array([translation_error(n) for n in (40, 80)])
     return {
-        "order_of_the_ring": (4.0, observed_order(bending)[0]),
-        "order_of_translations": (5.7, observed_order(translation)[0]),
+        "order_of_the_ring": (4.0, stages.observed_order(bending)[0]),
+        "order_of_translations": (5.7, stages.observed_order(translation)[0]),
     }
 
 
 @verifies()
 def stretching_ring() -> Pair:
     """Compare the stretching frequencies of a free ring with the closed form."""
-    modes = casing_modes(80)
+    modes = stages.casing_modes(80)
     exact = [row["extensional_hz"] for row in reference("ring")["modes"][:5]]
-    spectra = [hertz(modes)[modes.nodal_diameter == k] for k in range(5)]
+    spectra = [stages.hertz(modes)[modes.nodal_diameter == k] for k in range(5)]
     return exact, [
         f[np.argmin(np.abs(f - expected))] for f, expected in zip(spectra, exact, strict=True)
     ]
@@ -84,10 +75,10 @@ def stretching_ring() -> Pair:
 @verifies()
 def pinched_ring() -> Pair:
     """Compare the displacement under two opposite unit forces with Castigliano's theorem."""
-    section, modes = steel(0.01), casing_modes(80)
-    exact = RADIUS**3 / section.bending_stiffness * (np.pi / 4 - 2 / np.pi)
-    exact += np.pi * RADIUS / (4.0 * section.axial_stiffness)
-    radial = casing(80).nodal(modes.shapes)[:, 0]
+    section, modes = stages.steel(0.01), stages.casing_modes(80)
+    exact = stages.RADIUS**3 / section.bending_stiffness * (np.pi / 4 - 2 / np.pi)
+    exact += np.pi * stages.RADIUS / (4.0 * section.axial_stiffness)
+    radial = stages.casing(80).nodal(modes.shapes)[:, 0]
     apart = radial[0] + radial[40]
     elastic = modes.frequency > 1.0
     return exact, np.sum((apart[elastic] / modes.frequency[elastic]) ** 2)
@@ -105,6 +96,6 @@ def nafems_ring(k: str) -> Pair:
         young_modulus=2e11,
         density=8000.0,
     )
-    bar = ring(wall=Wall(section=section), elements=80, radius=1.0)
-    modes = structure_modes(bar.structure, CASING_REFERENCE, 20)
+    bar = stages.ring(wall=Wall(section=section), elements=80, radius=1.0)
+    modes = structure_modes(bar.structure, stages.CASING_REFERENCE, 20)
     return reference("published")["nafems_ring_hz"][k], lowest(modes, int(k))
