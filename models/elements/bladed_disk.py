@@ -177,7 +177,7 @@ def assemble_bladed_disk(
     shaft = sp.csr_array(sp.diags_array(spring))
 
     led = assembler.node_dofs[model.links.led].ravel()
-    _, node_dofs = keep_free(assembler.node_dofs, np.union1d(fixed, led))
+    node_dofs = keep_free(assembler.node_dofs, np.union1d(fixed, led))
     expansion = node_expansion(model, node_dofs)
     unknowns = expansion[np.argsort(assembler.node_dofs.ravel())]
 

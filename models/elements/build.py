@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from functools import partial
 
 import numpy as np
 import scipy.linalg as la
@@ -22,7 +21,6 @@ from bladewhirl.models.geometry.from_mesh import mesh_beam_model
 from bladewhirl.models.geometry.sketch_build import build_sketch
 from bladewhirl.models.geometry.standard_disk import bladed_disk_sketch
 from bladewhirl.models.inputs.errors import CaseError, Fault
-from bladewhirl.models.sections.rectangular import BeamSection, Section
 from bladewhirl.models.sections.wall import Wall
 
 LOST = 100.0
@@ -49,7 +47,7 @@ def case_beam_model(case: Case) -> BeamModel:
     elif case.sketch is not None:
         model = build_sketch(case.sketch)
     else:
-        model = bladed_disk_sketch(case.bladed_disk, partial(_section, case)).build()
+        model = bladed_disk_sketch(case.bladed_disk, case.material).build()
     smallest_gap = case.casing.clearance_profile.smallest + model.tip_recess
     tight = int(smallest_gap.argmin())
     if smallest_gap[tight] < 0.0:
@@ -75,7 +73,7 @@ def case_casing(case: Case) -> CasingModel:
     struts = [
         strut(
             row.angle,
-            _section(case, row),
+            case.material.section(row),
             length=row.length,
             inclination=row.inclination,
             ends=row.ends,
@@ -86,7 +84,7 @@ def case_casing(case: Case) -> CasingModel:
     return assemble_casing(
         _ring(case),
         Wall(
-            section=_section(case, given.wall),
+            section=case.material.section(given.wall),
             thickness=given.thickness_profile,
             arcs=given.stiffened_arcs,
         ),
@@ -138,14 +136,6 @@ def lowest_frequency(disk: BladedDiskModel, frequencies: Iterable[float]) -> flo
 def _ring(case: Case) -> RingMesh:
     radius = case.tip_radius + case.casing.clearance
     return RingMesh(elements=case.casing.elements, radius=radius)
-
-
-def _section(case: Case, section: BeamSection) -> Section:
-    return Section(
-        width=section.width,
-        thickness=section.thickness,
-        material=case.material.find(section.material),
-    )
 
 
 @contextmanager

@@ -59,7 +59,7 @@ class Structure:
         return f"{self.layout.sectors} equal sectors: cyclic path"
 
 
-def keep_free(node_dofs: IntArray, fixed: IntArray) -> tuple[IntArray, IntArray]:
+def keep_free(node_dofs: IntArray, fixed: IntArray) -> IntArray:
     """Renumber the free degrees of freedom from zero.
 
     Args:
@@ -67,10 +67,9 @@ def keep_free(node_dofs: IntArray, fixed: IntArray) -> tuple[IntArray, IntArray]
         fixed: numbers of the DoF fixed at zero.
 
     Returns:
-        the old numbers of the free DoF, and `node_dofs` with the new numbers, -1 if fixed.
+        `node_dofs` with the new numbers, -1 if fixed.
     """
-    total = node_dofs.size
-    free = np.setdiff1d(np.arange(total), fixed)
-    renumbered = np.full(total, -1, dtype=np.int64)
+    free = np.setdiff1d(np.arange(node_dofs.size), fixed)
+    renumbered = np.full(node_dofs.size, -1, dtype=np.int64)
     renumbered[free] = np.arange(len(free))
-    return free, renumbered[node_dofs]
+    return np.asarray(renumbered[node_dofs])

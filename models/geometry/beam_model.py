@@ -151,53 +151,42 @@ def check_model(model: BeamModel, key: str) -> None:
     Raises:
         CaseError: the model is invalid; the error lists all faults with the names of the parts.
     """
-    faults = [
-        *_sets(model, key),
-        *_links(model, key),
-        *_massless(model, key),
-        *_doubled(model, key),
-    ]
-    faults = faults or [*_loose_parts(model, key)]
+    faults = [*_sets(model), *_links(model), *_massless(model), *_doubled(model)]
+    faults = faults or [*_loose_parts(model)]
     if faults:
-        raise CaseError(faults)
+        raise CaseError(Fault(key=key, expected=expected) for expected in faults)
 
 
-def _sets(model: BeamModel, key: str) -> Iterator[Fault]:
+def _sets(model: BeamModel) -> Iterator[str]:
+    """Yield faults of the sets as texts that complete "expected ..."."""
     sets = model.mesh.node_sets
     if len(sets["centre"]) != 1:
-        yield Fault(key=key, expected=f'one node in the set "centre", not {len(sets["centre"])}')
+        yield f'one node in the set "centre", not {len(sets["centre"])}'
         return
     if np.linalg.norm(model.mesh.points[model.centre]) > AT_ORIGIN * model.tip_radius:
         x, y = model.mesh.points[model.centre]
-        yield Fault(key=key, expected=f"the centre at the origin, not at ({x:.6g}, {y:.6g}) m")
+        yield f"the centre at the origin, not at ({x:.6g}, {y:.6g}) m"
     tips = model.mesh.points[model.tips]
     angles = np.arctan2(tips[:, 1], tips[:, 0])
     steps = np.mod(np.diff(angles, append=angles[0]), 2.0 * np.pi)
     if model.centre in model.tips:
-        yield Fault(key=key, expected='a centre that is not in the set "tips"')
+        yield 'a centre that is not in the set "tips"'
     elif len(tips) > 1 and not (np.all(steps > 0.0) and abs(steps.sum() - 2.0 * np.pi) < 1e-6):
-        expected = 'the set "tips" in counter-clockwise order, each tip at a different angle'
-        yield Fault(key=key, expected=expected)
+        yield 'the set "tips" in counter-clockwise order, each tip at a different angle'
 
 
-def _links(model: BeamModel, key: str) -> Iterator[Fault]:
+def _links(model: BeamModel) -> Iterator[str]:
     led = model.links.led
     for node in np.flatnonzero(np.bincount(led, minlength=1) > 1):
-        yield Fault(
-            key=key, expected=f"one leader for {_node(model, int(node))}, not several leaders"
-        )
+        yield f"one leader for {_node(model, int(node))}, not several leaders"
     for node in np.intersect1d(led, model.links.leader):
-        expected = f"a leader that is not led by another node; {_node(model, int(node))} is led"
-        yield Fault(key=key, expected=expected)
+        yield f"a leader that is not led by another node; {_node(model, int(node))} is led"
     for name in ("tips", "centre"):
         for node in np.intersect1d(led, model.mesh.node_sets[name])[:1]:
-            expected = (
-                f'a set "{name}" of nodes that are not tied; {_node(model, int(node))} is tied'
-            )
-            yield Fault(key=key, expected=expected)
+            yield f'a set "{name}" of nodes that are not tied; {_node(model, int(node))} is tied'
 
 
-def _massless(model: BeamModel, key: str) -> Iterator[Fault]:
+def _massless(model: BeamModel) -> Iterator[str]:
     """Yield nodes that are connected by springs only and have no mass or no inertia."""
     count = len(model.mesh.points)
     bare = np.ones(count, dtype=np.bool_)
@@ -208,11 +197,10 @@ def _massless(model: BeamModel, key: str) -> Iterator[Fault]:
     np.add.at(inertia, model.masses.node, model.masses.inertia)
     inertia[model.mesh.node_sets["centre"]] = np.inf  # the centre does not rotate
     for node in np.flatnonzero(bare & ((mass <= 0.0) | (inertia <= 0.0))):
-        expected = f"a beam, or a mass with rotary inertia, at {_node(model, int(node))}"
-        yield Fault(key=key, expected=expected)
+        yield f"a beam, or a mass with rotary inertia, at {_node(model, int(node))}"
 
 
-def _doubled(model: BeamModel, key: str) -> Iterator[Fault]:
+def _doubled(model: BeamModel) -> Iterator[str]:
     """Yield overlapping lines, whose mass would count twice."""
     parts = np.array(model.mesh.line_parts)
     ends = np.sort(model.mesh.lines, axis=1)
@@ -222,19 +210,18 @@ def _doubled(model: BeamModel, key: str) -> Iterator[Fault]:
         line = again[0]
         names = dict.fromkeys([str(parts[first[number.ravel()[line]]]), str(parts[line])])
         between = " and ".join(_node(model, int(node)) for node in ends[line])
-        expected = f"one beam between two nodes; {' and '.join(map(repr, names))} coincide"
-        yield Fault(key=key, expected=f"{expected} between {between}")
+        coincide = " and ".join(map(repr, names))
+        yield f"one beam between two nodes; {coincide} coincide between {between}"
 
 
-def _loose_parts(model: BeamModel, key: str) -> Iterator[Fault]:
+def _loose_parts(model: BeamModel) -> Iterator[str]:
     """Yield the first part that is not connected to the centre by beams, springs or links."""
     joints, count = model.joints, len(model.mesh.points)
     graph = sp.csr_array((np.ones(len(joints)), (joints[:, 0], joints[:, 1])), shape=(count, count))
     _, group = connected_components(graph, directed=False)
     loose = np.flatnonzero(group != group[model.centre])
     if loose.size:
-        expected = f"all parts joined to the centre; {_part(model, int(loose[0]))} is not joined"
-        yield Fault(key=key, expected=expected)
+        yield f"all parts joined to the centre; {_part(model, int(loose[0]))} is not joined"
 
 
 def part_outside(model: BeamModel, radius: float) -> str | None:

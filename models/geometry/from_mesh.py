@@ -40,7 +40,6 @@ from bladewhirl.models.sections.rectangular import (
     QUANTITIES,
     LineProperties,
     Material,
-    Section,
     along,
 )
 
@@ -111,12 +110,6 @@ def springs(mesh: GroupedLines) -> NodeSprings:
         other=np.append(mesh.lines[line, 1], np.full(len(node), GROUND)),
         stiffness=np.hstack([between, grounded]).T,
     )
-
-
-def rigid_links(mesh: GroupedLines) -> RigidLinks:
-    """Return the rigid links in the lines of a mesh."""
-    leader, led = mesh.lines[mesh.is_rigid].T
-    return RigidLinks(led=led, leader=leader)
 
 
 def _summed(size: int, places: IntArray, values: FloatArray) -> FloatArray:
@@ -243,14 +236,7 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
         lines = mesh.line_groups[name]
         given.update(lines.tolist())
         changes[:, lines] = 0.0
-        values[:, lines] = along(
-            Section(
-                width=section.width,
-                thickness=section.thickness,
-                material=material.find(section.material),
-            ),
-            np.zeros(1),
-        )
+        values[:, lines] = along(material.section(section), np.zeros(1))
     twice = [line for line, times in given.items() if times > 1]
     if twice:
         groups = [k for k in table.sections if twice[0] in mesh.line_groups[k]]
@@ -288,7 +274,8 @@ def _hung(table: MeshTable, mesh: GroupedLines) -> dict[str, Any]:
                 f'"m" for a file with {name}, which are in SI units, such as {table.file_name}'
             )
             raise CaseError([table.fault("unit", expected)])
-    return {"masses": masses, "springs": joints, "links": rigid_links(mesh)}
+    leader, led = mesh.lines[mesh.is_rigid].T
+    return {"masses": masses, "springs": joints, "links": RigidLinks(led=led, leader=leader)}
 
 
 def _without(groups: Mapping[str, IntArray], *names: str) -> dict[str, IntArray]:

@@ -11,7 +11,7 @@ from bladewhirl.meshes.line_mesh import FloatArray, points_along
 from bladewhirl.models.case.bladed_disk import BladedDisk
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.inputs.errors import CaseError, Fault
-from bladewhirl.models.sections.rectangular import QUANTITIES, BeamSection, Section, along
+from bladewhirl.models.sections.rectangular import QUANTITIES, Material, Section, along
 
 FINE = 400
 """Number of points along a curved centre line between which its angle is interpolated."""
@@ -22,10 +22,8 @@ FINE_STATIONS = 32
 BETWEEN = np.arange(1, 8) / 8.0
 """Positions along a curved part or an arc, from 0 to 1, at which it is sampled."""
 
-MakeSection = Callable[[BeamSection], Section]
 
-
-def bladed_disk_sketch(given: BladedDisk, section: MakeSection) -> Sketch:
+def bladed_disk_sketch(given: BladedDisk, material: Material) -> Sketch:
     """Draw a bladed disk; the default table gives the bladed disk of the paper's Fig. 3(a).
 
     Each sector has one blade with elements of nearly equal length, whose tip is on the radial line
@@ -35,7 +33,7 @@ def bladed_disk_sketch(given: BladedDisk, section: MakeSection) -> Sketch:
 
     Args:
         given: table with sizes and parts.
-        section: function that converts a section of the case to a section with its material.
+        material: material of the case, with the named materials.
 
     Raises:
         CaseError: the radius of the centre line does not increase everywhere.
@@ -47,8 +45,8 @@ def bladed_disk_sketch(given: BladedDisk, section: MakeSection) -> Sketch:
     for name, radius in blade.inner.items():
         sketch.node(name, *blade.point(radius))
     sketch.node("tip", given.tip_radius)
-    _draw_blades(sketch, given, blade, section)
-    _draw_disk(sketch, given, blade, section)
+    _draw_blades(sketch, given, blade, material)
+    _draw_disk(sketch, given, blade, material)
     for i, shroud in enumerate(given.shrouds):
         node = blade.node_at(shroud.radius)
         _, angle = blade.polar(shroud.radius)
@@ -57,7 +55,7 @@ def bladed_disk_sketch(given: BladedDisk, section: MakeSection) -> Sketch:
             f"shroud {i}",
             node,
             f"{node}+1",
-            section(shroud),
+            material.section(shroud),
             elements=shroud.elements,
             path=_on_circle(shroud.radius, on_arc) if shroud.elements > 1 else (),
             part="shrouds",
@@ -147,10 +145,10 @@ class _Blade:
         return self._root + stretch * self._span if name == "tip" else self._radius[name]
 
 
-def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, section: MakeSection) -> None:
-    blade_section = section(given.blade)
+def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, material: Material) -> None:
+    blade_section = material.section(given.blade)
     taper = [
-        section(given.blade.model_copy(update=row.model_dump(exclude_none=True)))
+        material.section(given.blade.model_copy(update=row.model_dump(exclude_none=True)))
         for row in given.taper
     ]
     pieces = blade.pieces(given.elements_per_blade)
@@ -196,11 +194,11 @@ def _piece_of(taper: list[Section], ends: tuple[float, float], elements: int) ->
     ]
 
 
-def _draw_disk(sketch: Sketch, given: BladedDisk, blade: _Blade, section: MakeSection) -> None:
+def _draw_disk(sketch: Sketch, given: BladedDisk, blade: _Blade, material: Material) -> None:
     if given.disk_kind == "rigid":
         sketch.link("centre", "root")
         return
-    disk_section = section(given.disk)
+    disk_section = material.section(given.disk)
     if given.disk_kind == "rim":
         sketch.spring("root", "centre", radial=given.web_radial, tangential=given.web_tangential)
     else:
@@ -215,7 +213,7 @@ def _draw_disk(sketch: Sketch, given: BladedDisk, blade: _Blade, section: MakeSe
                 f"spokes {i}" if i else "spokes", first, second, disk_section, part="spokes"
             )
         for name, ring in zip(chain[1:], rings, strict=False):
-            sketch.member(f"{name} itself", name, f"{name}+1", section(ring), part="rings")
+            sketch.member(f"{name} itself", name, f"{name}+1", material.section(ring), part="rings")
     if given.disk_kind != "spokes":
         sketch.member("rim", "root", "root+1", disk_section)
 

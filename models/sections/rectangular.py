@@ -77,6 +77,11 @@ class Material(Table):
         """
         return self if name is None else {one.name: one for one in self.named}[name]
 
+    def section(self, given: BeamSection) -> Section:
+        """Return a section of the case with its material."""
+        named = self.find(given.material)
+        return Section(width=given.width, thickness=given.thickness, material=named)
+
 
 Size = TypeVar("Size", float, FloatArray)
 
@@ -208,10 +213,13 @@ def along_elements(sections: Section | Taper, elements: int) -> tuple[FloatArray
     change = 12.0 * np.add.reduceat((high - low) * moment, starts, axis=1)
     smallest = np.minimum.reduceat(np.minimum(first, second), starts, axis=1)
     largest = np.maximum.reduceat(np.maximum(first, second), starts, axis=1)
-    largest_end = np.where(
-        smallest == largest, 0.0, 2.0 * mean - smallest
-    )  # no rounding if constant
-    return np.where(smallest == largest, smallest, mean), np.clip(change, -largest_end, largest_end)
+    constant = smallest == largest  # for which there is no rounding
+    largest_end = np.where(constant, 0.0, 2.0 * mean - smallest)
+    return np.where(constant, smallest, mean), np.clip(change, -largest_end, largest_end)
+
+
+def _no_change() -> FloatArray:
+    return np.zeros(0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -220,12 +228,10 @@ class LineProperties(Rectangle[FloatArray]):
     changes from the first to the second end. Changes that are left out are zero.
     """
 
-    width_change: FloatArray = field(default_factory=lambda: np.zeros(0))  #: change [m], (lines,)
-    thickness_change: FloatArray = field(
-        default_factory=lambda: np.zeros(0)
-    )  #: change [m], (lines,)
-    young_modulus_change: FloatArray = field(default_factory=lambda: np.zeros(0))  #: [Pa], (lines,)
-    density_change: FloatArray = field(default_factory=lambda: np.zeros(0))  #: [kg/m3], (lines,)
+    width_change: FloatArray = field(default_factory=_no_change)  #: change [m], (lines,)
+    thickness_change: FloatArray = field(default_factory=_no_change)  #: change [m], (lines,)
+    young_modulus_change: FloatArray = field(default_factory=_no_change)  #: [Pa], (lines,)
+    density_change: FloatArray = field(default_factory=_no_change)  #: [kg/m3], (lines,)
 
     def __post_init__(self) -> None:
         for name in CHANGES:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import chain
 
 import numpy as np
 
@@ -57,9 +56,12 @@ def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:
 
 def march_faults(stage: Stage) -> Iterator[Fault]:
     """Yield all faults that prevent time integration."""
-    yield from chain(
-        _mode_faults(stage), time_step_faults(stage), _load_faults(stage), _start_faults(stage)
-    )
+    if not len(stage.kept.rotor) or not len(stage.kept.casing):  # results have both motions
+        expected = "modes of the bladed disk and of the casing"
+        yield case_fault(stage.case, "reduction.modes", expected)
+    yield from time_step_faults(stage)
+    yield from _load_faults(stage)
+    yield from _start_faults(stage)
 
 
 def time_step_faults(stage: Stage) -> Iterator[Fault]:
@@ -98,13 +100,6 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
                 f' text such as "{speed.given:g} rpm" is absolute'
             )
         yield case_fault(case, "march.speed", expected)
-
-
-def _mode_faults(stage: Stage) -> Iterator[Fault]:
-    """Yield a fault if a body has no modes, because results contain the motion of both bodies."""
-    if not len(stage.kept.rotor) or not len(stage.kept.casing):
-        expected = "modes of the bladed disk and of the casing"
-        yield case_fault(stage.case, "reduction.modes", expected)
 
 
 def _load_faults(stage: Stage) -> Iterator[Fault]:

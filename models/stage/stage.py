@@ -193,7 +193,6 @@ def build_stage(case: Case) -> Stage:
         errors = family_errors(reduction.modes, list(disk_family), full)
     else:
         errors = wave_errors(rotor, reduction.modes.nodal_diameter, disk_family, turning)
-    reduced_casing = _reduced_casing(case, casing, casing_modes)
     return Stage(
         case=case,
         disk=disk,
@@ -206,7 +205,15 @@ def build_stage(case: Case) -> Stage:
         casing_modes=casing_modes,
         casing_family=casing_family,
         rotor=rotor,
-        reduced_casing=reduced_casing,
+        reduced_casing=ReducedCasing(
+            frequency=casing_modes.frequency,
+            damping_ratio=np.full(casing_modes.count, case.damping.ratio),
+            nodal=casing.nodal(casing_modes.shapes),
+            clearance=case_clearance(case),
+            radius=casing.mesh.radius,
+            column=casing_modes.column,
+            dampers=casing.dampers @ casing_modes.shapes,
+        ),
         kept=kept_modes(
             case,
             tip_motion(disk, reduction.modes, disk_family, lambda i: reduction.modes.shapes[:, i]),
@@ -299,18 +306,6 @@ def _check_clearance(case: Case, recess: FloatArray) -> None:
             f" {-smallest_gap[blade]:.3g} m beyond the casing where it is narrowest"
         )
         raise CaseError([case_fault(case, "casing.clearance", expected)])
-
-
-def _reduced_casing(case: Case, casing: CasingModel, modes: Modes) -> ReducedCasing:
-    return ReducedCasing(
-        frequency=modes.frequency,
-        damping_ratio=np.full(modes.count, case.damping.ratio),
-        nodal=casing.nodal(modes.shapes),
-        clearance=case_clearance(case),
-        radius=casing.mesh.radius,
-        column=modes.column,
-        dampers=casing.dampers @ modes.shapes,
-    )
 
 
 def _with_possible_modes(case: Case, disk: BladedDiskModel) -> Case:
