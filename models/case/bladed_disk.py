@@ -119,7 +119,7 @@ class Mistuning(Table):
                 expected = f"either factors or bladed_disk.mistuning.{name}_spread, not both"
                 yield Inconsistency(key, expected, (f"mistuning.{name}_spread",))
             elif spread > MOST_SPREAD or not np.all(self.factors(name, blades) > 0.0):
-                yield Inconsistency(f"{key}_spread", f"at most {MOST_SPREAD:g}", ())
+                yield Inconsistency(f"{key}_spread", f"at most {MOST_SPREAD:g}")
 
 
 TaperRows = Annotated[tuple[TaperStation, ...], fields.rows('{ thickness = "12 mm" }')]
@@ -218,9 +218,8 @@ class BladedDisk(Table):
         if self.mesh is not None:
             for name, field in type(self).model_fields.items():
                 if name != "mesh" and getattr(self, name) != field.default:
-                    yield Inconsistency(
-                        name, "no such key together with bladed_disk.mesh", ("mesh",)
-                    )
+                    expected = "no such key together with bladed_disk.mesh"
+                    yield Inconsistency(name, expected, ("mesh",))
             return
         if self.disk_radius >= self.tip_radius:
             expected = f"less than bladed_disk.tip_radius = {self.tip_radius!r}"
@@ -264,16 +263,14 @@ class BladedDisk(Table):
             yield Inconsistency("shrouds", expected, ("disk_radius", "tip_radius"))
         for one, other in combinations(self.shrouds, 2):
             if one.radius == other.radius and len({*one.cuts, *other.cuts}) < self.blades:
-                yield Inconsistency(
-                    "shrouds", "at most one shroud at each radius between two blades", ()
-                )
+                expected = "at most one shroud at each radius between two blades"
+                yield Inconsistency("shrouds", expected)
         if not all(mass.radius == 0.0 or root <= mass.radius <= tip for mass in self.point_masses):
             expected = f"radii of 0 or from disk_radius = {root!r} to tip_radius = {tip!r}"
             yield Inconsistency("point_masses", expected, ("disk_radius", "tip_radius"))
         if any(mass.radius == 0.0 and mass.blades is not None for mass in self.point_masses):
-            yield Inconsistency(
-                "point_masses", "no list of blades for a mass at radius = 0, the centre", ()
-            )
+            expected = "no list of blades for a mass at radius = 0, the centre"
+            yield Inconsistency("point_masses", expected)
         radii = [ring.radius for ring in self.disk_rings]
         if not all(radius < root for radius in radii) or len(set(radii)) < len(radii):
             expected = f"different radii below bladed_disk.disk_radius = {root!r}"

@@ -47,9 +47,8 @@ class SpringSupport(Table):
         """Yield an error for a support without stiffness and damping."""
         if not (self.radial or self.tangential or self.radial_damping or self.tangential_damping):
             others = ("tangential", "radial_damping", "tangential_damping")
-            yield Inconsistency(
-                "radial", f"more than 0 for this key or for {', '.join(others)}", others
-            )
+            expected = f"more than 0 for this key or for {', '.join(others)}"
+            yield Inconsistency("radial", expected, others)
 
 
 class Strut(BeamSection):
@@ -71,7 +70,7 @@ class Strut(BeamSection):
         """Yield an error for a strut that points inward."""
         if not abs(self.inclination) < TURN / 4.0:
             expected = "less than a quarter turn in either direction: struts point outward"
-            yield Inconsistency("inclination", expected, ())
+            yield Inconsistency("inclination", expected)
 
 
 class Casing(Table):

@@ -19,22 +19,13 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import ValidationError
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.check import case_from, faults_of
 from bladewhirl.models.case.sketch import SketchTable
-from bladewhirl.models.case.sketch_parts import (
-    SketchEdit,
-    SketchLink,
-    SketchMass,
-    SketchMember,
-    SketchNode,
-    SketchSet,
-    SketchSpring,
-)
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.sketch_build import build_sketch
 from bladewhirl.models.inputs.errors import CaseError
@@ -112,7 +103,7 @@ class Sketch:
         Returns:
             the name.
         """
-        self._add("nodes", SketchNode, name, name=name, at=(x, y), shared=shared)
+        self._add("nodes", name, name=name, at=(x, y), shared=shared)
         return name
 
     def member(
@@ -144,7 +135,6 @@ class Sketch:
         """
         self._add(
             "members",
-            SketchMember,
             name,
             name=name,
             first=first,
@@ -166,7 +156,7 @@ class Sketch:
     ) -> None:
         """Add a point mass [kg] with a rotary inertia [kg m2] at a node."""
         chosen = _chosen(sectors)
-        self._add("masses", SketchMass, node, node=node, mass=mass, inertia=inertia, sectors=chosen)
+        self._add("masses", node, node=node, mass=mass, inertia=inertia, sectors=chosen)
 
     def spring(
         self,
@@ -191,7 +181,6 @@ class Sketch:
         """
         self._add(
             "springs",
-            SketchSpring,
             node,
             node=node,
             other=other,
@@ -203,15 +192,15 @@ class Sketch:
 
     def link(self, leader: str, led: str, *, sectors: Iterable[int] | None = None) -> None:
         """Add a rigid link: a rigid arm connects the node ``led`` to the node ``leader``."""
-        self._add("links", SketchLink, led, leader=leader, led=led, sectors=_chosen(sectors))
+        self._add("links", led, leader=leader, led=led, sectors=_chosen(sectors))
 
     def set(self, name: str, *nodes: str) -> None:
         """Define a set of nodes; ``tips`` (in blade order) and ``centre`` are needed."""
-        self._add("sets", SketchSet, name, name=name, nodes=nodes)
+        self._add("sets", name, name=name, nodes=nodes)
 
     def move(self, sector: int, node: str, x: float | str, y: float | str = 0.0) -> None:
         """Move a node of one sector to new coordinates, given in the axes of sector 0 [m]."""
-        self._add("edits", SketchEdit, node, sector=sector, node=node, at=(x, y))
+        self._add("edits", node, sector=sector, node=node, at=(x, y))
 
     def change(
         self,
@@ -238,7 +227,6 @@ class Sketch:
         """
         self._add(
             "edits",
-            SketchEdit,
             member,
             sector=sector,
             member=member,
@@ -248,7 +236,8 @@ class Sketch:
             path=None if path is None else tuple(map(tuple, path)),
         )
 
-    def _add(self, kind: str, part: Any, called: str, /, **values: Any) -> None:
+    def _add(self, kind: str, called: str, /, **values: Any) -> None:
+        part, _ = get_args(SketchTable.model_fields[kind].annotation)  # a tuple of parts
         try:
             self._parts[kind].append(part(**values))
         except ValidationError as error:

@@ -61,7 +61,7 @@ class Material(Table):
         """Yield an error if two materials have the same name."""
         names = [one.name for one in self.named]
         if len(set(names)) < len(names):
-            yield Inconsistency("named", "a different name for each material", ())
+            yield Inconsistency("named", "a different name for each material")
 
     @property
     def lowest_yield_strength(self) -> float | None:

@@ -55,7 +55,6 @@ class DenseState:
             steps=self.step,
             contact_steps=int(counts[lib.DENSE_CONTACT_STEPS]),
             complementarity_residual=float(counts[lib.DENSE_RESIDUAL]),
-            pivots=0,
             lcp_failures=int(counts[lib.DENSE_UNSOLVED]),
         )
 

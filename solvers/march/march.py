@@ -77,11 +77,12 @@ def joined(chunks: Sequence[Chunk]) -> Chunk:
 class Statistics:
     """Quality measures of the steps of a march."""
 
-    steps: int  #: number of steps
-    contact_steps: int  #: number of steps with contact
-    complementarity_residual: float  #: largest residual of all steps (see `CentralDifference`)
-    pivots: int  #: number of changes of the active set, the tips in contact, after its guess
-    lcp_failures: int  #: number of steps whose complementarity problem was not solved exactly
+    steps: int = 0  #: number of steps
+    contact_steps: int = 0  #: number of steps with contact
+    complementarity_residual: float = 0.0
+    """Largest residual of all steps (see `CentralDifference`)."""
+    pivots: int = 0  #: number of changes of the active set, the tips in contact, after its guess
+    lcp_failures: int = 0  #: number of steps whose complementarity problem was not solved exactly
 
 
 class MarchState(Protocol):

@@ -8,10 +8,10 @@ are flushed before the attribute `steps` includes them.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import fields
 from os import PathLike
-from types import TracebackType
-from typing import Any, Protocol, Self
+from typing import Any, Protocol
 
 import h5netcdf
 import h5py
@@ -68,7 +68,7 @@ class Record(Protocol):
         """Store the reason of the end, a message and the quality measures of the march."""
 
 
-class Recorder:
+class Recorder(AbstractContextManager["Recorder"]):
     """Writer of the records of a march to a result file; use the writer as a context manager.
 
     Args:
@@ -84,7 +84,7 @@ class Recorder:
     def __init__(
         self, path: str | PathLike[str], stage: StageArrays, attributes: Mapping[str, Attribute]
     ) -> None:
-        self._records, self._steps = 0, 0
+        self.records, self.steps = 0, 0  #: number of records written, and step of the last record
         self._raw = GuardedFile(path)
         self._h5 = h5py.File(self._raw, "w")
         self._file = h5netcdf.File(self._h5, "w")
@@ -109,29 +109,6 @@ class Recorder:
         self._h5.attrs["steps"] = np.int64(0)
         self.flush()
 
-    def __enter__(self) -> Self:
-        """Return the recorder."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Close the file, also after an error."""
-        self.close()
-
-    @property
-    def records(self) -> int:
-        """Number of records written."""
-        return self._records
-
-    @property
-    def steps(self) -> int:
-        """Step of the last record."""
-        return self._steps
-
     def write(self, chunk: Chunk) -> None:
         """Append records and write them to the disk.
 
@@ -143,7 +120,7 @@ class Recorder:
             return
         history = {name: np.asarray(getattr(chunk, name)) for name in HISTORY}
         finite = finite_records(history)
-        first, last = self._records, self._records + finite
+        first, last = self.records, self.records + finite
         if finite:
             for name, values in history.items():
                 # Each variable is resized by its name: h5netcdf resizes the variables that are
@@ -152,8 +129,8 @@ class Recorder:
                 self._h5[name].resize(last, axis=0)
                 self._h5[name][first:last] = values[:finite]
             self.flush()
-            self._records, self._steps = last, int(chunk.step[finite - 1])
-            self._h5.attrs.modify("steps", np.int64(self._steps))
+            self.records, self.steps = last, int(chunk.step[finite - 1])
+            self._h5.attrs.modify("steps", np.int64(self.steps))
         self.flush()
         if finite < chunk.records:
             raise NonFiniteError(f"record {last} is not finite")
@@ -173,8 +150,8 @@ class Recorder:
         self._h5.flush()
         self._raw.check()
 
-    def close(self) -> None:
-        """Flush and close the file."""
+    def __exit__(self, *error: object) -> None:
+        """Flush and close the file, also after an error."""
         self._file.close()
         self._h5.close()
         self._raw.close()
@@ -195,25 +172,22 @@ class Recorder:
         created.attrs.update(variable.attributes)
 
 
-def result_bytes(rotor_modes: int, casing_modes: int, blades: int, records: int) -> int:
-    """Return the size of the histories of a result, which are stored in whole chunks [bytes]."""
-    sizes = {"rotor_mode": rotor_modes, "casing_mode": casing_modes, "blade": blades}
+def result_bytes(stage: StageArrays, records: int, blades: int | None = None) -> int:
+    """Return the size of a result, whose histories are stored in whole chunks [bytes].
+
+    Args:
+        stage: arrays that describe the stage.
+        records: number of records.
+        blades: number of blades in the histories; that of the stage if None.
+    """
+    arrays = (np.asarray(getattr(stage, field.name)) for field in fields(stage))
+    sizes = sizes_of(stage) | ({} if blades is None else {"blade": blades})
     total = 0
     for variable in HISTORY.values():
         widths = widths_of(variable, sizes)
         rows = _rows_stored(widths)
         total += -(-records // rows) * rows * int(np.prod(widths))
-    return 8 * total
-
-
-def description_bytes(stage: StageArrays) -> int:
-    """Return the size of a result without its histories, which depend on the duration [bytes].
-
-    Args:
-        stage: arrays that describe the stage.
-    """
-    arrays = (np.asarray(getattr(stage, field.name)) for field in fields(stage))
-    return STRUCTURE_BYTES + sum(array.nbytes for array in arrays)
+    return STRUCTURE_BYTES + sum(array.nbytes for array in arrays) + 8 * total
 
 
 def widths_of(variable: Variable, sizes: Mapping[str, int]) -> tuple[int, ...]:

@@ -100,9 +100,7 @@ class Reference:
         dampers = [body.dampers.T @ body.dampers for body in (rotor, casing)]
         feel = turning or dampers_feel_contact, dampers_feel_contact
         self._felt = la.block_diag(*(d * feels for d, feels in zip(dampers, feel, strict=True)))
-        self._late = (
-            la.block_diag(*dampers) - self._felt
-        )  # dampers that respond to contact one step late
+        self._late = la.block_diag(*dampers) - self._felt  # these respond one step late
         if rotor.by_velocity is not None:
             self._felt[: self._rotor_modes, : self._rotor_modes] += rotor.by_velocity
         self._by_velocity = self._felt + self._late
@@ -132,9 +130,7 @@ class Reference:
             touched=none,
             contacts=0,
             work=np.zeros(6),
-            statistics=Statistics(
-                steps=0, contact_steps=0, complementarity_residual=0.0, pivots=0, lcp_failures=0
-            ),
+            statistics=Statistics(),
         )
 
     def advance(

@@ -73,7 +73,6 @@ def meetings(
     """Compute coincidences with rotation effects, and frequencies [rad/s] and families of the disk
     waves in coincidence.
 
-
     Args:
         disk: waves of the bladed disk by nodal diameter.
         rotor: selected modes of the bladed disk, one of each pair.
@@ -89,9 +88,8 @@ def meetings(
             w = k * float(speed) - frequency
             family, before, _ = names_at(disk[k], names[k], float(speed), w)
             same = (rotor.nodal_diameter == k) & [name == before for name in at_rest]
-            rows += [
-                (float(speed), int(i), mode, k, frequency, family) for i in np.flatnonzero(same)
-            ]
+            met_here = np.flatnonzero(same).tolist()
+            rows += [(float(speed), i, mode, k, frequency, family) for i in met_here]
     rows.sort()
     table = np.array([row[:5] for row in rows]).reshape(-1, 5)
     numbers = table[:, 1:4].astype(np.int64)
@@ -138,23 +136,17 @@ def dataset_at_speed(
     rates = np.abs(np.array(frequencies).imag)
     growth = [turning.growth_at(omega).max() if omega else 0.0 for omega in omegas]
     smallest_gap = stage.case.casing.clearance_profile.smallest + turning.disk.model.tip_recess
+    closing = speed_of_growth(turning.disk, turning.matrices, smallest_gap)
     growing = [np.abs(s.imag).max(axis=1) > REAL * omegas for s in spectra.values()]
     first = _first_meeting(disk, omegas, np.any(growing, axis=0))
-    plane = ("branch", "line_speed")
+    plane, hertz = ("branch", "line_speed"), np.array(frequencies).real / (2.0 * np.pi)
+    merged = np.where(rates > REAL * omegas, rates, 0.0)
+    positive_backward = "frequency in the rotating frame, positive backward"
+    of_merged = "growth rate of merged waves without damping"
     return xr.Dataset(
         {
-            "branch_frequency": quantity(
-                plane,
-                np.array(frequencies).real / (2.0 * np.pi),
-                "Hz",
-                "frequency in the rotating frame, positive backward",
-            ),
-            "branch_growth": quantity(
-                plane,
-                np.where(rates > REAL * omegas, rates, 0.0),
-                "1/s",
-                "growth rate of merged waves without damping",
-            ),
+            "branch_frequency": quantity(plane, hertz, "Hz", positive_backward),
+            "branch_growth": quantity(plane, merged, "1/s", of_merged),
             "tip_growth": quantity("line_speed", growth, "m", "growth of the tips"),
             **_speeds("critical", disk, names, chosen, omegas[-1], reference),
             **_speeds("engine_order", disk, names, chosen, omegas[-1], reference),
@@ -168,8 +160,7 @@ def dataset_at_speed(
         },
         attrs={
             "waves_meet": first / reference,
-            "clearance_gone": speed_of_growth(turning.disk, turning.matrices, smallest_gap)
-            / reference,
+            "clearance_gone": closing / reference,
             "rotation_effects": stage.case.rotation.effects,
         },
     )

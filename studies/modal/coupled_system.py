@@ -113,15 +113,10 @@ class EvenSystem(System):
         """
         if self.rotation is None:
             return {}
-        case = self.stage.modal.case
+        case, disk = self.stage.modal.case, self.stage.modal.disk
+        effects = case.rotation.effects
         damped, undamped = (
-            internal_growth(
-                self.stage.modal.disk,
-                self.rotation,
-                omega,
-                case.rotation.effects,
-                damping_ratio=ratio,
-            )
+            internal_growth(disk, self.rotation, omega, effects, damping_ratio=ratio)
             for ratio in (case.damping.ratio if self.damped else 0.0, 0.0)
         )
         critical = lowest_critical_speed(self.rotation) / self.reference
@@ -192,14 +187,12 @@ def couple(
         equations = coupled_waves(modal, modes=modes, damped=damped, physical=physical)
     except ValueError as error:
         raise UserError(f"--modes {error}") from None
-    return System(
-        modes=equations,
-        with_pi=with_pi,
-        damped=damped,
-        physical=physical,
-        reference=modal.reference_frequency,
-        case=modal.case.title,
-    )
+    return System(modes=equations, with_pi=with_pi, damped=damped, physical=physical, **_of(modal))
+
+
+def _of(modal: ModalStage) -> dict[str, Any]:
+    """Return the fields of a `System` that follow from the stage."""
+    return {"reference": modal.reference_frequency, "case": modal.case.title}
 
 
 def couple_even(
@@ -231,8 +224,7 @@ def couple_even(
         with_pi=with_pi,
         damped=damped,
         physical=physical,
-        reference=modal.reference_frequency,
-        case=modal.case.title,
+        **_of(modal),
     )
 
 

@@ -160,23 +160,16 @@ def _modes_of(
         "direction": rotating,
         "direction_static": static,
     }
-    share = "share of the strain energy in springs"
+    over_reference = "natural frequency over the reference frequency"
+    hertz, normalised = modes.frequency / (2.0 * np.pi), modes.frequency / reference
+    numbers = {
+        "frequency": (hertz, "Hz", "natural frequency"),
+        "normalised_frequency": (normalised, "1", over_reference),
+        "purity": (modes.purity, "1", "share of the nodal diameter in the mode"),
+        "spring_share": (modes.spring_share, "1", "share of the strain energy in springs"),
+    }
     data = xr.Dataset(
-        {
-            "frequency": quantity(
-                "mode", modes.frequency / (2.0 * np.pi), "Hz", "natural frequency"
-            ),
-            "normalised_frequency": quantity(
-                "mode",
-                modes.frequency / reference,
-                "1",
-                "natural frequency over the reference frequency",
-            ),
-            "purity": quantity(
-                "mode", modes.purity, "1", "share of the nodal diameter in the mode"
-            ),
-            "spring_share": quantity("mode", modes.spring_share, "1", share),
-        },
+        {name: quantity("mode", *values) for name, values in numbers.items()},
         coords={name: ("mode", np.array(values, dtype=object)) for name, values in texts.items()}
         | {
             "nodal_diameter": ("mode", modes.nodal_diameter),

@@ -5,12 +5,12 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Mapping
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
-from typing import Any, Literal, Self, cast
+from typing import Any, Literal, cast
 
 import xarray as xr
 
@@ -148,7 +148,7 @@ SURVEYS: Mapping[str, Survey] = {
 
 
 @dataclass(kw_only=True)
-class Evidence:
+class Evidence(AbstractContextManager["Evidence"]):
     """Modal measures, marches and sweeps under one set of conditions; close it, or use ``with``."""
 
     directory: Path
@@ -160,10 +160,6 @@ class Evidence:
     _open: ExitStack = field(default_factory=ExitStack)
     _motions: dict[str, Motion] = field(default_factory=dict)
     _sweeps: dict[str, xr.Dataset] = field(default_factory=dict)
-
-    def __enter__(self) -> Self:
-        """Return the evidence itself; results are opened when used."""
-        return self
 
     def __exit__(self, *_: object) -> None:
         """Close all results."""

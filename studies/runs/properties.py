@@ -17,7 +17,7 @@ from bladewhirl.models.stage.build import marched_bodies
 from bladewhirl.models.stage.contact_problem import critical_time_step
 from bladewhirl.models.stage.loads import closing_unbalance, imbalance_force, radial_mode, unbalance
 from bladewhirl.models.stage.stage import Stage
-from bladewhirl.solvers.march.recorder import description_bytes, result_bytes
+from bladewhirl.solvers.march.recorder import result_bytes
 
 TURN = 2.0 * np.pi
 
@@ -80,8 +80,7 @@ def _properties(stage: Stage) -> dict[str, Any]:
         "steps": case.march.steps,
         "records": records,
         # The approximate size of result.nc.
-        "result_bytes": description_bytes(stage.arrays)
-        + result_bytes(len(stage.kept.rotor), len(stage.kept.casing), case.blades, records),
+        "result_bytes": result_bytes(stage.arrays, records),
         "imbalance": _imbalance(stage),
         "distortion": _distortion(stage),
     }

@@ -29,7 +29,6 @@ from bladewhirl.solvers.march.recorder import (
     Record,
     Recorder,
     Values,
-    description_bytes,
     result_bytes,
 )
 from bladewhirl.solvers.march.records import Records
@@ -240,13 +239,7 @@ def check_room(directory: Path, needed: int) -> None:
 
 def expected_bytes(prepared: Prepared) -> int:
     """Return the size of the result on disk if the march completes [bytes]."""
-    problem, timing = prepared.problem, prepared.timing
-    return description_bytes(prepared.stage.arrays) + result_bytes(
-        len(problem.rotor.frequency),
-        len(problem.casing.frequency),
-        len(problem.rotor.tip_angle),
-        timing.records,
-    )
+    return result_bytes(prepared.stage.arrays, prepared.timing.records)
 
 
 def _attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:

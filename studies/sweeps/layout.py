@@ -11,7 +11,7 @@ import numpy as np
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.sweep.dataset import WINDOW_SHARE, Layout
-from bladewhirl.solvers.march.recorder import description_bytes, result_bytes
+from bladewhirl.solvers.march.recorder import result_bytes
 
 REACH = 10.0
 """Upper limit of the spectra in multiples of the first point's reference frequency: above the
@@ -89,8 +89,8 @@ def make_layout(extent: Extent, stage: Stage) -> Layout:
 def history_bytes(extent: Extent, stage: Stage) -> int:
     """Estimate the size of all full histories of a sweep [bytes]; each is taken to have as many
     modes as the first point."""
-    modes, fixed = (len(stage.kept.rotor), len(stage.kept.casing)), description_bytes(stage.arrays)
+    arrays = stage.arrays
     return sum(
-        points * (fixed + result_bytes(*modes, blades, records))
+        points * result_bytes(arrays, records, blades)
         for (blades, records), points in extent.histories.items()
     )

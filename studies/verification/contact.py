@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bladewhirl.models.case.schemes import SchemeName
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import (
@@ -192,9 +193,9 @@ def pad_on_a_wall() -> ContactProblem:
 
 
 @cache
-def march_of_a_pad() -> Chunk:
-    """March the pad for 0.2 s."""
-    return marched(pad_on_a_wall(), 1e-5, 20_000)
+def march_of_a_pad(scheme: SchemeName = "central-difference") -> Chunk:
+    """March the pad for 0.2 s, in which it comes to rest, with steps of 1e-5 s."""
+    return marched(pad_on_a_wall(), 1e-5, 20_000, scheme=scheme)
 
 
 @verifies()

@@ -20,7 +20,7 @@ from bladewhirl.studies.verification.bodies import (
     wall,
 )
 from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
-from bladewhirl.studies.verification.contact import bars_in_impact, pad_on_a_wall
+from bladewhirl.studies.verification.contact import bars_in_impact, march_of_a_pad
 
 MASS, SPEED, DEPTH = 2.0, 3.0, 1e-4
 
@@ -66,19 +66,13 @@ def impulse_of_bars(name: str) -> Pair:
     return known["impulse"], marched(given, dt, steps, scheme="moreau-jean").contact_impulse.sum()
 
 
-@cache
-def sticking_pad() -> Chunk:
-    """March the pad with steps of 1e-5 s until it sticks."""
-    return marched(pad_on_a_wall(), 1e-5, 20_000, scheme="moreau-jean")
-
-
 @verifies()
 def pad_that_sticks() -> Pairs:
     """Compare a pad with Code_Aster SDND100: time after which it sticks, and extreme positions.
 
     The friction force at rest is k x, which is half of mu m g.
     """
-    chunk, known = sticking_pad(), reference("published")["coulomb_pad"]
+    chunk, known = march_of_a_pad("moreau-jean"), reference("published")["coulomb_pad"]
     moving = chunk.time[np.abs(chunk.rotor_velocity[:, 1]) > 1e-12]
     at = [round(n * np.pi / 100.0 / 1e-5) for n in range(4)]
     extremes = [*chunk.rotor_displacement[at, 1], chunk.rotor_displacement[-1, 1]]
@@ -119,5 +113,5 @@ def two_masses_on_a_stop(frequency: float) -> Pair:
 @verifies()
 def ledgers() -> Pair:
     """Compare the energy residuals of pad and mass with zero."""
-    chunks = [sticking_pad(), march_on_a_penalty()]
+    chunks = [march_of_a_pad("moreau-jean"), march_on_a_penalty()]
     return np.zeros(2), [ledger_residual(chunk) for chunk in chunks]

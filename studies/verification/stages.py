@@ -13,7 +13,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.case.check import case_from
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
-from bladewhirl.models.elements.build import case_bladed_disk
+from bladewhirl.models.elements.build import case_bladed_disk, tip_in_sector
 from bladewhirl.models.elements.casing import CasingModel, Support, assemble_casing
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.modal.modes import Modes, structure_modes
@@ -73,17 +73,9 @@ def bladed_disk(
     return case_bladed_disk(case, clamped=clamped)
 
 
-def tip_reference(disk: BladedDiskModel) -> tuple[int, int]:
-    """Return the indices of radial and tangential tip displacement among the DoF of a sector."""
-    layout = disk.structure.layout
-    assert layout is not None
-    first = layout.sector_dofs[0].tolist()
-    return first.index(disk.tip_radial[0]), first.index(disk.tip_tangential[0])
-
-
 def disk_modes(disk: BladedDiskModel, count: int | None = None) -> Modes:
     """Return the modes of a bladed disk; the phases of pairs are fixed at the tips."""
-    return structure_modes(disk.structure, tip_reference(disk), count)
+    return structure_modes(disk.structure, tip_in_sector(disk), count)
 
 
 RADIUS = 0.501

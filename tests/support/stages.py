@@ -9,6 +9,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
+from bladewhirl.models.elements.build import tip_in_sector
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.studies.verification.case import reference as oracle
@@ -26,7 +27,6 @@ from bladewhirl.studies.verification.stages import (
     observed_order,
     ring,
     steel,
-    tip_reference,
 )
 
 __all__ = [
@@ -47,7 +47,7 @@ __all__ = [
     "ring_moved",
     "stage",
     "steel",
-    "tip_reference",
+    "tip_in_sector",
     "translation",
 ]
 

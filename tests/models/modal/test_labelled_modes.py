@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.sparse.linalg as spla
-from stages import bladed_disk, tip_reference
+from stages import bladed_disk, tip_in_sector
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
@@ -19,7 +19,7 @@ BLADES = 22
 
 
 def modes_of(disk: BladedDiskModel, count: int | None = None) -> LabelledModes:
-    return labelled_modes(disk.structure, tip_reference(disk), "bladed-disk", count)
+    return labelled_modes(disk.structure, tip_in_sector(disk), "bladed-disk", count)
 
 
 @cache

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.linalg as la
-from stages import bladed_disk, disk_modes, tip_reference
+from stages import bladed_disk, disk_modes, tip_in_sector
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
@@ -20,7 +20,7 @@ def tips_and_centre(disk: BladedDiskModel) -> IntArray:
 
 def reduce(disk: BladedDiskModel, count: int, *, dense: bool = False) -> ReducedModes:
     structure = replace(disk.structure, layout=None) if dense else disk.structure
-    return craig_bampton(structure, tips_and_centre(disk), count, tip_reference(disk))
+    return craig_bampton(structure, tips_and_centre(disk), count, tip_in_sector(disk))
 
 
 def fixed_interface_frequencies(disk: BladedDiskModel) -> FloatArray:
@@ -109,4 +109,4 @@ def test_a_boundary_must_be_alike_in_all_directions(tips: slice) -> None:
     disk = bladed_disk(blades=5, elements=3)
     boundary = np.append(disk.tip_radial[tips], disk.centre[:1])
     with pytest.raises(ValueError, match="same in all sectors, and at its centre both"):
-        craig_bampton(disk.structure, boundary, 4, tip_reference(disk))
+        craig_bampton(disk.structure, boundary, 4, tip_in_sector(disk))
