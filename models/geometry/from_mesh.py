@@ -64,26 +64,16 @@ def grouped_lines(model: BeamModel) -> GroupedLines:
         data[name] = (joint_lines, stiffness)
     data[RIGID] = (len(beams) + len(joints) + np.arange(len(rigid)), np.ones(len(rigid)))
     count = len(beams) + len(joints) + len(rigid)
-    on_nodes = {
-        **{name: (model.masses.node, getattr(model.masses, name)) for name in MASSES},
-        **{
-            name: (springs.node[grounded], stiffness)
-            for name, stiffness in zip(GROUNDED, springs.stiffness[grounded].T, strict=True)
-        },
-    }
+    on_nodes = {name: (model.masses.node, getattr(model.masses, name)) for name in MASSES}
+    for name, stiffness in zip(GROUNDED, springs.stiffness[grounded].T, strict=True):
+        on_nodes[name] = (springs.node[grounded], stiffness)
     return GroupedLines(
         points=mesh.points,
         lines=np.vstack([mesh.lines, joints, rigid]),
         node_groups=mesh.node_sets,
         line_groups=mesh.line_sets,
-        node_data={
-            name: _summed(len(mesh.points), *values)
-            for name, values in on_nodes.items()
-            if len(values[0])
-        },
-        line_data={
-            name: _summed(count, *values) for name, values in data.items() if len(values[0])
-        },
+        node_data=_summed(len(mesh.points), on_nodes),
+        line_data=_summed(count, data),
     )
 
 
@@ -112,12 +102,15 @@ def springs(mesh: GroupedLines) -> NodeSprings:
     )
 
 
-def _summed(size: int, places: IntArray, values: FloatArray) -> FloatArray:
-    """Return an array with the sum of all values at each place, NaN at places without a value."""
-    data = np.full(size, np.nan)
-    data[places] = 0.0
-    np.add.at(data, places, values)
-    return data
+def _summed(size: int, data: Mapping[str, tuple[IntArray, FloatArray]]) -> dict[str, FloatArray]:
+    """Return for each name an array with the sum of all values at each place, NaN at places without
+    a value; names without places are left out."""
+    arrays = {name: np.full(size, np.nan) for name, (places, _) in data.items() if len(places)}
+    for name, array in arrays.items():
+        places, values = data[name]
+        array[places] = 0.0
+        np.add.at(array, places, values)
+    return arrays
 
 
 def _table(

@@ -47,7 +47,7 @@ def to_si(text: str, unit: str) -> float:
     needed = _registry().Unit(_spelled_out(unit))
     if quantity.dimensionality != needed.dimensionality:
         raise ValueError(_mismatch(quantity, str(needed.dimensionality)))
-    return _converted(quantity, unit)
+    return finite(quantity.to(_spelled_out(unit)).magnitude)
 
 
 def rotation(text: str, unit: Literal["rad/s", "turn/s"]) -> float:
@@ -64,7 +64,7 @@ def rotation(text: str, unit: Literal["rad/s", "turn/s"]) -> float:
         quantity = quantity * _registry().Unit("turn")
     if quantity.to_root_units().units != _registry().Unit("radian / second"):
         raise ValueError(_mismatch(quantity, "an angle per time"))
-    return _converted(quantity, unit)
+    return finite(quantity.to(_spelled_out(unit)).magnitude)
 
 
 _SCALES = (("G", 1e-9), ("M", 1e-6), ("k", 1e-3), ("", 1.0), ("m", 1e3), ("µ", 1e6))
@@ -208,10 +208,6 @@ def _parse(text: str) -> pint.Quantity[Decimal]:
 def _spelled_out(unit: str) -> str:
     plain = unit.replace("·", "*").replace("²", "2").replace("³", "3").replace("RPM", "rpm")
     return _POWER.sub(r"**\1", plain)
-
-
-def _converted(quantity: pint.Quantity[Decimal], unit: str) -> float:
-    return finite(quantity.to(_spelled_out(unit)).magnitude)
 
 
 def _mismatch(quantity: pint.Quantity[Decimal], needed: str) -> str:

@@ -13,7 +13,9 @@ at the centre and takes energy from any whirl.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import scipy.linalg as la
@@ -99,6 +101,31 @@ class Waves:
         pulled = order**2 * self.mass - 2j * order * self.coriolis - self.softening
         speeds, fields = positive_speeds(self.stiffness, pulled)
         return speeds, self._shares(fields)
+
+    def growth(
+        self,
+        omega: float,
+        damping_ratio: float,
+        centre: ComplexArray | None = None,
+        bearing: float = 0.0,
+    ) -> float:
+        """Return the largest growth rate with the modal damping of the structure at rest [1/s].
+
+        Args:
+            omega: speed of rotation [rad/s].
+            damping_ratio: damping ratio of every mode at rest.
+            centre: components of unit forces on the centre along x and y, (n, 2); None without
+                bearing damping.
+            bearing: bearing damping, fixed in space [N s/m].
+        """
+        damping = modal_damping(self.mass, self.stiffness, damping_ratio)
+        damping = damping + 2.0 * omega * self.coriolis
+        stiffness = self.stiffness + omega**2 * self.softening
+        if centre is not None:
+            turn = np.array([[0.0, -1.0], [1.0, 0.0]])
+            damping = damping + bearing * centre @ centre.conj().T
+            stiffness = stiffness + bearing * omega * centre @ turn @ centre.conj().T
+        return float(damped_eigenvalues(self.mass, damping, stiffness)[0].real.max())
 
     def meeting(self, casing_frequency: float, highest: float) -> FloatArray:
         """Return the speeds at which a backward wave has w = k Omega - omega_c [rad/s], ascending.
@@ -196,62 +223,36 @@ def internal_growth(
     """
     layout = matrices.structure.layout
     assert layout is not None  # its sectors are equal
-    rates, first = {}, None
-    for k in nodal_diameters(layout.sectors):
-        block = DampedWaves(
-            own=waves(matrices, k, effects), damping_ratio=damping_ratio, omega=omega
-        )
-        rates[k] = block.growth(None, 0.0)
-        if k == 1:
-            first = block
+    rates = {
+        k: waves(matrices, k, effects).growth(omega, damping_ratio)
+        for k in nodal_diameters(layout.sectors)
+    }
     fastest = max(rates, key=lambda k: rates[k])
     others = max((rate for k, rate in rates.items() if k != 1), default=-np.inf)
     holding: float | None = 0.0
     if rates[fastest] > 0.0:
         holding = None
-        if others <= 0.0 and first is not None and disk.centre.size:
-            basis = layout.basis(1).conj().T[:, disk.centre].toarray()
-            holding = _holding(first, np.asarray(basis))
+        if others <= 0.0 and disk.centre.size:
+            centre = np.asarray(layout.basis(1).conj().T[:, disk.centre].toarray())
+            first = waves(matrices, 1, effects)
+            mass = float(np.trace(centre.conj().T @ first.mass @ centre).real)
+            growth = partial(first.growth, omega, damping_ratio, centre)
+            holding = _holding(growth, mass * abs(omega))
     return InternalGrowth(rate=rates[fastest], nodal_diameter=int(fastest), holding=holding)
 
 
-@dataclass(frozen=True, kw_only=True)
-class DampedWaves:
-    """Waves of one nodal diameter with the modal damping of the structure at rest."""
+def _holding(growth: Callable[[float], float], scale: float) -> float | None:
+    """Return the least bearing damping without growth [N s/m]; None if growth always remains.
 
-    own: Waves  #: the waves without damping
-    damping_ratio: float
-    omega: float  #: speed of rotation [rad/s]
-
-    def growth(self, centre: ComplexArray | None, bearing: float) -> float:
-        """Return the largest growth rate [1/s].
-
-        Args:
-            centre: components of unit forces on the centre along x and y, (n, 2); None without
-                bearing damping.
-            bearing: bearing damping, fixed in space [N s/m].
-        """
-        own = self.own
-        damping = modal_damping(own.mass, own.stiffness, self.damping_ratio)
-        damping = damping + 2.0 * self.omega * own.coriolis
-        stiffness = own.stiffness + self.omega**2 * own.softening
-        if centre is not None:
-            turn = np.array([[0.0, -1.0], [1.0, 0.0]])
-            damping = damping + bearing * centre @ centre.conj().T
-            stiffness = stiffness + bearing * self.omega * centre @ turn @ centre.conj().T
-        return float(damped_eigenvalues(own.mass, damping, stiffness)[0].real.max())
-
-
-def _holding(first: DampedWaves, centre: ComplexArray) -> float | None:
-    """Return the least bearing damping without growth [N s/m]; None if growth always remains."""
-    mass = float(np.trace(centre.conj().T @ first.own.mass @ centre).real)
+    Args:
+        growth: largest growth rate [1/s] as a function of the bearing damping.
+        scale: mass at the centre times speed, a typical bearing damping [N s/m].
+    """
     from scipy.optimize import brentq  # long to load
 
-    scale = mass * abs(first.omega)
-    tried = scale * np.geomspace(WEAKEST, STRONGEST, TRIED)
     below = 0.0
-    for bearing in tried.tolist():
-        if first.growth(centre, bearing) <= 0.0:
-            return float(brentq(lambda c: first.growth(centre, c), below, bearing, rtol=1e-9))
+    for bearing in (scale * np.geomspace(WEAKEST, STRONGEST, TRIED)).tolist():
+        if growth(bearing) <= 0.0:
+            return float(brentq(growth, below, bearing, rtol=1e-9))
         below = bearing
     return None

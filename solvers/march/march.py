@@ -6,7 +6,7 @@ exactly."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol, TypeVar
 
@@ -65,12 +65,8 @@ def joined(chunks: Sequence[Chunk]) -> Chunk:
     """Join consecutive chunks into one chunk."""
     if len(chunks) == 1:
         return chunks[0]
-    return Chunk(
-        **{
-            field.name: np.concatenate([getattr(chunk, field.name) for chunk in chunks])
-            for field in fields(Chunk)
-        }
-    )
+    names = vars(chunks[0])
+    return Chunk(**{name: np.concatenate([vars(c)[name] for c in chunks]) for name in names})
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,7 +17,7 @@ the growth rate at a series of speeds, which is denser inside the undamped zones
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -243,9 +243,5 @@ def _join(zones: list[UnstableZones]) -> UnstableZones:
     empty = UnstableZones(
         kappa=none, lower=none, upper=none, growth=none, casing=numbers, rotor=numbers
     )
-    return UnstableZones(
-        **{
-            each.name: np.concatenate([getattr(part, each.name) for part in (empty, *zones)])
-            for each in fields(UnstableZones)
-        }
-    )
+    parts, names = [vars(part) for part in (empty, *zones)], vars(empty)
+    return UnstableZones(**{name: np.concatenate([p[name] for p in parts]) for name in names})

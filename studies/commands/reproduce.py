@@ -62,22 +62,16 @@ def reproduce(
     from rich.console import Console
 
     from bladewhirl.models.case.file import override_values
-    from bladewhirl.studies.paper.judge import (
-        REPEATS,
-        Plan,
-        chosen_claims,
-        reproduce_claims,
-        write_scorecard,
-    )
+    from bladewhirl.studies.paper import judge
     from bladewhirl.studies.paper.scorecard import scorecard_table
     from bladewhirl.studies.sweeps.sweep import Watch
 
     options.refuse_both(scheduler, workers)
-    plan = Plan(
-        claims=chosen_claims(claims or []),
+    plan = judge.Plan(
+        claims=judge.chosen_claims(claims or []),
         changes=override_values(overrides or []),
         quick=quick,
-        repeats=repeats or (1 if quick else REPEATS),
+        repeats=repeats or (1 if quick else judge.REPEATS),
         speed_step=speed_step,
     )
     remedy = f"the same command continues with the marches in {output}"
@@ -87,11 +81,11 @@ def reproduce(
         interruptible(remedy),
     ):
         watch = Watch(progress=lambda done, failed, total: points(done + failed, total))
-        card, evidence = reproduce_claims(
+        card, evidence = judge.reproduce_claims(
             plan, output, workers=workers, scheduler=scheduler, progress=marches, watch=watch
         )
     with evidence:
-        written = write_scorecard(card, evidence, output)
+        written = judge.write_scorecard(card, evidence, output)
     if json:
         typer.echo(card.to_json(), nl=False)
     else:

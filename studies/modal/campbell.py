@@ -108,6 +108,7 @@ def campbell(
         at_speed = dataset_at_speed(stage, stage.turning, waves, names, chosen, shown)
     normalised, hertz = met.speed / reference, 2.0 * np.pi
     frequency = np.concatenate([rotor.frequency, casing.frequency])
+    diameter = np.concatenate([rotor.nodal_diameter, casing.nodal_diameter])
     body = np.repeat(np.array(["bladed-disk", "casing"], dtype=object), [rotor.count, casing.count])
     inside = (operated[0] <= normalised) & (normalised <= operated[1])
     speed, along = "coincidence speed, Eq. (14)", "coincidence"
@@ -128,10 +129,7 @@ def campbell(
             "nodal_diameter": (along, met.nodal_diameter),
             "mode_body": ("mode", body),
             "mode_family": ("mode", np.concatenate([_families(rotor), _families(casing)])),
-            "mode_nodal_diameter": (
-                "mode",
-                np.concatenate([rotor.nodal_diameter, casing.nodal_diameter]),
-            ),
+            "mode_nodal_diameter": ("mode", diameter),
         },
         attrs={
             "title": "Campbell diagram",

@@ -144,7 +144,7 @@ def spectrum_along(system: EvenSystem, omegas: FloatArray, kappa: float) -> xr.D
     along = np.unique(np.append(np.linspace(low, high, LINE_SPEEDS), inside))
     spectra = eigenvalues(system.modes, speed=along, kappa=kappa, with_pi=system.with_pi)
     branches, plane = track(along, spectra), ("speed", "branch")
-    unit = system.reference
+    title, unit = "eigenvalues in the invariant frame", system.reference
     return xr.Dataset(
         data_vars={
             "real": quantity(plane, branches.real, "1/s", "growth rate"),
@@ -153,12 +153,7 @@ def spectrum_along(system: EvenSystem, omegas: FloatArray, kappa: float) -> xr.D
             **_zone_variables(borders, np.array(system.modes.name), unit),
         },
         coords={"speed": ("speed", along / unit, MULTIPLES)},
-        attrs=system.attributes()
-        | {
-            "title": "eigenvalues in the invariant frame",
-            "kappa": kappa,
-            "reference_frequency": unit,
-        },
+        attrs=system.attributes() | {"title": title, "kappa": kappa, "reference_frequency": unit},
     )
 
 

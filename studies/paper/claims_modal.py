@@ -41,12 +41,8 @@ def _zones(evidence: Evidence) -> dict[str, UnstableZones]:
     zones = {}
     for name in ("1F", "suspension"):
         of_mode = [system.modes.name[rotor].startswith(name) for rotor in unstable.rotor]
-        zones[name] = UnstableZones(
-            **{
-                part: getattr(unstable, part)[of_mode]
-                for part in UnstableZones.__dataclass_fields__
-            }
-        )
+        rows = {field: values[of_mode] for field, values in vars(unstable).items()}
+        zones[name] = UnstableZones(**rows)
     return zones
 
 

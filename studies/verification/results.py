@@ -95,11 +95,9 @@ def balances() -> Pairs:
     turned = casing[:, turning[most]].sum() / mean[most]
     radius, gap = result.attrs["casing_radius"], result["gap"].values
     closed = gap[result["contact_impulse"].values > 0.0]
+    on_disk = -normal @ radial - friction @ tangential
     return {
-        "momentum_of_the_bladed_disk": (
-            -normal @ radial - friction @ tangential,
-            kicks(result, "rotor"),
-        ),
+        "momentum_of_the_bladed_disk": (on_disk, kicks(result, "rotor")),
         "momentum_of_the_casing": (pushed, casing),
         "torque_on_the_casing": (0.1 * radius * normal.sum(), radius * turned),
         "penetration": (0.0, min(0.0, float(gap.min()))),

@@ -134,16 +134,10 @@ def internal_damping(stage: str) -> Pairs:
     layout = matrices.structure.layout
     if layout is None:
         raise ValueError("expected a stage of equal sectors")
-    basis, structure = layout.basis(1), matrices.structure
+    basis, at_rest = layout.basis(1), (matrices.structure.mass, matrices.structure.stiffness)
     mass, stiffness, geometric, translated, coriolis = (
         (basis.conj().T @ each @ basis).toarray()
-        for each in (
-            structure.mass,
-            structure.stiffness,
-            matrices.geometric,
-            matrices.mass,
-            matrices.coriolis,
-        )
+        for each in (*at_rest, matrices.geometric, matrices.mass, matrices.coriolis)
     )
     square, modes = la.eigh(stiffness, mass)
     damping = mass @ modes @ np.diag(0.01 * np.sqrt(square)) @ modes.conj().T @ mass
@@ -209,12 +203,8 @@ def flapwise_cantilevers() -> Pair:
     for row in rows:
         disk, time = cantilevers(row["delta"], 1e3, 12)
         structure = rotation_matrices(disk).at_speed(row["gamma"] / time, "centrifugal")
-        squares = np.unique(
-            np.round(
-                la.eigvalsh(structure.stiffness.toarray(), structure.mass.toarray())[:6] * time**2,
-                6,
-            )
-        )[:2]
+        lowest = la.eigvalsh(structure.stiffness.toarray(), structure.mass.toarray())[:6]
+        squares = np.unique(np.round(lowest * time**2, 6))[:2]
         computed.append(np.sqrt(squares + row["gamma"] ** 2))
     return [row["flapwise"][:2] for row in rows], computed
 
