@@ -60,6 +60,8 @@ class CoupledEquations:
     anisotropy: float = 0.0  #: half the difference of the stationary shaft springs [N/m]
     pairs: bool = False
     """True if modes are pairs, cosine before sine, and all matrices commute with J."""
+    with_pi: bool = True
+    """Keep the factor pi of the integral in Eq. (8); false gives the paper's eps = kappa / m."""
 
     @property
     def blocks(self) -> tuple[CoupledEquations, ...]:
@@ -71,33 +73,30 @@ class CoupledEquations:
         twice = 2.0 * np.asarray(speed)[..., None, None]
         return self.damping + twice * (0.0 if self.coriolis is None else self.coriolis)
 
-    def factors(self, *, with_pi: bool = True) -> FloatArray:
-        """Return integrals f_k of cos^2(k theta) over a turn, (harmonics,); over pi if not
-        `with_pi`."""
-        return (np.pi if with_pi else 1.0) * np.where(self.harmonics == 0, 2.0, 1.0)
+    @property
+    def factors(self) -> FloatArray:
+        """Integrals f_k of cos^2(k theta) over a turn, (harmonics,); over pi if not `with_pi`."""
+        return (np.pi if self.with_pi else 1.0) * np.where(self.harmonics == 0, 2.0, 1.0)
 
-    def springs(self, angle: ArrayLike, kappa: float, *, with_pi: bool = True) -> FloatArray:
+    def springs(self, angle: ArrayLike, kappa: float) -> FloatArray:
         """Return K* at angles Omega t of any shape (...), as (..., modes, modes) [1/s^2].
 
         Args:
             angle: Omega t [rad].
             kappa: stiffness of the springs between the bodies [N/m] per radian.
-            with_pi: keep the factor pi of the integral; false gives the paper's eps = kappa / m.
         """
         angle = np.asarray(angle, dtype=np.float64)
         stretch = self.casing - _rotation(np.multiply.outer(angle, self.harmonics)) @ self.rotor
-        root = np.sqrt(self.factors(with_pi=with_pi))
+        root = np.sqrt(self.factors)
         rows = (root[:, None, None] * stretch).reshape(*angle.shape, -1, len(self.frequency))
         return np.asarray(kappa * np.swapaxes(rows, -1, -2) @ rows)
 
-    def stiffness(
-        self, angle: ArrayLike, kappa: float, *, speed: float = 0.0, with_pi: bool = True
-    ) -> FloatArray:
+    def stiffness(self, angle: ArrayLike, kappa: float, *, speed: float = 0.0) -> FloatArray:
         """Return the stiffness matrix of the coordinates x; see `springs` for the arguments.
 
         ``speed``, Omega [rad/s], only scales the softening, Omega^2 S.
         """
-        stiffness = self.springs(angle, kappa, with_pi=with_pi)
+        stiffness = self.springs(angle, kappa)
         stiffness += np.diag(self.frequency * np.abs(self.frequency))
         if self.softening is not None:
             stiffness += speed**2 * self.softening
@@ -105,15 +104,12 @@ class CoupledEquations:
             stiffness += self.anisotropy * difference_of_axes(self.centre, angle)
         return stiffness
 
-    def autonomous(
-        self, speed: ArrayLike, kappa: ArrayLike, *, with_pi: bool = True
-    ) -> tuple[FloatArray, FloatArray]:
+    def autonomous(self, speed: ArrayLike, kappa: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return the matrices of y' and y in the frame that makes the equations autonomous.
 
         Args:
             speed: Omega [rad/s].
             kappa: spring stiffness [N/m]; broadcasts with speed to the shape (...).
-            with_pi: keep the factor pi of the integral.
 
         Returns:
             the matrices, (..., modes, modes) each [1/s] and [1/s^2].
@@ -126,7 +122,7 @@ class CoupledEquations:
         if self.turning is None and np.any(speed):
             raise ValueError("no frame makes the equations of this stage autonomous")
         turn = np.zeros_like(self.damping) if self.turning is None else self.turning
-        unit_springs = self.springs(0.0, 1.0, with_pi=with_pi)
+        unit_springs = self.springs(0.0, 1.0)
         stiffness = self.stiffness(0.0, 0.0) + kappa[..., None, None] * unit_springs
         square = turn @ turn
         if self.coriolis is not None:
@@ -136,19 +132,15 @@ class CoupledEquations:
         stiffness = stiffness + omega**2 * square + omega * (self.damping @ turn)
         return self.drag(speed) + 2.0 * omega * turn, stiffness
 
-    def state_matrix(
-        self, speed: ArrayLike, kappa: ArrayLike, *, with_pi: bool = True
-    ) -> FloatArray:
+    def state_matrix(self, speed: ArrayLike, kappa: ArrayLike) -> FloatArray:
         """Return the matrix of the first-order system for (y, y'), (..., 2 modes, 2 modes).
 
         This is the negative of A in Eq. (21), so that a positive real part means growth.
         """
-        drag, stiffness = self.autonomous(speed, kappa, with_pi=with_pi)
+        drag, stiffness = self.autonomous(speed, kappa)
         return companion(-stiffness, -drag)
 
-    def whirl_matrix(
-        self, speed: ArrayLike, kappa: ArrayLike, *, with_pi: bool = True
-    ) -> FloatArray | ComplexArray:
+    def whirl_matrix(self, speed: ArrayLike, kappa: ArrayLike) -> FloatArray | ComplexArray:
         """Return the matrix of half size for cosine-sine pairs, (..., modes, modes) [rad/s].
 
         With z = y_c + i y_s = X exp(i mu t), its eigenvalues are mu, and the first half of each
@@ -157,7 +149,7 @@ class CoupledEquations:
         """
         drag, stiffness = (
             np.asarray(part[..., ::2, ::2] + 1j * part[..., 1::2, ::2], dtype=np.complex128)
-            for part in self.autonomous(speed, kappa, with_pi=with_pi)
+            for part in self.autonomous(speed, kappa)
         )
         unit = float(np.abs(self.frequency).max()) or 1.0
         matrix = companion(stiffness, np.asarray(1j * drag, dtype=np.complex128), unit)

@@ -51,6 +51,7 @@ class CouplingModes:
     coriolis: FloatArray | None = None
     """G of the coordinates for Omega = 1 rad/s, zero on the casing, (size, size); None if zero."""
     softening: FloatArray | None = None  #: S = K_G1 - M_t of the coordinates, (size, size)
+    with_pi: bool = True  #: keep the factor pi of the integral in Eq. (8)
 
     @property
     def entries(self) -> int:
@@ -117,6 +118,7 @@ class CouplingModes:
             coriolis=self.coriolis,
             softening=self.softening,
             pairs=bool(np.all(self.paired)),
+            with_pi=self.with_pi,
         )
 
     @cached_property
@@ -142,7 +144,7 @@ class CouplingModes:
             m if m is None else m[among] for m in (self.coriolis, self.softening)
         )
         name = tuple(self.name[i] for i in kept)
-        return CouplingModes(name=name, coriolis=coriolis, softening=softening, **arrays)
+        return replace(self, name=name, coriolis=coriolis, softening=softening, **arrays)
 
     def harmonic(self, k: int) -> CouplingModes:
         """Return the modes with the entries of nodal diameter k only."""
@@ -230,12 +232,11 @@ class CouplingSprings(CoupledEntries):
     """Springs between two modal bodies: the coupled modes and the stiffness."""
 
     kappa: float  #: stiffness [N/m] per radian
-    with_pi: bool = True  #: keep the factor pi of the integral in Eq. (8)
 
     @property
     def factors(self) -> FloatArray:
         """Modal spring stiffness f_k kappa of each nodal diameter [N/m], (harmonics,)."""
-        return self.kappa * self.modes.equations.factors(with_pi=self.with_pi)
+        return self.kappa * self.modes.equations.factors
 
     @property
     def highest_frequency(self) -> float:
@@ -249,12 +250,10 @@ class CouplingSprings(CoupledEntries):
         for k in self.modes.harmonics:
             part = self.modes.harmonic(k)
             angles = np.linspace(0.0, 2.0 * np.pi, 1 if np.all(part.paired) else ANGLES)
-            stiffness = part.equations.stiffness(
-                angles / max(k, 1), self.kappa, with_pi=self.with_pi
-            )
+            stiffness = part.equations.stiffness(angles / max(k, 1), self.kappa)
             highest = max(highest, float(np.linalg.eigvalsh(stiffness).max()))
         return float(np.sqrt(highest))
 
     def stiffness(self, *, angle: ArrayLike) -> FloatArray:
         """Return K* of the coordinates at an angle Omega t [rad], (..., size, size) [1/s^2]."""
-        return self.modes.equations.springs(angle, self.kappa, with_pi=self.with_pi)
+        return self.modes.equations.springs(angle, self.kappa)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -86,8 +86,7 @@ def _springs(
         entries = entries.with_unit_amplitudes()
     rotor, casing = (np.searchsorted(numbers, entries.number) for numbers in kept)
     return CouplingSprings(
-        modes=entries.modes,
+        modes=replace(entries.modes, with_pi=case.coupling.pi),
         number=np.where(entries.modes.on_casing, casing, rotor),
         kappa=case.coupling.stiffness,
-        with_pi=case.coupling.pi,
     )

@@ -118,16 +118,13 @@ def _arrays_of(stage: ModalStage, body: Body, numbers: IntArray) -> StageArrays:
     return stage.whirl_arrays(numbers, resting)
 
 
-def coupled_mode_motion(
-    stage: StageModes, motion: CoupledMotion, kappa: float, *, with_pi: bool = True
-) -> xr.Dataset:
+def coupled_mode_motion(stage: StageModes, motion: CoupledMotion, kappa: float) -> xr.Dataset:
     """Return the motion of a coupled mode as a Dataset.
 
     Args:
         stage: the coupled modes.
         motion: motion of one coupled mode, equally spaced in time.
         kappa: stiffness of the springs that couple these modes [N/m] per radian.
-        with_pi: keep the factor pi of the paper's Eq. (8).
 
     Returns:
         Dataset with geometry, modes, time, modal displacements and velocities, gaps of tips,
@@ -135,9 +132,8 @@ def coupled_mode_motion(
     """
     rotor, rotor_modes = stage.coordinates(on_casing=False)
     wall, wall_modes = stage.coordinates(on_casing=True)
-    stiffness = stage.modes.equations.stiffness(
-        motion.speed * motion.time, kappa, speed=motion.speed, with_pi=with_pi
-    )
+    angle = motion.speed * motion.time
+    stiffness = stage.modes.equations.stiffness(angle, kappa, speed=motion.speed)
     strain = np.einsum("ti,tij,tj->t", motion.displacement, stiffness, motion.displacement)
     energy = 0.5 * (np.sum(motion.velocity**2, axis=1) + strain)
     lost = _damping_work(stage, motion)

@@ -109,9 +109,7 @@ class CoupledMotion:
         return phase_rate(self.time, wave) / max(self.nodal_diameter, 1)
 
 
-def coupled_modes(
-    modes: CouplingModes, *, speed: float, kappa: float, with_pi: bool = True
-) -> list[CoupledMode]:
+def coupled_modes(modes: CouplingModes, *, speed: float, kappa: float) -> list[CoupledMode]:
     """Compute the modes of the autonomous system, the fastest growing first.
 
     Of each conjugate pair only one mode is returned.
@@ -120,14 +118,13 @@ def coupled_modes(
         modes: the modes to couple.
         speed: Omega [rad/s].
         kappa: spring stiffness [N/m].
-        with_pi: keep the factor pi of Eq. (8).
     """
     result = []
     for k in modes.harmonics:
         chosen = np.flatnonzero(modes.nodal_diameter == k)
         part = modes.take(chosen)
         coordinates = np.flatnonzero(np.isin(modes.entry, chosen))
-        values, vectors = np.linalg.eig(part.equations.state_matrix(speed, kappa, with_pi=with_pi))
+        values, vectors = np.linalg.eig(part.equations.state_matrix(speed, kappa))
         for i in np.flatnonzero(values.imag >= 0.0):
             shape = np.zeros(modes.size, dtype=np.complex128)
             vector = vectors[: part.size, i]

@@ -100,7 +100,7 @@ def floquet(
 
 
 def coupled_floquet(
-    modes: CouplingModes | CoupledEquations, *, speed: float, kappa: float, with_pi: bool = True
+    modes: CouplingModes | CoupledEquations, *, speed: float, kappa: float
 ) -> tuple[Floquet, ...]:
     """Integrate the coupled rotor and casing over one revolution, each nodal diameter separately.
 
@@ -108,7 +108,6 @@ def coupled_floquet(
         modes: the coupled modes.
         speed: Omega, not zero [rad/s].
         kappa: spring stiffness [N/m].
-        with_pi: keep the factor pi of Eq. (8).
 
     Returns:
         The change of state over one turn, one entry for each nodal diameter, ascending.
@@ -116,7 +115,7 @@ def coupled_floquet(
 
     def over_one_turn(block: CoupledEquations) -> Floquet:
         return floquet(
-            lambda times: block.stiffness(speed * times, kappa, speed=speed, with_pi=with_pi),
+            lambda times: block.stiffness(speed * times, kappa, speed=speed),
             period=2.0 * np.pi / abs(speed),
             damping=block.drag(speed),
         )
@@ -125,7 +124,7 @@ def coupled_floquet(
 
 
 def exponents(
-    modes: CouplingModes | CoupledEquations, *, speed: float, kappa: float, with_pi: bool = True
+    modes: CouplingModes | CoupledEquations, *, speed: float, kappa: float
 ) -> ComplexArray:
     """Return the spectrum of coupled modes, the fastest growing first, (2 modes,) [1/s].
 
@@ -136,12 +135,11 @@ def exponents(
         modes: the coupled modes.
         speed: Omega [rad/s].
         kappa: spring stiffness [N/m].
-        with_pi: keep the factor pi of Eq. (8).
     """
     if speed == 0.0 or all(block.turning is not None for block in modes.blocks):
-        values = eigenvalues(modes, speed=speed, kappa=kappa, with_pi=with_pi)
+        values = eigenvalues(modes, speed=speed, kappa=kappa)
     else:
-        turns = coupled_floquet(modes, speed=speed, kappa=kappa, with_pi=with_pi)
+        turns = coupled_floquet(modes, speed=speed, kappa=kappa)
         values = np.concatenate([turn.exponents for turn in turns])
     return np.asarray(np.sort_complex(values)[::-1], dtype=np.complex128)
 

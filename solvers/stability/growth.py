@@ -42,11 +42,7 @@ def is_unstable(growth: ArrayLike, speed: ArrayLike) -> BoolArray:
 
 
 def eigenvalues(
-    modes: CouplingModes | CoupledEquations,
-    *,
-    speed: ArrayLike,
-    kappa: ArrayLike,
-    with_pi: bool = True,
+    modes: CouplingModes | CoupledEquations, *, speed: ArrayLike, kappa: ArrayLike
 ) -> ComplexArray:
     """Return the eigenvalues of the autonomous coupled system, one nodal diameter after another.
 
@@ -54,7 +50,6 @@ def eigenvalues(
         modes: the coupled modes.
         speed: Omega [rad/s].
         kappa: spring stiffness [N/m]; broadcasts with speed to the shape (...).
-        with_pi: keep the factor pi of Eq. (8).
 
     Returns:
         eigenvalues [1/s], (..., 2 modes.size). Motions are proportional to exp(eigenvalue t); Eq.
@@ -62,7 +57,7 @@ def eigenvalues(
     """
     parts = []
     for block in modes.blocks:
-        spectrum = _spectrum(block, speed, kappa, with_pi)
+        spectrum = _spectrum(block, speed, kappa)
         parts += [spectrum, spectrum.conj()] if block.pairs else [spectrum]
     return np.concatenate(parts, axis=-1)
 
@@ -72,7 +67,6 @@ def growth_rate(
     *,
     speed: ArrayLike,
     kappa: ArrayLike,
-    with_pi: bool = True,
     progress: Progress | None = None,
 ) -> FloatArray:
     """Return the largest real part of the spectrum [1/s] on any grid of speeds and stiffnesses.
@@ -81,7 +75,6 @@ def growth_rate(
         modes: the coupled modes.
         speed: Omega [rad/s].
         kappa: spring stiffness [N/m]; broadcasts with speed to the shape (...).
-        with_pi: keep the factor pi of Eq. (8).
         progress: called after each batch of points.
 
     Returns:
@@ -94,7 +87,7 @@ def growth_rate(
     growth: list[FloatArray] = []
 
     def largest(some_speeds: FloatArray, some_kappas: FloatArray) -> FloatArray:
-        spectra = [_spectrum(block, some_speeds, some_kappas, with_pi) for block in modes.blocks]
+        spectra = [_spectrum(block, some_speeds, some_kappas) for block in modes.blocks]
         return np.asarray(np.max([s.real.max(axis=-1) for s in spectra], axis=0))
 
     # Batched eigenvalues release the interpreter's lock, so threads use every core.
@@ -160,11 +153,9 @@ def rotor_waves(rotor: CouplingModes, speed: float) -> ComplexArray:
     return np.asarray(np.linalg.eigvals(matrix), dtype=np.complex128)
 
 
-def _spectrum(
-    block: CoupledEquations, speed: ArrayLike, kappa: ArrayLike, with_pi: bool
-) -> ComplexArray:
+def _spectrum(block: CoupledEquations, speed: ArrayLike, kappa: ArrayLike) -> ComplexArray:
     """Return the eigenvalues of coupled modes [1/s]; for pairs only i mu, without conjugates."""
     if block.pairs:
-        return np.asarray(1j * np.linalg.eigvals(block.whirl_matrix(speed, kappa, with_pi=with_pi)))
-    state = block.state_matrix(speed, kappa, with_pi=with_pi)
+        return np.asarray(1j * np.linalg.eigvals(block.whirl_matrix(speed, kappa)))
+    state = block.state_matrix(speed, kappa)
     return np.asarray(np.linalg.eigvals(state), dtype=np.complex128)

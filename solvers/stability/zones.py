@@ -51,7 +51,7 @@ class UnstableZones:
 
 
 def unstable_zones(
-    modes: CouplingModes, *, kappas: FloatArray, low: float, high: float, with_pi: bool = True
+    modes: CouplingModes, *, kappas: FloatArray, low: float, high: float
 ) -> UnstableZones:
     """Find every interval of unstable speeds at each spring stiffness.
 
@@ -60,7 +60,6 @@ def unstable_zones(
         kappas: spring stiffnesses [N/m], (n,); a stiffness of zero has no zones and gives no row.
         low: lowest speed [rad/s].
         high: highest speed [rad/s].
-        with_pi: keep the factor pi of Eq. (8).
 
     Returns:
         rows sorted by nodal diameter, stiffness, speed.
@@ -74,9 +73,9 @@ def unstable_zones(
         if k == 0 or len(bodies) < 2:
             continue  # positive definite in one frame: stable at every speed
         part = modes.take(chosen)
-        row, lower, upper = _intervals(part, kappas, low, high, with_pi)
+        row, lower, upper = _intervals(part, kappas, low, high)
         middle = 0.5 * (lower + upper)
-        growth, leading = _growing_mode(part, middle, kappas[row], with_pi)
+        growth, leading = _growing_mode(part, middle, kappas[row])
         casing, rotor = (
             chosen[np.argmax(np.where(part.on_casing == body, leading, -1.0), axis=-1)]
             for body in (True, False)
@@ -95,7 +94,7 @@ def unstable_zones(
 
 
 def exchanges(
-    block: CoupledEquations, speed: FloatArray, kappa: FloatArray, *, with_pi: bool
+    block: CoupledEquations, speed: FloatArray, kappa: FloatArray
 ) -> tuple[IntArray, IntArray]:
     """Count the meetings begun and ended between waves of positive and of negative signature.
 
@@ -103,12 +102,11 @@ def exchanges(
         block: undamped pairs of one nodal diameter; every pair has an amplitude.
         speed: Omega [rad/s], (n,).
         kappa: spring stiffness [N/m], positive, (n,).
-        with_pi: keep the factor pi of Eq. (8).
 
     Returns:
         exchanges begun and ended, each (n,); the difference counts the growing waves.
     """
-    matrix = block.whirl_matrix(speed, kappa, with_pi=with_pi)
+    matrix = block.whirl_matrix(speed, kappa)
     n = matrix.shape[-1] // 2
     mu, states = np.linalg.eig(matrix)
     fields = states[..., :n, :]
@@ -123,13 +121,13 @@ def exchanges(
 
 
 def _intervals(
-    modes: CouplingModes, kappas: FloatArray, low: float, high: float, with_pi: bool
+    modes: CouplingModes, kappas: FloatArray, low: float, high: float
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return the row in kappas, lower and upper speed of each zone of one nodal diameter."""
     undamped = replace(modes, damping_ratio=np.zeros(modes.entries)).equations
     middle = np.array(0.5 * (low + high)), np.array(kappas[0])
-    if undamped.pairs and np.isrealobj(undamped.whirl_matrix(*middle, with_pi=with_pi)):
-        ladder = _ladder(undamped, kappas, low, high, with_pi)
+    if undamped.pairs and np.isrealobj(undamped.whirl_matrix(*middle)):
+        ladder = _ladder(undamped, kappas, low, high)
         if not np.any(modes.damping_ratio):
             return ladder
     else:
@@ -138,7 +136,7 @@ def _intervals(
     inside = np.linspace(lower, upper, INSIDE + 2)
 
     def excess(speed: FloatArray, kappa: float | FloatArray) -> FloatArray:
-        growth = growth_rate(modes, speed=speed, kappa=kappa, with_pi=with_pi)
+        growth = growth_rate(modes, speed=speed, kappa=kappa)
         return growth - UNSTABLE_GROWTH * np.abs(speed)
 
     line = [
@@ -158,15 +156,14 @@ def _intervals(
 
 
 def _ladder(
-    block: CoupledEquations, kappas: FloatArray, low: float, high: float, with_pi: bool
+    block: CoupledEquations, kappas: FloatArray, low: float, high: float
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return the zones without damping, from the counts of exchanges at the ends of the range of
     speeds, or at `SAMPLES` speeds if the counts can decrease."""
     edges = np.linspace(low, high, 2 if block.softening is None else SAMPLES)
     speeds, stiff = np.meshgrid(edges, kappas)
     begun, ended = (
-        count.reshape(speeds.shape)
-        for count in exchanges(block, speeds.ravel(), stiff.ravel(), with_pi=with_pi)
+        count.reshape(speeds.shape) for count in exchanges(block, speeds.ravel(), stiff.ravel())
     )
     rows, starts, ends = [np.zeros(0, dtype=np.int64)], [np.zeros(0)], [np.zeros(0)]
     for sense, first, last in (
@@ -183,7 +180,7 @@ def _ladder(
         def climbed(
             along: FloatArray, kappa: FloatArray, step: FloatArray, which: int, sense: float = sense
         ) -> FloatArray:
-            return exchanges(block, sense * along, kappa, with_pi=with_pi)[which] - step
+            return exchanges(block, sense * along, kappa)[which] - step
 
         near, far = (sense * edges[side][place[part]] for side in (first, last))
         borders = [
@@ -226,10 +223,10 @@ def _border(
 
 
 def _growing_mode(
-    modes: CouplingModes, speed: FloatArray, kappa: FloatArray, with_pi: bool
+    modes: CouplingModes, speed: FloatArray, kappa: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the growth rate (n,) and squared entries of the growing mode (n, entries)."""
-    values, vectors = np.linalg.eig(modes.equations.state_matrix(speed, kappa, with_pi=with_pi))
+    values, vectors = np.linalg.eig(modes.equations.state_matrix(speed, kappa))
     growing = np.argmax(values.real, axis=-1)
     shape = np.take_along_axis(vectors, growing[:, None, None], axis=-1)[:, : modes.size, 0]
     size = np.zeros((len(speed), modes.entries))

@@ -54,7 +54,7 @@ def draw_coupled_mode(
     stage = part.stage
     motion = divergent_motion(part, omega, kappa)
     texts = case_files(stage.modal.case)
-    moving = coupled_mode_motion(stage, motion, kappa, with_pi=system.with_pi)
+    moving = coupled_mode_motion(stage, motion, kappa)
     moving = moving.assign_attrs(case=stage.modal.case.title, kappa=kappa)
     with writing(folder):
         names = [*texts, MOTION_NAME, *([ANIMATION] if films else [])]

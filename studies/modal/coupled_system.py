@@ -33,7 +33,6 @@ class System:
     """Coupled modes of a stage, with the options of a stability study."""
 
     modes: CouplingModes | CoupledEquations  #: chosen modes
-    with_pi: bool  #: whether the factor pi of Eq. (8) is kept
     damped: bool  #: whether the damping of the case is included
     physical: bool  #: whether modes have physical amplitudes, not unit amplitudes
     reference: float  #: reference frequency by which speeds are normalised [rad/s]
@@ -46,7 +45,7 @@ class System:
             omega: speed [rad/s].
             kappa: spring stiffness [N/m].
         """
-        return exponents(self.modes, speed=omega, kappa=kappa, with_pi=self.with_pi)
+        return exponents(self.modes, speed=omega, kappa=kappa)
 
     def growth(
         self, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
@@ -55,16 +54,14 @@ class System:
 
         Growth rates are exactly zero where undamped modes do not grow.
         """
-        return growth_rate(
-            self.modes, speed=omegas, kappa=kappas[:, None], with_pi=self.with_pi, progress=progress
-        )
+        return growth_rate(self.modes, speed=omegas, kappa=kappas[:, None], progress=progress)
 
     def options(self) -> dict[str, object]:
         """Return the options for reports."""
         return {
             "modes": list(self.modes.name),
             "damped": self.damped,
-            "pi": self.with_pi,
+            "pi": self.modes.with_pi,
             "amplitude": "physical" if self.physical else "paper",
             "reference_frequency": self.reference,
         }
@@ -187,7 +184,8 @@ def couple(
         equations = coupled_waves(modal, modes=modes, damped=damped, physical=physical)
     except ValueError as error:
         raise UserError(f"--modes {error}") from None
-    return System(modes=equations, with_pi=with_pi, damped=damped, physical=physical, **_of(modal))
+    equations = replace(equations, with_pi=with_pi)
+    return System(modes=equations, damped=damped, physical=physical, **_of(modal))
 
 
 def _of(modal: ModalStage) -> dict[str, Any]:
@@ -211,6 +209,7 @@ def couple_even(
         all_modes = stage_modes(modal, damping_ratio=modal.case.damping.ratio if damped else 0.0)
     except ValueError as error:
         raise UserError(f"stability: {error}") from None
+    all_modes = replace(all_modes, modes=replace(all_modes.modes, with_pi=with_pi))
     if case.rotation.effects != "none":
         rotation = rotation_matrices(modal.disk)
         all_modes = at_speed(all_modes, rotation, case.rotation.effects)
@@ -221,7 +220,6 @@ def couple_even(
         stage=stage,
         all_modes=all_modes,
         rotation=rotation,
-        with_pi=with_pi,
         damped=damped,
         physical=physical,
         **_of(modal),

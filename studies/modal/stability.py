@@ -134,7 +134,7 @@ def _even_point(system: EvenSystem, omega: float, kappa: float) -> dict[str, Any
     variables: dict[str, Any] = {}
     modes = system.modes
     with suppress(ArithmeticError):  # ZeroDivisionError at rest
-        turns = coupled_floquet(modes, speed=omega, kappa=kappa, with_pi=system.with_pi)
+        turns = coupled_floquet(modes, speed=omega, kappa=kappa)
         growth = max(float(turn.growth) for turn in turns)
         variables["growth_rate_floquet"] = ((), growth, GROWTH | {"method": "monodromy matrix"})
     mode = fastest_mode(system, omega, kappa)
@@ -155,7 +155,7 @@ def _even_point(system: EvenSystem, omega: float, kappa: float) -> dict[str, Any
 
 def fastest_mode(system: EvenSystem, omega: float, kappa: float) -> CoupledMode:
     """Return the fastest growing coupled mode at a point."""
-    return coupled_modes(system.modes, speed=omega, kappa=kappa, with_pi=system.with_pi)[0]
+    return coupled_modes(system.modes, speed=omega, kappa=kappa)[0]
 
 
 def divergent_motion(system: EvenSystem, omega: float, kappa: float) -> CoupledMotion:

@@ -72,7 +72,6 @@ def zones(
         kappas=np.linspace(kappas[0], kappas[-1], BORDER_STIFFNESSES),
         low=omegas[0],
         high=omegas[-1],
-        with_pi=system.with_pi,
     )
     names, unit = np.array(modes.name), system.reference
     pairs = coincidence_speeds(modes)
@@ -137,12 +136,10 @@ def spectrum_along(system: EvenSystem, omegas: FloatArray, kappa: float) -> xr.D
         kappa: spring stiffness [N/m].
     """
     low, high = omegas[0], omegas[-1]
-    borders = unstable_zones(
-        system.modes, kappas=np.array([kappa]), low=low, high=high, with_pi=system.with_pi
-    )
+    borders = unstable_zones(system.modes, kappas=np.array([kappa]), low=low, high=high)
     inside = np.linspace(borders.lower, borders.upper, ZONE_SPEEDS).ravel()
     along = np.unique(np.append(np.linspace(low, high, LINE_SPEEDS), inside))
-    spectra = eigenvalues(system.modes, speed=along, kappa=kappa, with_pi=system.with_pi)
+    spectra = eigenvalues(system.modes, speed=along, kappa=kappa)
     branches, plane = track(along, spectra), ("speed", "branch")
     title, unit = "eigenvalues in the invariant frame", system.reference
     return xr.Dataset(

@@ -36,7 +36,6 @@ def _zones(evidence: Evidence) -> dict[str, UnstableZones]:
         kappas=KAPPAS,
         low=RANGE[0] * system.reference,
         high=RANGE[1] * system.reference,
-        with_pi=system.with_pi,
     )
     zones = {}
     for name in ("1F", "suspension"):

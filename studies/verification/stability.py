@@ -99,8 +99,8 @@ def growth_rates(ratio: str) -> Pairs:
 def growth_without_pi() -> Pair:
     """Compare the growth rate by Eq. (9) as printed, without the factor pi, with zero."""
     given, coupling = coupled("0.0")
-    computed = growth_rate(coupling.modes, speed=given.speed, kappa=coupling.kappa, with_pi=False)
-    return 0.0, computed
+    modes = replace(coupling.modes, with_pi=False)
+    return 0.0, growth_rate(modes, speed=given.speed, kappa=coupling.kappa)
 
 
 @verifies()

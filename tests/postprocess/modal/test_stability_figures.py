@@ -40,7 +40,6 @@ def system(modes: CouplingModes) -> EvenSystem:
         modes=modes,
         stage=stage,
         all_modes=stage,
-        with_pi=True,
         damped=False,
         physical=False,
         reference=UNIT,
