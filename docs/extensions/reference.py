@@ -6,7 +6,7 @@ import inspect
 import re
 from collections.abc import Iterator, Mapping
 from functools import partial
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any
 
 import licences
 import typer
@@ -17,7 +17,7 @@ from typer.main import get_command
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import FIXED_PHRASES, TABLE_ERRORS
+from bladewhirl.models.case.check import FIXED_PHRASES, TABLE_ERRORS, tables_in
 from bladewhirl.models.case.excitation import EXCITATIONS
 from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.table import Table
@@ -40,7 +40,7 @@ def case_keys() -> str:
     """Return all keys of a case file, each with expected value, default and description."""
     parts = ["".join(_entries(Case, "", ""))]
     for name, field in Case.model_fields.items():
-        tables = [] if name == "sketch" else list(_tables(field.annotation))
+        tables = [] if name == "sketch" else list(tables_in(field.annotation))
         if name == "excitation":
             tables = list(EXCITATIONS.values())
         for table in tables:
@@ -56,7 +56,7 @@ def _entries(table: type[Table], place: str, suffix: str) -> Iterator[str]:
     descriptions = table.descriptions()
     for name, field in table.model_fields.items():
         key = f"{place}.{name}" if place else name
-        inner = list(_tables(field.annotation))
+        inner = list(tables_in(field.annotation))
         if not place and name not in ("title", "sketch"):
             continue
         yield _entry(key + suffix, field, descriptions.get(name, ""))
@@ -67,7 +67,7 @@ def _entries(table: type[Table], place: str, suffix: str) -> Iterator[str]:
 
 
 def _entry(key: str, field: FieldInfo, described: str) -> str:
-    described = described or _summary(next(_tables(field.annotation), ""))
+    described = described or _summary(next(tables_in(field.annotation), ""))
     lines = [f"```{{confval}} {key}", f":type: {_quoted(_words(_expected(field)))}"]
     lines.append(f":default: {_quoted(_default(field))}")
     return "\n".join([*lines, "", _words(described), "```", "", ""])
@@ -107,13 +107,6 @@ def _phrase(error: Any) -> str:
     if phrase := PHRASES.get(error["type"]):
         return phrase
     return re.sub(r" \(neither.*\)", "", str(error["ctx"]["expected"]).replace("'", '"'))
-
-
-def _tables(annotation: Any) -> Iterator[type[Table]]:
-    if isinstance(annotation, type) and issubclass(annotation, Table):
-        yield annotation
-    for inner in get_args(annotation):
-        yield from _tables(inner)
 
 
 def _summary(thing: object) -> str:

@@ -135,13 +135,13 @@ def _known_keys() -> tuple[tuple[str, ...], ...]:
 def _keys_of(table: type[Table]) -> Iterator[tuple[str, ...]]:
     for name, field in table.model_fields.items():
         yield (name,)
-        for inner in _tables_in(field.annotation):
+        for inner in tables_in(field.annotation):
             yield from ((name, *path) for path in _keys_of(inner))
 
 
-def _tables_in(annotation: Any) -> Iterator[type[Table]]:
+def tables_in(annotation: Any) -> Iterator[type[Table]]:
     """Yield the tables in a type: the type itself, and those in its unions and arrays."""
     if isinstance(annotation, type) and issubclass(annotation, Table):
         yield annotation
     for inner in get_args(annotation):
-        yield from _tables_in(inner)
+        yield from tables_in(inner)
