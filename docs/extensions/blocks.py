@@ -6,6 +6,7 @@ A comment on the line above a block has these effects:
     <!-- file: stage.toml -->       the block is written to the file, not executed
     <!-- not run: reason -->        the block is not executed, as it needs a cluster, for instance
     <!-- markdown: reason -->       the output of the block is Markdown and part of the page
+    <!-- quiet: reason -->          the output of the block is not shown
 
 `python blocks.py PAGE FOLDER` runs a page and prints the outputs of its blocks as a JSON list.
 """
@@ -30,7 +31,7 @@ EXECUTABLES = Path(sys.executable).parent
 RUN = ("python", "console")
 
 _BLOCK = re.compile(
-    r"(?:^<!-- (?P<mark>file|not run|markdown): (?P<argument>[^\n]*?) -->\n)?"
+    r"(?:^<!-- (?P<mark>file|not run|markdown|quiet): (?P<argument>[^\n]*?) -->\n)?"
     r"^```(?P<language>\w+)\n(?P<code>.*?)^```$\n?",
     re.MULTILINE | re.DOTALL,
 )
@@ -42,7 +43,7 @@ class Block:
 
     language: str
     code: str
-    mark: str  #: "file", "not run", "markdown" or empty
+    mark: str  #: "file", "not run", "markdown", "quiet" or empty
     argument: str  #: file name or reason after the mark
     start: int  #: index of the first character in the page
     end: int  #: index after the last character
@@ -92,7 +93,7 @@ class Session:
             return ""
         if block.language == "python":
             return self._python(block.code)
-        return "".join(self._command(line) for line in _commands(block.code))
+        return "".join(self._command(line) for line in commands(block.code))
 
     def _python(self, code: str) -> str:
         printed = io.StringIO()
@@ -115,7 +116,7 @@ class Session:
         return done.stdout
 
 
-def _commands(code: str) -> list[str]:
+def commands(code: str) -> list[str]:
     """Return the commands of a block, one per line; a backslash continues a line."""
     lines = code.replace("\\\n", " ").splitlines()
     return [line for line in lines if line.strip() and not line.lstrip().startswith("#")]

@@ -21,6 +21,7 @@ from typing import Any
 
 import blocks
 import gallery
+import notebooks
 import reference
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
@@ -80,7 +81,9 @@ def fill(app: Sphinx, document: str, source: list[str]) -> None:
     """Insert outputs, references and pictures into the source of a page."""
     folder, text = Path(app.srcdir), source[0]
     if _HEAD.match(text):
-        text = _with_output(text, printed(folder, document))
+        has_python = any(block.language == "python" for block in blocks.blocks(text) if block.runs)
+        link = notebooks.write(document, text, folder / "built/notebooks") if has_python else ""
+        text = _with_output(text, printed(folder, document)) + link
     text = _MARK.sub(lambda match: reference.GENERATED[match[1]](), text)
     built = f"{'../' * document.count('/')}built/{document}"
     source[0] = _PICTURE.sub(rf"![\2]({built}/\1)", text)
@@ -95,7 +98,7 @@ def _with_output(text: str, outputs: list[str]) -> str:
         last = block.end
         if block.mark == "markdown":
             parts.append(f"\n{output}")
-        elif output.strip():
+        elif output.strip() and block.mark != "quiet":
             parts.append(f"\n{{.output}}\n```text\n{output.rstrip()}\n```\n")
     return "".join([*parts, text[last:]])
 

@@ -36,7 +36,7 @@ def test_every_key_of_the_template_is_in_the_reference() -> None:
 
 def test_every_command_and_option_is_in_the_reference() -> None:
     text = reference.commands()
-    assert len(re.findall(r"^## bladewhirl \w+$", text, flags=re.MULTILINE)) == len(
+    assert len(re.findall(r"^## bladewhirl [\w-]+$", text, flags=re.MULTILINE)) == len(
         app.registered_commands
     )
     assert "```{option} --set KEY=VALUE\n" in text

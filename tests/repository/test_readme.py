@@ -55,7 +55,7 @@ def test_a_command_is_understood(arguments: list[str]) -> None:
 
 def test_every_command_has_its_row() -> None:
     group = get_command(app)
-    assert set(re.findall(r"^\| `bladewhirl (\w+)` \|", README, flags=re.MULTILINE)) == set(
+    assert set(re.findall(r"^\| `bladewhirl ([\w-]+)` \|", README, flags=re.MULTILINE)) == set(
         group.commands  # type: ignore[attr-defined]
     )
 
@@ -96,7 +96,7 @@ def test_the_sketch_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_the_mapping_is_that_of_the_example() -> None:
-    (block,) = blocks("toml", (DOCS / "meshes.md").read_text(encoding="utf-8"))
+    block, _ = blocks("toml", (DOCS / "meshes.md").read_text(encoding="utf-8"))
     shown = tomllib.loads(block)["bladed_disk"]["mesh"]
     example = tomllib.loads((ROOT / "examples" / "shrouded_fan.toml").read_text())
     whole = example["bladed_disk"]["mesh"]
