@@ -22,7 +22,7 @@ Build the model
 Analyse modes, before a march
     `modes` returns frequencies by family and nodal diameter, `campbell` coincidence speeds,
     `veering` frequencies and `critical_speeds` critical speeds over the stiffness of the shaft,
-    `stability` growth rates, as Datasets.
+    `stability` growth rates, `response` amplitudes under engine-order forces, as Datasets.
 March in time
     `run` marches one case, `run_sweep` a case over ranges of its keys (`resume_sweep` finishes an
     interrupted sweep), `convergence` varies time step and modes. Each writes a folder.

@@ -36,6 +36,7 @@ from .studies.convergence.study import convergence as convergence
 from .studies.modal.campbell import campbell as campbell
 from .studies.modal.critical_speeds import critical_speeds as critical_speeds
 from .studies.modal.modes import modes as modes
+from .studies.modal.response import response as response
 from .studies.modal.stability import stability as stability
 from .studies.modal.veering import veering as veering
 from .studies.runs.render import render as render

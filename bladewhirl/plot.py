@@ -8,8 +8,9 @@
 
 Most functions draw a result of `bw.open_result` in a time window [s], or a sweep of
 `bw.open_sweep`, as their docstring says. Each draws the figure of the same name of
-`bladewhirl plot`, with underscores for hyphens. `campbell`, `veering`, `shaft_veering` and
-`critical_speeds` draw datasets of `bw.campbell`, `bw.veering` and `bw.critical_speeds`.
+`bladewhirl plot`, with underscores for hyphens. `campbell`, `veering`, `shaft_veering`,
+`critical_speeds` and `response` draw datasets of the functions of `bw` with these names;
+`shaft_veering` draws a dataset of `bw.veering`.
 """
 
 from __future__ import annotations
@@ -58,7 +59,7 @@ def _plot(name: str) -> Plot:
 
 _plots = {name.replace("-", "_"): _plot(name) for name in sorted({*RUN_FIGURES, *SWEEP_FIGURES})}
 globals().update(_plots)
-__all__ = sorted([*_plots, "campbell", "critical_speeds", "shaft_veering", "veering"])
+__all__ = sorted([*_plots, "campbell", "critical_speeds", "response", "shaft_veering", "veering"])
 
 if TYPE_CHECKING:
 
@@ -77,6 +78,13 @@ def critical_speeds(data: xr.Dataset) -> Figure:
     from bladewhirl.postprocess.modal.critical_speeds import plot_critical_speeds
 
     return plot_critical_speeds(data)
+
+
+def response(data: xr.Dataset) -> Figure:
+    """Draw the amplitudes of `bw.response(case)` over the speed, by blade and nodal diameter."""
+    from bladewhirl.postprocess.modal.response import plot_response
+
+    return plot_response(data)
 
 
 def veering(data: xr.Dataset, families: int | None = None) -> Figure:

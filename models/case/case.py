@@ -24,6 +24,7 @@ from bladewhirl.models.case.bladed_disk import BladedDisk
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.excitation import (
     CasingDistortion,
+    EngineOrder,
     ExcitationTable,
     Harmonic,
     Imbalance,
@@ -103,6 +104,8 @@ class Case(Table):
         if self.shaft.clamped and isinstance(load, Imbalance | Harmonic):
             expected = "a load that is not at the centre, or shaft.clamped = false"
             yield Inconsistency("excitation.type", expected, ("shaft.clamped",))
+        if isinstance(load, EngineOrder):
+            yield from load.faults(self.blades)
         for key in ("centre_velocity", "centre_displacement"):
             if self.shaft.clamped and any(getattr(self.initial, key)):
                 expected = "zero, or shaft.clamped = false"

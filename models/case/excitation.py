@@ -5,11 +5,80 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
-from bladewhirl.models.inputs.fields import PositiveSpeed, TimeOrZero, count, quantity
+from bladewhirl.models.inputs.fields import (
+    PositiveSpeed,
+    TimeOrZero,
+    count,
+    expectation,
+    number,
+    quantity,
+)
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.units import Speed
+
+
+def _read(validator: BeforeValidator, value: Any) -> Any:
+    """Return a value as the validator of a key converts it."""
+    convert: Any = validator.func
+    return convert(value)
+
+
+def _listed(value: Any, phrase: str) -> list[Any]:
+    """Return the items of a list, a tuple or an array.
+
+    Raises:
+        PydanticCustomError: the value is not a list, or is empty.
+    """
+    value = value.tolist() if hasattr(value, "tolist") else value
+    if not isinstance(value, list | tuple) or not value:
+        raise expectation(phrase)
+    return list(value)
+
+
+def _orders(value: Any) -> tuple[int, ...]:
+    phrase = "an engine order, a whole number of zero or more, or a list of different ones"
+    items = _listed(value, phrase) if hasattr(value, "__len__") else [value]
+    orders = tuple(int(_read(count(0), item)) for item in items)
+    if len(set(orders)) < len(orders):
+        raise expectation(phrase)
+    return orders
+
+
+def _position(value: Any) -> str | float | tuple[float, float]:
+    phrase = '"tip", a number from 0 (root) to 1 (tip), two such numbers, or the name of a node set'
+    if isinstance(value, str) and value:
+        return value
+    items = _listed(value, phrase) if hasattr(value, "__len__") else [value]
+    shares = [float(_read(number("not negative"), item)) for item in items]
+    if len(shares) > 2 or shares != sorted(set(shares)) or shares[-1] > 1.0:
+        raise expectation(phrase)
+    return shares[0] if len(shares) == 1 else (shares[0], shares[1])
+
+
+def _direction(value: Any) -> str | float:
+    if value in ("tangential", "radial"):
+        return str(value)
+    try:
+        return float(_read(quantity("rad", "any"), value))
+    except PydanticCustomError:
+        phrase = '"tangential", "radial" or an angle in rad or with a unit, such as "30 deg"'
+        raise expectation(phrase) from None
+
+
+def _phases(value: Any) -> float | tuple[float, ...]:
+    angle = quantity("rad", "any")
+    if isinstance(value, str) or not hasattr(value, "__len__"):
+        return float(_read(angle, value))
+    return tuple(_read(angle, item) for item in _listed(value, "phases, one for each blade"))
+
+
+def _factors(value: Any) -> tuple[float, ...]:
+    items = _listed(value, "factors, one for each blade") if len(value) else []
+    return tuple(_read(number("any"), item) for item in items)
+
 
 LOWEST_SPEED = Speed(0.95)
 """Lowest speed of the paper's Table 2."""
@@ -19,7 +88,7 @@ class NoExcitation(Table):
     """No load; motion starts from the initial conditions only."""
 
     type: Literal["none"] = "none"
-    """"none", or "casing-distortion", "imbalance" or "harmonic" with their keys."""
+    """"none", or "casing-distortion", "imbalance", "harmonic" or "engine-order" with their keys."""
 
 
 class CasingDistortion(Table):
@@ -88,6 +157,52 @@ class Harmonic(Table):
     """Frame in which the force is fixed, "rotating" or "static"."""
 
 
+class EngineOrder(Table):
+    """Forces on the blades that are fixed in the blades and vary with an engine order."""
+
+    type: Literal["engine-order"] = "engine-order"
+    """Force F cos(r (Omega t + theta_n) + phase) on blade n at the angle theta_n: a field with r
+    lobes that is at rest in the static frame, as seen by the rotating blades."""
+    order: Annotated[tuple[int, ...], BeforeValidator(_orders)] = (1,)
+    """Engine order r, a whole number of zero or more, or a list of engine orders, each with the
+    same amplitude."""
+    position: Annotated[str | float | tuple[float, float], BeforeValidator(_position)] = "tip"
+    """Point of application: "tip"; a number from 0 at the root to 1 at the tip, measured along the
+    centre line of the blades; two such numbers for a load distributed between them; or the name of
+    a node set with one node on each blade."""
+    amplitude: float = 1.0
+    """Amplitude F of the force on each blade [N], per length of the blade if it is distributed
+    [N/m]."""
+    direction: Annotated[str | float, BeforeValidator(_direction)] = "tangential"
+    """"tangential", positive towards +theta; "radial", positive outward; or an angle from the
+    radial direction towards +theta [rad], each at the loaded point."""
+    phase: Annotated[float | tuple[float, ...], BeforeValidator(_phases)] = 0.0
+    """Phase [rad], or a list with one phase for each blade."""
+    factors: Annotated[tuple[float, ...], BeforeValidator(_factors)] = ()
+    """Factors on the amplitude, one for each blade; 1 by default."""
+    ramp: TimeOrZero = 0.0
+    """Half-cosine ramp of the force [s], 0 for a step."""
+
+    @field_validator("amplitude", mode="before")
+    @classmethod
+    def _with_unit(cls, value: Any, info: ValidationInfo) -> float:
+        unit = "N/m" if isinstance(info.data.get("position"), tuple) else "N"
+        return float(_read(quantity(unit, "not negative"), value))
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield an error if a static load has a phase for each blade."""
+        if isinstance(self.phase, tuple) and 0 in self.order:
+            yield Inconsistency("phase", "one number with the engine order 0", ("order",))
+
+    def faults(self, blades: int) -> Iterator[Inconsistency]:
+        """Yield the lists that do not have one number for each blade."""
+        for name in ("phase", "factors"):
+            values = getattr(self, name)
+            if isinstance(values, tuple) and values and len(values) != blades:
+                expected = f"{blades} numbers, one for each blade, not {len(values)}"
+                yield Inconsistency(f"excitation.{name}", expected, ("bladed_disk.blades",))
+
+
 def _empty_is_none(value: object) -> object:
     return {"type": "none"} if value == {} else value
 
@@ -96,11 +211,13 @@ EXCITATIONS: dict[str, type[Table]] = {
     "casing-distortion": CasingDistortion,
     "imbalance": Imbalance,
     "harmonic": Harmonic,
+    "engine-order": EngineOrder,
     "none": NoExcitation,
 }
 """Table class of each `excitation.type`."""
 
 Excitation = Annotated[
-    CasingDistortion | Imbalance | Harmonic | NoExcitation, Field(discriminator="type")
+    CasingDistortion | Imbalance | Harmonic | EngineOrder | NoExcitation,
+    Field(discriminator="type"),
 ]
 ExcitationTable = Annotated[Excitation, BeforeValidator(_empty_is_none)]

@@ -10,12 +10,13 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import U, W
-from bladewhirl.models.case.excitation import CasingDistortion, Harmonic, Imbalance
+from bladewhirl.models.case.excitation import CasingDistortion, EngineOrder, Harmonic, Imbalance
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.coupling.stage_modes import is_radial
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.rotation.at_speed import tip_recess
 from bladewhirl.models.stage.contact_problem import Load, ReducedRotor, Start
+from bladewhirl.models.stage.engine_order import engine_order_loads
 from bladewhirl.models.stage.stage import Stage
 
 X, Y = range(2)
@@ -35,6 +36,8 @@ def excitation_loads(stage: Stage) -> tuple[Load, ...]:
         return (_at_centre(stage, X, imbalance_force(stage), ramp=load.ramp),)
     if isinstance(load, Harmonic):
         return _harmonic(stage, load)
+    if isinstance(load, EngineOrder):
+        return engine_order_loads(stage, load)
     return ()
 
 

@@ -189,6 +189,8 @@ def build_stage(case: Case) -> Stage:
         disk_family = mode_families(disk.structure, reduction.modes, tip, "bladed-disk")
         casing_family = mode_families(casing.structure, casing_modes, wall, "casing")
     rotor = _reduced_rotor(case, disk, reduction.modes, turning)
+    if turning is not None:
+        _check_clearance(case, rotor.tip_recess)
     if turning is None or case.rotation.effects != "full" or not disk.structure.is_cyclic:
         errors = family_errors(reduction.modes, list(disk_family), full)
     else:
@@ -223,6 +225,21 @@ def build_stage(case: Case) -> Stage:
     )
 
 
+def rotor_at(stage: Stage, omega: float) -> tuple[ReducedRotor, FloatArray]:
+    """Return the reduced bladed disk of a stage at another speed of rotation [rad/s], with all of
+    its modes, and their fields on the free DoF [kg^-1/2], (size, modes)."""
+    turning, case = stage.turning, stage.case
+    if turning is None:
+        return stage.rotor, stage.reduction.modes.shapes
+    structure = turning.matrices.at_speed(omega, case.rotation.effects)
+    turning = replace(turning, disk=replace(turning.disk, structure=structure), omega=omega)
+    boundary = np.concatenate([*boundary_sets(turning.disk).values()])
+    kept = case.reduction.fixed_interface_modes
+    reduction = craig_bampton(structure, boundary, kept, tip_in_sector(turning.disk))
+    modes = reduction.modes
+    return _reduced_rotor(case, turning.disk, modes, turning), modes.shapes
+
+
 def boundary_sets(disk: BladedDiskModel) -> dict[str, IntArray]:
     """Return the degrees of freedom on which casing and shaft act, by name."""
     return {
@@ -248,9 +265,6 @@ def _reduced_rotor(
     case: Case, disk: BladedDiskModel, modes: Modes, turning: TurningDisk | None
 ) -> ReducedRotor:
     """Return the bladed disk in its modes; the growth of the tips reduces a cold clearance."""
-    recess = tip_recess(case, disk, turning)
-    if turning is not None:
-        _check_clearance(case, recess)
     centre = np.zeros((2, modes.count))
     centre[: len(disk.centre)] = modes.shapes[disk.centre]  # no rows if clamped
     by_velocity = _by_velocity(case, disk, modes)
@@ -262,7 +276,7 @@ def _reduced_rotor(
         centre=centre,
         tip_angle=disk.tip_angles,
         tip_radius=disk.model.tip_radius,
-        tip_recess=recess,
+        tip_recess=tip_recess(case, disk, turning),
         column=disk.blade_columns(modes.column),
         dampers=np.sqrt(case.shaft.dampings)[:, None] * centre,
         anisotropy=0.0 if case.shaft.clamped else case.shaft.anisotropy,

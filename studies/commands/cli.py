@@ -29,6 +29,7 @@ from bladewhirl.studies.commands.plot import plot
 from bladewhirl.studies.commands.render import render
 from bladewhirl.studies.commands.report import report
 from bladewhirl.studies.commands.reproduce import reproduce
+from bladewhirl.studies.commands.response import response
 from bladewhirl.studies.commands.run import run
 from bladewhirl.studies.commands.show import show
 from bladewhirl.studies.commands.stability import stability
@@ -52,7 +53,7 @@ def _reflowed(text: str) -> str:
 
 COMMANDS = (
     *(campbell, compare, convergence, critical_speeds, export, mesh, modes, new, plot, render),
-    *(report, reproduce, run, show, stability, sweep, veering, verify),
+    *(report, reproduce, response, run, show, stability, sweep, veering, verify),
 )
 
 for command in COMMANDS:

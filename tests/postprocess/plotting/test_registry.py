@@ -34,7 +34,7 @@ def test_captions_are_sentences(kind: FigureKind) -> None:
 
 def test_every_figure_has_a_documented_function() -> None:
     names = {name.replace("-", "_") for name in (*RUN_FIGURES, *SWEEP_FIGURES)}
-    of_modes = {"campbell", "critical_speeds", "veering", "shaft_veering"}
+    of_modes = {"campbell", "critical_speeds", "response", "veering", "shaft_veering"}
     assert set(bw.plot.__all__) == names | of_modes
     for name in names | of_modes:
         function = getattr(bw.plot, name)

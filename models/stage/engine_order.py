@@ -1,0 +1,196 @@
+"""Engine-order forces on blades: unit forces on the full bladed disk, and loads of the march.
+
+The force on blade n at the angle theta_n is F cos(r (Omega t + theta_n) + phase). It is fixed in
+the blade. In the static frame it is a field with r lobes that is at rest.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.excitation import EngineOrder
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.elements.bladed_disk import (
+    COMPONENTS,
+    FIRST,
+    ROTATION,
+    SECOND,
+    BladedDiskModel,
+    nodal_to_line_axes,
+)
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.models.stage.stage import Stage
+
+BLADES = "blades"
+"""Name of the set of lines of the blades."""
+
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
+"""Gauss points and weights on -1 to 1, which integrate a uniform load on a beam exactly."""
+
+
+def engine_order_loads(stage: Stage, load: EngineOrder) -> tuple[Load, ...]:
+    """Return the loads of engine-order forces, two for each order: F cos(r theta_n + phase) times
+    cos(r Omega t), and minus F sin(r theta_n + phase) times sin(r Omega t)."""
+    unit = unit_forces(stage.case, stage.disk, load) @ stage.reduction.modes.shapes
+    still = np.zeros(len(stage.reduced_casing.frequency))
+    loads = []
+    for order in load.order:
+        modal = load.amplitude * complex_factors(stage.disk, load, order) @ unit
+        for pattern, phase in ((modal.real, 0.0), (modal.imag, 0.5 * np.pi)):
+            frequency = order * stage.speed
+            loads.append(
+                Load(rotor=pattern, casing=still, ramp=load.ramp, frequency=frequency, phase=phase)
+            )
+    return tuple(loads[:1] if load.order == (0,) else loads)
+
+
+def complex_factors(disk: BladedDiskModel, load: EngineOrder, order: int) -> ComplexArray:
+    """Return the complex amplitude of the force on each blade, over the amplitude of the load, for
+    the time factor exp(i r Omega t), (blades,)."""
+    angle = order * disk.tip_angles + np.asarray(load.phase)
+    return np.asarray((load.factors or 1.0) * np.exp(1j * angle))
+
+
+def unit_forces(case: Case, disk: BladedDiskModel, load: EngineOrder) -> FloatArray:
+    """Return the force of unit amplitude on each blade, on the free DoF, (blades, size).
+
+    Raises:
+        CaseError: the position of the forces does not exist on the blades.
+    """
+    model = disk.model
+    if load.position == "tip":
+        return _at_nodes(disk, model.tips, load)
+    if isinstance(load.position, str):
+        return _at_nodes(disk, _one_per_blade(case, disk, load.position), load)
+    places = [(load.position, 1.0)] if isinstance(load.position, float) else []
+    forces = np.zeros((len(model.tips), COMPONENTS * len(model.mesh.points)))
+    for blade, lines in enumerate(blade_lines(case, disk)):
+        ends = np.concatenate([[0.0], np.cumsum(model.mesh.lengths[np.abs(lines) - 1])])
+        if isinstance(load.position, tuple):
+            places = _gauss_points(ends, *load.position)
+        for share, weight in places:
+            at = share * ends[-1]
+            number = min(int(np.searchsorted(ends, at, side="right")) - 1, len(lines) - 1)
+            inside = (at - ends[number]) / (ends[number + 1] - ends[number])
+            line = int(abs(lines[number])) - 1
+            xi = inside if lines[number] > 0 else 1.0 - inside
+            nodes, values = _on_line(disk, line, xi, load)
+            np.add.at(forces[blade].reshape(-1, COMPONENTS), nodes, weight * values)
+    return np.asarray(forces @ disk.expansion)
+
+
+def blade_lines(case: Case, disk: BladedDiskModel) -> list[IntArray]:
+    """Return the lines of each blade from root to tip, numbered from 1 and negative if a line runs
+    from the tip to the root.
+
+    Raises:
+        CaseError: the blades are not chains of lines.
+    """
+    mesh, chains = disk.mesh, []
+    members = mesh.line_sets.get(BLADES, np.zeros(0, dtype=np.int64))
+    joined: dict[int, list[int]] = {}
+    for line in members.tolist():
+        for node in mesh.lines[line].tolist():
+            joined.setdefault(node, []).append(line)
+    for tip in disk.model.tips.tolist():
+        chain: list[int] = []
+        node, following = tip, joined.get(tip, [])
+        while len(following) == 1:
+            (line,) = following
+            first, second = mesh.lines[line].tolist()
+            chain.append(line + 1 if second == node else -(line + 1))
+            node = first if second == node else second
+            following = [other for other in joined[node] if other != line]
+        if not chain or len(following) > 1:
+            expected = (
+                f'"tip" or a node set: the lines of the set "{BLADES}" are not one chain a blade'
+            )
+            raise CaseError([case_fault(case, "excitation.position", expected)])
+        chains.append(np.array(chain[::-1]))
+    return chains
+
+
+def _one_per_blade(case: Case, disk: BladedDiskModel, name: str) -> IntArray:
+    """Return the node of a set on each blade: the one with the angle nearest to that of the tip."""
+    nodes = disk.mesh.node_sets.get(name)
+    blades = len(disk.model.tips)
+    if nodes is None or len(nodes) != blades:
+        has = f"{len(nodes)} nodes" if nodes is not None else "no nodes"
+        sets = ", ".join(sorted(disk.mesh.node_sets))
+        expected = (
+            f"a node set with one node on each of the {blades} blades; {name} has {has}"
+            f" (sets: {sets})"
+        )
+        raise CaseError([case_fault(case, "excitation.position", expected)])
+    x, y = disk.mesh.points[nodes].T
+    apart = np.exp(1j * np.arctan2(y, x)) * np.exp(-1j * disk.tip_angles)[:, None]
+    nearest = np.abs(np.angle(apart)).argmin(axis=1)
+    return np.asarray(nodes[nearest])
+
+
+def _along(load: EngineOrder, axis: FloatArray, polar: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the components of unit forces along the first and the second axis of points.
+
+    Args:
+        load: the forces, whose direction is used.
+        axis: angle of the first axis from +x [rad], (points,).
+        polar: polar angle of the points [rad], (points,).
+    """
+    named = {"radial": 0.0, "tangential": 0.5 * np.pi}
+    angle = named[load.direction] if isinstance(load.direction, str) else load.direction
+    turned = polar + angle - axis
+    return np.cos(turned), np.sin(turned)
+
+
+def _at_nodes(disk: BladedDiskModel, nodes: IntArray, load: EngineOrder) -> FloatArray:
+    mesh = disk.mesh
+    x, y = mesh.points[nodes].T
+    first, second = _along(load, mesh.node_axes[nodes], np.arctan2(y, x))
+    forces = np.zeros((len(nodes), len(mesh.points), COMPONENTS))
+    each = np.arange(len(nodes))
+    forces[each, nodes, FIRST], forces[each, nodes, SECOND] = first, second
+    return np.asarray(forces.reshape(len(nodes), -1) @ disk.expansion)
+
+
+def _on_line(
+    disk: BladedDiskModel, line: int, xi: float, load: EngineOrder
+) -> tuple[IntArray, FloatArray]:
+    """Return the end nodes of a line and the forces on them, (2, 3), for a unit force at xi.
+
+    The forces follow from the shape functions of a Bernoulli beam.
+    """
+    mesh = disk.mesh
+    ends, length = mesh.lines[line], float(mesh.lengths[line])
+    x, y = (1.0 - xi) * mesh.points[ends[0]] + xi * mesh.points[ends[1]]
+    axial, lateral = _along(load, mesh.line_axes[line], np.arctan2(y, x))
+    rest = 1.0 - xi
+    in_line = np.zeros(2 * COMPONENTS)
+    in_line[[FIRST, COMPONENTS + FIRST]] = axial * rest, axial * xi
+    in_line[[SECOND, COMPONENTS + SECOND]] = (
+        lateral * rest**2 * (1.0 + 2.0 * xi),
+        lateral * xi**2 * (3.0 - 2.0 * xi),
+    )
+    in_line[[ROTATION, COMPONENTS + ROTATION]] = (
+        lateral * length * xi * rest**2,
+        -lateral * length * xi**2 * rest,
+    )
+    return ends, (in_line @ nodal_to_line_axes(mesh)[line]).reshape(2, COMPONENTS)
+
+
+def _gauss_points(ends: FloatArray, first: float, last: float) -> list[tuple[float, float]]:
+    """Return shares of the length and weights [m] that integrate along a part of a blade.
+
+    Args:
+        ends: distance of the ends of the lines from the root [m], (lines + 1,).
+        first: share of the length at which the part begins.
+        last: share of the length at which the part ends.
+    """
+    whole = ends[-1]
+    cuts = np.unique(np.clip(ends, first * whole, last * whole))
+    middle, half = 0.5 * (cuts[1:] + cuts[:-1]), 0.5 * np.diff(cuts)
+    places = (middle[:, None] + half[:, None] * POINTS).ravel() / whole
+    weights = (half[:, None] * WEIGHTS).ravel()
+    return list(zip(places.tolist(), weights.tolist(), strict=True))

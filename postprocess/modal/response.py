@@ -1,0 +1,101 @@
+"""Response to engine-order forces: amplitudes by blade and by nodal diameter over the speed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.titles import set_title
+
+SHOWN = 4
+"""Largest number of nodal diameters with a colour of their own: those with the largest peaks."""
+
+
+def amplitude(data: xr.Dataset) -> xr.DataArray:
+    """Return the largest displacement of each tip in a period [m].
+
+    Args:
+        data: from `bladewhirl.response`.
+    """
+    tangential, radial = data["tip_tangential"], data["tip_radial"]
+    square = abs(tangential) ** 2 + abs(radial) ** 2
+    distance = (0.5 * (square + abs(tangential**2 + radial**2))) ** 0.5
+    return distance.assign_attrs(units="m", long_name="amplitude of the tip")
+
+
+def by_nodal_diameter(data: xr.Dataset) -> xr.DataArray:
+    """Return the amplitude of the tangential displacement of the tips by nodal diameter [m].
+
+    The backward and the forward wave of a nodal diameter are added as the root of the sum of their
+    squares. The squares of all nodal diameters add up to the mean square over the blades.
+
+    Args:
+        data: from `bladewhirl.response`.
+    """
+    tips = data["tip_tangential"].transpose(..., "blade")
+    blades = tips.sizes["blade"]
+    half = blades // 2 + 1
+    power = np.abs(np.fft.fft(tips.values) / blades) ** 2
+    both = power[..., :half].copy()
+    pairs = (blades - 1) // 2
+    both[..., 1 : pairs + 1] += power[..., :0:-1][..., :pairs]
+    dims = [*tips.dims[:-1], "nodal_diameter"]
+    coords: dict[Any, Any] = {name: tips[name] for name in dims if name in tips.coords}
+    coords["nodal_diameter"] = np.arange(half)
+    name = {"units": "m", "long_name": "amplitude of the nodal diameter"}
+    return xr.DataArray(np.sqrt(both), dims=dims, coords=coords, attrs=name)
+
+
+def drawn_amplitudes(data: xr.Dataset) -> xr.Dataset:
+    """Return the real amplitudes that `plot_response` draws.
+
+    Args:
+        data: from `bladewhirl.response`.
+    """
+    return xr.Dataset(
+        {"amplitude": amplitude(data), "amplitude_by_nodal_diameter": by_nodal_diameter(data)},
+        attrs=data.attrs,
+    )
+
+
+@styled
+def plot_response(data: xr.Dataset) -> Figure:
+    """Draw the amplitudes of the tips over the speed, by blade and by nodal diameter.
+
+    Each engine order has a row. Left: all blades, the blade with the largest amplitude in colour.
+    Right: the nodal diameters with the largest amplitudes.
+
+    Args:
+        data: from `bladewhirl.response`.
+    """
+    drawn = drawn_amplitudes(data if "order" in data.dims else data.expand_dims("order"))
+    orders, speed = drawn["order"].values, drawn["speed"].values
+    figure = new_figure(width=FULL_WIDTH, height=0.035 + 0.05 * len(orders))
+    panels = figure.subplots(len(orders), 2, sharex=True, squeeze=False)
+    unit, scale = handy_unit(float(drawn["amplitude"].max()), "m")
+    for row, order in zip(panels, orders, strict=True):
+        tips = scale * drawn["amplitude"].sel(order=order).transpose("speed", "blade").values
+        diameters = drawn["amplitude_by_nodal_diameter"].sel(order=order)
+        waves = scale * diameters.transpose("speed", "nodal_diameter").values
+        most = int(tips.max(axis=0).argmax())
+        row[0].plot(speed, tips, color=COLOURS["rest"], linewidth=0.5)
+        row[0].plot(speed, tips[:, most], color=COLOURS["k = 1"], label=f"blade {most}")
+        for k in np.argsort(-waves.max(axis=0), kind="stable")[:SHOWN].tolist():
+            row[1].plot(speed, waves[:, k], label=f"k = {k}")
+        for axes, what in zip(row, ("blades", "nodal diameters"), strict=True):
+            axes.set_yscale("log")
+            axes.set_title(f"engine order {order}, {what}")
+            axes.legend()
+        top = float(tips.max())
+        for axes in row:
+            axes.set_ylim(1e-4 * top, 2.0 * top)
+        row[0].set_ylabel(f"amplitude of the tips [{unit}]")
+    for axes in panels[-1]:
+        axes.set_xlabel("speed Ω / ω₁ [–]")
+    set_title(figure, str(data.attrs["case"]), "Response to engine-order forces, without contact")
+    return figure

@@ -1,0 +1,172 @@
+"""Steady response of the bladed disk to engine-order forces, without contact: Dataset, rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.excitation import EngineOrder
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.mode_names import ALL
+from bladewhirl.models.stage.engine_order import complex_factors, unit_forces
+from bladewhirl.models.stage.stage import Stage, build_stage, rotor_at
+from bladewhirl.postprocess.modal.response import amplitude, by_nodal_diameter
+from bladewhirl.studies.modal.columns import Column, quantity
+from bladewhirl.studies.modal.modes import speed_of
+
+PEAKS = (
+    Column("order", "engine order", "d"),
+    Column("speed", "Ω / ω₁ [–]", ".4f"),
+    Column("rpm", "[rpm]", ".1f"),
+    Column("blade", "blade", "d"),
+    Column("amplitude", "amplitude of the tip [mm]", ".4g", 1e3),
+    Column("nodal_diameter", "nodal diameter", "d"),
+)
+"""Columns of the largest amplitude of each engine order."""
+
+
+def response(
+    case_or_stage: Case | Stage,
+    *,
+    speeds: Sequence[float | str] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Compute the steady response to engine-order forces over the speed, without contact.
+
+    The equations are those of the time integration: modes, damping and rotation effects of the case
+    at each speed. They are solved for the complex amplitude X of X exp(i r Omega t) of each engine
+    order r; nothing is integrated in time.
+
+    Args:
+        case_or_stage: a case with excitation.type = "engine-order", or its stage.
+        speeds: speeds of rotation, each a multiple of the reference frequency or text such as "2500
+            rpm"; by default the speed of the case.
+        progress: called with the numbers of speeds done and in total.
+
+    Returns:
+        over (speed, blade): complex `tip_tangential` and `tip_radial` [m]; over (speed, axis):
+        complex `centre` [m], x and y in the rotating frame. With several engine orders, `order` is
+        the first dimension. `speed` is in multiples of the reference frequency, with the coordinate
+        `rpm`.
+
+    Raises:
+        CaseError: the case cannot be built at one of the speeds.
+        UserError: the excitation is not of engine order; the case selects modes; or the equations
+            depend on time because of unequal shaft springs or springs to the casing.
+    """
+    stage = build_stage(case_or_stage) if isinstance(case_or_stage, Case) else case_or_stage
+    load = stage.case.excitation
+    if not isinstance(load, EngineOrder):
+        raise UserError(f'excitation.type = "{load.type}": expected "engine-order" for a response')
+    if stage.rotor.anisotropy or stage.kept.springs is not None:
+        raise UserError("response: expected equal shaft springs and no springs to the casing")
+    if stage.case.reduction.modes != ALL:
+        raise UserError(f'reduction.modes = "{stage.case.reduction.modes}": expected "{ALL}"')
+    given = [stage.case.march.speed.given] if speeds is None else list(speeds)
+    multiples = [
+        speed_of(each, f"response: speeds {each!r}").multiple(stage.reference_frequency)
+        for each in given
+    ]
+    unit, answers = unit_forces(stage.case, stage.disk, load), []
+    for done, multiple in enumerate(multiples, 1):
+        answers.append(_answers(stage, load, unit, multiple * stage.reference_frequency))
+        if progress is not None:
+            progress(done, len(multiples))
+    blades = len(stage.rotor.tip_angle)
+    tangential, radial, centre = (
+        np.moveaxis(np.array([[each[i] for each in row] for row in answers]), 1, 0)
+        for i in range(3)
+    )
+    names = "tangential displacement of the tip", "radial displacement of the tip"
+    over = ("order", "speed", "blade")
+    rpm = np.array(multiples) * stage.reference_frequency * 30.0 / np.pi
+    data = xr.Dataset(
+        {
+            "tip_tangential": quantity(over, tangential, "m", f"{names[0]}, towards +theta"),
+            "tip_radial": quantity(over, radial, "m", f"{names[1]}, outward"),
+            "centre": quantity(("order", "speed", "axis"), centre, "m", "centre, rotating frame"),
+        },
+        coords={
+            "order": ("order", list(load.order)),
+            "speed": quantity("speed", np.array(multiples), "1", "normalised speed"),
+            "rpm": quantity("speed", rpm, "rpm", "speed"),
+            "blade": ("blade", np.arange(blades)),
+            "axis": ("axis", ["x", "y"]),
+        },
+        attrs={
+            "title": "response to engine-order forces",
+            "case": stage.case.title,
+            "reference_frequency_hz": stage.reference_frequency / (2.0 * np.pi),
+            "rotation_effects": stage.case.rotation.effects,
+        },
+    )
+    return data if len(load.order) > 1 else data.isel(order=0)
+
+
+def _answers(
+    stage: Stage, load: EngineOrder, unit: FloatArray, omega: float
+) -> list[tuple[ComplexArray, ...]]:
+    """Return for each engine order the complex tangential and radial displacements of the tips, and
+    the displacement of the centre [m], at a speed of rotation [rad/s].
+
+    Args:
+        stage: the stage.
+        load: the forces.
+        unit: from `unit_forces`, (blades, size).
+        omega: speed of rotation [rad/s].
+    """
+    rotor, shapes = rotor_at(stage, omega)
+    modal = unit @ shapes
+    stiffness = np.diag(rotor.stiffness) + rotor.circulation_stiffness
+    answers: list[tuple[ComplexArray, ...]] = []
+    for order in load.order:
+        w = order * omega
+        force = load.amplitude * complex_factors(stage.disk, load, order) @ modal
+        dynamic = stiffness - w**2 * np.eye(len(stiffness)) + 1j * w * rotor.damping
+        answer = np.linalg.solve(dynamic, force)
+        parts = rotor.tip_tangential, rotor.tip_radial, rotor.centre
+        answers.append(tuple(rows @ answer for rows in parts))
+    return answers
+
+
+def largest(data: xr.Dataset) -> list[dict[str, Any]]:
+    """Return the largest amplitude of each engine order as a row, see `PEAKS`."""
+    rows = []
+    every = data if "order" in data.dims else data.expand_dims("order")
+    for order in every["order"].values.tolist():
+        one = every.sel(order=order)
+        tips = amplitude(one)
+        speed, blade = np.unravel_index(int(tips.values.argmax()), tips.shape)
+        rows.append(
+            {
+                "order": order,
+                "speed": float(one["speed"][speed]),
+                "rpm": float(one["rpm"][speed]),
+                "blade": int(blade),
+                "amplitude": float(tips[speed, blade]),
+                "nodal_diameter": int(by_nodal_diameter(one).values[speed].argmax()),
+            }
+        )
+    return rows
+
+
+def response_document(data: xr.Dataset) -> dict[str, Any]:
+    """Return the JSON document of `response`; complex numbers are pairs of real and imaginary
+    part."""
+    pairs = {
+        name: np.stack([data[name].values.real, data[name].values.imag], axis=-1).tolist()
+        for name in ("tip_tangential", "tip_radial", "centre")
+    }
+    return {
+        "reference_frequency_hz": data.attrs["reference_frequency_hz"],
+        "order": np.atleast_1d(data["order"].values).tolist(),
+        "speed": data["speed"].values.tolist(),
+        "speed_rpm": data["rpm"].values.tolist(),
+        **pairs,
+        "largest": largest(data),
+    }

@@ -1,0 +1,182 @@
+"""Engine-order forces: the response against the full model and against the march."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command_line import answer, refusal
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.excitation import EngineOrder
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.case.template import dumps_case
+from bladewhirl.models.inputs.errors import CaseError, UserError
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.engine_order import unit_forces
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.postprocess.modal.response import amplitude, by_nodal_diameter, plot_response
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.studies.modal.response import response
+
+BLADES = 7
+MISTUNED = [1.0, 1.03, 0.98, 1.01, 0.97, 1.02, 0.99]
+AMPLITUDE = 2.0  # N
+
+
+def case(
+    order: int | list[int] = 2, *, effects: str = "none", tuned: bool = True, **load: Any
+) -> Case:
+    blades = {"blades": BLADES, "elements_per_blade": 3}
+    mistuning: Any = {} if tuned else {"mistuning": {"stiffness": MISTUNED}}
+    return case_from(
+        {
+            "bladed_disk": blades | mistuning,
+            "casing": {"clearance": "50 mm"},
+            "damping": {"ratio": 0.2},
+            "rotation": {"effects": effects},
+            "excitation": {
+                "type": "engine-order",
+                "order": order,
+                "amplitude": AMPLITUDE,
+                **load,
+            },
+            "march": {"speed": 0.9, "time_step": "4 us"},
+        }
+    )
+
+
+@pytest.mark.parametrize(("order", "diameter"), [(2, 2), (3, 3), (5, 2), (7, 0), (9, 2)])
+def test_a_tuned_stage_answers_with_the_aliased_nodal_diameter(order: int, diameter: int) -> None:
+    share = by_nodal_diameter(response(case(order))).values[0]
+    others = np.delete(share, diameter)
+    assert others.max() < 1e-9 * share[diameter]
+
+
+def test_the_response_is_that_of_the_full_model() -> None:
+    """With all fixed-interface modes the reduction is a change of coordinates."""
+    load: dict[str, Any] = {
+        "position": 0.4,
+        "direction": "30 deg",
+        "phase": 0.3,
+        "factors": [2.0, *[0.5] * 6],
+    }
+    own = case(3, tuned=False, **load)
+    stage = build_stage(own)
+    structure, disk = stage.disk.structure, stage.disk
+    squares, modes = np.linalg.eigh(
+        np.linalg.solve(
+            root := np.linalg.cholesky(structure.mass.toarray()),
+            np.linalg.solve(root, structure.stiffness.toarray()).T,
+        )
+    )
+    fields = np.linalg.solve(root.T, modes)
+    w = 3.0 * stage.speed
+    assert isinstance(own.excitation, EngineOrder)
+    factors = np.array(load["factors"]) * np.exp(1j * (3.0 * disk.tip_angles + 0.3))
+    force = AMPLITUDE * factors @ unit_forces(own, disk, own.excitation)
+    dynamic = squares - w**2 + 2j * 0.2 * np.sqrt(squares) * w
+    expected = fields @ ((fields.T @ force) / dynamic)
+    data = response(stage).isel(speed=0)
+    np.testing.assert_allclose(data["tip_tangential"], expected[disk.tip_tangential], rtol=1e-6)
+    np.testing.assert_allclose(data["tip_radial"], expected[disk.tip_radial], rtol=1e-6)
+    np.testing.assert_allclose(data["centre"], expected[disk.centre], rtol=1e-6)
+
+
+@pytest.mark.parametrize("effects", ["none", "full"])
+@pytest.mark.parametrize("tuned", [True, False])
+def test_the_march_settles_in_the_response(effects: str, tuned: bool) -> None:
+    own = case(2, effects=effects, tuned=tuned)
+    stage = build_stage(own)
+    scheme = CentralDifference(contact_problem(stage), 4e-6, 25)
+    state, _, _ = scheme.advance(scheme.init(), 75_000)
+    _, chunk, end = scheme.advance(state, 10_000)
+    assert end is None
+    w = 2.0 * stage.speed
+    waves = np.column_stack([np.cos(w * chunk.time), -np.sin(w * chunk.time)])
+    tips = chunk.rotor_displacement @ stage.rotor.tip_tangential.T
+    marched = np.array([1.0, 1j]) @ np.linalg.lstsq(waves, tips, rcond=None)[0]
+    expected = response(stage)["tip_tangential"].values[0]
+    np.testing.assert_allclose(marched, expected, rtol=0.0, atol=1e-4 * np.abs(expected).max())
+    assert np.abs(np.angle(marched / expected, deg=True)).max() < 0.1
+
+
+def radial_work(own: Case, field: FloatArray) -> FloatArray:
+    stage = build_stage(own)
+    assert isinstance(own.excitation, EngineOrder)
+    return np.asarray(unit_forces(own, stage.disk, own.excitation) @ field)
+
+
+def test_forces_along_a_blade_have_their_resultant_and_their_place() -> None:
+    stage = build_stage(case())
+    disk = stage.disk
+    radii = np.linalg.norm(disk.mesh.points, axis=1)
+    root, tip = radii[disk.mesh.node_sets["roots"]].min(), radii[disk.model.tips].max()
+    spin = np.zeros(disk.structure.size)  # a rotation of all blades about the axis
+    dofs = disk.structure.node_dofs
+    moving = dofs[:, 1] >= 0
+    spin[dofs[moving, 1]] = radii[moving]
+    spin[dofs[moving, 2]] = 1.0
+    for share in (0.0, 0.37, 0.5, 1.0):
+        expected = root + share * (tip - root)
+        np.testing.assert_allclose(radial_work(case(position=share), spin), expected, rtol=1e-9)
+    length, middle = 0.6 * (tip - root), root + 0.5 * (tip - root)
+    spread = radial_work(case(position=[0.2, 0.8]), spin)
+    np.testing.assert_allclose(spread, length * middle, rtol=1e-9)
+    np.testing.assert_allclose(radial_work(case(direction="radial"), spin), 0.0, atol=1e-12)
+    by_set = unit_forces(own := case(position="tips"), disk, own.excitation)  # type: ignore[arg-type]
+    at_tip = unit_forces(own := case(), disk, own.excitation)  # type: ignore[arg-type]
+    np.testing.assert_array_equal(by_set, at_tip)
+
+
+def test_mistuned_amplitudes_stay_below_the_bound_of_whitehead() -> None:
+    tuned = amplitude(response(case())).values.max()
+    speeds = np.linspace(0.3, 0.8, 30).tolist()
+    most = amplitude(response(case(tuned=False), speeds=speeds)).values.max()
+    highest = amplitude(response(case(), speeds=speeds)).values.max()
+    assert tuned <= highest < most * 1.2
+    assert most <= 0.5 * (1.0 + np.sqrt(BLADES)) * highest
+
+
+def test_the_command_writes_a_document_and_a_figure(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(dumps_case(case([2, 3])), encoding="utf-8")
+    document = json.loads(answer("response", file, "--json", "--speeds", "0.5:0.9:3").stdout)
+    data = response(case([2, 3]), speeds=[0.5, 0.7, 0.9])
+    real, imaginary = np.moveaxis(np.array(document["tip_tangential"]), -1, 0)
+    np.testing.assert_allclose(real + 1j * imaginary, data["tip_tangential"], rtol=1e-9)
+    assert [row["nodal_diameter"] for row in document["largest"]] == [2, 3]
+    assert len(plot_response(data).axes) == 4
+
+
+@pytest.mark.parametrize(
+    ("load", "expected"),
+    [
+        ({"position": "nowhere"}, "a node set with one node on each of the 7 blades"),
+        ({"position": "centre"}, "centre has 1 nodes"),
+        ({"order": 0, "phase": [0.0] * BLADES}, "one number with the engine order 0"),
+        ({"factors": [1.0]}, "7 numbers, one for each blade, not 1"),
+        ({"position": [0.8, 0.2]}, "two such numbers"),
+        ({"order": [2, 2]}, "a list of different ones"),
+        ({"amplitude": "2 N/m"}, "a number of zero or more in N"),
+        ({"direction": "up"}, '"tangential", "radial" or an angle'),
+    ],
+)
+def test_what_does_not_fit_is_refused(load: dict[str, Any], expected: str) -> None:
+    with pytest.raises(CaseError, match=expected.replace("[", r"\[")):
+        response(case(**load))
+
+
+def test_other_excitations_have_no_response(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(dumps_case(Case()), encoding="utf-8")
+    assert 'expected "engine-order"' in refusal("response", file)
+    with pytest.raises(UserError, match="expected equal shaft springs"):
+        response(
+            case_from({**case().model_dump(exclude_unset=True), "coupling": {"stiffness": 1e5}})
+        )
