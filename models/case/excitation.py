@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from bladewhirl.models.inputs.fields import (
@@ -56,6 +56,11 @@ def _position(value: Any) -> str | float | tuple[float, float]:
     if len(shares) > 2 or shares != sorted(set(shares)) or shares[-1] > 1.0:
         raise expectation(phrase)
     return shares[0] if len(shares) == 1 else (shares[0], shares[1])
+
+
+def _amplitude(value: Any, info: ValidationInfo) -> float:
+    spread = isinstance((info.data or {}).get("position"), tuple)
+    return float(_read(quantity("N/m" if spread else "N", "not negative"), value))
 
 
 def _direction(value: Any) -> str | float:
@@ -170,7 +175,7 @@ class EngineOrder(Table):
     """Point of application: "tip"; a number from 0 at the root to 1 at the tip, measured along the
     centre line of the blades; two such numbers for a load distributed between them; or the name of
     a node set with one node on each blade."""
-    amplitude: float = 1.0
+    amplitude: Annotated[float, BeforeValidator(_amplitude)] = 1.0
     """Amplitude F of the force on each blade [N], per length of the blade if it is distributed
     [N/m]."""
     direction: Annotated[str | float, BeforeValidator(_direction)] = "tangential"
@@ -182,12 +187,6 @@ class EngineOrder(Table):
     """Factors on the amplitude, one for each blade; 1 by default."""
     ramp: TimeOrZero = 0.0
     """Half-cosine ramp of the force [s], 0 for a step."""
-
-    @field_validator("amplitude", mode="before")
-    @classmethod
-    def _with_unit(cls, value: Any, info: ValidationInfo) -> float:
-        unit = "N/m" if isinstance(info.data.get("position"), tuple) else "N"
-        return float(_read(quantity(unit, "not negative"), value))
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error if a static load has a phase for each blade."""

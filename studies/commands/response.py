@@ -5,15 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-from bladewhirl.studies.commands.options import (
-    AsJson,
-    CaseFile,
-    CaseFolder,
-    Changes,
-    Replace,
-    Span,
-    span_option,
-)
+from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, table
 from bladewhirl.studies.commands.progress import progress_bar
 
@@ -21,19 +13,19 @@ SPEEDS: Any = "0.1:2:381"
 
 
 def response(
-    case: CaseFile,
+    case: options.CaseFile,
     speeds: Annotated[
-        Span,
-        span_option(
+        options.Span,
+        options.span(
             "--speeds",
             'Speeds of rotation: multiples of ω₁, or "2000 rpm:9000 rpm:600".',
             counted=True,
         ),
     ] = SPEEDS,
-    output: CaseFolder = None,
-    overwrite: Replace = False,
-    json: AsJson = False,
-    overrides: Changes = None,
+    output: options.CaseFolder = None,
+    overwrite: options.Replace = False,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
 ) -> None:
     """Compute the steady response to engine-order forces over the speed, without contact.
 
