@@ -81,7 +81,7 @@ def _phases(value: Any) -> float | tuple[float, ...]:
 
 
 def _factors(value: Any) -> tuple[float, ...]:
-    items = _listed(value, "factors, one for each blade") if len(value) else []
+    items = [] if value in ((), []) else _listed(value, "factors, one for each blade")
     return tuple(_read(number("any"), item) for item in items)
 
 
