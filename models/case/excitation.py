@@ -81,7 +81,11 @@ def _phases(value: Any) -> float | tuple[float, ...]:
 
 
 def _factors(value: Any) -> tuple[float, ...]:
-    items = [] if value in ((), []) else _listed(value, "factors, one for each blade")
+    items = (
+        []
+        if isinstance(value, list | tuple) and not value
+        else _listed(value, "factors, one for each blade")
+    )
     return tuple(_read(number("any"), item) for item in items)
 
 

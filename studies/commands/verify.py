@@ -21,7 +21,8 @@ def verify(
         list[str] | None,
         typer.Argument(
             metavar="SUBJECT",
-            help="modes, rings, contact, schemes, march, results, stability, rotation, whirl.",
+            help="modes, rings, contact, schemes, march, results, stability, rotation, whirl or"
+            " forced.",
             show_default=False,
         ),
     ] = None,

@@ -21,6 +21,7 @@ SUBJECTS = {
     "stability": "Parametric stability",
     "rotation": "Effects of rotation",
     "whirl": "Marches with Coriolis forces",
+    "forced": "Engine-order forces",
 }
 """Titles of the subjects by the name of their module, in the order of the table."""
 

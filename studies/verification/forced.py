@@ -1,0 +1,99 @@
+"""Responses to engine-order forces, compared with closed forms, the full model and the march."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import scipy.sparse.linalg as spla
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.excitation import EngineOrder
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.engine_order import unit_forces
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.postprocess.modal.response import amplitude, by_nodal_diameter
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.studies.modal.response import response
+from bladewhirl.studies.verification.case import Pair, verifies
+
+BLADES, DAMPING, TIME_STEP = 8, 0.2, 4e-6
+MISTUNED = [1.0, 1.03, 0.98, 1.01, 0.97, 1.02, 0.99, 1.005]
+SETTLED, COMPARED, RECORD = 75_000, 10_000, 25
+"""Steps until the start has decayed, compared steps, and steps between records."""
+
+
+def forced(order: int, *, damping: float = DAMPING, tuned: bool = True, **tables: Any) -> Case:
+    """Return a case with small blades, a large clearance and forces of one engine order."""
+    blades: dict[str, Any] = {"blades": BLADES, "elements_per_blade": 3}
+    if not tuned:
+        blades["mistuning"] = {"stiffness": MISTUNED}
+    return case_from(
+        {
+            "bladed_disk": blades,
+            "casing": {"clearance": "50 mm"},
+            "damping": {"ratio": damping},
+            "excitation": {"type": "engine-order", "order": order, "amplitude": 2.0},
+            "march": {"speed": 0.9, "time_step": TIME_STEP},
+            **tables,
+        }
+    )
+
+
+@verifies(1, 3, 4, 5, 11)
+def aliased_nodal_diameter(order: int) -> Pair:
+    """Compare the share of the aliased nodal diameter in the mean square of the tips with 1."""
+    square = by_nodal_diameter(response(forced(order))).values[0] ** 2
+    alias = min(order % BLADES, -order % BLADES)
+    return 1.0, square[alias] / square.sum()
+
+
+@verifies()
+def response_of_full_model() -> Pair:
+    """Compare the response without damping with the dynamic stiffness of the full model."""
+    own = forced(3, damping=0.0, tuned=False)
+    stage = build_stage(own)
+    structure, disk = stage.disk.structure, stage.disk
+    assert isinstance(own.excitation, EngineOrder)
+    factors = own.excitation.amplitude * np.exp(3j * disk.tip_angles)
+    force = factors @ unit_forces(own, disk, own.excitation)
+    dynamic = (structure.stiffness - (3.0 * stage.speed) ** 2 * structure.mass).tocsc()
+    expected = spla.splu(dynamic.astype(np.complex128)).solve(force)[disk.tip_tangential]
+    computed = response(stage)["tip_tangential"].values[0]
+    return _parts(expected), _parts(computed)
+
+
+@verifies("none", "full")
+def march_with_engine_order(effects: str) -> Pair:
+    """Compare the steady motion of the mistuned tips in the march with the response."""
+    stage = build_stage(forced(2, tuned=False, rotation={"effects": effects}))
+    scheme = CentralDifference(contact_problem(stage), TIME_STEP, RECORD)
+    state, _, _ = scheme.advance(scheme.init(), SETTLED)
+    _, chunk, _ = scheme.advance(state, COMPARED)
+    phase = 2.0 * stage.speed * chunk.time
+    waves = np.column_stack([np.cos(phase), -np.sin(phase)])
+    tips = chunk.rotor_displacement @ stage.rotor.tip_tangential.T
+    cosine, sine = np.linalg.lstsq(waves, tips, rcond=None)[0]
+    return _parts(response(stage)["tip_tangential"].values[0]), np.concatenate([cosine, sine])
+
+
+@cache
+def _tuned_peak() -> float:
+    speeds = np.linspace(0.4, 0.6, 101).tolist()
+    return float(amplitude(response(forced(2, damping=0.005), speeds=speeds)).max())
+
+
+@verifies()
+def bound_of_whitehead() -> Pair:
+    """Compare by how far mistuned peaks exceed (1 + sqrt N) / 2 tuned peaks with zero."""
+    speeds = np.linspace(0.4, 0.6, 101).tolist()
+    mistuned = amplitude(response(forced(2, damping=0.005, tuned=False), speeds=speeds))
+    factor = float(mistuned.max()) / _tuned_peak()
+    return 0.0, max(0.0, factor - 0.5 * (1.0 + np.sqrt(BLADES)))
+
+
+def _parts(values: Any) -> Any:
+    """Return the real parts and then the imaginary parts."""
+    return np.concatenate([np.real(values), np.imag(values)])
