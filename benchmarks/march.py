@@ -3,12 +3,13 @@
 Three programs are timed alternately in one process: the C kernel (with contact, energy ledger and a
 record every 100 steps), the C kernel with `rotation.effects = "full"`, and the march without
 rotation effects in NumPy (`Reference`). The timings start from three states of the paper's stage.
-A march with rotation effects leads to each state, too, so the contacts may differ there.
+Each state is reached by two marches, without and with rotation effects, so the numbers of contacts
+can differ.
 
 * no contact: the imbalance case after 0.1 ms;
 * few contacts: the imbalance case at 0.3 s, when five blades rub;
-* half of the blades: the distortion case at 0.2 s, with a push of 150 ms. The motion diverges; the
-  displacement limit is raised, because the march would end before 0.2 s otherwise.
+* half of the blades: the distortion case at 0.2 s, with a push of 150 ms. The motion diverges, and
+  with the usual displacement limit the march would end earlier.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ TIME_STEP = 1e-6  # s
 RECORD_EVERY = 100
 COMPARED_STEPS = 500
 KERNEL_STEPS, NUMPY_STEPS = 2000, 25
-OUT_OF_REACH = 10.0  # raised displacement limit [m]
+OUT_OF_REACH = 10.0  # displacement limit [m], which no march reaches
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -57,10 +57,10 @@ def rotational_sectors(
 
 
 def symmetric_points(points: FloatArray, sectors: IntArray) -> FloatArray:
-    """Return points whose sectors are all equal to the mean of the sectors, (nodes, 2).
+    """Return the points with each sector replaced by the mean of all sectors, (nodes, 2).
 
     The nodes move by less than the tolerance of `rotational_sectors`. Matrices of the new mesh are
-    symmetric to rounding.
+    cyclically symmetric up to rounding errors.
 
     Args:
         points: positions of the nodes, (nodes, 2).

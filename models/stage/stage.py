@@ -264,7 +264,7 @@ def _reference_frequency(case: Case, disk: BladedDiskModel, full: Frequencies) -
 def _reduced_rotor(
     case: Case, disk: BladedDiskModel, modes: Modes, turning: TurningDisk | None
 ) -> ReducedRotor:
-    """Return the bladed disk in its modes; the growth of the tips reduces a cold clearance."""
+    """Return the bladed disk in modal coordinates, with the change of the clearance at speed."""
     centre = np.zeros((2, modes.count))
     centre[: len(disk.centre)] = modes.shapes[disk.centre]  # no rows if clamped
     by_velocity = _by_velocity(case, disk, modes)

@@ -56,7 +56,7 @@ PEAKS = {"peak_stress": "Pa", "peak_time": "s", "peak_radius": "m"}
 
 
 class _Body(NamedTuple):
-    """Rotor or casing, with its elements sorted by members; points are the stations of elements."""
+    """Rotor or casing; points are the stations along its elements, which are sorted by members."""
 
     history: str  #: name of the variable with the modal displacements
     axial: Array  #: axial strains for unit modal coordinates (point, mode)

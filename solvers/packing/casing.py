@@ -102,8 +102,8 @@ def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, Floa
 def _folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
     """Return the shape (nodes, columns) on a quarter of the circle for `_folded_fields` (kernel).
 
-    The result has no rows if folding is impossible: columns are not separated by parity, or there
-    are so few nodes that the whole registers of a quarter exceed half of the circle.
+    The result has no rows if folding is impossible: the columns are not separated by parity, or
+    the nodes of a quarter, padded to whole vector registers, extend beyond half of the circle.
     """
     nodes = len(shape)
     width = padded(nodes // 4 + 1)

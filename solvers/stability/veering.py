@@ -96,7 +96,7 @@ def whirl_veering(
     size, unit = len(mass), np.outer(centre, centre.conj())
 
     def chosen(size: int) -> NDArray[np.int64]:
-        """Return the positions of the lowest backward, then forward waves in descending w."""
+        """Return the columns of the lowest backward waves, then of the lowest forward waves."""
         ranks = np.arange(branches)
         return np.concatenate([size - 1 - ranks, size + ranks])
 

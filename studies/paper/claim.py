@@ -123,12 +123,13 @@ def check(row: Mapping[str, str], value: Any) -> Check:
         text, met = name, bool(value)
     elif criterion == "equal":
         met = str(value) == row["first"]
-        text = f"{name} {value}" if met else f"{name} {value}, expected {row['first']}"
+        text = f"{name}: {value}" if isinstance(value, str) else f"{name} = {value}"
+        text += "" if met else f" (expected {row['first']})"
     else:
         expected, meets = CRITERIA[criterion]
         first, second = float(row["first"]), float(row["second"] or "nan")
-        text = f"{name} {value:.4g}{row['unit']}, expected "
-        text += expected.format(first, second, row["unit"])
+        limits = expected.format(first, second, row["unit"])
+        text = f"{name} = {value:.4g}{row['unit']} (expected {limits})"
         met = bool(meets(value, first, second))
     return Check(text=text, met=met, essential=row["essential"] == "yes")
 

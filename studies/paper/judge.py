@@ -33,7 +33,7 @@ from bladewhirl.studies.sweeps.sweep import Watch
 RUNS_NAME, FIGURES_NAME = "runs", "figures"
 """Names of the folders of single marches, and of pictures."""
 
-CASES_IN_WORDS = "1 to 15: fan_stage; others: casing_distortion, imbalance"
+CASES_IN_WORDS = "claims 1 to 15: fan_stage; claims 16 to 46: casing_distortion, imbalance"
 """Examples from which the claims are judged; the examples can have different stages."""
 
 SMALLEST_STEP = 1e-4
@@ -72,8 +72,8 @@ class Plan:
         named = []
         for name in needed(self.claims, "sweeps"):
             speeds, *others = SURVEYS[name].axes(coarse=self.quick, step=self.speed_step).values()
-            lines = f" by {len(others[0])}" if others else ""
-            named.append(f"{name}: {len(speeds)}{lines} from {speeds[0]:g} to {speeds[-1]:g}")
+            lines = f", {len(others[0])} coupling stiffnesses" if others else ""
+            named.append(f"{name}: {len(speeds)} from {speeds[0]:g} to {speeds[-1]:g}{lines}")
         return "; ".join(named) or "none"
 
 
