@@ -151,7 +151,7 @@ def _tags(mesh: meshio.Mesh, blocks: list[int], name: str) -> IntArray:
 
 
 def _homes(lines: IntArray, entity: IntArray, group: IntArray) -> IntArray:
-    """Return for each line the number of the first line that is equal to it, or its own number.
+    """Return for each line the number of its first occurrence among the lines.
 
     In version 2.2 an element is repeated for each of its groups. A line that occurs twice in the
     same group, or on two curves, counts as two lines, which later checks report.

@@ -128,7 +128,7 @@ def override_values(overrides: Iterable[str]) -> dict[str, Any]:
 
 @contextmanager
 def faults_from(file: str | PathLike[str], overrides: Iterable[str]) -> Iterator[None]:
-    """Add the source of the key, an override or the file, to faults raised in this context.
+    """Add the source of the key (override or file) to each fault that is raised in this context.
 
     Args:
         file: file from which the case was read.

@@ -37,7 +37,7 @@ class Rotation(Table):
 
 
 class Shaft(Table):
-    """The two springs that carry the centre, which does not rotate in the plane."""
+    """Shaft: two springs that carry the centre of the disk; the centre node has no rotation."""
 
     stiffness: Stiffness = 3.4e7
     """Stiffness of each spring [N/m] (paper, Section 2.1); only of the spring along x if

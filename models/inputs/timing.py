@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class Timing:
-    """Steps of a march; the time between records is a multiple of the time step."""
+    """Time step, record step (a multiple of the time step) and duration of a march."""
 
     time_step: float  #: time step [s]
     duration: float  #: simulated time [s]; if zero, only the state at t = 0 is recorded

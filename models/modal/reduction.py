@@ -180,8 +180,8 @@ def _edge(layout: SectorLayout, boundary: IntArray, k: int) -> IntArray:
     in_edge, whole = kept @ members, members.sum(axis=0)
     if not np.all((in_edge == 0) | (in_edge == whole)):
         raise ValueError(
-            "the boundary DoF of a cyclic structure must be the same in all sectors, and at its "
-            "centre both translations or none"
+            "the boundary DoF of a cyclic structure must be the same in all sectors and contain "
+            "both translations of the centre or none"
         )
     return np.flatnonzero(in_edge)
 

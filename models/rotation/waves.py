@@ -212,7 +212,7 @@ def internal_growth(
     *,
     damping_ratio: float,
 ) -> InternalGrowth:
-    """Return the growth of a bladed disk with equal sectors that modal damping at rest causes.
+    """Return the growth that internal (modal) damping causes in a bladed disk with equal sectors.
 
     Args:
         disk: the bladed disk.

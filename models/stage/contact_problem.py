@@ -237,9 +237,9 @@ def critical_time_step(
 ) -> float:
     """Return the stability limit of the time step for central differences, 2 / omega_max [s].
 
-    omega_max is the highest frequency of the bodies including coupling springs. With Coriolis
-    forces, where i g is an eigenvalue of M^-1 G, the limit is k dt^2 <= 2 + 2 sqrt(1 + (Omega g
-    dt)^2), which is never lower than the returned limit and only slightly higher.
+    omega_max is the highest frequency of the bodies including coupling springs. Coriolis forces are
+    neglected: they raise the limit slightly, to omega^2 dt^2 <= 2 + 2 sqrt(1 + (Omega g dt)^2) for
+    an eigenvalue i g of M^-1 G.
     """
     highest = max(np.abs(rotor.frequency).max(initial=0.0), casing.frequency.max(initial=0.0))
     if springs is not None:

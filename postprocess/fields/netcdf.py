@@ -72,7 +72,7 @@ class CheckedArray(BackendArray):
         except Exception as error:  # HDF5 raises many kinds for damaged bytes
             raise ResultError(f"{self._label}: {error}") from None
         if values.dtype.kind == "f" and not plausible(values, gaps=self._gaps):
-            raise ResultError(f"{self._label}: expected finite numbers, the file is damaged")
+            raise ResultError(f"{self._label}: expected finite numbers; the file is damaged")
         return values
 
 

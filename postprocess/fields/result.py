@@ -160,7 +160,7 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
         if variable.since > 1 or OPTIONAL_DIMENSIONS.intersection(variable.dimensions):
             continue
         if key not in dataset:
-            raise ResultError(f"{name}: expected a bladewhirl result, it has no {key!r}")
+            raise ResultError(f"{name}: expected a bladewhirl result; it has no {key!r}")
         dimensions = dataset[key].dims
         if dimensions != variable.dimensions:
             raise ResultError(
@@ -169,7 +169,7 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
             )
     for attribute in ATTRIBUTES:
         if attribute not in dataset.attrs:
-            raise ResultError(f"{name}: expected a bladewhirl result, no attribute {attribute!r}")
+            raise ResultError(f"{name}: expected a bladewhirl result; it has no {attribute!r}")
     if fault := value_fault(dataset):
         raise ResultError(f"{name}: expected {fault}")
     if not dataset.sizes["time"]:

@@ -149,9 +149,9 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     with k mark coincidences; the note below the diagram gives their number.
 
     With rotation effects the frequencies of the bladed disk depend on the speed. Waves that are
-    backward at rest are full lines, waves that are forward at rest dashed lines; the static frame
-    only shows those with one nodal diameter. Dotted lines are multiples of the speed, crosses mark
-    critical speeds.
+    backward at rest are full lines, waves that are forward at rest dashed lines; the diagram in the
+    static frame shows only waves with one nodal diameter. Dotted lines are multiples of the speed,
+    crosses mark critical speeds.
 
     Args:
         data: from `campbell`; only its `drawn_part` is drawn.
@@ -256,8 +256,8 @@ def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLin
 
 
 def _draw_engine_orders(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
-    """Draw multiples of the speed, in the static frame only the speed itself; yield the named ends
-    of the lines."""
+    """Draw the lines of engine orders, in the static frame only of order 1; yield end points, name
+    and colour of each line."""
     k, (first, last) = data["mode_nodal_diameter"].values, data.attrs["speeds"]
     speed = np.linspace(first, last, 201)
     for order in np.unique(k[k > 0]).tolist() if frame == "rotating" else [1]:

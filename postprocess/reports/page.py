@@ -1,7 +1,7 @@
 """Content of reports, and conversion of the content to a page, which is one HTML file.
 
-The page embeds pictures as PNG and the program that draws interactive plots. It loads no other
-file, and its content security policy forbids it.
+The page embeds pictures as PNG and the program that draws interactive plots. The content security
+policy of the page forbids loading of other files.
 """
 
 from __future__ import annotations

@@ -117,14 +117,14 @@ def key_label(values: xr.DataArray) -> str:
 
 
 def linear_threshold(rate: Array, error: Array) -> float | None:
-    """Return the growth rate above which a scale of growth rates is logarithmic, a power of ten
-    [1/s]; None if the entire scale is linear.
+    """Return the power of ten [1/s] above which an axis of growth rates is logarithmic; None if the
+    entire axis is linear.
 
     The returned rate exceeds the medians of rates and uncertainties, so that noise is in the linear
-    part of the scale.
+    part of the axis.
 
     Args:
-        rate: growth rates, nan where there is none, (...) [1/s].
+        rate: growth rates, NaN for points without a growth rate, (...) [1/s].
         error: standard error of each rate, (...) [1/s].
     """
     usual = max(np.nanmedian(np.abs(rate)), CERTAINTY * np.nanmedian(error), 1e-12)

@@ -243,8 +243,8 @@ def initial_gap(problem: ContactProblem, time: float = 0.0) -> FloatArray:
 
 
 def initial_spring_forces(problem: ContactProblem) -> tuple[FloatArray, FloatArray]:
-    """Return the modal forces at t = 0 of coupling springs and unequal static shaft springs, on
-    rotor and on casing."""
+    """Return the modal forces on rotor and on casing at t = 0 due to coupling springs and to
+    unequal shaft springs in the static frame."""
     start = problem.start
     force = -problem.spring_stiffness(0.0) @ np.concatenate([start.rotor, start.casing])
     return force[: len(start.rotor)], force[len(start.rotor) :]

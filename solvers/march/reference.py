@@ -66,7 +66,7 @@ class ReferenceState:
 
 
 class Reference:
-    """The scheme of `CentralDifference`, with the same results, written to be read and compared.
+    """Readable NumPy implementation of `CentralDifference` with equal results, for comparison.
 
     Args:
         problem: contact problem.

@@ -34,7 +34,7 @@ SMALLEST = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
-    """Place of the smallest clearance with respect to the shaft's displacement."""
+    """Angle between the shaft's displacement and the smallest clearance."""
 
     lead: float  #: angle of the shaft minus angle of the smallest clearance, (-pi, pi] [rad]
     steadiness: float  #: length of the mean of exp(i lead), from 0 to 1; 1 if the lead is constant

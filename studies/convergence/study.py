@@ -117,7 +117,7 @@ def convergence(
 
 
 def default_time_steps(case: Case) -> list[float]:
-    """Return the default time steps, descending [s]: the possible steps of `REFINEMENTS`.
+    """Return the default time steps, descending [s]: the steps of `REFINEMENTS` that can be used.
 
     Raises:
         CaseError: all errors that prevent time integration of the case.
@@ -133,7 +133,7 @@ def default_time_steps(case: Case) -> list[float]:
 
 
 def default_modes(case: Case) -> list[int]:
-    """Return the default numbers of fixed-interface modes, ascending: `SECTORS` times the blades.
+    """Return the default numbers of fixed-interface modes, ascending, from `SECTORS`.
 
     Raises:
         CaseError: the bladed disk has too few degrees of freedom for at least two of these numbers.

@@ -1,7 +1,7 @@
 """Campbell diagram of a bladed disk with rotation effects.
 
-The frequencies depend on the speed, backward and forward waves differ, and a speed at which a wave
-has zero frequency in the rotating frame is a critical speed.
+The frequencies depend on the speed and on the direction of the waves. A speed at which a wave has
+zero frequency in the rotating frame is a critical speed.
 """
 
 from __future__ import annotations

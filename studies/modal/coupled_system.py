@@ -162,7 +162,7 @@ def couple(
     if chart and obstacles:
         options = "--speed and --kappa" if one_each else "--speed, --kappa and --physical"
         raise UserError(
-            "stability: expected constant coefficients in some frame for a chart, but"
+            "stability: a chart requires constant coefficients in some frame, but"
             f" {', '.join(obstacles)}; {options} compute a single point"
         )
     effects = modal.case.rotation.effects

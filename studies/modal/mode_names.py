@@ -37,7 +37,7 @@ class ChosenMode:
 
     @property
     def stem(self) -> str:
-        """Stem of the names of the mode's files."""
+        """Name of the mode's files without suffix."""
         return self.name.replace(":", "-") + (f"-{self.rank}" if self.rank else "")
 
 

@@ -145,8 +145,8 @@ def _shapes(stage: ModalStage, modes: list[ChosenMode]) -> Drawn:
 
 
 def _scenarios(stage: ModalStage) -> Drawn:
-    """Yield figures of both scenarios, if a 1F pair moves the shaft and coincides with a casing
-    mode."""
+    """Yield figures of standard and inverted contact, if a 1F pair moves the shaft and coincides
+    with a casing mode."""
     if stage.case.shaft.clamped:
         return
     for name, share in CASING_SHARES.items():

@@ -108,7 +108,7 @@ def point_report(
     if not isinstance(system, EvenSystem):
         raise UserError(
             f"--output {folder}: the divergent mode is drawn where each mode has one nodal"
-            " diameter: stages with cyclic symmetry, equal bearings, no dampers"
+            " diameter, which requires cyclic symmetry, equal bearings and no dampers"
         )
     if not data["unstable"]:
         raise UserError(

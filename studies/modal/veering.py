@@ -39,23 +39,23 @@ def veering(
     families: int = 12,
     stiffnesses: FloatArray | None = None,
 ) -> xr.Dataset:
-    """Compute frequencies over nodal diameter, with free and clamped centre, and shaft stiffness.
+    """Compute frequencies over nodal diameter, with free and clamped centre, and over the stiffness
+    of the shaft.
 
-    Over `mode`, one for each pair of the bladed disk: frequency [Hz], normalised_frequency
-    (divided by the reference frequency), purity and spring_share. A mode is selected by centre,
-    family and nodal_diameter::
+    Variables over `mode`, one mode for each pair of the bladed disk: frequency [Hz],
+    normalised_frequency (divided by the reference frequency), purity and spring_share. A mode is
+    selected by centre, family and nodal_diameter::
 
         diagrams = bladewhirl.veering(case)
         diagrams.frequency.sel(centre="clamped", family="1F", nodal_diameter=1)
 
-    Over `stiffness` of each shaft spring [N/m] and `branch`, the modes with one nodal diameter:
-    branch_frequency [Hz], normalised_branch_frequency and branch_spring_share, the share of the
-    strain energy in the shaft springs; over `branch` clamped_frequency [Hz], the limit of each
-    branch for rigid springs, and normalised_clamped_frequency. With Coriolis forces, modes and
-    branches are waves in both directions at the speed of the case: the index of modes has
-    `direction`, and branches have branch_direction.
+    Variables over `stiffness` of each shaft spring [N/m] and `branch` (modes with one nodal
+    diameter): branch_frequency [Hz], normalised_branch_frequency and branch_spring_share, the share
+    of the strain energy in the shaft springs. Variables over `branch`: clamped_frequency [Hz], the
+    limit for rigid springs, and normalised_clamped_frequency. With Coriolis forces, modes and
+    branches are waves of both directions: modes have `direction`, branches branch_direction.
     `diagrams.reset_index("mode")` can be saved to a file; `bladewhirl.plot.veering` and
-    `shaft_veering` draw it.
+    `shaft_veering` draw the frequencies.
 
     Args:
         case_or_stage: a case, or its stage.

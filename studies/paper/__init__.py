@@ -1,1 +1,1 @@
-"""Claims of the paper, judged by marches and sweeps of its cases."""
+"""Claims of the paper, judged by modal analyses, marches and sweeps."""

@@ -11,11 +11,10 @@ from multiprocessing import resource_tracker
 
 @contextmanager
 def asked_to_stop() -> Iterator[Callable[[], bool]]:
-    """Yield a function that returns whether Ctrl-C was pressed, instead of raising
+    """Yield a function that returns whether Ctrl-C was pressed; a second Ctrl-C raises
     KeyboardInterrupt.
 
-    A second Ctrl-C raises KeyboardInterrupt as usual. Only the main thread receives signals; in
-    other threads the function always returns False.
+    Only the main thread receives signals; in other threads the function always returns False.
     """
     asked = threading.Event()
     if threading.current_thread() is not threading.main_thread():

@@ -269,7 +269,7 @@ def _attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
 
 
 def _divergence(prepared: Prepared, chunk: Chunk) -> str:
-    """Return the body, place, size and time of a limit violation, and the remedy.
+    """Describe a violation of the displacement limit (blade or angle, time, size) and the remedy.
 
     The last record is the last state within the limit, so the violation is located one step later.
     """

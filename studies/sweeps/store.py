@@ -1,9 +1,9 @@
 """The dataset of a sweep on disk: allocated before the sweep, filled in place.
 
 Every array is allocated at the start and written in place, so the structure of the file does not
-change while points arrive: after a kill the file can still be opened. A point is finished if its
-state says so; the state is written after the data of the point have been flushed. Files of sweeps
-with the same points are equal, independent of the order in which points arrived.
+change during the sweep: after a kill the file can still be opened. The variable `state` of a point
+is written after the data of the point have been flushed. Files of sweeps with the same points are
+equal, independent of the order in which the points were computed.
 """
 
 from __future__ import annotations

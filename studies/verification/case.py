@@ -78,13 +78,13 @@ class VerificationCase(Row):
         """Compute the case and compare it with the reference.
 
         Raises:
-            ValueError: reference and ours differ in shape.
+            ValueError: reference and computed values differ in shape.
         """
         began = time.perf_counter()
         reference, ours = (np.atleast_1d(np.asarray(v, dtype=float)) for v in self.compute())
         if reference.shape != ours.shape:
             shapes = f"{reference.shape} and {ours.shape}"
-            raise ValueError(f"{self.name}: reference and ours have shapes {shapes}")
+            raise ValueError(f"{self.name}: reference and computed values have shapes {shapes}")
         scale: Any = {
             "relative": np.abs(reference),
             "of largest": np.abs(reference).max(),

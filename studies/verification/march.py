@@ -161,7 +161,7 @@ def rubbing_stages(kind: str) -> Pairs:
 
 @verifies()
 def gaps_of_the_papers_stage() -> Pair:
-    """Compare gaps of the paper's stage with `dense_march`, over 30 ms with steps of 1 us."""
+    """Compare the gaps of two marches of the paper's stage, the kernel and `dense_march`."""
     strike = {"casing.support": 7.975e6, **STRIKE}
     given = contact_problem(build_stage(with_values(Case(), strike)))
     return dense_march(given, 1e-6, 30_000)[0], marched(given, 1e-6, 30_000).gap

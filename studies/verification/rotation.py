@@ -211,7 +211,8 @@ def flapwise_cantilevers() -> Pair:
 
 @verifies()
 def coriolis_cantilevers() -> Pair:
-    """Compare in-plane frequencies, with bending and stretching coupled, with power series."""
+    """Compare in-plane frequencies of rotating cantilevers, with bending and stretching coupled by
+    Coriolis forces, with solutions by power series."""
     rows, computed = reference("rotation")["cantilevers"]["chordwise"], []
     for row in rows:
         disk, time = cantilevers(row["delta"], row["alpha"], 20)

@@ -39,7 +39,7 @@ MATHIEU = {"a0": mathieu_a(0, 1.0), "b1": mathieu_b(1, 1.0), "a1": mathieu_a(1, 
 
 @verifies(*MATHIEU)
 def mathieu_border(name: str) -> Pair:
-    """Compare the stability limit, where a Floquet multiplier is 1 or -1, with SciPy."""
+    """Compare a stability limit of the Mathieu equation with the characteristic value of SciPy."""
     trace, exact = (-2.0 if name[1] == "1" else 2.0), MATHIEU[name]
 
     def excess(a: float) -> float:
@@ -62,7 +62,7 @@ def coupled(ratio: str) -> tuple[ContactProblem, CouplingSprings]:
 
 
 def late_growth(given: ContactProblem, steps: int) -> float:
-    """March, and return the growth rate after the first second [1/s]."""
+    """Return the growth rate of a march after its first second [1/s]."""
     chunk = marched(given, 1e-5, steps, every=500)
     size, late = np.linalg.norm(chunk.rotor_displacement, axis=1), chunk.time > 1.0
     return float(np.polyfit(chunk.time[late], np.log(size[late]), 1)[0])

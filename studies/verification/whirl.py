@@ -23,7 +23,7 @@ def stage_at_speed(
     damper: float = 0.0,
     frame: str = "rotating",
 ) -> ContactProblem:
-    """Return the stage of the reference results as a contact problem.
+    """Return the paper's stage with Coriolis forces as a contact problem.
 
     Args:
         thickness: thickness of the disk's beams [m].

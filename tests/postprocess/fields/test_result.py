@@ -54,14 +54,14 @@ class TestOpenResult:
     def test_hdf5_of_another_kind(self, tmp_path: Path) -> None:
         with h5py.File(tmp_path / "result.nc", "w") as file:
             file["table"] = np.arange(3)
-        with pytest.raises(ResultError, match="expected a bladewhirl result, it has no"):
+        with pytest.raises(ResultError, match="expected a bladewhirl result; it has no"):
             open_result(tmp_path)
 
     @pytest.mark.parametrize(
         ("change", "message"),
         [
-            (lambda r: r.drop_vars("centre_node"), "expected a bladewhirl result, it has no 'cent"),
-            (lambda r: r.drop_vars("time"), "expected a bladewhirl result, it has no 'time'"),
+            (lambda r: r.drop_vars("centre_node"), "expected a bladewhirl result; it has no 'cent"),
+            (lambda r: r.drop_vars("time"), "expected a bladewhirl result; it has no 'time'"),
             (lambda r: r.drop_attrs(deep=False), "no attribute 'title'"),
             (lambda r: r.assign_attrs(speed="fast"), "'speed' to be a finite number, found 'fast'"),
             (lambda r: r.assign_attrs(tip_radius=0.0), "'tip_radius' to be a positive number"),
