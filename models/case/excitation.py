@@ -146,7 +146,7 @@ class Imbalance(Table):
         return values
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error if not exactly one of unbalance and clearance_speed is given."""
+        """Yield an error unless exactly one of unbalance and clearance_speed is given."""
         if (self.clearance_speed is None) == (self.unbalance is None):
             expected = "either unbalance or clearance_speed, not both"
             yield Inconsistency("unbalance", expected, ("clearance_speed",))

@@ -75,7 +75,7 @@ class CoupledEquations:
 
     @property
     def factors(self) -> FloatArray:
-        """Integrals f_k of cos^2(k theta) over a turn, (harmonics,); over pi if not `with_pi`."""
+        """Integrals f_k of cos^2(k theta) over a turn, divided by pi if not `with_pi`, (harmonics,)."""
         return (np.pi if self.with_pi else 1.0) * np.where(self.harmonics == 0, 2.0, 1.0)
 
     def springs(self, angle: ArrayLike, kappa: float) -> FloatArray:
@@ -192,11 +192,11 @@ def companion(by_position: Matrix, by_rate: Matrix, unit: float = 1.0) -> Matrix
 
 
 def difference_of_axes(centre: FloatArray, angle: ArrayLike) -> FloatArray:
-    """Return X^T X - Y^T Y at angles Omega t of any shape (...), as (..., modes, modes) [1/kg].
+    """Return X^T X - Y^T Y of the centre's rows X, Y in static axes, (..., modes, modes) [1/kg].
 
     Args:
         centre: x and y of the centre in rotating axes [kg^-1/2], (2, modes).
-        angle: Omega t [rad].
+        angle: Omega t [rad], any shape (...).
     """
     moved = _rotation(np.asarray(angle, dtype=np.float64)) @ centre
     squares = moved[..., :, None] * moved[..., None, :]

@@ -147,7 +147,7 @@ class CouplingModes:
         return replace(self, name=name, coriolis=coriolis, softening=softening, **arrays)
 
     def harmonic(self, k: int) -> CouplingModes:
-        """Return the modes with the entries of nodal diameter k only."""
+        """Return the modes reduced to their entries of nodal diameter k."""
         return self.take(self.nodal_diameter == k)
 
 
@@ -212,7 +212,7 @@ class CoupledEntries:
         return replace(self, modes=self.modes.take(chosen), number=self.number[chosen])
 
     def with_unit_amplitudes(self) -> Self:
-        """Replace every amplitude by 1 or -1, the paper's amplitude with the sign of the mode."""
+        """Replace every amplitude by 1, as in the paper, or by -1 if the amplitude is negative."""
         return replace(self, modes=replace(self.modes, amplitude=np.sign(self.modes.amplitude)))
 
     def six_modes(self) -> Self:

@@ -69,7 +69,7 @@ class Modes(ModeTable):
 def structure_modes(
     structure: Structure, reference: tuple[int, int], count: int | None = None
 ) -> Modes:
-    """Return the lowest modes of a structure; by nodal diameter if it is cyclic.
+    """Return the lowest modes of a structure, by nodal diameter if the structure is cyclic.
 
     Args:
         structure: matrices and sectors.

@@ -23,7 +23,7 @@ SOURCES = {
 
 
 class Works(TypedDict):
-    """Works since the start [J]; work that feeds the motion is positive.
+    """Works since the start [J]; work that adds energy to the motion is positive.
 
     The sum of load, normal, friction and springs, minus damping, is the rise of the energy of the
     motion. The drive keeps the speed constant: its torque balances the contact forces, and its work
@@ -75,7 +75,7 @@ used if a result does not contain these two parts."""
 
 
 def work_histories(dataset: xr.Dataset) -> xr.Dataset:
-    """Return the works of a run over time, since its start; work that feeds the motion is positive.
+    """Return the works since the start of a run; work that adds energy to the motion is positive.
 
     Args:
         dataset: a result.

@@ -57,7 +57,7 @@ class CheckedArray(BackendArray):
         self.shape, self.dtype = variable.shape, variable.dtype
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
-        """Read a part."""
+        """Return a part of the array."""
         return indexing.explicit_indexing_adapter(
             key, self.shape, indexing.IndexingSupport.OUTER, self._read
         )

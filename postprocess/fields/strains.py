@@ -22,7 +22,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, element_lengths, lin
 
 
 class StrainRows(NamedTuple):
-    """Strains for unit modal coordinates, both (element, station, mode) [kg^-1/2/m]."""
+    """Axial and bending strain for unit modal coordinates, (element, station, mode) [kg^-1/2/m]."""
 
     axial: Array
     bending: Array

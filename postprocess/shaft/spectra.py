@@ -209,7 +209,7 @@ def plot_spectrum(spectrum: xr.Dataset) -> Figure:
     """Draw the amplitude of the shaft over frequency, with lines at the frequencies of modes.
 
     Args:
-        spectrum: from `shaft_spectrum`, `with_lines`.
+        spectrum: from `shaft_spectrum`, with lines from `with_lines`.
     """
     figure = new_figure(height=0.06)
     axes = figure.add_subplot()

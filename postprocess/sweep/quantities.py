@@ -64,7 +64,7 @@ def along(dataset: xr.Dataset, key: str, names: Sequence[str]) -> xr.Dataset:
 
 
 def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
-    """Load variables and `state` over all swept keys, each in ascending order.
+    """Load variables and `state` over all swept keys, with each key in ascending order.
 
     Args:
         dataset: from `open_sweep`.

@@ -57,7 +57,7 @@ def by_sliding(pressed: FloatArray, dragged: FloatArray, friction: float) -> Flo
 
 
 def by_column(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
-    """Transpose a shape (points, columns) to (columns to the last used column, padded points)."""
+    """Transpose a shape (points, columns) to (used columns, padded points)."""
     used = arrangement.half + arrangement.parts * arrangement.used
     out = aligned((used, padded(len(shape))))
     out[:, : len(shape)] = shape[:, :used].T

@@ -44,7 +44,7 @@ def draw_coupled_mode(
         omega: speed [rad/s].
         kappa: spring stiffness [N/m] at which a mode grows.
         folder: folder of the figures; made if it does not exist.
-        films: whether to write also a VTK series and a GIF.
+        films: whether to write a VTK series and a GIF, too.
         overwrite: whether to replace existing files even if bladewhirl did not write them.
 
     Raises:

@@ -162,8 +162,8 @@ def limit_cycle(motion: Motion) -> Measures:
 
 @measures(31)
 def energies_of_both_loads(motion: Motion, other: Motion) -> Measures:
-    """Return the two groups of modes with the most energy, their energies [J], and the ratio of the
-    total energies under the other load and under this load."""
+    """Return the two groups of modes with the most energy, their energies [J], and the total energy
+    under the other load relative to the total energy under this load."""
     (leader, second, *_), energy = late_leaders(motion)
     return {
         "leader": leader,

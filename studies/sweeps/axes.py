@@ -198,7 +198,7 @@ def value_at(case: Case, key: str) -> Any:
 
 
 def check_key(case: Case, key: str) -> None:
-    """Check that a key of the case is a number.
+    """Check that the value of a key of the case is a number.
 
     Raises:
         UserError: the key does not take a number; the message names the most similar numeric key.

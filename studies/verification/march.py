@@ -227,7 +227,7 @@ def free_motion_error(steps: int) -> float:
 
 @verifies()
 def order_of_free_motion() -> Pair:
-    """Compare with order 2 the convergence of free motion, from three time steps."""
+    """Compare the order of convergence of free motion, from three time steps, with 2."""
     errors = [free_motion_error(steps) for steps in (4000, 8000, 16_000)]
     return np.full(2, 2.0), observed_order(np.array(errors))
 

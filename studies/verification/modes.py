@@ -227,7 +227,7 @@ def reduction_error(kept: int) -> FloatArray:
 
 @verifies()
 def reduced_models() -> Pairs:
-    """Compare with zero the frequency error of a reduced stage, and the ratio of errors after and
-    before doubling the number of modes."""
+    """Compare two numbers with zero: the frequency error of a reduced stage, and the ratio of the
+    errors after and before the number of modes is doubled."""
     coarse, fine = reduction_error(110).max(), reduction_error(220).max()
     return {"craig_bampton_error": (0.0, coarse), "craig_bampton_convergence": (0.0, fine / coarse)}

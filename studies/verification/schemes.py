@@ -112,6 +112,6 @@ def two_masses_on_a_stop(frequency: float) -> Pair:
 
 @verifies()
 def ledgers() -> Pair:
-    """Compare the energy residuals of pad and mass with zero."""
+    """Compare the energy residuals of marches with impacts and with penalty contact with zero."""
     chunks = [march_of_a_pad("moreau-jean"), march_on_a_penalty()]
     return np.zeros(2), [ledger_residual(chunk) for chunk in chunks]

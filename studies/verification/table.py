@@ -152,7 +152,7 @@ def verify(
     full: bool = False,
     progress: Callable[[int, int], object] | None = None,
 ) -> Verification:
-    """Compute problems with known answers, and compare the results.
+    """Compute problems with known answers, and compare the results with these answers.
 
     Args:
         subjects: names such as "modes", "rings"; all subjects if empty.

@@ -62,7 +62,7 @@ class TestOpenResult:
         [
             (lambda r: r.drop_vars("centre_node"), "expected a bladewhirl result; it has no 'cent"),
             (lambda r: r.drop_vars("time"), "expected a bladewhirl result; it has no 'time'"),
-            (lambda r: r.drop_attrs(deep=False), "no attribute 'title'"),
+            (lambda r: r.drop_attrs(deep=False), "has no 'title'"),
             (lambda r: r.assign_attrs(speed="fast"), "'speed' to be a finite number, found 'fast'"),
             (lambda r: r.assign_attrs(tip_radius=0.0), "'tip_radius' to be a positive number"),
             (lambda r: r.transpose(), r"'rotor_displacement' over \(time, rotor_mode\), found"),
