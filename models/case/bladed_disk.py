@@ -209,7 +209,7 @@ class BladedDisk(Table):
     def _without_keys_of_no_meaning(
         self, serialize: SerializerFunctionWrapHandler
     ) -> dict[str, Any]:
-        """Leave out the other keys if a mesh replaces them."""
+        """Leave out the keys that a mesh file replaces."""
         tables: dict[str, Any] = serialize(self)
         return tables if self.mesh is None else {"mesh": tables["mesh"]}
 

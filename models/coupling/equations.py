@@ -75,7 +75,7 @@ class CoupledEquations:
 
     @property
     def factors(self) -> FloatArray:
-        """Integrals f_k of cos^2(k theta) over a turn, divided by pi if not `with_pi`, (harmonics,)."""
+        """Integrals of cos^2(k theta) over a turn, (harmonics,); divided by pi if not `with_pi`."""
         return (np.pi if self.with_pi else 1.0) * np.where(self.harmonics == 0, 2.0, 1.0)
 
     def springs(self, angle: ArrayLike, kappa: float) -> FloatArray:

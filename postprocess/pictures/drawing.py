@@ -106,8 +106,8 @@ class Drawing:
         return float(np.linalg.norm(self._forces, axis=-1).max())
 
     def linear_limit(self) -> float | None:
-        """Return the displacement [m] from which a linear model is wrong by a tenth; None if no
-        displacement at these records is larger."""
+        """Return the displacement [m] at which a linear model has an error of a tenth; None if all
+        displacements at these records are smaller."""
         bent = self._stage.rotor_displacement - self._stage.centre[:, None]
         limit = LARGE_DISPLACEMENT * self._stage.tip_radius
         return limit if np.linalg.norm(bent, axis=-1).max() > limit else None

@@ -83,5 +83,5 @@ class FreeMotion:
 
 
 def _compliance(rows: FloatArray, frequency: FloatArray) -> float:
-    """Return the largest squared displacement of any row, divided by twice the energy [m/N]."""
+    """Return the largest ratio of a squared displacement (a row) to twice the energy [m/N]."""
     return float(((rows / frequency) ** 2).sum(axis=1).max())

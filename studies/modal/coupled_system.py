@@ -105,8 +105,7 @@ class EvenSystem(System):
             Empty without rotation effects. Otherwise critical_speed (normalised), above which the
             stiffness matrix is indefinite; rotor_growth_rate [1/s] with rotor_nodal_diameter;
             holding_damping [N s/m], the damping of each of two static bearings that stabilises a
-            growing disk (None if bearings cannot); and waves_met, whether the disk grows also
-            without damping.
+            growing disk (None if bearings cannot); and waves_met, true for growth without damping.
         """
         if self.rotation is None:
             return {}
