@@ -15,6 +15,9 @@ from bladewhirl.postprocess.plotting.titles import set_title
 SHOWN = 4
 """Largest number of nodal diameters with a colour of their own: those with the largest peaks."""
 
+LOWEST = 1e-4
+"""Smallest amplitude that is drawn, as a share of the largest one."""
+
 
 def amplitude(data: xr.Dataset) -> xr.DataArray:
     """Return the largest displacement of each tip in a period [m].
@@ -84,16 +87,20 @@ def plot_response(data: xr.Dataset) -> Figure:
         waves = scale * diameters.transpose("speed", "nodal_diameter").values
         most = int(tips.max(axis=0).argmax())
         row[0].plot(speed, tips, color=COLOURS["rest"], linewidth=0.5)
-        row[0].plot(speed, tips[:, most], color=COLOURS["k = 1"], label=f"blade {most}")
-        for k in np.argsort(-waves.max(axis=0), kind="stable")[:SHOWN].tolist():
-            row[1].plot(speed, waves[:, k], label=f"k = {k}")
+        alike = np.allclose(tips, tips[:, [most]], rtol=1e-6)
+        label = "all blades" if alike else f"blade {most}"
+        row[0].plot(speed, tips[:, most], color=COLOURS["k = 1"], label=label)
+        largest = waves.max(axis=0)
+        for k in np.argsort(-largest, kind="stable")[:SHOWN].tolist():
+            if largest[k] > LOWEST * largest.max():
+                row[1].plot(speed, waves[:, k], label=f"k = {k}")
         for axes, what in zip(row, ("blades", "nodal diameters"), strict=True):
             axes.set_yscale("log")
             axes.set_title(f"engine order {order}, {what}")
             axes.legend()
         top = float(tips.max())
         for axes in row:
-            axes.set_ylim(1e-4 * top, 2.0 * top)
+            axes.set_ylim(LOWEST * top, 2.0 * top)
         row[0].set_ylabel(f"amplitude of the tips [{unit}]")
     for axes in panels[-1]:
         axes.set_xlabel("speed Ω / ω₁ [–]")
