@@ -117,7 +117,7 @@ def windowed_amplitude(time: Array, strain_energy: Array, shortest_window: float
 
 
 def growth_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
-    """Return windows of the motion; growth is fitted to the last. None if it cannot be judged.
+    """Return windows of the motion, for the fit of growth; None if growth cannot be judged.
 
     Usually these are the windows of `windowed_amplitude`. A march that ended at its displacement
     limit is often too short for them, although its motion grows fast. Windows of the shortest

@@ -163,11 +163,11 @@ def _check_options(kinds: set[str], times: list[float], window: Mapping[str, obj
     moving, still = kinds & {"gif", "mp4", "html"}, kinds & {"png", "sheet"}
     if times and not still:
         raise UserError(
-            "--time: expected for a still or a sheet only; an animation has --from and --to"
+            "--time: allowed for a still or a sheet only; an animation has --from and --to"
         )
     unused = not moving and ("sheet" not in kinds or bool(times))
     for name, value in window.items():
         if unused and value is not None:
             raise UserError(
-                f"{name}: expected for an animation or a sheet only; a still has --time"
+                f"{name}: allowed for an animation or a sheet only; a still has --time"
             )

@@ -93,7 +93,7 @@ def show(
     from bladewhirl.studies.runs.properties import MARCHES, stage_properties
 
     if output is not None and not png:
-        raise UserError("--output: expected with --png only, which draws the stage")
+        raise UserError("--output: allowed with --png only, which draws the stage")
     values = overrides or []
     checked = read_case(case, values)
     with faults_from(case, values):

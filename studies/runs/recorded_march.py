@@ -189,7 +189,7 @@ def _recorder(
     with ExitStack() as stack:
         with replacing(path) as draft, open_result(path) as earlier:
             if earlier.sizes["time"] < begin.records:
-                raise UserError(f"{path}: expected the {begin.records} records before {draft.name}")
+                raise UserError(f"{path}: expected the {begin.records} records of the checkpoint")
             recorder = stack.enter_context(Recorder(draft, prepared.stage.arrays, attributes))
             for records in portions(earlier.isel(time=slice(begin.records))):
                 recorder.write(_chunk(earlier.isel(time=records), prepared.timing.time_step))

@@ -173,7 +173,7 @@ def tapered_blade_of(elements: int) -> Pair:
 
 @verifies()
 def tapered_blade() -> Pair:
-    """Compare the frequencies of the tapered blade with the Ritz method."""
+    """Compare the frequencies of a tapered blade with the Ritz method."""
     return tapered_blade_of(10)
 
 

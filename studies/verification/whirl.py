@@ -131,7 +131,7 @@ def unequal_bearings(share: float) -> Pair:
 
 @verifies(0.9, 1.3)
 def internal_damping(share: float) -> Pair:
-    """Compare the growth rate by internal damping with the closed form; it is negative below the
+    """Compare the growth rate by internal damping with the closed form, which is negative below the
     critical speed and positive above."""
     rotor, damping, steps = reference("jeffcott")["rotor"], 2e3, 10_000
     natural = np.sqrt(rotor["stiffness"] / rotor["mass"])
