@@ -48,8 +48,8 @@ def engine_order_loads(stage: Stage, load: EngineOrder) -> tuple[Load, ...]:
 
 
 def complex_factors(disk: BladedDiskModel, load: EngineOrder, order: int) -> ComplexArray:
-    """Return the complex amplitude of the force on each blade, divided by the amplitude of the load,
-    for the time factor exp(i r Omega t), (blades,)."""
+    """Return the complex amplitude of the force on each blade, relative to the amplitude of the
+    load, for the time factor exp(i r Omega t), (blades,)."""
     angle = order * disk.tip_angles + np.asarray(load.phase)
     return np.asarray((load.factors or 1.0) * np.exp(1j * angle))
 

@@ -127,7 +127,7 @@ def growth_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
 
     Args:
         dataset: a result.
-        strain_energy: of the bladed disk with its shaft springs at each record [J], (time,).
+        strain_energy: energy of bladed disk and shaft springs at each record [J], (time,).
     """
     time, shortest = dataset["time"].values, longest_half_period(dataset)
     windows = windowed_amplitude(time, strain_energy, shortest)
@@ -152,7 +152,7 @@ def ripple_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
 
     Args:
         dataset: a result.
-        strain_energy: of the bladed disk with its shaft springs at each record [J], (time,).
+        strain_energy: energy of bladed disk and shaft springs at each record [J], (time,).
     """
     time = dataset["time"].values
     slower = np.abs(_wave_frequencies(dataset)).min(axis=0)

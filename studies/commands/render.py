@@ -168,6 +168,4 @@ def _check_options(kinds: set[str], times: list[float], window: Mapping[str, obj
     unused = not moving and ("sheet" not in kinds or bool(times))
     for name, value in window.items():
         if unused and value is not None:
-            raise UserError(
-                f"{name}: allowed for an animation or a sheet only; a still has --time"
-            )
+            raise UserError(f"{name}: allowed for an animation or a sheet only; a still has --time")
