@@ -11,10 +11,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    Load,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference, CentralDifferenceState
 from bladewhirl.solvers.march.march import Chunk, EndReason
@@ -170,11 +167,7 @@ def random_problem(
             phase=0.7,
             ramp=0.005,
         ),
-        Load(
-            rotor=3e3 * radial.sum(axis=0) / tips,
-            casing=np.zeros(casing_modes),
-            end=0.0051,
-        ),
+        Load(rotor=3e3 * radial.sum(axis=0) / tips, casing=np.zeros(casing_modes), end=0.0051),
     )
     start = {
         "rotor": random.normal(scale=1e-5, size=rotor_modes),

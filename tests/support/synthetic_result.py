@@ -119,9 +119,7 @@ def synthetic_result(
     )
     rotor_shape = rotor_shapes(points)
     tip_radial = np.einsum(
-        "ba,bam->bm",
-        np.column_stack([np.cos(tip_angle), np.sin(tip_angle)]),
-        rotor_shape[tips, :2],
+        "ba,bam->bm", np.column_stack([np.cos(tip_angle), np.sin(tip_angle)]), rotor_shape[tips, :2]
     )
     turned = tip_angle[None, :] + speed * time[:, None]
     gap = CLEARANCE + casing_w(turned, c) - q @ tip_radial.T
@@ -168,10 +166,7 @@ def synthetic_result(
             "casing_family": ("casing_mode", np.array(["radial"] * 4, dtype=object)),
             "rotor_point": (("rotor_node", "axis"), points),
             "rotor_line": (("rotor_line", "end"), lines),
-            "rotor_thickness": (
-                "rotor_line",
-                np.where(np.array(parts) == "blades", 0.010, 0.030),
-            ),
+            "rotor_thickness": ("rotor_line", np.where(np.array(parts) == "blades", 0.010, 0.030)),
             **{
                 f"rotor_{name}_change": ("rotor_line", np.zeros(len(lines)))
                 for name in ("thickness", "width", "young_modulus")

@@ -49,11 +49,7 @@ def uneven(changes: Mapping[str, object]) -> ModalStage:
 
 @pytest.mark.parametrize(
     ("modes", "speed", "kappa", "physical"),
-    [
-        ("six", 1.17, 500.0, False),
-        ("six", 0.8, 2000.0, True),
-        ("all", 0.8, 2000.0, False),
-    ],
+    [("six", 1.17, 500.0, False), ("six", 0.8, 2000.0, True), ("all", 0.8, 2000.0, False)],
 )
 def test_on_an_even_stage_it_is_the_same(
     modes: str, speed: float, kappa: float, physical: bool

@@ -78,9 +78,7 @@ def test_a_taper_runs_from_root_to_tip_through_cuts() -> None:
 def test_materials_by_name() -> None:
     case = case_from(
         {
-            "material": {
-                "named": [{"name": "ti", "young_modulus": "114 GPa", "density": 4430.0}],
-            },
+            "material": {"named": [{"name": "ti", "young_modulus": "114 GPa", "density": 4430.0}]},
             "bladed_disk": {
                 "blades": 4,
                 "blade": {"material": "ti"},

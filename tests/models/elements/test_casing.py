@@ -7,12 +7,7 @@ from typing import Literal
 import numpy as np
 import pytest
 import scipy.linalg as la
-from stages import (
-    RADIUS,
-    casing,
-    casing_modes,
-    steel,
-)
+from stages import RADIUS, casing, casing_modes, steel
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import RingMesh

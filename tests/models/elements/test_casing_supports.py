@@ -7,15 +7,7 @@ from typing import Literal
 import numpy as np
 import pytest
 from places import EXAMPLES
-from stages import (
-    CASING_REFERENCE,
-    RADIUS,
-    casing_modes,
-    observed_order,
-    ring,
-    ring_moved,
-    steel,
-)
+from stages import CASING_REFERENCE, RADIUS, casing_modes, observed_order, ring, ring_moved, steel
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import loads, read_case

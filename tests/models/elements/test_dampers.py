@@ -63,10 +63,7 @@ def test_free_motion_is_that_of_the_full_matrix_to_second_order() -> None:
     """Against the exponential of x'' + D x' + K x = 0 with D = 2 xi omega + G^T G."""
     frequency, rows = np.array([300.0, 420.0, 900.0]), np.array([[9.0, -7.0, 4.0], [2.0, 8.0, 5.0]])
     rotor = small_rotor(frequency, dampers=rows, damping_ratio=np.full(3, 0.01))
-    start = {
-        "rotor": np.array([1e-4, 0.0, -2e-4]),
-        "rotor_velocity": np.array([0.1, -0.2, 0.05]),
-    }
+    start = {"rotor": np.array([1e-4, 0.0, -2e-4]), "rotor_velocity": np.array([0.1, -0.2, 0.05])}
     full = np.diag(0.02 * frequency) + rows.T @ rows
     state = np.block([[np.zeros((3, 3)), np.eye(3)], [-np.diag(frequency**2), -full]])
     end = 0.02

@@ -8,11 +8,7 @@ from numpy.polynomial import Polynomial
 from plain_frame import beam_mass, beam_stiffness
 
 from bladewhirl.models.elements.assembly import curved_beams, straight_beams
-from bladewhirl.models.elements.forms import (
-    curved_stiffness,
-    mass,
-    straight_stiffness,
-)
+from bladewhirl.models.elements.forms import curved_stiffness, mass, straight_stiffness
 
 EA, EI, RHO_A = 3.0, 5.0, 7.0
 U, DU, W, DW = range(4)  # order of a curved beam's DoF at a node
@@ -47,12 +43,7 @@ def hermite(length: float) -> list[Polynomial]:
     """Cubics with one of value and slope at 0, value and slope at the end equal to one."""
     s = Polynomial([0.0, 1.0])
     x = s / length
-    return [
-        1 - 3 * x**2 + 2 * x**3,
-        s * (1 - x) ** 2,
-        3 * x**2 - 2 * x**3,
-        s * (x**2 - x),
-    ]
+    return [1 - 3 * x**2 + 2 * x**3, s * (1 - x) ** 2, 3 * x**2 - 2 * x**3, s * (x**2 - x)]
 
 
 @pytest.mark.parametrize("shallow", [False, True])

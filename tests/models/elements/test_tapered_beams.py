@@ -49,11 +49,7 @@ def bent(elements: int, taper: list[dict[str, float]]) -> xr.Dataset:
 
 
 @pytest.mark.parametrize(
-    "taper",
-    [
-        [{"width": 0.1}, {"width": 0.05}],
-        [{"thickness": 0.02}, {"thickness": 0.01}],
-    ],
+    "taper", [[{"width": 0.1}, {"width": 0.05}], [{"thickness": 0.02}, {"thickness": 0.01}]]
 )
 def test_stress_at_a_root_with_the_section_there(taper: list[dict[str, float]]) -> None:
     """sigma = 6 F L / (b h^2); what is left is that of the curvature."""

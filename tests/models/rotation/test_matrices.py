@@ -22,12 +22,7 @@ from bladewhirl.models.rotation.eigenproblems import (
 )
 from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.rotation.waves import internal_growth
-from bladewhirl.models.rotation.whirl_modes import (
-    WhirlModes,
-    directions,
-    travelling,
-    whirl_modes,
-)
+from bladewhirl.models.rotation.whirl_modes import WhirlModes, directions, travelling, whirl_modes
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.studies.verification.rotation import cantilevers
 

@@ -31,10 +31,7 @@ def test_sections_that_cannot_be(name: str, value: float) -> None:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (
-            {"width": "3 kg"},
-            r'section\.width = "3 kg": expected a positive number in m, .*\[mass',
-        ),
+        ({"width": "3 kg"}, r'section\.width = "3 kg": expected a positive number in m, .*\[mass'),
         ({"density": 7800}, r"section\.material: expected either material, or young_modulus and"),
         ({"material": None}, r"section: expected a material, such as Material\(\) for steel, or"),
     ],

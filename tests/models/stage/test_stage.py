@@ -104,11 +104,7 @@ def test_faults_of_the_march_come_together() -> None:
     with pytest.raises(CaseError) as found:
         contact_problem(far)
     keys = [fault.key for fault in found.value.faults]
-    assert keys == [
-        "march.speed",
-        "initial.tip_displacement",
-        "initial.centre_displacement",
-    ]
+    assert keys == ["march.speed", "initial.tip_displacement", "initial.centre_displacement"]
     assert "blade 0 starts 0.002 m outward" in found.value.lines[1]
 
 

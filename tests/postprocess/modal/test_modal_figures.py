@@ -19,10 +19,7 @@ from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.kinematics import casing_rows, combine, rotate, turn
 from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
-from bladewhirl.postprocess.modal.mode_shapes import (
-    plot_mode_shapes,
-    plot_travelling_wave,
-)
+from bladewhirl.postprocess.modal.mode_shapes import plot_mode_shapes, plot_travelling_wave
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
 from bladewhirl.postprocess.modal.scenarios import plot_scenario
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
@@ -175,10 +172,7 @@ def shapes(body: Body) -> xr.Dataset:
     modes, ks = (
         (own.disk_modes, (0, 1, 2, 4))
         if body == "bladed-disk"
-        else (
-            own.casing_modes,
-            (2, 3, 4, 5),
-        )
+        else (own.casing_modes, (2, 3, 4, 5))
     )
     return shapes_dataset(own, body, np.array([modes.find("1F", k)[0] for k in ks]))
 
@@ -225,10 +219,7 @@ def figures() -> dict[str, Figure]:
     }
 
 
-@pytest.mark.parametrize(
-    "name",
-    ["shapes", "families", "shaft", "rotating", "scenario"],
-)
+@pytest.mark.parametrize("name", ["shapes", "families", "shaft", "rotating", "scenario"])
 def test_figures_are_as_wide_as_a_column_or_a_page_with_legible_text_inside(name: str) -> None:
     figure = figures()[name]
     figure.draw_without_rendering()

@@ -32,17 +32,10 @@ def six_modes() -> CouplingModes:
 def system(modes: CouplingModes) -> EvenSystem:
     """Modes without the finite elements that they come from."""
     stage = StageModes(
-        modes=modes,
-        number=np.arange(modes.entries),
-        modal=cast(Any, SimpleNamespace(case=Case())),
+        modes=modes, number=np.arange(modes.entries), modal=cast(Any, SimpleNamespace(case=Case()))
     )
     return EvenSystem(
-        modes=modes,
-        stage=stage,
-        all_modes=stage,
-        damped=False,
-        physical=False,
-        reference=UNIT,
+        modes=modes, stage=stage, all_modes=stage, damped=False, physical=False, reference=UNIT
     )
 
 

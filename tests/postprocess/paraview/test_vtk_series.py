@@ -260,9 +260,7 @@ def test_portions_have_no_effect(
 
 
 def test_view_runs_in_paraview(
-    result: xr.Dataset,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    result: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What the script asks for; `.ci/paraview` runs it in ParaView itself."""
     simple = MagicMock()

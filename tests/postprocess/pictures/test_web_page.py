@@ -87,12 +87,7 @@ def test_missing_values_and_parts(result: xr.Dataset, tmp_path: Path) -> None:
     assert np.unique(shades).tolist() == [0, 1, 2, 3]
 
 
-TITLES = [
-    "<b>a & b</b></script>",
-    "<!--<script>",
-    "@PLACES@ {{ about }}",
-    "\u2028 ' \" \\",
-]
+TITLES = ["<b>a & b</b></script>", "<!--<script>", "@PLACES@ {{ about }}", "\u2028 ' \" \\"]
 
 
 @pytest.mark.parametrize("title", TITLES)

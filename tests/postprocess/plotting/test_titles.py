@@ -31,8 +31,7 @@ def test_the_name_comes_first_and_the_speed_next() -> None:
 
 
 @pytest.mark.parametrize(
-    "title",
-    ["long " * 80, "$\\frac{$ _x^ $", "<b>&amp;\n\t@PLACES@", "風扇 \u202e\x07 🌀" * 3],
+    "title", ["long " * 80, "$\\frac{$ _x^ $", "<b>&amp;\n\t@PLACES@", "風扇 \u202e\x07 🌀" * 3]
 )
 def test_no_name_breaks_a_figure(title: str) -> None:
     figure, lines = headed(title)

@@ -8,14 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.linalg as la
-from contact_cases import (
-    assert_same,
-    ledger_residual,
-    random_problem,
-    run,
-    thrown,
-    wall,
-)
+from contact_cases import assert_same, ledger_residual, random_problem, run, thrown, wall
 from places import EXAMPLES
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
@@ -134,8 +127,7 @@ def test_past_the_critical_speed_the_shaft_moves_against_the_force() -> None:
     (answer,) = [x for ratio, x, _ in rows if ratio == speed]
     assert answer < 0.0
     x, y = np.linalg.solve(
-        np.eye(2) / answer + damper * given.speed * np.array([[0.0, -1.0], [1.0, 0.0]]),
-        [1.0, 0.0],
+        np.eye(2) / answer + damper * given.speed * np.array([[0.0, -1.0], [1.0, 0.0]]), [1.0, 0.0]
     )
     _, chunk, _ = run(given, 4e-6, 150_000, every=150_000)
     reached = given.rotor.centre @ chunk.rotor_displacement[-1]

@@ -159,8 +159,7 @@ def test_steps_in_pieces_are_the_same_bits() -> None:
 
 
 @pytest.mark.parametrize(
-    ("way", "law", "last"),
-    [("tip_radial", "penalty", 100), ("tip_tangential", "moreau-jean", 199)],
+    ("way", "law", "last"), [("tip_radial", "penalty", 100), ("tip_tangential", "moreau-jean", 199)]
 )
 def test_displacements_beyond_the_limit_end_it(way: str, law: SchemeName, last: int) -> None:
     """Looked at every hundred steps where they are not radial."""
@@ -177,8 +176,7 @@ def test_displacements_beyond_the_limit_end_it(way: str, law: SchemeName, last: 
 
 def test_a_penalty_that_the_step_does_not_resolve_is_refused() -> None:
     case = read_case(
-        EXAMPLES / "imbalance.toml",
-        ["march.scheme=penalty", "contact.penalty_stiffness=1e13"],
+        EXAMPLES / "imbalance.toml", ["march.scheme=penalty", "contact.penalty_stiffness=1e13"]
     )
     with pytest.raises(CaseError, match=r"contact\.penalty_stiffness = 1e13: expected less"):
         prepare(case)

@@ -30,11 +30,7 @@ def driven(ramp: float = 0.0) -> ContactProblem:
         tip_radial=np.array([[1.0, 0.5]]),
     )
     load = Load(
-        rotor=np.array([40.0, -90.0]),
-        casing=np.array([0.3]),
-        ramp=ramp,
-        frequency=450.0,
-        phase=0.4,
+        rotor=np.array([40.0, -90.0]), casing=np.array([0.3]), ramp=ramp, frequency=450.0, phase=0.4
     )
     start = {
         "rotor": np.array([1e-3, -2e-4]),

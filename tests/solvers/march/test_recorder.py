@@ -19,12 +19,7 @@ from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.fields.result import check_result, open_result
 from bladewhirl.solvers.march.march import Chunk
-from bladewhirl.solvers.march.recorder import (
-    Attribute,
-    NonFiniteError,
-    Recorder,
-    result_bytes,
-)
+from bladewhirl.solvers.march.recorder import Attribute, NonFiniteError, Recorder, result_bytes
 from bladewhirl.solvers.march.schema import HISTORY, INDICES, RESULT, STATIC
 
 SMALL = {

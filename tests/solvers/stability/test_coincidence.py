@@ -7,10 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bladewhirl.solvers.stability.coincidence import (
-    Coincidences,
-    coincidences,
-)
+from bladewhirl.solvers.stability.coincidence import Coincidences, coincidences
 
 ROTOR = np.array([1.03, 1.0, 2.5, 1.02, 6.0])
 ROTOR_K = np.array([0, 1, 1, 2, 2])

@@ -63,10 +63,7 @@ def test_a_figure_for_a_paper(directory: Path) -> None:
     ("arguments", "complaint"),
     [
         (["waterfall", "orbit", "bode"], "waterfall, bode: a run has the figures orbit, whirl, "),
-        (
-            ["orbit", "--from", "0.3", "--to", "0.1"],
-            "window [0.3, 0.1] s: expected a start",
-        ),
+        (["orbit", "--from", "0.3", "--to", "0.1"], "window [0.3, 0.1] s: expected a start"),
         (["energy-cyclic"], "energy-cyclic: expected energy-families, which replaces it"),
     ],
 )

@@ -62,11 +62,7 @@ def test_a_page_needs_no_display(run: Path, tmp_path: Path) -> None:
     ],
 )
 def test_bad_input_is_one_line(
-    run: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    arguments: list[str],
-    message: str,
+    run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], message: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
     before = sorted(run.iterdir())

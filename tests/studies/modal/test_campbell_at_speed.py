@@ -25,11 +25,7 @@ from bladewhirl.studies.modal import campbell as modal_campbell
 from bladewhirl.studies.modal.campbell import campbell, coincidence_list
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
 
-SMALL = {
-    "bladed_disk.blades": 8,
-    "bladed_disk.elements_per_blade": 4,
-    "shaft.stiffness": 1e7,
-}
+SMALL = {"bladed_disk.blades": 8, "bladed_disk.elements_per_blade": 4, "shaft.stiffness": 1e7}
 
 FRAMES: tuple[Frame, ...] = ("rotating", "static")
 

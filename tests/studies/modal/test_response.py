@@ -39,12 +39,7 @@ def case(
             "casing": {"clearance": "50 mm"},
             "damping": {"ratio": 0.2},
             "rotation": {"effects": effects},
-            "excitation": {
-                "type": "engine-order",
-                "order": order,
-                "amplitude": AMPLITUDE,
-                **load,
-            },
+            "excitation": {"type": "engine-order", "order": order, "amplitude": AMPLITUDE, **load},
             "march": {"speed": 0.9, "time_step": "4 us"},
         }
     )

@@ -18,24 +18,11 @@ from synthetic_result import ROTOR_FREQUENCY, synthetic_result
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import HOLDERS, Motion
-from bladewhirl.studies.paper.claim import (
-    CLAIMS,
-    VERDICTS,
-    Check,
-    Claim,
-    Finding,
-    check,
-)
+from bladewhirl.studies.paper.claim import CLAIMS, VERDICTS, Check, Claim, Finding, check
 from bladewhirl.studies.paper.claims_sweeps import done_points, middle_of_divergence
 from bladewhirl.studies.paper.judge import Plan, chosen_claims, reproduce_claims
 from bladewhirl.studies.paper.scorecard import Score, counted
-from bladewhirl.studies.paper.trials import (
-    CASES,
-    KAPPAS,
-    SURVEYS,
-    TRIALS,
-    perturbed,
-)
+from bladewhirl.studies.paper.trials import CASES, KAPPAS, SURVEYS, TRIALS, perturbed
 from bladewhirl.studies.sweeps.cache import RunStore, run_key
 
 EXAMPLES = ROOT / "examples"
@@ -53,10 +40,7 @@ def checks(*met: bool, essential: bool = False) -> tuple[Check, ...]:
         (Finding(ours="", checks=checks(True, True)), "holds"),
         (Finding(ours="", checks=checks(True, False)), "partly"),
         (Finding(ours="", checks=checks(False, False)), "does not hold"),
-        (
-            Finding(ours="", checks=checks(True) + checks(False, essential=True)),
-            "does not hold",
-        ),
+        (Finding(ours="", checks=checks(True) + checks(False, essential=True)), "does not hold"),
         (Finding(ours="", checks=checks(True), obstacle="no march"), "not testable"),
     ],
 )
@@ -240,10 +224,7 @@ def test_a_claim_on_a_march_is_judged_over_repeats(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("numbers", "by_section", "figures"),
-    [
-        ([4], [4], []),
-        pytest.param([4, 6, 1], [4, 1, 6], ["6", "8"], marks=pytest.mark.slow),
-    ],
+    [([4], [4], []), pytest.param([4, 6, 1], [4, 1, 6], ["6", "8"], marks=pytest.mark.slow)],
 )
 def test_the_command_writes_the_scorecard(
     tmp_path: Path, numbers: list[int], by_section: list[int], figures: list[str]
