@@ -120,8 +120,8 @@ class SectorLayout:
         """Return the orthonormal complex basis of nodal diameter k, (size, DoF of the block).
 
         The centre's translation along (1, i)/sqrt(2) belongs to k = 1: a turn of the structure by
-        one sector multiplies this translation by exp(-i alpha), as it does the sector values exp(i
-        n alpha).
+        one sector multiplies this translation, like the sector values exp(i n alpha) of k = 1, by
+        exp(-i alpha).
         """
         count, per_sector = self.sector_dofs.shape
         wave = np.exp(2j * np.pi * k * np.arange(count) / count) / np.sqrt(count)

@@ -225,7 +225,7 @@ def _loose_parts(model: BeamModel) -> Iterator[str]:
 
 
 def part_outside(model: BeamModel, radius: float) -> str | None:
-    """Return in words the part that is farthest outside a radius [m]; None if all are inside."""
+    """Describe the part that extends farthest beyond a radius [m]; None if all are inside."""
     away = np.linalg.norm(model.mesh.points, axis=1)
     node = int(away.argmax())
     if away[node] <= radius * (1.0 + OUTSIDE):

@@ -241,7 +241,7 @@ def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     modes.
 
     Args:
-        spectrogram: from `shaft_spectrogram`, `with_lines`.
+        spectrogram: from `shaft_spectrogram`, with lines from `with_lines`.
     """
     figure = new_figure(height=0.07)
     axes = figure.add_subplot()

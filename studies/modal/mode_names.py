@@ -67,7 +67,7 @@ def family_of(
         stage: finite element models with their modes.
         body: body of the family.
         family: name of the family.
-        diameters: nodal diameters; those without a mode of the family are skipped.
+        diameters: nodal diameters; a nodal diameter without a mode of the family is skipped.
         every: whether to return all modes with the same name, instead of the lowest.
     """
     modes, chosen = modes_of(stage, body), []
