@@ -67,7 +67,7 @@ def floquet(
             systems with the same period.
         period: T [s].
         damping: D [1/s], broadcast to (..., n, n); None for an undamped system.
-        tolerance: relative change of the monodromy matrix when the number of steps is doubled.
+        tolerance: permitted relative change of the monodromy matrix when the steps are doubled.
 
     Raises:
         ArithmeticError: the tolerance is not met with `MOST_STEPS` steps, or these are too few for

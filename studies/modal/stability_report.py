@@ -88,7 +88,7 @@ def point_report(
         omega: speed [rad/s].
         kappa: spring stiffness [N/m].
         folder: folder of the figures of the divergent mode; no figures if None.
-        films: whether to write also a VTK series and a GIF.
+        films: whether to write a VTK series and a GIF, too.
         overwrite: whether to replace existing files even if bladewhirl did not write them.
 
     Raises:

@@ -97,7 +97,7 @@ def _example_growth(evidence: Evidence) -> float:
 
 @measures(14)
 def no_instability_beside_the_zones(evidence: Evidence) -> Measures:
-    """Count unstable points outside the zones, and near coincidences of two backward waves.
+    """Count the unstable points outside the zones and those near coincidences of backward waves.
 
     Backward waves on both bodies coincide in static axes at Ω = (ω_r - ω_c) / k.
     """
