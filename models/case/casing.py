@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from typing import Annotated, Literal
 
 import numpy as np
+from pydantic import Field
 
+from bladewhirl.models.case.wall_profile import ClearanceProfile
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.rectangular import BeamSection
@@ -88,6 +90,10 @@ class Casing(Table):
     """Out-of-round clearance, rows of { lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }:
     amplitude * cos(lobes * (angle - phase)) added to clearance, fixed in the static frame; 2 lobes
     are an ellipse. Only the clearance is out of round: the beams stay on a circle."""
+    profile: ClearanceProfile | None = Field(default=None, examples=['{ file = "wall.csv" }'])
+    """Measured clearance around the casing: { file = "wall.csv" } with the first line "angle
+    [deg],clearance [mm]", { points = [[0, 1e-3], ...] }, or { harmonics = [{ lobes = 2, amplitude =
+    "0.2 mm" }] }; by default there is none."""
     wall: BeamSection = BeamSection()
     """Section of the wall [m] (paper, Table 1)."""
     thickness_lobes: Annotated[
@@ -139,7 +145,12 @@ class Casing(Table):
     @property
     def clearance_profile(self) -> RingProfile:
         """Clearance [m] around the ring."""
-        return RingProfile(mean=self.clearance, lobes=self.clearance_lobes)
+        measured = self.profile or ClearanceProfile()
+        return RingProfile(
+            mean=self.clearance,
+            lobes=(*self.clearance_lobes, *measured.harmonics),
+            points=measured.points,
+        )
 
     @property
     def thickness_profile(self) -> RingProfile:
@@ -154,8 +165,13 @@ class Casing(Table):
         """Yield errors for a negative clearance or thickness, for more lobes than the elements
         resolve, and for stations or arcs that overlap."""
         most = self.elements // ELEMENTS_PER_LOBE
-        for key in ("clearance_lobes", "thickness_lobes"):
-            if any(row.lobes > most for row in getattr(self, key)):
+        lobes = {
+            "clearance_lobes": self.clearance_lobes,
+            "profile": () if self.profile is None else self.profile.harmonics,
+            "thickness_lobes": self.thickness_lobes,
+        }
+        for key, rows in lobes.items():
+            if any(row.lobes > most for row in rows):
                 expected = (
                     f"at most {most} lobes with casing.elements = {self.elements},"
                     f" {ELEMENTS_PER_LOBE} a lobe"
@@ -166,7 +182,8 @@ class Casing(Table):
                 f"lobes that leave a gap: with casing.clearance = {self.clearance!r} the smallest"
                 f" gap would be {smallest:.6g} m"
             )
-            yield Inconsistency("clearance_lobes", expected, ("clearance",))
+            key = "clearance_lobes" if self.profile is None else "profile"
+            yield Inconsistency(key, expected, ("clearance",))
         if not (thinnest := self.thickness_profile.smallest) > 0.0:
             expected = f"lobes that leave a wall: the smallest thickness would be {thinnest:.6g} m"
             others = ("wall.thickness", "thickness_stations")

@@ -153,13 +153,13 @@ def case_fault(case: Case, key: str, expected: str) -> Fault:
 
 
 def _find_beside(tables: dict[str, Any], folder: str) -> None:
-    """Convert the path of a mesh file from relative to the case file to relative to the working
-    directory."""
-    table: Any = tables
-    for key in ("bladed_disk", "mesh"):
-        table = table.get(key) if isinstance(table, dict) else None
-    if isinstance(table, dict) and isinstance(table.get("file"), str):
-        table["file"] = os.path.join(folder, table["file"])
+    """Convert the paths of a mesh file and of a wall profile from relative to the case file to
+    relative to the working directory."""
+    for first, second in (("bladed_disk", "mesh"), ("casing", "profile")):
+        outer = tables.get(first)
+        table = outer.get(second) if isinstance(outer, dict) else None
+        if isinstance(table, dict) and isinstance(table.get("file"), str):
+            table["file"] = os.path.join(folder, table["file"])
 
 
 def _placed(fault: Fault, file: str, overridden: list[str]) -> Fault:

@@ -16,7 +16,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from typing import Annotated
+from functools import cached_property
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,6 +27,8 @@ from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.inputs.fields import Angle, Density, Length, LengthOrZero, Modulus, count
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.rectangular import Rectangle, Section
+
+TURN = 2.0 * np.pi
 
 FINE = 7200
 """Number of angles at which a profile is evaluated to find its smallest value."""
@@ -44,11 +47,24 @@ class Lobe(Table):
 
 @dataclass(frozen=True, kw_only=True)
 class RingProfile:
-    """A function of the angle: a constant, or linear interpolation between stations, plus lobes."""
+    """A function of the angle plus lobes: a constant, linear interpolation between stations, or a
+    periodic cubic spline through points."""
 
     mean: float  #: constant value, used if there are no stations
     lobes: tuple[Lobe, ...] = ()
     stations: tuple[tuple[float, float], ...] = ()  #: angles [rad] and values that replace `mean`
+    points: tuple[tuple[float, float], ...] = ()  #: angles [rad] and values that replace `mean`
+
+    @cached_property
+    def _spline(self) -> Any:
+        from scipy.interpolate import CubicSpline  # long to load
+
+        angles, values = np.array(self.points).T
+        angles = np.mod(angles, TURN)
+        order = np.argsort(angles)
+        closed = [*order.tolist(), int(order[0])]
+        places = np.append(angles[order], angles[order[0]] + TURN)
+        return CubicSpline(places, values[closed], bc_type="periodic")
 
     def value(self, angle: ArrayLike) -> FloatArray:
         """Return the values at angles [rad], in the same shape."""
@@ -57,25 +73,24 @@ class RingProfile:
         if self.stations:
             places, values = np.array(self.stations).T
             total = np.interp(theta, places, values, period=2.0 * np.pi)
+        elif self.points:
+            total = self._spline(theta)
         for wave in self.lobes:
             total = total + wave.amplitude * np.cos(wave.lobes * (theta - wave.phase))
         return np.asarray(total)
 
-    def lobe_slope(self, angle: ArrayLike) -> FloatArray:
-        """Return the derivative of the lobes with respect to the angle at angles [rad]."""
+    def slope(self, angle: ArrayLike) -> FloatArray:
+        """Return the derivative of points and lobes with respect to the angle at angles [rad]."""
         theta = np.asarray(angle, dtype=np.float64)
-        slope = np.zeros(theta.shape)
+        slope = self._spline(theta, 1) if self.points else np.zeros(theta.shape)
         for wave in self.lobes:
-            slope -= wave.amplitude * wave.lobes * np.sin(wave.lobes * (theta - wave.phase))
-        return slope
+            slope = slope - wave.amplitude * wave.lobes * np.sin(wave.lobes * (theta - wave.phase))
+        return np.asarray(slope)
 
     @property
     def smallest(self) -> float:
         """Smallest value on the ring, at steps of a twentieth of a degree."""
-        return float(self.value(np.linspace(0.0, 2.0 * np.pi, FINE, endpoint=False)).min())
-
-
-TURN = 2.0 * np.pi
+        return float(self.value(np.linspace(0.0, TURN, FINE, endpoint=False)).min())
 
 
 @dataclass(frozen=True, kw_only=True)

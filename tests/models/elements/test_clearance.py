@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,10 +11,13 @@ from contact_cases import ledger_residual, run
 from places import EXAMPLES
 from stages import observed_order
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.check import case_from
-from bladewhirl.models.case.file import read_case
+from bladewhirl.models.case.file import loads, read_case
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements.build import case_clearance
+from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.sections.wall import Lobe, RingProfile
 from bladewhirl.models.stage.build import contact_problem, march_faults
 from bladewhirl.models.stage.stage import build_stage
@@ -66,7 +70,7 @@ def test_the_profile_knows_its_slope_and_its_smallest_value() -> None:
     )
     angle, step = np.linspace(0.0, 7.0, 50), 1e-5
     central = (profile.value(angle + step) - profile.value(angle - step)) / (2 * step)
-    np.testing.assert_allclose(profile.lobe_slope(angle), central, atol=1e-8)
+    np.testing.assert_allclose(profile.slope(angle), central, atol=1e-8)
     fine = profile.value(np.linspace(0.0, 2.0 * np.pi, 1_000_000)).min()
     assert profile.smallest == pytest.approx(fine, abs=1e-6)
 
@@ -81,3 +85,41 @@ def test_a_tip_that_starts_inside_a_lobe_is_a_fault() -> None:
     given = case_from(outward | {"casing": {"clearance_lobes": [tight]}})
     [fault] = march_faults(build_stage(given))
     assert "blade 0 starts 0.0008 m outward, but its clearance is 0.0007 m" in str(fault)
+
+
+def measured(folder: Path, heading: str, rows: FloatArray) -> Case:
+    """A case with a file of a measured wall beside it."""
+    lines = [heading, *(f"{a:.17g},{b:.17g}" for a, b in rows)]
+    (folder / "wall.csv").write_text("\n".join(lines), encoding="utf-8")
+    (folder / "case.toml").write_text('[casing.profile]\nfile = "wall.csv"\n', encoding="utf-8")
+    return read_case(folder / "case.toml")
+
+
+def test_a_measured_ellipse_is_two_lobes(tmp_path: Path) -> None:
+    degrees = np.arange(0.0, 361.0, 0.5)[:-1]  # the first point once more at the end
+    clearance = 1.0 + 0.2 * np.cos(np.radians(2.0 * (degrees - 30.0)))
+    heading = "clearance [mm],angle [deg]"
+    case = measured(tmp_path, heading, np.column_stack([clearance, degrees]))
+    lobe = {"lobes": 2, "amplitude": "0.2 mm", "phase": "30 deg"}
+    expected = case_clearance(lobed(40, lobe))
+    np.testing.assert_allclose(case_clearance(case), expected, rtol=0.0, atol=1e-11)
+    harmonics = case_from({"casing": {"profile": {"harmonics": [lobe]}}})
+    np.testing.assert_array_equal(case_clearance(harmonics), expected)
+    assert loads(dumps_case(case)) == case
+
+
+@pytest.mark.parametrize(
+    ("heading", "rows", "complaint"),
+    [
+        ("angle,clearance", [[0.0, 1.0]], r'expected "angle \[deg\],clearance \[mm\]"'),
+        ("angle [deg],clearance [kg]", [[0.0, 1.0]], "kilogram is"),
+        ("angle [deg],clearance [mm]", [[0.0, 1.0]] * 9, "one clearance at each angle"),
+        ("angle [deg],clearance [mm]", [[0.0, 1.0]], "8 to 20000 points, not 1"),
+        ("angle [rad],clearance [mm]", [[k, -1.0] for k in range(6)] + [[6, 1], [7, 1]], "a gap"),
+    ],
+)
+def test_a_measured_wall_that_cannot_be(
+    heading: str, rows: list[list[float]], complaint: str, tmp_path: Path
+) -> None:
+    with pytest.raises(CaseError, match=complaint):
+        measured(tmp_path, heading, np.array(rows))
