@@ -136,7 +136,7 @@ def casing_displacement(
         ``casing_displacement(result, angle="90 deg")["displacement"].sel(component="radial")``
     """
     result = in_window(result, start, end)
-    angles = np.array([_radians(value) for value in np.ravel(np.asarray(angle))])
+    angles = np.array([radians(value) for value in np.ravel(np.asarray(angle))])
     rows = casing_rows(result, angles)
     moved = reduce_modes(result, "casing_displacement", rows.reshape(-1, rows.shape[-1]))
     return labelled(
@@ -147,7 +147,7 @@ def casing_displacement(
     )
 
 
-def _radians(angle: object) -> float:
+def radians(angle: object) -> float:
     """Return an angle in rad from a number or text."""
     try:
         radians = to_si(angle, "rad") if isinstance(angle, str) else float(cast(float, angle))
