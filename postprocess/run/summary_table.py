@@ -99,8 +99,9 @@ def _energies(energy: EnergyHolders) -> dict[str, str]:
 def _whirl(frequency: float | None, lines: list[LineOfWhirl], frame: Frame) -> str:
     if frequency is not None:
         return f"{'forward' if frequency > 0 else 'backward'}, {abs(frequency):.4g} Hz"
-    shares = [f"{line['share']:.0%} at {round(line[frame], 6):.3g} Hz" for line in lines]
-    return "; ".join(["no single whirl frequency", *shares])
+    shares = [f"{line['share']:.0%} at {round(line[frame], 6) + 0.0:.3g} Hz" for line in lines]
+    strongest = [f"strongest lines {', '.join(shares)}"] if shares else []
+    return "; ".join(["no single whirl frequency", *strongest])
 
 
 def _stress(peak: StressPeak, strength: float | None) -> str:

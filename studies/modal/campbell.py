@@ -70,7 +70,8 @@ def campbell(
         case_or_stage: a case, or its stage; the centre is free or clamped as in the case.
         families: number of families of the bladed disk, without the suspension pair.
         speeds: ends of the diagrams, each a multiple of the reference frequency or text such as
-            "2500 rpm".
+            "2500 rpm". With rotation effects, coincidences are computed up to the second end; an
+            example is that 1F with nodal diameter 1 may have none below it.
         operating: operating range, in the same form.
 
     Raises:
