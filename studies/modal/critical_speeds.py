@@ -69,8 +69,8 @@ def critical_speeds(
     matrices = stage.at_speed[0].matrices
     if not matrices.structure.is_cyclic:
         raise UserError(
-            "critical speeds: expected equal sectors on equal shaft springs (no bladed_disk.mistuning"
-            " and no shaft.stiffness_y), so that waves of one nodal diameter are separate"
+            "critical speeds: expected equal sectors on equal shaft springs, without"
+            " bladed_disk.mistuning and shaft.stiffness_y"
         )
     own, at = waves(matrices, 1, "full"), stage.case.shaft.stiffness
     springs = spring_stiffnesses(stage.case, None) if stiffnesses is None else stiffnesses
