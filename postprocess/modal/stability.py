@@ -145,7 +145,7 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     lower.set_xlabel(SPEED)
     frequency_axis(lower, reference / (2.0 * np.pi))
     shown = _words(f"Eigenvalues along κ = {handy(data.attrs['kappa'], 'N/m', 4)}", data)
-    set_title(figure, data.attrs["case"], f"{shown}\nin the frame that turns at Ω/2")
+    set_title(figure, data.attrs["case"], f"{shown}, frame turning at Ω/2")
     legends_below(figure, Group(entries))
     _name_meetings(upper, data, data["zone_growth"].values)
     if many:

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import BoolArray
 from bladewhirl.models.inputs.units import handy_unit
@@ -242,7 +243,7 @@ def contact_span(edge: Array, touching: BoolArray) -> tuple[float, float]:
     return max(begin, first - margin), min(end, last + margin)
 
 
-def draw_share(axes: Axes, across: xr.DataArray, up: Array, share: xr.DataArray) -> QuadMesh:
+def draw_share(axes: Axes, across: ArrayLike, up: ArrayLike, share: xr.DataArray) -> QuadMesh:
     """Draw shares (time, row) of the time in contact in percent; permanent contact is darkest."""
     percent = np.ma.masked_less_equal(100.0 * np.nan_to_num(share.values.T), 0.0)
     scale = LinearSegmentedColormap.from_list("share", SHARE_COLOURS)

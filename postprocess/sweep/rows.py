@@ -23,7 +23,12 @@ from bladewhirl.postprocess.energy.strain import (
 from bladewhirl.postprocess.plotting.axes import decades, draw_map
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, CLASS_HATCHES, PERMANENT
+from bladewhirl.postprocess.run.blade_contact import (
+    CLASS_COLOURS,
+    CLASS_HATCHES,
+    PERMANENT,
+    draw_share,
+)
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges, rpm_on_top
 from bladewhirl.postprocess.sweep.dataset import GROUP
 from bladewhirl.postprocess.sweep.drawing import (
@@ -119,14 +124,13 @@ def _draw_line(left: Axes, right: Axes, one: xr.Dataset) -> QuadMesh:
 def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
     edges = key_edges(one)
     blades = np.arange(one.sizes["blade"] + 1) - 0.5
-    share = 100 * one["late_contact_share"].values.T
+    share = one["late_contact_share"].T
     axes.set(ylabel="blade, by its number")
     axes.locator_params(axis="y", integer=True)
-    free = np.ma.masked_not_equal(share, 0.0)
+    free = np.ma.masked_not_equal(share.values, 0.0)
     draw_map(axes, edges, blades, free, cmap=ListedColormap(["white"]))
     axes.patch.set(hatch=HATCH, edgecolor=CLASS_COLOURS["free"])  # where there is no result
-    touching = np.ma.masked_equal(share, 0.0)
-    return draw_map(axes, edges, blades, touching, vmin=0.0, vmax=100.0)
+    return draw_share(axes, edges, blades, share.T)
 
 
 def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
