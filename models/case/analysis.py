@@ -30,9 +30,9 @@ class Reduction(Table):
 
     fixed_interface_modes: Annotated[int, fields.count(1)] = MODES
     """Number of fixed-interface modes of all blades together (eta in the paper, Section 2.2). The
-    default is five per blade for 22 blades, with which the frequencies of family 5F have errors
-    below 1 %, or all modes of a smaller bladed disk; scale it with the number of blades.
-    bladewhirl show prints the errors."""
+    default, five per blade of 22 blades, gives errors below 1 % in the frequencies of family 5F;
+    scale it with the number of blades. A smaller bladed disk keeps all of its modes. bladewhirl
+    show prints the errors."""
     modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "all"
     """Modes that a march keeps: "all"; "six", the paper's truncated space of Eqs (4)-(10), which is
     "1F:1,suspension:1,casing:1"; or names, FAMILY:k on the bladed disk and casing:FAMILY:k on the

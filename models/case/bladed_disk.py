@@ -24,7 +24,7 @@ Factors = tuple[Annotated[float, fields.number("positive")], ...]
 
 
 class TaperStation(Table):
-    """A section along the blade; keys that are left out have the values of bladed_disk.blade."""
+    """Section at one point along the blade; keys left out have the values of bladed_disk.blade."""
 
     width: fields.Length | None = None
     """Size out of the plane [m]."""
@@ -64,7 +64,7 @@ class DiskRing(BeamSection):
 
 
 class PointMass(Table):
-    """A point mass at one radius of some or all blades, or at the centre."""
+    """A point mass at the centre, or equal point masses at one radius of some or all blades."""
 
     radius: fields.LengthOrZero
     """Radius [m]: 0 at the centre, otherwise between root and tip."""

@@ -23,7 +23,7 @@ cubic polynomial between nodes, exceeds 2 % of the amplitude."""
 
 
 class Station(Table):
-    """The wall's thickness at an angle."""
+    """Thickness of the wall at one angle around the ring."""
 
     angle: fields.Angle
     """Angle from the x axis [rad]."""
@@ -32,7 +32,7 @@ class Station(Table):
 
 
 class SpringSupport(Table):
-    """Springs and dampers from the wall to the ground at an angle."""
+    """Springs and dampers that connect the wall to the ground at one angle around the ring."""
 
     angle: fields.Angle
     """Angle from the x axis [rad]."""

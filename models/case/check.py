@@ -140,7 +140,7 @@ def _keys_of(table: type[Table]) -> Iterator[tuple[str, ...]]:
 
 
 def tables_in(annotation: Any) -> Iterator[type[Table]]:
-    """Yield the tables in a type: the type itself, and those in its unions and arrays."""
+    """Yield all table classes in a type: the type itself, or members of a union or an array."""
     if isinstance(annotation, type) and issubclass(annotation, Table):
         yield annotation
     for inner in get_args(annotation):

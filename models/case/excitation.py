@@ -167,11 +167,11 @@ class Harmonic(Table):
 
 
 class EngineOrder(Table):
-    """Forces on the blades that are fixed in the blades and vary with an engine order."""
+    """Forces on the blades that vary r times in each revolution; r is the engine order."""
 
     type: Literal["engine-order"] = "engine-order"
-    """Force F cos(r (Omega t + theta_n) + phase) on blade n at the angle theta_n: a field with r
-    lobes that is at rest in the static frame, as seen by the rotating blades."""
+    """Force F cos(r (Omega t + theta_n) + phase) on blade n at the angle theta_n. Its direction
+    turns with the blade; its r maxima around the circle are at rest in the static frame."""
     order: Annotated[tuple[int, ...], BeforeValidator(_orders)] = (1,)
     """Engine order r, a whole number of zero or more, or a list of engine orders, each with the
     same amplitude."""

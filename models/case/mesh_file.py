@@ -101,7 +101,7 @@ class MeshTable(Table):
         return self.tip_radius or max(hypot(*tip) for tip in self.tip_points)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield unreadable files and names in the table that the file does not contain."""
+        """Yield errors for an unreadable file and for names that the file does not contain."""
         try:
             lines = self.lines()
             tips = self.tip_nodes(lines)

@@ -11,7 +11,7 @@ from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.sections.rectangular import Material, NamedMaterial
 
 Bound = tuple[str, float, float, float, str]
-"""Key, its value, smallest and largest plausible value, and the words after these in a message."""
+"""Key, value, smallest and largest plausible value, and unit with a remark for the warning."""
 
 STIFFEST = 1e13
 """Largest plausible stiffness of a spring [N/m]; a cube of steel of 1 m has 2e11 N/m."""

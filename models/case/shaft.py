@@ -28,7 +28,7 @@ class Rotation(Table):
     needs effects other than "none"."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for a cold clearance without rotation effects, where tips do not grow."""
+        """Yield an error for a cold clearance (measured at rest) without rotation effects."""
         if self.effects == "none" and self.clearance == "cold":
             expected = (
                 '"hot", or rotation.effects = "centrifugal" or "full": only then do tips grow'

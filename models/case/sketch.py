@@ -47,7 +47,7 @@ class SketchTable(Table):
 
     @property
     def node_sets(self) -> dict[str, tuple[str, ...]]:
-        """References to nodes by the name of their set."""
+        """Nodes of each set, by name of the set."""
         return {named.name: named.nodes for named in self.sets}
 
     @property
@@ -70,7 +70,7 @@ class SketchTable(Table):
         return frozenset(node.name for node in self.nodes if node.shared)
 
     def is_shared(self, *references: str) -> bool:
-        """Return whether all sectors share these nodes."""
+        """Return whether all sectors share all nodes in `references`."""
         return all(split_reference(reference)[0] in self._shared for reference in references)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:

@@ -43,7 +43,7 @@ def _reference(value: object) -> str:
 def split_reference(reference: str) -> tuple[str, int]:
     """Split a reference into the name of the node and the offset of its sector."""
     match = _REFERENCE.fullmatch(reference)
-    assert match is not None  # checked when made
+    assert match is not None  # references are validated
     return match["name"], int(match["shift"] or 0)
 
 

@@ -1,6 +1,6 @@
 """Springs between bladed disk and casing that represent frame and bearings (Eqs 4-10).
 
-`equations` has the equations of motion of coupled modes; `springs` has modes with one nodal
-diameter each. `stage_modes` takes the modes from finite element models with cyclic symmetry,
-`stage_waves` from any other models.
+`equations` has the equations of motion of coupled modes, and `springs` these equations if every
+mode has a single nodal diameter k. `stage_modes` takes such modes from finite element models with
+cyclic symmetry, `stage_waves` takes modes with several nodal diameters from other models.
 """

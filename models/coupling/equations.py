@@ -65,7 +65,7 @@ class CoupledEquations:
 
     @property
     def blocks(self) -> tuple[CoupledEquations, ...]:
-        """Sets of equations that are independent of each other; here only these equations."""
+        """Independent sets of equations; here a single set with all equations."""
         return (self,)
 
     def drag(self, speed: ArrayLike) -> FloatArray:

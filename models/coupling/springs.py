@@ -90,7 +90,7 @@ class CouplingModes:
 
     @property
     def frame_rate(self) -> FloatArray:
-        """Turns of each entry's autonomous coordinates per turn of the rotor, (entries,)."""
+        """Turns of the frame of constant coefficients per turn of the rotor, (entries,)."""
         share = np.where(self.on_casing, 0.5, -0.5)
         single = np.isin(self.nodal_diameter, self.nodal_diameter[~self.paired])
         turned = np.where(single, self.on_casing, share)  # a single mode cannot be turned
@@ -147,7 +147,7 @@ class CouplingModes:
         return replace(self, name=name, coriolis=coriolis, softening=softening, **arrays)
 
     def harmonic(self, k: int) -> CouplingModes:
-        """Return the modes reduced to their entries of nodal diameter k."""
+        """Return only the modes of nodal diameter k."""
         return self.take(self.nodal_diameter == k)
 
 
@@ -175,7 +175,7 @@ def paper_modes(
 
 @dataclass(frozen=True, kw_only=True)
 class CoupledEntries:
-    """Coupled modes, and the number of each mode among the modes of its body."""
+    """Coupled modes, and the number of each mode among all modes of its body (rotor or casing)."""
 
     modes: CouplingModes
     number: IntArray  #: number of the (cosine) mode among the modes of its body, (entries,)
@@ -186,12 +186,12 @@ class CoupledEntries:
         return self.number[self.modes.entry] + self.modes.is_sine
 
     def coordinates(self, *, on_casing: bool) -> tuple[IntArray, IntArray]:
-        """Return the coordinates that belong to one body, and the numbers of their modes."""
+        """Return the coordinates of the rotor or of the casing, and the numbers of their modes."""
         coordinates = np.flatnonzero(self.modes.on_casing[self.modes.entry] == on_casing)
         return coordinates, self.numbers[coordinates]
 
     def places(self, rotor_modes: int) -> IntArray:
-        """Return the position of each coordinate if casing modes follow rotor modes, (size,)."""
+        """Return the position of each coordinate in a list of all rotor, then all casing modes."""
         return self.numbers + rotor_modes * self.modes.on_casing[self.modes.entry]
 
     @property
@@ -203,7 +203,7 @@ class CoupledEntries:
         }
 
     def among(self, on_rotor: IntArray, on_casing: IntArray) -> IntArray:
-        """Return the positions of the entries whose modes have the given numbers on their body."""
+        """Return the positions of the entries that belong to the given rotor or casing modes."""
         there = np.isin(self.number, on_rotor), np.isin(self.number, on_casing)
         return np.flatnonzero(np.where(self.modes.on_casing, there[1], there[0]))
 

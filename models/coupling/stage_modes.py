@@ -1,4 +1,4 @@
-"""Modes of a stage that are coupled by springs between rotor and casing, with amplitudes."""
+"""Modes of rotor and casing that springs couple, and the amplitudes of the modes at the springs."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ RADIAL_SHARE = 1.0 / 3.0
 ring with k nodal diameters, so 1/2 for k = 1; in extensional modes it is 1 / (1 + k^2)."""
 
 SMALLEST_AMPLITUDE = 1e-9
-"""Smallest radial amplitude of a coupled mode, relative to the largest amplitude of its body."""
+"""Smallest amplitude of a coupled mode over the largest amplitude on the same body."""
 
 ROUNDING = 1e-9
 """Largest rounding error of entries that are zero by mirror symmetry, over the largest entry."""
@@ -85,7 +85,7 @@ def at_speed(stage: StageModes, matrices: RotationMatrices, effects: Effects) ->
 
 @dataclass(frozen=True, kw_only=True)
 class RadialModes:
-    """Radial motion of the modes of one body at the springs."""
+    """Radial motion, at the springs, in the modes of the bladed disk or of the casing."""
 
     frequency: FloatArray  #: natural frequency [rad/s], (modes,)
     nodal_diameter: IntArray  #: nodal diameter of each mode, (modes,)
@@ -133,8 +133,8 @@ def coupled_entries(
 
     From the bladed disk, these are the suspension pair and the modes of `FAMILIES`. From the
     casing, they are the lowest radial mode of each nodal diameter below half the number of
-    elements, if the bladed disk has modes with this nodal diameter. The amplitude of a mode belongs
-    to the cos k theta part of its radial displacement at the tips or casing nodes.
+    elements, if the bladed disk has modes with this nodal diameter. The amplitude of a mode is the
+    coefficient of cos k theta in its radial displacement at the tips or casing nodes.
 
     Args:
         rotor: modes of the bladed disk, ascending.

@@ -52,8 +52,8 @@ def coupled_waves(
 
     Args:
         modal: finite element models with their modes.
-        modes: "all" (families 1F to 5F, the suspension and the lowest radial casing modes; if
-            sectors differ, as many of the lowest modes of the bladed disk), names as in
+        modes: "all" (families 1F to 5F, the suspension and the lowest radial casing modes; without
+            sectors, the six lowest modes per blade replace the families), names as in
             `reduction.modes`, or "six" (the modes of the paper; if blades differ, all modes of
             their families).
         damped: add the modal damping and the dampers of shaft and supports.
@@ -151,7 +151,7 @@ def _with_waves(
     angle: FloatArray,
     harmonics: IntArray,
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return the numbers, fields and waves of the chosen modes that move radially."""
+    """Return numbers, fields and wave parts (see `wave_parts`) of the modes that move radially."""
     fields = modes.fields(chosen)
     waves = wave_parts(radial(fields), angle, harmonics)
     size = np.linalg.norm(waves, axis=(0, 1))

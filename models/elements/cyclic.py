@@ -172,7 +172,7 @@ class SectorLayout:
         return True
 
     def blocks(self, *matrices: sp.csr_array) -> Iterator[tuple[int, tuple[ComplexArray, ...]]]:
-        """Yield each nodal diameter with the dense Hermitian blocks of the matrices.
+        """Yield each nodal diameter k with the part of each matrix that acts on k, a dense block.
 
         If sectors differ, the blocks belong to the mean of all sectors.
         """
@@ -215,8 +215,7 @@ class SectorLayout:
         return np.asarray(sp.coo_array((turned, (row, column)), (per_sector, per_sector)).toarray())
 
     def real_shapes(self, k: int, vectors: ComplexArray) -> tuple[FloatArray, IntArray]:
-        """Return the real fields of complex amplitudes; of each pair the cosine field is first,
-        the sine field second.
+        """Return real fields from complex amplitudes; of each pair, the cosine before the sine.
 
         Args:
             k: nodal diameter.

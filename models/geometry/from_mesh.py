@@ -48,7 +48,7 @@ GROUNDED = tuple(name.replace("spring", "ground") for name in SPRING)
 
 
 def grouped_lines(model: BeamModel) -> GroupedLines:
-    """Convert a beam model to the contents of a mesh file: sets become groups, properties data."""
+    """Convert a beam model to the contents of a mesh file, with sets as groups."""
     mesh, springs, links = model.mesh, model.springs, model.links
     acts = springs.stiffness.any(axis=1)
     between, grounded = acts & (springs.other != GROUND), acts & (springs.other == GROUND)
@@ -103,8 +103,8 @@ def springs(mesh: GroupedLines) -> NodeSprings:
 
 
 def _summed(size: int, data: Mapping[str, tuple[IntArray, FloatArray]]) -> dict[str, FloatArray]:
-    """Return for each name an array with the sum of all values at each place, NaN at places without
-    a value; names without places are left out."""
+    """Return for each name an array in which values with the same index are added. Entries without
+    a value are NaN; names without values are left out."""
     arrays = {name: np.full(size, np.nan) for name, (places, _) in data.items() if len(places)}
     for name, array in arrays.items():
         places, values = data[name]

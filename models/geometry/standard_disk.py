@@ -103,7 +103,7 @@ class _Blade:
             self._angle = lambda span: float(smooth(span))
 
     def node_at(self, radius: float) -> str:
-        """Return the name of the node at a radius of the case."""
+        """Return the name of the node at a radius that the case specifies."""
         return next(name for name, node_radius in self._radius.items() if node_radius == radius)
 
     def polar(self, radius: float, stretch: float = 1.0) -> tuple[float, float]:
@@ -121,7 +121,7 @@ class _Blade:
         return r * float(np.cos(angle)), r * float(np.sin(angle))
 
     def path(self, ends: tuple[float, float], stretch: float = 1.0) -> list[tuple[float, float]]:
-        """Return points of a curved centre line between two radii [m]; a straight line has none."""
+        """Return points of the centre line between two radii [m]; none if the line is straight."""
         if not self.is_curved:
             return []
         return [self.point(ends[0] + s * (ends[1] - ends[0]), stretch) for s in BETWEEN]
@@ -131,12 +131,12 @@ class _Blade:
         return (ends[0] - self._root) / self._span, (ends[1] - self._root) / self._span
 
     def pieces(self, elements: int) -> list[tuple[str, str, int]]:
-        """Return the two end nodes and the number of elements of each piece of the blade."""
+        """Return two end nodes and number of elements for each part of the blade between nodes."""
         names = ["root", *self.inner, "tip"]
         lengths = np.diff([self._radius[name] for name in names])
         counts = np.ones(len(lengths), dtype=int)
         for _ in range(elements - len(lengths)):
-            counts[np.argmax(lengths / counts)] += 1  # in the piece with the longest elements
+            counts[np.argmax(lengths / counts)] += 1  # in the part with the longest elements
         return [(a, b, int(n)) for (a, b), n in zip(pairwise(names), counts, strict=True)]
 
     def radius(self, name: str, stretch: float = 1.0) -> float:
@@ -183,8 +183,8 @@ def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, material: Mat
 
 
 def _piece_of(taper: list[Section], ends: tuple[float, float], elements: int) -> list[Section]:
-    """Return the stations of a piece of a blade: the stations of the taper for the complete blade,
-    otherwise closely spaced stations."""
+    """Return sections along a part of a blade: the given taper, if the part is the complete blade,
+    otherwise the taper sampled at short distances."""
     if not taper or ends == (0.0, 1.0):
         return taper
     shares = np.linspace(*ends, FINE_STATIONS * elements + 1)

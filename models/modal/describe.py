@@ -32,7 +32,7 @@ def stage_arrays(
     casing_family: tuple[str, ...],
     turning: TurningDisk | None,
 ) -> StageArrays:
-    """Return the arrays of a stage with given modes of its bodies.
+    """Return the arrays of a stage with given modes of bladed disk and casing.
 
     Args:
         case: case of the stage.

@@ -239,7 +239,7 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
 
     Args:
         case: the case.
-        count: number of the lowest modes of each body; all if None.
+        count: number of the lowest modes of bladed disk and of casing; all if None.
 
     Raises:
         CaseError: the stage is too large for the memory, no springs give the suspension frequency,

@@ -6,8 +6,8 @@ from the modes that are shown.
 
 The labels of a structure with unequal sectors follow from its *tuned twin*, a cyclic structure
 whose sectors are the mean of all sectors. Each mode is expanded in the modes of the twin. The mode
-gets the family with the largest share in this expansion. The nodal diameter of the mode is the one
-with the largest mass-weighted share of its motion; this share is its purity.
+gets the family with the largest share in this expansion. The purity of a mode is the largest
+mass-weighted share of a nodal diameter in its motion; this is the nodal diameter of the mode.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ class LabelledModes(ModeTable):
     at_rest: tuple[str, ...] = ()
     """Families of the same branches at rest, (modes,); empty for a structure at rest."""
     amplitudes: tuple[ComplexArray | FloatArray, ...]
-    """Complex amplitudes of each mode in one sector (see `cyclic`) [kg^-1/2]; its full field if the
-    column is -1."""
+    """Complex amplitudes of each mode in one sector (see `cyclic`) [kg^-1/2]; the full field of a
+    mode with column -1."""
     layout: SectorLayout | None  #: sectors of the structure
     size: int  #: number of free degrees of freedom of the structure
 
@@ -100,13 +100,13 @@ class LabelledModes(ModeTable):
 def labelled_modes(
     structure: Structure, reference: tuple[int, int], body: Body, count: int | None = None
 ) -> LabelledModes:
-    """Return the modes of a structure with their labels; by nodal diameter if it is cyclic.
+    """Return the modes of a structure with their labels.
 
     Args:
         structure: matrices and sectors.
         reference: positions, among the DoF of a sector, of the radial and the tangential
             displacement that fix the phase of degenerate pairs.
-        body: kind of body, which determines the names of special families, see `families`.
+        body: "bladed-disk" or "casing"; the names of special families differ, see `families`.
         count: exact number of the lowest modes; all if None.
     """
     if structure.is_cyclic:
@@ -146,7 +146,7 @@ def families_at_speed(names: list[str], shares: FloatArray) -> list[str]:
     """Return the families of the branches of one nodal diameter and one direction at a speed.
 
     The branch with more than half of its strain energy in the shaft springs is the suspension, and
-    the remaining families keep their order. Without such a branch all names are those at rest.
+    the remaining families keep their order. Without such a branch the names at rest are kept.
 
     Args:
         names: families of the branches at rest, by rank.
@@ -162,11 +162,10 @@ def families_at_speed(names: list[str], shares: FloatArray) -> list[str]:
 def _names(
     structure: Structure, modes: Modes, reference: tuple[int, int], body: Body
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the families of modes, and the families of the same branches at rest, if sectors are
-    equal or there are none.
+    """Return the families of modes, and the families of the same branches at rest.
 
-    Modes of a rotating structure have the rank of modes at rest, because the frequencies of one
-    nodal diameter do not cross as the speed changes; `families_at_speed` gives their families.
+    `modes` belong to equal sectors or to no sectors. Modes of a rotating structure have the rank of
+    modes at rest, because the frequencies of one nodal diameter do not cross as the speed changes.
     """
     if structure.at_rest is None:
         names = tuple(families(modes, body))
@@ -236,7 +235,8 @@ def _in_springs(springs: ComplexArray, vectors: ComplexArray) -> FloatArray:
 
 
 def _families_of_twin(structure: Structure, modes: Modes, twin: LabelledModes) -> list[str]:
-    """Return for each mode the family with the largest share of its expansion in the twin."""
+    """Expand each mode in the modes of the tuned twin, and return for each mode the family whose
+    coefficients have the largest sum of squares."""
     layout = structure.layout
     assert layout is not None  # structures with a twin have sectors
     names = list(dict.fromkeys(twin.family))
@@ -255,7 +255,7 @@ def _families_of_twin(structure: Structure, modes: Modes, twin: LabelledModes) -
 def whirl_families(
     structure: Structure, modes: WhirlModes, reference: tuple[int, int]
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the family of each whirling mode of a bladed disk, and its family at rest.
+    """Return the family of each whirling mode, and the family of the same branch at rest.
 
     If sectors are equal, the frequencies of waves of one nodal diameter do not cross as the speed
     changes. A wave then has the rank of a mode at rest, and `families_at_speed` gives its family.
@@ -284,7 +284,7 @@ def whirl_families(
 
 
 def names_of(modes: LabelledModes) -> dict[int, list[str]]:
-    """Return the families at rest by nodal diameter, the lowest first, one of each pair."""
+    """Return for each nodal diameter the families at rest, lowest mode first, one for a pair."""
     one, names = modes.one_a_pair(), modes.at_rest or modes.family
     return {
         int(k): [names[i] for i in one[modes.nodal_diameter[one] == k]]

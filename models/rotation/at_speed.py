@@ -24,8 +24,8 @@ def static_displacement(
     Args:
         matrices: matrices of the bladed disk.
         omega: speed of rotation [rad/s].
-        follows: let the load increase with the displacement, (K - Omega^2 M_t) u = Omega^2 M_t X,
-            about 0.02 % more at the reference frequency; if false, u is proportional to Omega^2.
+        follows: let the load increase with the displacement, (K - Omega^2 M_t) u = Omega^2 M_t X;
+            if false, u is proportional to Omega^2, and 0.02 % smaller at the reference frequency.
     """
     if not follows:
         return omega**2 * matrices.growth

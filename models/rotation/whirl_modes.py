@@ -102,11 +102,11 @@ class WhirlModes:
 
 
 def directions(signed: FloatArray, omega: float) -> tuple[Direction, ...]:
-    """Return the directions of waves that follow from the signs of their frequencies.
+    """Return the direction of each wave, given by the sign of its frequency.
 
     Args:
-        signed: frequencies, positive for backward, zero for standing waves [rad/s], (modes,).
-        omega: speed of rotation, relative to which a frequency counts as zero [rad/s].
+        signed: frequencies, positive for backward, negative for forward waves [rad/s], (modes,).
+        omega: speed of rotation [rad/s]; waves with at most `SLOW` of this frequency are standing.
     """
     return tuple(
         "standing" if abs(w) <= SLOW * abs(omega) else ("backward" if w > 0.0 else "forward")

@@ -78,7 +78,7 @@ class Material(Table):
         return self if name is None else {one.name: one for one in self.named}[name]
 
     def section(self, given: BeamSection) -> Section:
-        """Return a section of the case with its material."""
+        """Return a section of the case together with the properties of its material."""
         named = self.find(given.material)
         return Section(width=given.width, thickness=given.thickness, material=named)
 
@@ -204,7 +204,7 @@ def along_elements(sections: Section | Taper, elements: int) -> tuple[FloatArray
     values = along(sections, corners)
     element = np.clip(np.searchsorted(edges, corners[:-1], side="right") - 1, 0, elements - 1)
     starts = np.searchsorted(element, np.arange(elements))
-    # Places of the corners in their element, -1/2 to 1/2, at both ends of each straight piece.
+    # Ends of each interval without a kink, from -1/2 to 1/2 in the element that contains it.
     low, high = (side * elements - element - 0.5 for side in (corners[:-1], corners[1:]))
     first, second = values[:, :-1], values[:, 1:]
     middle = (high - low) * (first + second) / 2.0
@@ -213,7 +213,7 @@ def along_elements(sections: Section | Taper, elements: int) -> tuple[FloatArray
     change = 12.0 * np.add.reduceat((high - low) * moment, starts, axis=1)
     smallest = np.minimum.reduceat(np.minimum(first, second), starts, axis=1)
     largest = np.maximum.reduceat(np.maximum(first, second), starts, axis=1)
-    constant = smallest == largest  # for which there is no rounding
+    constant = smallest == largest  # then `smallest` is free of rounding errors
     largest_end = np.where(constant, 0.0, 2.0 * mean - smallest)
     return np.where(constant, smallest, mean), np.clip(change, -largest_end, largest_end)
 

@@ -47,8 +47,8 @@ class Lobe(Table):
 
 @dataclass(frozen=True, kw_only=True)
 class RingProfile:
-    """A function of the angle plus lobes: a constant, linear interpolation between stations, or a
-    periodic cubic spline through points."""
+    """A function of the angle: a constant, a linear interpolation between stations, or a periodic
+    cubic spline through points; and lobes, which are added."""
 
     mean: float  #: constant value, used if there are no stations
     lobes: tuple[Lobe, ...] = ()
@@ -110,7 +110,7 @@ class WallProperties:
 
 
 class Arc(Table):
-    """An arc of wall with another section or material; keys left out are as in the wall."""
+    """An arc of wall with another section or material; the wall has the keys that are left out."""
 
     start: Angle
     """Angle from the x axis at which the arc begins [rad]."""

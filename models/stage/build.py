@@ -56,7 +56,7 @@ def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:
 
 def march_faults(stage: Stage) -> Iterator[Fault]:
     """Yield all faults that prevent time integration."""
-    if not len(stage.kept.rotor) or not len(stage.kept.casing):  # results have both motions
+    if not len(stage.kept.rotor) or not len(stage.kept.casing):  # a result has modes of both
         expected = "modes of the bladed disk and of the casing"
         yield case_fault(stage.case, "reduction.modes", expected)
     yield from time_step_faults(stage)

@@ -2,8 +2,8 @@
 
 The rotor is described in its rotating frame, the casing in the static frame. Both are
 mass-normalised modal models; matrices give the motion of the tips, of the centre and of the nodes
-of the casing for unit modal coordinates. The bodies may be any structures. Time integration uses
-their cyclic symmetry, if the modes have DFT columns.
+of the casing for unit modal coordinates. Rotor and casing can be any structures. Time integration
+uses their cyclic symmetry, if the modes have DFT columns.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Engine-order forces on blades: unit forces on the full bladed disk, and loads of the march.
 
-The force on blade n at the angle theta_n is F cos(r (Omega t + theta_n) + phase). It is fixed in
-the blade. In the static frame it is a field with r lobes that is at rest.
+The force on blade n at the angle theta_n is F cos(r (Omega t + theta_n) + phase). The direction of
+the force turns with the blade. The force depends only on the static angle Omega t + theta_n: around
+the circle it has r maxima, which are at rest in the static frame.
 """
 
 from __future__ import annotations
@@ -114,7 +115,7 @@ def blade_lines(case: Case, disk: BladedDiskModel) -> list[IntArray]:
 
 
 def _one_per_blade(case: Case, disk: BladedDiskModel, name: str) -> IntArray:
-    """Return the node of a set on each blade: the one with the angle nearest to that of the tip."""
+    """Return for each blade the node of a set that is nearest in angle to the tip."""
     nodes = disk.mesh.node_sets.get(name)
     blades = len(disk.model.tips)
     if nodes is None or len(nodes) != blades:
@@ -132,7 +133,7 @@ def _one_per_blade(case: Case, disk: BladedDiskModel, name: str) -> IntArray:
 
 
 def _along(load: EngineOrder, axis: FloatArray, polar: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the components of unit forces along the first and the second axis of points.
+    """Return the components of unit forces along the first and the second axis of each point.
 
     Args:
         load: the forces, whose direction is used.

@@ -67,8 +67,7 @@ def unbalance(stage: Stage) -> float:
     If ``clearance_speed`` is given, the unbalance is such that the static response to m e Omega^2
     at that speed just brings a tip to the casing where the clearance is smallest. With two equal
     springs at the centre and blades of equal length, this force is the stiffness times the
-    clearance at rest. With rotation effects, the tips also bend, and the stiffness is that at
-    speed.
+    clearance at rest. With rotation effects, blades also bend, and the stiffness at speed is used.
 
     Raises:
         ValueError: the excitation of the case is not an imbalance.

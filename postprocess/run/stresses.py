@@ -162,7 +162,9 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
 def _body(
     history: str, rows: StrainRows, modulus: Array, radius: Array, member: IntArray, *, first: int
 ) -> _Body:
-    """Return a body from values (element, station); `first` is the number of its first member."""
+    """Return the rotor or the casing from values at points of each element, (element, point);
+    `member` is the number of the part (such as a blade) of each element, `first` the position of
+    the first part among all parts."""
     stations = rows.axial.shape[1]
     starts = stations * np.flatnonzero(np.diff(member, prepend=-1))
     return _Body(

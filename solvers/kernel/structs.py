@@ -38,8 +38,7 @@ Arrays = dict[str, Any]
 
 @cache
 def _fields(name: str) -> dict[str, tuple[str, list[str]]]:
-    """Return the type of each field of a struct and, if it is an array, its shape from
-    `kernel.h`."""
+    """Return the type of each field of a struct in `kernel.h`, and the shape of each array."""
     header = resources.files(__package__).joinpath("kernel.h").read_text(encoding="utf-8")
     content = header[: header.index(f"\n}} {name};")].rpartition("typedef struct {")[2]
     fields = re.findall(r"^ {4}(\w+) (\w+);(?: +/\* \(([\w, ]+)\))?", content, re.MULTILINE)
@@ -71,7 +70,7 @@ class Struct:
         fields: all fields: arrays, numbers and nested structs.
 
     Raises:
-        TypeError: a field is missing or unknown, or the type or shape of an array is not that in
+        TypeError: a field is missing or unknown, or the type or shape of an array differs from
             `kernel.h`.
     """
 
@@ -106,7 +105,7 @@ def _point(
     array: np.ndarray[Any, Any],
     sizes: dict[str, int],
 ) -> None:
-    """Let a C vector or matrix point to an array; equal names of lengths must have equal values."""
+    """Let a C vector or matrix point to an array; check lengths that other arrays share."""
     pointer, dtype, lengths = kind
     named = {
         axis: int(axis) if axis.isdigit() else sizes.setdefault(axis, length)

@@ -58,11 +58,11 @@ class CentralDifference:
         problem: contact problem.
         time_step: time step [s].
         record_every: number of steps between records.
-        cyclic: whether to treat the harmonics of cyclic bodies separately; if not, dense products
-            are used for every stage.
+        cyclic: whether to treat the harmonics of a cyclic rotor or casing separately; if not, all
+            products are dense.
 
     Raises:
-        ValueError: the time step is not below the critical one.
+        ValueError: the time step is not below the critical time step.
     """
 
     def __init__(
@@ -177,7 +177,7 @@ class CentralDifference:
                 "wide": wide,
                 "twice_wide": 2 * wide,
                 "closed": self._casing.radial.start.shape[1],
-                # Columns, the first half once more, and the rest of the last register.
+                # All columns, a copy of the first half, and unused entries of the last register.
                 "sums": max(padded(a.columns + a.half + lib.LANES) for a in self._arrangements),
                 "entries": max(rotor.entries, casing.entries),
                 "ends": lib.HALF * wide,
@@ -223,7 +223,7 @@ def initial_gap(problem: ContactProblem, time: float = 0.0) -> FloatArray:
 
     Args:
         problem: contact problem with the initial displacements.
-        time: time for the angle of the rotor [s].
+        time: time from which the angle of the rotor follows [s].
     """
     casing, rotor, start = problem.casing, problem.rotor, problem.start
     nodes = len(casing.nodal)

@@ -77,7 +77,7 @@ class Statistics:
     contact_steps: int = 0  #: number of steps with contact
     complementarity_residual: float = 0.0
     """Largest residual of all steps (see `CentralDifference`)."""
-    pivots: int = 0  #: number of changes of the active set, the tips in contact, after its guess
+    pivots: int = 0  #: number of changes of the active set (tips in contact) after the first guess
     lcp_failures: int = 0  #: number of steps whose complementarity problem was not solved exactly
 
 

@@ -123,9 +123,8 @@ class Recorder(AbstractContextManager["Recorder"]):
         first, last = self.records, self.records + finite
         if finite:
             for name, values in history.items():
-                # Each variable is resized by its name: h5netcdf resizes the variables that are
-                # listed with the dimension, and a variable was missing in one of several hundred
-                # marches.
+                # Each variable is resized by its name: h5netcdf resizes the variables in a list of
+                # the dimension, and this list was incomplete in one of several hundred marches.
                 self._h5[name].resize(last, axis=0)
                 self._h5[name][first:last] = values[:finite]
             self.flush()
@@ -173,12 +172,12 @@ class Recorder(AbstractContextManager["Recorder"]):
 
 
 def result_bytes(stage: StageArrays, records: int, blades: int | None = None) -> int:
-    """Return the size of a result, whose histories are stored in whole chunks [bytes].
+    """Return the size of a result, whose histories are stored in whole chunks of HDF5 [bytes].
 
     Args:
         stage: arrays that describe the stage.
         records: number of records.
-        blades: number of blades in the histories; that of the stage if None.
+        blades: number of blades in the histories; all blades of the stage if None.
     """
     arrays = (np.asarray(getattr(stage, field.name)) for field in fields(stage))
     sizes = sizes_of(stage) | ({} if blades is None else {"blade": blades})
@@ -196,7 +195,7 @@ def widths_of(variable: Variable, sizes: Mapping[str, int]) -> tuple[int, ...]:
 
 
 def _rows_stored(widths: tuple[int, ...]) -> int:
-    """Return the number of records in a chunk of a history."""
+    """Return the number of records of a history in one chunk of HDF5."""
     return max(1, STORAGE_BYTES // (8 * int(np.prod(widths))))
 
 

@@ -3,7 +3,7 @@
 The reference follows the definitions directly. Every product is dense, and the rows of B_N and B_T
 are computed in each step from the position of each tip on the casing. The stiffness of coupling
 springs is summed over harmonics, and the complementarity problem is solved by trying active sets,
-all of them if necessary. The scheme and its stages are those of `solvers/kernel/march.c`; with
+all of them if necessary. A time step has four parts, as in `solvers/kernel/march.c`; with
 A = M / dt^2 + D / (2 dt)
 
     predict   A x_p = f_n - K_n x_n + 2 M / dt^2 x_n + (D / (2 dt) - M / dt^2) x_{n-1}
@@ -100,7 +100,7 @@ class Reference:
         dampers = [body.dampers.T @ body.dampers for body in (rotor, casing)]
         feel = turning or dampers_feel_contact, dampers_feel_contact
         self._felt = la.block_diag(*(d * feels for d, feels in zip(dampers, feel, strict=True)))
-        self._late = la.block_diag(*dampers) - self._felt  # these respond one step late
+        self._late = la.block_diag(*dampers) - self._felt  # dampers that respond one step late
         if rotor.by_velocity is not None:
             self._felt[: self._rotor_modes, : self._rotor_modes] += rotor.by_velocity
         self._by_velocity = self._felt + self._late
@@ -188,7 +188,7 @@ class Reference:
         )
 
     def _account(self, state: ReferenceState, step: Step) -> ReferenceState:
-        """Return the state after a step that keeps the displacement limit."""
+        """Return the state after a step with all displacements within the limit."""
         dt, n, before, x = self._dt, state.step, state.before, state.now
         moved, touching = 0.5 * (step.after - before), step.multiplier > 0.0
         turned = self._spring_force(n, x) - self._spring_force(n - 1, x)

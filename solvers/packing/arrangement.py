@@ -1,4 +1,4 @@
-"""Arrangement of the modes of a body in the arrays of the kernel."""
+"""Arrangement of the modes of a body (rotor or casing) in the arrays of the kernel."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class Harmonics:
         fold: separate columns of even and odd nodal diameter, if the number of points is even. The
             kernel then uses that values at opposite points are equal for even nodal diameters and
             have opposite signs for odd nodal diameters.
-        unit: number of columns to a multiple of which each half is padded.
+        unit: each half is padded to a multiple of this number of columns.
         alone: give each column without a partner a position with an empty partner. The blocks of a
             rotating body then contain all coupling between its modes.
     """

@@ -1,4 +1,4 @@
-"""Arrays of a body in modal coordinates; used for rotor and casing."""
+"""Arrays of a body (rotor or casing) in modal coordinates."""
 
 from __future__ import annotations
 

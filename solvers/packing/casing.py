@@ -80,7 +80,7 @@ def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, Floa
     kinds = range(nodal.shape[1])
     pairs = [harmonics.amplitudes(nodal[:, kind], column) for kind in kinds]
     scales = [max(np.abs(nodal[:, kind]).max(), np.finfo(float).tiny) for kind in kinds]
-    # Kinds that are even and kinds that are odd under reflection.
+    # Kinds of nodal values that keep their sign under reflection, and kinds that change it.
     direct, turned = (lib.W_KIND, lib.U_SLOPE), (lib.W_SLOPE, lib.U_KIND)
     size = [np.abs(own) / scale for (own, _), scale in zip(pairs, scales, strict=True)]
     odd = single & (

@@ -39,8 +39,8 @@ class RadialShapes:
     centre: FloatArray  #: x and y of the centre node, rotating axes, (2, size)
     tips: FloatArray  #: radial displacement of each tip, (tips, size)
     tip_angle: FloatArray  #: angle of equally spaced tips, rotating frame [rad], (tips,)
-    casing: FloatArray  #: radial displacement of stations on the casing, (stations, size)
-    casing_angle: FloatArray  #: angle of equally spaced stations, static frame [rad], (stations,)
+    casing: FloatArray  #: radial displacement of points on the casing, (points, size)
+    casing_angle: FloatArray  #: angle of these equally spaced points, static frame [rad], (points,)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -70,8 +70,8 @@ def floquet(
         tolerance: permitted relative change of the monodromy matrix when the steps are doubled.
 
     Raises:
-        ArithmeticError: the tolerance is not met with `MOST_STEPS` steps, or these are too few for
-            the period.
+        ArithmeticError: the tolerance is not met with `MOST_STEPS` steps, or the period is too
+            long.
     """
     first = stiffness(np.zeros(1))[0]
     drag = np.broadcast_to(0.0 if damping is None else damping, first.shape)

@@ -70,7 +70,7 @@ def mode_scenario(*, shaft: complex, rotor: complex, casing: complex) -> Scenari
 def motion_scenario(
     *, shaft: ArrayLike, clearance_angle: ArrayLike, weight: ArrayLike | None = None
 ) -> Scenario:
-    """Return the scenario of a motion, from the mean angle of the shaft to the smallest clearance.
+    """Return the scenario of a motion, from the mean angle between shaft and smallest clearance.
 
     Args:
         shaft: displacement x, y of the centre over time [m], (times, 2).

@@ -1,10 +1,10 @@
 """Modes with one nodal diameter over the stiffness of the shaft springs.
 
-The shaft springs add the rank-one matrix kappa s s^H to the stiffness of the block k = 1, where s
-is the displacement of the centre. By the inequalities of Weyl and Cauchy, each frequency rises with
-kappa up to the frequency of the same rank with a clamped centre and never passes the next
-frequency of the block. The branches therefore veer and do not cross: the n-th branch is the n-th
-frequency at every stiffness.
+The matrices of the nodal diameter k = 1 are the block k = 1. The shaft springs add the rank-one
+matrix kappa s s^H to its stiffness, where s is the displacement of the centre. By the inequalities
+of Weyl and Cauchy, each frequency rises with kappa, up to the frequency of the same rank with a
+clamped centre, and never passes the next frequency. The branches therefore veer and do not cross:
+the n-th branch is the n-th frequency at every stiffness.
 """
 
 from __future__ import annotations
@@ -81,8 +81,8 @@ def whirl_veering(
 ) -> ShaftVeering:
     """Follow the lowest frequencies of block k = 1 at speed, for backward and forward waves.
 
-    With kappa the signed frequencies of backward waves rise and the signed frequencies of forward
-    waves fall. The branches of one direction do not cross.
+    As kappa increases, the signed frequencies of backward waves rise, and the signed frequencies of
+    forward waves fall. The branches of one direction do not cross.
 
     Args:
         matrices: mass, stiffness K_Omega without springs and Coriolis matrix of the block, (n, n)

@@ -39,15 +39,15 @@ INSIDE = 9
 class UnstableZones:
     """Intervals of unstable speeds, one row for each zone at each spring stiffness.
 
-    An interval that reaches beyond the searched range of speeds ends at the limit of the range.
+    Intervals end at the limits of the searched range; entries are those of `CouplingModes`.
     """
 
     kappa: FloatArray  #: spring stiffness [N/m], (rows,)
     lower: FloatArray  #: speed at which the zone begins [rad/s], (rows,)
     upper: FloatArray  #: speed at which the zone ends [rad/s], (rows,)
     growth: FloatArray  #: growth rate in the middle of the zone [1/s], (rows,)
-    casing: IntArray  #: casing entry with the largest share of the growing mode, (rows,)
-    rotor: IntArray  #: rotor entry with the largest share of that mode, (rows,)
+    casing: IntArray  #: number of the casing entry that moves most in the growing mode, (rows,)
+    rotor: IntArray  #: number of the rotor entry that moves most in the growing mode, (rows,)
 
 
 def unstable_zones(
@@ -123,7 +123,7 @@ def exchanges(
 def _intervals(
     modes: CouplingModes, kappas: FloatArray, low: float, high: float
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return the row in kappas, lower and upper speed of each zone of one nodal diameter."""
+    """Return index of the stiffness, lower and upper speed of each zone of one nodal diameter."""
     undamped = replace(modes, damping_ratio=np.zeros(modes.entries)).equations
     middle = np.array(0.5 * (low + high)), np.array(kappas[0])
     if undamped.pairs and np.isrealobj(undamped.whirl_matrix(*middle)):

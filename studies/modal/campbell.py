@@ -63,16 +63,16 @@ def campbell(
       clearance, and waves_meet, the normalised speed above which two waves of the bladed disk have
       merged and one of them grows; nan if there is no such speed.
 
-    A family follows from the strain energy at the speed: the branch with most of it in the shaft
-    springs is the suspension. `family_at_rest` is the name of the same branch at rest.
+    A family follows from the strain energy at the speed: the branch with most of its energy in the
+    shaft springs is the suspension. `family_at_rest` is the name of the same branch at rest.
 
     Args:
         case_or_stage: a case, or its stage; the centre is free or clamped as in the case.
         families: number of families of the bladed disk, without the suspension pair.
         speeds: ends of the diagrams, each a multiple of the reference frequency or text such as
-            "2500 rpm". With rotation effects, coincidences are computed up to the second end; an
-            example is that 1F with nodal diameter 1 may have none below it.
-        operating: operating range, in the same form.
+            "2500 rpm". With rotation effects, coincidences are computed up to the second end only;
+            a mode, such as 1F with nodal diameter 1, can have none below this speed.
+        operating: ends of the operating range, in the form of `speeds`.
 
     Raises:
         CaseError: finite elements cannot be computed with the numbers of the case.
@@ -199,7 +199,7 @@ def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
 
 
 def draw_campbell(diagram: xr.Dataset, folder: Path, *, overwrite: bool = False) -> None:
-    """Draw both diagrams into a folder, and save the data that they show.
+    """Draw the diagrams in both frames (rotating, static) into a folder, and save their data.
 
     Raises:
         UserError: a file cannot be written, or exists and was not written by bladewhirl.
@@ -211,7 +211,7 @@ def draw_campbell(diagram: xr.Dataset, folder: Path, *, overwrite: bool = False)
 
 
 def write_campbell_page(diagram: xr.Dataset, path: Path, *, overwrite: bool = False) -> None:
-    """Write both diagrams as an interactive page.
+    """Write the diagrams in both frames as an interactive page.
 
     Raises:
         UserError: the file cannot be written, or exists and was not written by bladewhirl.

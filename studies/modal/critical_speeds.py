@@ -19,9 +19,9 @@ from bladewhirl.studies.modal.modes import full_stage
 from bladewhirl.studies.modal.veering import spring_stiffnesses
 
 ORDERS = {"forward": 0, "backward": 2}
-"""Frequency in the rotating frame over the speed of rotation, of a whirl with the speed of rotation
-in each direction. A whirl with k = 1 that goes backward in the static frame at the rate Omega goes
-backward at 2 Omega in the rotating frame."""
+"""Ratio of the frequency in the rotating frame to the speed of rotation, for forward and backward
+whirl at the speed of rotation. A whirl with k = 1 that goes backward in the static frame at the
+rate Omega goes backward at 2 Omega in the rotating frame."""
 
 AT_THE_CASE = (
     Column("direction", "whirl"),
@@ -29,7 +29,7 @@ AT_THE_CASE = (
     Column("rpm", "[rpm]", ".1f"),
     Column("spring_share", "springs", ".1%"),
 )
-"""Columns of the critical speeds with the stiffness of the case."""
+"""Columns of the critical speeds at the shaft stiffness of the case."""
 
 
 def critical_speeds(
@@ -108,7 +108,7 @@ def critical_speeds(
 
 
 def critical_speed_rows(speeds: xr.Dataset) -> list[dict[str, Any]]:
-    """Return the critical speeds with one stiffness as rows, forward first.
+    """Return the critical speeds at one stiffness as rows, forward first.
 
     Args:
         speeds: from `critical_speeds`, at one stiffness.

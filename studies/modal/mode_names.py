@@ -16,7 +16,7 @@ from bladewhirl.models.modal.labels import Body, LabelledModes
 
 @dataclass(frozen=True, kw_only=True)
 class ChosenMode:
-    """A mode, or a degenerate pair, of one body."""
+    """A mode, or a degenerate pair, of a body: the bladed disk or the casing."""
 
     body: Body
     family: str
@@ -65,7 +65,7 @@ def family_of(
 
     Args:
         stage: finite element models with their modes.
-        body: body of the family.
+        body: "bladed-disk" or "casing".
         family: name of the family.
         diameters: nodal diameters; a nodal diameter without a mode of the family is skipped.
         every: whether to return all modes with the same name, instead of the lowest.

@@ -33,7 +33,7 @@ SPEEDS, KAPPAS = np.linspace(0.6, 3.0, 600), np.linspace(0.0, 1000.0, 300)
 """Default speeds (multiples of the reference frequency) and stiffnesses [N/m] of a chart."""
 
 RECORDS_PER_TURN = 48
-"""Number of records in a turn of the rotor: twice the number for a smooth animation."""
+"""Number of records in a turn of the rotor: twice as many as a smooth animation needs."""
 
 GROWTHS = 2.5
 """Logarithm of the amplitude growth over the shown motion, unless the number of turns is limited

@@ -88,7 +88,7 @@ def resume(
     rotating: bool = False,
     progress: recorded_march.Progress | None = None,
 ) -> Run:
-    """Finish a killed run or extend a run; the result is bitwise that of an uninterrupted run.
+    """Finish a killed run or extend a run, with bitwise the same result as without interruption.
 
     Args:
         directory: folder of the run.

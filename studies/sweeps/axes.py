@@ -149,10 +149,10 @@ def make_grid(case: Case, over: Mapping[str, Sequence[Value]], *, large: bool) -
 def parse_over(options: Sequence[str]) -> dict[str, tuple[Value, ...]]:
     """Return the values of each key from options "KEY=START:STOP:STEP" and "KEY=VALUE,VALUE".
 
-    The stop is included if it is a whole number of steps from the start, within rounding. Numbers
-    may have a unit, as in the case file, which must be the same for all: "2000 rpm:2500 rpm:10 rpm"
-    or "0.5 mm,1 mm". Steps are added in decimal arithmetic, so that 0.95:2:0.005 gives exactly the
-    numbers 0.95, 0.955, ...
+    The stop is included if it is a whole number of steps from the start, within rounding. All
+    numbers of an option have the same unit, or none, as in the case file: "2000 rpm:2500 rpm:10
+    rpm" or "0.5 mm,1 mm". Steps are added in decimal arithmetic, so that 0.95:2:0.005 gives exactly
+    the numbers 0.95, 0.955, ...
 
     Raises:
         UserError: an option has another form, a range is empty, reversed or a single point, or a

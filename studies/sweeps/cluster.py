@@ -29,7 +29,7 @@ PATIENCE = 30.0
 """Time limit for the answer of a scheduler [s]."""
 
 READY = 1
-"""Number of points that wait at each worker, so that it is never idle."""
+"""Number of points that wait at each worker, so that no worker is ever idle."""
 
 
 def march_on_cluster(

@@ -87,8 +87,8 @@ def make_layout(extent: Extent, stage: Stage) -> Layout:
 
 
 def history_bytes(extent: Extent, stage: Stage) -> int:
-    """Estimate the size of all full histories of a sweep [bytes]; each is taken to have as many
-    modes as the first point."""
+    """Estimate the size of all full histories of a sweep [bytes], assuming that all points have as
+    many modes as the first point."""
     arrays = stage.arrays
     return sum(
         points * result_bytes(arrays, records, blades)

@@ -20,7 +20,7 @@ from bladewhirl.studies.runs.interrupts import held_back
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 
 READY = 1
-"""Number of points that wait for each worker, so that it is never idle."""
+"""Number of points that wait for each worker, so that no worker is ever idle."""
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Environment variables for the number of threads of linear algebra; more threads would compete for

@@ -87,7 +87,7 @@ def _tuned_peak() -> float:
 
 @verifies()
 def bound_of_whitehead() -> Pair:
-    """Compare by how far mistuned peaks exceed (1 + sqrt N) / 2 tuned peaks with zero."""
+    """Compare with zero how far the ratio of mistuned to tuned peak exceeds (1 + sqrt N) / 2."""
     speeds = np.linspace(0.4, 0.6, 101).tolist()
     mistuned = amplitude(response(forced(2, damping=0.005, tuned=False), speeds=speeds))
     factor = float(mistuned.max()) / _tuned_peak()

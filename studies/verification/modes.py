@@ -207,7 +207,7 @@ def cyclic_against_full() -> Pair:
 
 @verifies()
 def nearly_tuned() -> Pair:
-    """Compare 60 frequencies of a stage with one slightly heavier tip with the symmetric stage."""
+    """Compare 60 frequencies of a stage before and after one tip is made slightly heavier."""
     disk = stages.bladed_disk(elements=4)
     mass = disk.structure.mass.copy().tolil()
     for dof in (disk.tip_radial[0], disk.tip_tangential[0]):
