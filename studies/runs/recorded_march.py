@@ -205,8 +205,8 @@ def state_at(prepared: Prepared, begin: Checkpoint) -> Any:
     """Return the state of the scheme at a checkpoint.
 
     Raises:
-        UserError: the march ends before the checkpoint, or the checkpoint belongs to another scheme or
-            stage.
+        UserError: the march ends before the checkpoint, or the checkpoint belongs to another scheme
+            or stage.
     """
     steps = int(begin.state["step"])
     if steps > prepared.timing.steps + 1:
@@ -232,8 +232,8 @@ def check_room(directory: Path, needed: int) -> None:
     free = shutil.disk_usage(existing).free
     if free < needed + SPARE_BYTES:
         raise UserError(
-            f"{directory}: expected {(needed + SPARE_BYTES) / 1e6:.0f} MB of free space on the disk, "
-            f"found {free / 1e6:.0f} MB"
+            f"{directory}: expected {(needed + SPARE_BYTES) / 1e6:.0f} MB of free space on the disk,"
+            f" found {free / 1e6:.0f} MB"
         )
 
 

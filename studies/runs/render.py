@@ -74,7 +74,9 @@ def render(
     kind = target.suffix.lower()
     windowed = any(value is not None for value in (frames, start, end))
     if time is not None and (windowed or kind != ".png"):
-        raise ViewError(f"{target}: expected no time, which is for .png without frames, start and end")
+        raise ViewError(
+            f"{target}: expected no time, which is for .png without frames, start and end"
+        )
     look: dict[str, Any] = {"exaggeration": exaggeration, "frame": frame, "colour": colour}
     with opened(result) as dataset, writing(target):
         if kind == ".png" and not windowed and not isinstance(time, Sequence):

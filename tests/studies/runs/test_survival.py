@@ -15,8 +15,8 @@ from small_run import COMMAND, SMALL, run_script, small
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.case.file import read_case
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.schema import HISTORY, RESULT_NAME
 from bladewhirl.solvers.march.scheme import KERNEL
@@ -82,7 +82,9 @@ def test_a_finished_run_is_made_longer(whole: Path, tmp_path: Path, duration: fl
 def test_only_the_duration_may_change(whole: Path, tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"only march\.duration may change"):
         resume(whole, ["march.speed=1.2"])
-    with pytest.raises(UserError, match=r"march\.duration: expected at least 0\.1 s, the time already"):
+    with pytest.raises(
+        UserError, match=r"march\.duration: expected at least 0\.1 s, the time already"
+    ):
         resume(whole, ["march.duration=0.05"])
     assert read_case(whole / "case.toml").march.duration == 0.1
     (tmp_path / "case.toml").write_text(SMALL)
