@@ -232,8 +232,8 @@ def check_room(directory: Path, needed: int) -> None:
     free = shutil.disk_usage(existing).free
     if free < needed + SPARE_BYTES:
         raise UserError(
-            f"{directory}: expected {(needed + SPARE_BYTES) / 1e6:.0f} MB of free space on the disk,"
-            f" found {free / 1e6:.0f} MB"
+            f"{directory}: expected {(needed + SPARE_BYTES) / 1e6:.0f} MB of free space on the"
+            f" disk, found {free / 1e6:.0f} MB"
         )
 
 
