@@ -4,8 +4,8 @@ Groups are physical groups: of points for nodes, of curves for lines. Data are s
 the members of a group with the name ``thickness=0.01`` have the value 0.01 of ``thickness``. Data
 are therefore preserved when a mesh is refined in Gmsh.
 
-meshio reads the files. They are written, as version 4.1, without meshio, because the writer of
-meshio allows only one group for each element.
+meshio reads the files. This module writes files of version 4.1 itself, because the writer of meshio
+allows only one group for each element.
 """
 
 from __future__ import annotations
@@ -196,7 +196,7 @@ def write_msh(path: Path, mesh: GroupedLines) -> None:
     for name in [*mesh.node_groups, *mesh.line_groups]:
         if '"' in name or "\\" in name or not name.isprintable() or VALUE.fullmatch(name):
             raise MeshFileError(
-                f"for .msh, names without quotes that are not numbers, not {name!r}"
+                f"for .msh, names without quotes, not of the form name = number, got {name!r}"
             )
     groups = (
         dict(mesh.node_groups) | _value_groups(mesh.node_data),

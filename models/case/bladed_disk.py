@@ -1,4 +1,4 @@
-"""The `[bladed_disk]` table of a case and its parts: stations, shrouds, rings, masses."""
+"""The `[bladed_disk]` table of a case and its inner tables: taper, shrouds, rings, masses."""
 
 from __future__ import annotations
 

@@ -163,7 +163,7 @@ class Casing(Table):
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield errors for a negative clearance or thickness, for more lobes than the elements
-        resolve, and for stations or arcs that overlap."""
+        resolve, for two thickness stations at one angle, and for stiffened arcs that overlap."""
         most = self.elements // ELEMENTS_PER_LOBE
         lobes = {
             "clearance_lobes": self.clearance_lobes,

@@ -1,7 +1,7 @@
 """Equations of motion of modes of bladed disk and casing, coupled by springs: Eqs (8)-(21).
 
-A spring of stiffness kappa per radian connects both bodies at every static angle
-theta = alpha + Omega t.
+Springs of stiffness kappa per radian connect the casing and the tips of the bladed disk at every
+static angle theta = alpha + Omega t.
 The energy kappa/2 int (w - u)^2 dtheta of Eq. (8) splits into nodal diameters. With the cosine and
 sine part of the radial displacement of each mode, A_k on the casing and B_k on the bladed disk, and
 R(k Omega t), a rotation of the two parts,
@@ -22,9 +22,9 @@ anisotropy, the frame x = exp(Omega t J) y makes the equations autonomous:
 Equation (16) is the frame in which the casing turns by k/2 and the bladed disk by -k/2. The
 printed Eq. (9) does not follow from Eq. (8): the printed equation does not couple the two rotor
 pairs, has the modal mass of the wrong row in its off-diagonal blocks, and lacks the factor pi,
-which is kept here unless `with_pi` is false. The gyroscopic block of q5, q6 in the printed Eq. (18)
-has the wrong sign: derived from Eq. (16), its sign is opposite to that of the other blocks. Modal
-damping is added here.
+which is kept here unless `with_pi` is false. In the printed Eq. (18) the gyroscopic block of q5, q6
+has the sign of the other blocks; derived from Eq. (16), it has the opposite sign. Modal damping is
+added here.
 """
 
 from __future__ import annotations

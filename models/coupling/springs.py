@@ -90,7 +90,7 @@ class CouplingModes:
 
     @property
     def frame_rate(self) -> FloatArray:
-        """Turns of the frame of constant coefficients per turn of the rotor, (entries,)."""
+        """Turns per rotor turn of each entry's frame of constant coefficients, (entries,)."""
         share = np.where(self.on_casing, 0.5, -0.5)
         single = np.isin(self.nodal_diameter, self.nodal_diameter[~self.paired])
         turned = np.where(single, self.on_casing, share)  # a single mode cannot be turned
@@ -127,8 +127,8 @@ class CouplingModes:
         return tuple(self.harmonic(k).equations for k in self.harmonics)
 
     def over_entries(self, matrix: FloatArray | None) -> ComplexArray:
-        """Return the complex matrix over entries of a real matrix over coordinates that commutes
-        with J."""
+        """Convert a real matrix over coordinates, which must commute with J, to a complex matrix
+        over entries."""
         if matrix is None:
             return np.zeros((self.entries, self.entries), dtype=np.complex128)
         crossed = matrix[np.ix_(self.cosine + self.paired, self.cosine)]
@@ -229,7 +229,7 @@ class CoupledEntries:
 
 @dataclass(frozen=True, kw_only=True)
 class CouplingSprings(CoupledEntries):
-    """Springs between two modal bodies: the coupled modes and the stiffness."""
+    """Springs between rotor and casing: the coupled modes and the stiffness."""
 
     kappa: float  #: stiffness [N/m] per radian
 

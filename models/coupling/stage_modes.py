@@ -38,7 +38,7 @@ Fields = Callable[[IntArray], FloatArray]
 class StageModes(CoupledEntries):
     """Coupled modes of a full stage."""
 
-    modal: ModalStage  #: finite elements and all modes of both bodies
+    modal: ModalStage  #: finite elements and all modes of bladed disk and casing
 
 
 def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:

@@ -179,7 +179,7 @@ class SectorLayout:
         means = [self._mean_sector(matrix) for matrix in matrices]
         for k in nodal_diameters(self.sectors):
             basis = self.basis(k) if k <= 1 else None
-            if basis is not None and basis.shape[1] > self.sector_dofs.shape[1]:  # the centre's
+            if basis is not None and basis.shape[1] > self.sector_dofs.shape[1]:  # with the centre
                 blocks = ((basis.conj().T @ matrix @ basis).toarray() for matrix in matrices)
             else:
                 blocks = (self._turned(mean, k) for mean in means)

@@ -17,7 +17,7 @@ FINE = 400
 """Number of points along a curved centre line between which its angle is interpolated."""
 
 FINE_STATIONS = 32
-"""Number of stations per element at which the taper of a part of a blade is sampled."""
+"""Number of points per element at which the taper of a part of a blade is sampled."""
 
 BETWEEN = np.arange(1, 8) / 8.0
 """Positions along a curved part or an arc, from 0 to 1, at which it is sampled."""

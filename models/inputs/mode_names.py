@@ -50,7 +50,7 @@ class ModeName:
 
 @dataclass(frozen=True, kw_only=True)
 class NamedModes:
-    """Families and nodal diameters of the modes of one body, for selection by name."""
+    """Families and nodal diameters of the modes of bladed disk or casing, to select by name."""
 
     family: tuple[str, ...]  #: family of each mode, (modes,)
     nodal_diameter: IntArray  #: nodal diameter of each mode, (modes,)

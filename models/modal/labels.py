@@ -6,8 +6,8 @@ from the modes that are shown.
 
 The labels of a structure with unequal sectors follow from its *tuned twin*, a cyclic structure
 whose sectors are the mean of all sectors. Each mode is expanded in the modes of the twin. The mode
-gets the family with the largest share in this expansion. The purity of a mode is the largest
-mass-weighted share of a nodal diameter in its motion; this is the nodal diameter of the mode.
+gets the family with the largest share in this expansion. The mode gets the nodal diameter with the
+largest mass-weighted share in its motion; this share is called the purity of the mode.
 """
 
 from __future__ import annotations

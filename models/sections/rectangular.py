@@ -190,7 +190,7 @@ def along(sections: Section | Taper, share: FloatArray) -> FloatArray:
 def along_elements(sections: Section | Taper, elements: int) -> tuple[FloatArray, FloatArray]:
     """Approximate the sections along a member by a linear function in each of its equal elements.
 
-    If a station of a taper is inside an element, the linear function is the least-squares fit. The
+    If a section of a taper is inside an element, the linear function is the least-squares fit. The
     slope of the fit is limited so that no end value is below half of the smallest value of the
     taper in that element.
 

@@ -50,7 +50,7 @@ class RingProfile:
     """A function of the angle: a constant, a linear interpolation between stations, or a periodic
     cubic spline through points; and lobes, which are added."""
 
-    mean: float  #: constant value, used if there are no stations
+    mean: float  #: constant value, used without stations and points
     lobes: tuple[Lobe, ...] = ()
     stations: tuple[tuple[float, float], ...] = ()  #: angles [rad] and values that replace `mean`
     points: tuple[tuple[float, float], ...] = ()  #: angles [rad] and values that replace `mean`

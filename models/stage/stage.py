@@ -125,7 +125,7 @@ class Stage:
 
     @property
     def symmetry(self) -> dict[str, str]:
-        """Symmetry of each body, and the method for modes and reduction of the body, in words."""
+        """Symmetry of bladed disk and casing, and methods for modes and reduction, in words."""
         return {
             "bladed_disk": self.disk.structure.symmetry,
             "casing": self.casing.structure.symmetry,

@@ -21,8 +21,8 @@ def wave_frequencies(rotor: ReducedRotor, nodal_diameter: IntArray, sense: float
     With symmetry, the pairs of modes of one nodal diameter are assigned to its waves in each
     direction by rank, because branches do not cross. Without symmetry, a pair of modes is assigned
     to the two motions in which it has the largest share, if these motions travel in opposite
-    directions. A standing motion has the same frequency in both rows; without Coriolis forces both
-    rows are equal.
+    directions. The two frequencies of a mode are equal for a standing motion, and for every mode
+    without Coriolis forces.
 
     Args:
         rotor: reduced rotor with its modes.

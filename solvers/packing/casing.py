@@ -120,14 +120,14 @@ def _folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
 def _compliance(
     casing: ReducedCasing, inverse: FloatArray, friction: float, *, cyclic: bool
 ) -> FloatArray:
-    """Return the response of the four nodal values in one element to unit forces in another.
+    """Return the response of the four nodal values in each element to unit forces in each element.
 
     The response is given for the sliding directions -1, 0 and 1.
 
     Returns:
-        blocks of 4 x 4 for every two elements, (3, elements, elements, 4, 4); for a cyclic casing
-        by the difference of the numbers of both elements, from -nodes to nodes - 1,
-        (3, 2 elements, 4, 4).
+        blocks of 4 x 4 for every pair of elements, (3, elements, elements, 4, 4); for a cyclic
+        casing, a block for every difference of the numbers of two elements, from -nodes to
+        nodes - 1, (3, 2 elements, 4, 4).
     """
     nodes, kinds, modes = casing.nodal.shape
     forces = casing.nodal.reshape(nodes * kinds, modes) * inverse

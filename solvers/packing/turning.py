@@ -63,11 +63,11 @@ def pack_gyroscopic(
 def _blocks(
     inverse: FloatArray, arrangement: Arrangement
 ) -> tuple[FloatArray, FloatArray, IntArray, IntArray]:
-    """Split A^-1 (modes, modes) of a cyclic rotor into blocks and single entries.
+    """Split A^-1 (modes, modes) of a cyclic rotor into a block for each nodal diameter and a rest.
 
     Returns:
-        the blocks by nodal diameter in the order of the kernel; the entries outside the blocks; the
-        rows and the columns of these entries.
+        the blocks in the order of the kernel; the nonzero entries outside the blocks; the row and
+        the column of each of these entries.
     """
     rows, columns, half = arrangement.rows, arrangement.columns, arrangement.half
     entries = arrangement.entries
@@ -100,7 +100,7 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
     """Return the matrices from which the kernel computes the dissipation d^T D d.
 
     If the damping of cosine and sine modes is equal, D is stored as blocks, otherwise as a matrix
-    of all modes. Blocks and matrix contain upper triangles only, with twice the entries outside the
+    of all modes. Blocks and matrix contain upper triangles only, with doubled entries outside the
     diagonal.
 
     Args:

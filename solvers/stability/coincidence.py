@@ -6,11 +6,11 @@ omega_c) t)): in rotor axes the wave travels backward with the frequency k Omega
 is a natural frequency omega_bd of the bladed disk, both waves rotate together and contact excites
 both.
 
-Blades slide forward over the casing, so friction drags waves backward on the rotor and forward on
-the casing. Only this combination counts. Two waves that travel in the same direction, each seen in
-the axes of its body, also meet, at (omega_c - omega_bd) / k or (omega_bd - omega_c) / k, but
-contact does not excite them. Waves with k = 0 do not travel and never meet. For Omega < 0 forward
-and backward are exchanged, with equal speeds; therefore speeds are magnitudes.
+Blades slide forward over the casing, so friction excites backward waves on the rotor and forward
+waves on the casing. Only this combination is computed. Two waves that travel in the same direction,
+each relative to its own body, also meet, at (omega_c - omega_bd) / k or (omega_bd - omega_c) / k,
+but contact does not excite them. Waves with k = 0 do not travel and never meet. For Omega < 0
+forward and backward are exchanged, with equal speeds; therefore speeds are magnitudes.
 """
 
 from __future__ import annotations
@@ -61,11 +61,10 @@ def coincidences(
     """Return coincidence speeds (omega_c + omega_bd) / k of all pairs of modes with equal k > 0.
 
     Args:
-        rotor_frequency: natural frequencies of the bladed disk, one entry for a pair [rad/s],
+        rotor_frequency: natural frequencies of the bladed disk, one for each pair [rad/s],
             (modes,).
         rotor_nodal_diameter: nodal diameters of these modes, (modes,).
-        casing_frequency: natural frequencies of the casing, one entry for a pair [rad/s],
-            (modes,).
+        casing_frequency: natural frequencies of the casing, one for each pair [rad/s], (modes,).
         casing_nodal_diameter: nodal diameters of these modes, (modes,).
     """
     rotor, casing = np.asarray(rotor_frequency, float), np.asarray(casing_frequency, float)

@@ -99,7 +99,7 @@ def exchanges(
     """Count the meetings begun and ended between waves of positive and of negative signature.
 
     Args:
-        block: undamped pairs of one nodal diameter; every pair has an amplitude.
+        block: undamped pairs of one nodal diameter, all with amplitudes other than zero.
         speed: Omega [rad/s], (n,).
         kappa: spring stiffness [N/m], positive, (n,).
 

@@ -93,7 +93,7 @@ def _draw(axes: Axes, x: Array, error: Array, regime: Array, label: str, colour:
 
 
 def _reference_slopes(axes: Axes, step: Array) -> None:
-    """Draw slopes of first and second order through the geometric mean of the drawn values."""
+    """Draw lines of first- and second-order slope through the geometric mean of drawn values."""
     drawn = [line.get_ydata() for line in axes.lines]
     if not drawn:
         return

@@ -35,8 +35,8 @@ def disk_waves(stage: ModalStage, turning: TurningDisk) -> dict[int, Waves]:
     structure = turning.matrices.structure
     if not structure.is_cyclic or structure.layout is None:
         raise UserError(
-            "campbell: expected equal sectors on equal shaft springs with rotation effects, so that"
-            " waves of one nodal diameter are separate"
+            "campbell: expected equal sectors on equal shaft springs if the case has rotation"
+            " effects; each wave then has one nodal diameter"
         )
     effects, sectors = stage.case.rotation.effects, structure.layout.sectors
     return {k: waves(turning.matrices, k, effects) for k in nodal_diameters(sectors)}

@@ -127,9 +127,9 @@ def energy_ledger() -> Pair:
 
 @verifies("backward", "forward")
 def circle(way: str) -> Pairs:
-    """Compare the whirl of a shaft that starts on a circle with the frequency of its suspension.
+    """Compare rate and direction of whirl with the suspension frequency, in both frames.
 
-    Rate and direction are compared in the rotating and the static frame, without contact.
+    The shaft starts with the velocity of a circular orbit, and no blade touches.
     """
     longer = {"march__duration": 0.2, "march__record_step": 4e-5}
     pair = {"reduction__modes": "suspension,casing:1", **longer}
