@@ -196,7 +196,7 @@ def write_msh(path: Path, mesh: GroupedLines) -> None:
     for name in [*mesh.node_groups, *mesh.line_groups]:
         if '"' in name or "\\" in name or not name.isprintable() or VALUE.fullmatch(name):
             raise MeshFileError(
-                f"for .msh, names without quotes, not of the form name = number, got {name!r}"
+                f"for .msh, names without quotes and without '= number', not {name!r}"
             )
     groups = (
         dict(mesh.node_groups) | _value_groups(mesh.node_data),
