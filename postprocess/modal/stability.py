@@ -59,11 +59,7 @@ FEW = 4
 """Largest number of unstable zones that are named by both waves, casing and rotor; more zones are
 named by the wave on the rotor."""
 
-TYPES = {
-    "oscillatory": COLOURS["total"],
-    "divergent": COLOURS["k = 1"],
-    "damped": COLOURS["k = 0"],
-}
+TYPES = {"oscillatory": COLOURS["total"], "divergent": COLOURS["k = 1"], "damped": COLOURS["k = 0"]}
 """Colours of the three types of modes."""
 
 

@@ -75,11 +75,7 @@ class Drawing:
             raise ViewError(f'frame must be "static" or "rotating", got {frame!r}')
         per_element = -(-RING_STATIONS // dataset.sizes["casing_node"])
         self._stage = stage = EnlargedStage(
-            dataset,
-            records,
-            factor=exaggeration,
-            per_line=BEAM_STATIONS,
-            per_element=per_element,
+            dataset, records, factor=exaggeration, per_line=BEAM_STATIONS, per_element=per_element
         )
         self.records = records
         self.frame = frame

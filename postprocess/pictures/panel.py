@@ -26,11 +26,7 @@ from bladewhirl.postprocess.pictures.appearance import (
     speed_text,
 )
 from bladewhirl.postprocess.pictures.drawing import Picture
-from bladewhirl.postprocess.pictures.scene import (
-    CIRCLE,
-    StageScene,
-    disc_triangles,
-)
+from bladewhirl.postprocess.pictures.scene import CIRCLE, StageScene, disc_triangles
 from bladewhirl.postprocess.pictures.symbols import KINDS, Symbols, sample
 
 #: upper edges of the texts, relative to the height of the window

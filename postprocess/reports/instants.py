@@ -22,13 +22,7 @@ from bladewhirl.postprocess.pictures.appearance import (
 )
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows
 from bladewhirl.postprocess.plotting.style import COLOURS
-from bladewhirl.postprocess.reports.interactive import (
-    COLOUR_SCALE,
-    INK,
-    buttons,
-    colour_bar,
-    plot,
-)
+from bladewhirl.postprocess.reports.interactive import COLOUR_SCALE, INK, buttons, colour_bar, plot
 from bladewhirl.postprocess.reports.page import Instants
 from bladewhirl.postprocess.run.blade_contact import force_limit
 from bladewhirl.postprocess.shaft.orbits import MILLI
@@ -177,12 +171,7 @@ def _histories(maps: xr.Dataset, energy: xr.Dataset) -> go.Figure:
     return plot(
         [*heat, *lines],
         xaxis={"title_text": "time [s]", "showgrid": False, "anchor": "y2"},
-        yaxis={
-            "title_text": "blade",
-            "showgrid": False,
-            "zeroline": False,
-            "domain": [0.42, 1.0],
-        },
+        yaxis={"title_text": "blade", "showgrid": False, "zeroline": False, "domain": [0.42, 1.0]},
         yaxis2={
             "title_text": "strain energy [J]",
             "type": "log",

@@ -64,9 +64,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
         ),
         Section(name="shaft", title="Motion of the shaft", blocks=_drawn(figures, "shaft")),
         Section(
-            name="contact",
-            title="Contact of blades and casing",
-            blocks=_drawn(figures, "contact"),
+            name="contact", title="Contact of blades and casing", blocks=_drawn(figures, "contact")
         ),
         Section(name="frequencies", title="Frequencies", blocks=_drawn(figures, "frequencies")),
         Section(name="energy", title="Strain energy and stress", blocks=_drawn(figures, "energy")),

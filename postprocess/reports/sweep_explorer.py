@@ -11,12 +11,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY, rate_text
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.reports.interactive import (
-    COLOUR_SCALE,
-    buttons,
-    colour_bar,
-    plot,
-)
+from bladewhirl.postprocess.reports.interactive import COLOUR_SCALE, buttons, colour_bar, plot
 from bladewhirl.postprocess.reports.page import Explorer
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.sweep.axes import in_handy_units, is_wide, key_label

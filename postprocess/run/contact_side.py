@@ -97,11 +97,7 @@ def _scenario(shaft: Array, clearance: Array, impulse: Array) -> dict[str, str |
         scenario = motion_scenario(shaft=shaft, clearance_angle=clearance, weight=weight)
     except ValueError:  # the shaft is at rest
         return {"scenario": "at rest", "lead": np.nan, "steadiness": 0.0}
-    return {
-        "scenario": scenario.kind,
-        "lead": scenario.lead,
-        "steadiness": scenario.steadiness,
-    }
+    return {"scenario": scenario.kind, "lead": scenario.lead, "steadiness": scenario.steadiness}
 
 
 @styled

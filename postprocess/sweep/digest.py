@@ -14,13 +14,7 @@ from bladewhirl.postprocess.run.late_motion import late_motion
 from bladewhirl.postprocess.run.summary import energy_residual
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Complex, spectrum
-from bladewhirl.postprocess.sweep.dataset import (
-    MODE_LINES,
-    SECTIONS,
-    WINDOW_SHARE,
-    Layout,
-    flag,
-)
+from bladewhirl.postprocess.sweep.dataset import MODE_LINES, SECTIONS, WINDOW_SHARE, Layout, flag
 from bladewhirl.solvers.march.schema import SWEEP
 
 Digest = dict[str, np.ndarray]
@@ -68,9 +62,7 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         "dt_over_critical": report["dt_over_critical"],
         "window_start": time[first],
         "spectrum": magnitudes(
-            motion.real[first:] + sense * 1j * motion.imag[first:],
-            step,
-            layout.frequency,
+            motion.real[first:] + sense * 1j * motion.imag[first:], step, layout.frequency
         ),
         "mode_frequency": _mode_frequencies(dataset, "backward"),
         "mode_forward_frequency": _mode_frequencies(dataset, "forward"),
