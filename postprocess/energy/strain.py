@@ -10,17 +10,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from bladewhirl.postprocess.fields import windows
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
-from bladewhirl.postprocess.fields.windows import (
-    in_window,
-    late_part,
-    span_edges,
-    span_means,
-    span_starts,
-    window_label,
-)
 from bladewhirl.postprocess.plotting.axes import decades, draw_map
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
@@ -61,7 +54,7 @@ def strain_energies(
     Example:
         ``strain_energies(result)["first_family"].sel(nodal_diameter=1).plot()``
     """
-    result = in_window(result, start, end)
+    result = windows.in_window(result, start, end)
     family = result["rotor_family"].values
     diameter = result["rotor_nodal_diameter"].values
     first = family == FIRST_FAMILY
@@ -130,8 +123,8 @@ def plot_energy(energies: xr.Dataset) -> Figure:
     for name, energy in terms.items():
         if energy.max() > floor:
             axes.plot(
-                span_means(time, first),
-                span_means(energy, first),
+                windows.span_means(time, first),
+                windows.span_means(energy, first),
                 color=COLOURS[name],
                 linewidth=2.0 if name == "total" else 1.0,
                 label=term_label(name),
@@ -153,7 +146,7 @@ def _drawn_starts(time: Array, period: float) -> IntArray:
     periods = np.ptp(time) / period
     if periods <= SMOOTHED_PERIODS:
         return np.arange(len(time))
-    return span_starts(time, int(min(periods, PLOT_POINTS)))
+    return windows.span_starts(time, int(min(periods, PLOT_POINTS)))
 
 
 def family_energies(
@@ -168,7 +161,7 @@ def family_energies(
     Example:
         ``family_energies(result)["energy"].sel(family="1F").sum("nodal_diameter").plot()``
     """
-    dataset = in_window(result, start, end)
+    dataset = windows.in_window(result, start, end)
     names, first, number = np.unique(
         dataset["rotor_family"].values.astype(str), return_index=True, return_inverse=True
     )
@@ -198,9 +191,9 @@ def mean_energies(energies: xr.Dataset, spans: int = SPANS) -> xr.Dataset:
         spans: largest number of spans; if there are fewer records, the records are not averaged.
     """
     time = energies["time"].values
-    starts = span_starts(time, spans)
-    means = span_means(energies["energy"].values, starts)
-    ends = span_edges(time, starts, energies.attrs["begin"])[1:]
+    starts = windows.span_starts(time, spans)
+    means = windows.span_means(energies["energy"].values, starts)
+    ends = windows.span_edges(time, starts, energies.attrs["begin"])[1:]
     thinned = energies.isel(time=slice(len(ends))).assign_coords(
         time=("time", ends, energies["time"].attrs)
     )
@@ -218,7 +211,7 @@ def plot_family_energies(energies: xr.Dataset) -> Figure:
         energies: from `family_energies`.
     """
     energies = mean_energies(energies)
-    late = late_part(energies)
+    late = windows.late_part(energies)
     by_diameter = energies["energy"].sum("family")
     by_both = late["energy"].mean("time")
     diameters, families = energies["nodal_diameter"].values, energies["family"].values
@@ -234,7 +227,7 @@ def plot_family_energies(energies: xr.Dataset) -> Figure:
     upper.set_yticks(columns[::2], labels=[str(k) for k in diameters[::2]])
     time_axis(upper)
     draw_map(lower, columns, rows, _shown(by_both.values), norm=norm)
-    lower.set(xlabel="nodal diameter k", title=f"by family, mean over {window_label(late)}")
+    lower.set(xlabel="nodal diameter k", title=f"by family, mean over {windows.window_label(late)}")
     lower.set_xticks(columns, labels=[str(k) for k in diameters])
     lower.set_yticks(rows, labels=list(families))
     for axes in (upper, lower):

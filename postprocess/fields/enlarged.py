@@ -22,21 +22,9 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.blades import line_blades, with_recess
-from bladewhirl.postprocess.fields.kinematics import (
-    Array,
-    IntArray,
-    ViewError,
-    casing_rows,
-    clearance_at,
-    combine,
-    history,
-    line_rows,
-    recess_at_rest,
-    ring_angles,
-    rotate,
-    turn,
-)
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history, rotate
 from bladewhirl.postprocess.fields.strains import rotor_sections
 
 #: drawn clearance as a share of the tip radius, if the factor is chosen automatically
@@ -81,16 +69,17 @@ class EnlargedStage:
         self._dataset = dataset
         self.tip_radius = float(dataset.attrs["tip_radius"])
         #: angle from the casing's to the rotor's axes (record,) [rad]
-        self.turns = turn(dataset, records)
-        self.line, rows = line_rows(dataset, per_line)
+        self.turns = kinematics.turn(dataset, records)
+        self.line, rows = kinematics.line_rows(dataset, per_line)
         self._thickness = rotor_sections(dataset, "thickness", per_line)
         q = history(dataset, "rotor_displacement", records)
-        self.rotor_displacement = combine(q, rows.reshape(-1, 2, rows.shape[-1]))
-        self._node = combine(q, dataset["rotor_shape"].values[:, :2])
+        self.rotor_displacement = kinematics.combine(q, rows.reshape(-1, 2, rows.shape[-1]))
+        self._node = kinematics.combine(q, dataset["rotor_shape"].values[:, :2])
         self.centre = self._node[:, int(dataset["centre_node"])]
-        self.angle = ring_angles(dataset, per_element)
-        ring = combine(
-            history(dataset, "casing_displacement", records), casing_rows(dataset, self.angle)
+        self.angle = kinematics.ring_angles(dataset, per_element)
+        ring = kinematics.combine(
+            history(dataset, "casing_displacement", records),
+            kinematics.casing_rows(dataset, self.angle),
         )
         self.ring_displacement = rotate(ring, self.angle)
         self.wall_thickness = np.repeat(dataset["casing_thickness"].values, per_element)
@@ -100,7 +89,10 @@ class EnlargedStage:
                 for field in (self.rotor_displacement, self.ring_displacement)
             )
         )
-        clearance, recess = clearance_at(dataset, self.angle), dataset["tip_recess"].values
+        clearance, recess = (
+            kinematics.clearance_at(dataset, self.angle),
+            dataset["tip_recess"].values,
+        )
         largest_clearance = float(clearance.max() + np.max(recess, initial=0.0))
         self.factor = (
             round_factor(self.tip_radius, largest_clearance, self.largest_displacement)
@@ -109,7 +101,7 @@ class EnlargedStage:
         )
         self.inner_radius = self.tip_radius + self.factor * clearance
         self.nodes = dataset["rotor_point"].values  #: drawn nodes at rest (rotor_node, 2) [m]
-        shift = self.factor * recess - recess_at_rest(dataset)
+        shift = self.factor * recess - kinematics.recess_at_rest(dataset)
         if shift.any():
             self.nodes, self.line = with_recess(dataset, self.line, shift)
 

@@ -18,17 +18,7 @@ from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.fields.kinematics import Array, recess_at_rest
 from bladewhirl.postprocess.fields.netcdf import ResultError as ResultError
 from bladewhirl.postprocess.fields.netcdf import attribute_fault, open_file, value_fault
-from bladewhirl.solvers.march.schema import (
-    HISTORY,
-    INDICES,
-    OPTIONAL_DIMENSIONS,
-    RESULT,
-    RESULT_FORMAT,
-    RESULT_NAME,
-    STATIC,
-    TIME,
-    index_values,
-)
+from bladewhirl.solvers.march import schema
 
 PORTION = 4096  #: records read at a time: 5 MB for 156 modes
 ATTRIBUTES = (
@@ -51,7 +41,7 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
         ResultError: the file does not exist, is not netCDF-4, is not a result, or has no record
             yet.
     """
-    dataset, file = open_file(path, RESULT_NAME, "a result")
+    dataset, file = open_file(path, schema.RESULT_NAME, "a result")
     try:
         check_result(dataset, str(file))
         complete = with_coordinates(dataset)
@@ -70,25 +60,25 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     frequencies, equal to the frequencies of the modes; before format 6 the work of closing, nan.
     """
     indices = {
-        name: (name, index_values(name, dataset.sizes[name]), variable.attributes)
-        for name, variable in INDICES.items()
+        name: (name, schema.index_values(name, dataset.sizes[name]), variable.attributes)
+        for name, variable in schema.INDICES.items()
         if name in dataset.dims and name not in dataset.coords
     }
     like = {"rotor_line": "rotor_thickness", "blade": "tip_angle"}
     constant = {
         name: xr.zeros_like(dataset[like[variable.dimensions[0]]]).assign_attrs(variable.attributes)
-        for name, variable in STATIC.items()
+        for name, variable in schema.STATIC.items()
         if (name.endswith("_change") or variable.since == 4) and name not in dataset
     }
     if "tip_recess" in constant:
         constant["tip_recess"] += recess_at_rest(dataset)
     for name in ("rotor_backward_frequency", "rotor_forward_frequency"):
         if name not in dataset:
-            constant[name] = dataset["rotor_frequency"].assign_attrs(STATIC[name].attributes)
+            constant[name] = dataset["rotor_frequency"].assign_attrs(schema.STATIC[name].attributes)
     if "closing_work" not in dataset and "normal_work" in dataset:
         unknown = xr.full_like(dataset["normal_work"], np.nan)
-        constant["closing_work"] = unknown.assign_attrs(HISTORY["closing_work"].attributes)
-    described = [name for name, variable in STATIC.items() if variable.is_coordinate]
+        constant["closing_work"] = unknown.assign_attrs(schema.HISTORY["closing_work"].attributes)
+    described = [name for name, variable in schema.STATIC.items() if variable.is_coordinate]
     return dataset.assign(constant).assign_coords(indices).set_coords(described)
 
 
@@ -111,7 +101,7 @@ def result_of(
         },
         attrs=dict(attributes),
     )
-    return with_coordinates(dataset.set_coords(TIME))
+    return with_coordinates(dataset.set_coords(schema.TIME))
 
 
 def stage_dataset(arrays: StageArrays, motion: Mapping[str, Array] | None = None) -> xr.Dataset:
@@ -123,13 +113,13 @@ def stage_dataset(arrays: StageArrays, motion: Mapping[str, Array] | None = None
         arrays: arrays that describe the stage.
         motion: `time`, `rotor_displacement`, `casing_displacement` and other histories.
     """
-    values = {name: getattr(arrays, name) for name in STATIC} | dict(motion or {})
+    values = {name: getattr(arrays, name) for name in schema.STATIC} | dict(motion or {})
     return xr.Dataset({name: _entry(name, array) for name, array in values.items()})
 
 
 def _entry(name: str, values: Any) -> tuple[tuple[str, ...], Array, dict[str, str]]:
     """Return a variable of the schema in the form that xarray accepts."""
-    return RESULT[name].dimensions, np.asarray(values), RESULT[name].attributes
+    return schema.RESULT[name].dimensions, np.asarray(values), schema.RESULT[name].attributes
 
 
 @contextmanager
@@ -151,13 +141,13 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
     if fault := attribute_fault(dataset.attrs):
         raise ResultError(f"{name}: expected {fault}")
     made_by = dataset.attrs.get("format", 1)
-    if made_by > RESULT_FORMAT:
+    if made_by > schema.RESULT_FORMAT:
         raise ResultError(
-            f"{name}: expected a result of format {RESULT_FORMAT} or older, found format "
+            f"{name}: expected a result of format {schema.RESULT_FORMAT} or older, found format "
             f"{made_by}; a newer bladewhirl reads it"
         )
-    for key, variable in {**HISTORY, **STATIC}.items():
-        if variable.since > 1 or OPTIONAL_DIMENSIONS.intersection(variable.dimensions):
+    for key, variable in {**schema.HISTORY, **schema.STATIC}.items():
+        if variable.since > 1 or schema.OPTIONAL_DIMENSIONS.intersection(variable.dimensions):
             continue
         if key not in dataset:
             raise ResultError(f"{name}: expected a bladewhirl result; it has no {key!r}")
@@ -174,7 +164,7 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
         raise ResultError(f"{name}: expected {fault}")
     if not dataset.sizes["time"]:
         raise ResultError(f"{name}: expected at least one record, found none")
-    if not (np.diff(dataset[TIME].values) > 0.0).all():
+    if not (np.diff(dataset[schema.TIME].values) > 0.0).all():
         raise ResultError(f"{name}: expected 'time' to increase, the file was changed or damaged")
 
 

@@ -20,15 +20,7 @@ from matplotlib.figure import Figure
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.models.inputs.units import handy
-from bladewhirl.postprocess.plotting.axes import (
-    AROUND,
-    LEFT,
-    SPEED,
-    Labels,
-    draw_map,
-    frequency_axis,
-    speed_axis,
-)
+from bladewhirl.postprocess.plotting import axes as panels
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
@@ -78,7 +70,7 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
     shown = np.ma.masked_array(growth, ~unstable)
     colours = Normalize(0.0, float(growth[unstable].max()) if unstable.any() else 1.0)
     look = {"norm": colours, "cmap": GROWTH_COLOURS, "shading": "nearest"}
-    mesh = draw_map(axes, speed, kappa, shown, **look)
+    mesh = panels.draw_map(axes, speed, kappa, shown, **look)
     figure.colorbar(mesh, ax=axes, label="growth rate [1/s]; white is stable", pad=0.02)
     if "zone" in data.dims:
         _draw_borders(axes, data)
@@ -136,10 +128,10 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     reach = 1.3 * np.abs(real[growing] if many and growing.any() else real).max()
     if reach > 0.0:
         upper.set_ylim(-reach, reach)
-    speed_axis(upper, reference / (2.0 * np.pi))
+    panels.speed_axis(upper, reference / (2.0 * np.pi))
     upper.set_xlabel("")
-    lower.set_xlabel(SPEED)
-    frequency_axis(lower, reference / (2.0 * np.pi))
+    lower.set_xlabel(panels.SPEED)
+    panels.frequency_axis(lower, reference / (2.0 * np.pi))
     shown = _words(f"Eigenvalues along κ = {handy(data.attrs['kappa'], 'N/m', 4)}", data)
     set_title(figure, data.attrs["case"], f"{shown}, frame turning at Ω/2")
     legends_below(figure, Group(entries))
@@ -197,13 +189,13 @@ def _new_chart(data: xr.Dataset) -> tuple[Figure, Axes]:
         ylim=tuple(data.attrs["kappa_range"]),
         ylabel=KAPPA_AXIS,
     )
-    speed_axis(axes, float(data.attrs["reference_frequency"]) / (2.0 * np.pi))
+    panels.speed_axis(axes, float(data.attrs["reference_frequency"]) / (2.0 * np.pi))
     return figure, axes
 
 
 def _name_zones(axes: Axes, data: xr.Dataset) -> None:
     """Label zones next to their borders, the widest first; labels without space are omitted."""
-    labels = Labels(axes)
+    labels = panels.Labels(axes)
     zones = _zones(data)
     for zone in sorted(zones, key=lambda zone: -np.ptp([zone.lower[-1], zone.upper[-1]])):
         text = _meeting(zone.casing, zone.rotor, len(zones))
@@ -225,23 +217,23 @@ def _name_meetings(axes: Axes, data: xr.Dataset, heights: FloatArray) -> None:
         data: a spectrum.
         heights: heights of the names, nan for no name, (zone,).
     """
-    labels = Labels(axes)
+    labels = panels.Labels(axes)
     middle = 0.5 * (data["zone_lower"].values + data["zone_upper"].values)
     for i in np.argsort(-data["zone_growth"].values):
         pair = str(data["zone_casing"].values[i]), str(data["zone_rotor"].values[i])
         text = _meeting(*pair, data.sizes["zone"])
-        labels.add(middle[i], heights[i], text, COLOURS["k = 1"], AROUND)
+        labels.add(middle[i], heights[i], text, COLOURS["k = 1"], panels.AROUND)
 
 
 def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray) -> None:
     """Name each branch at its left end by the wave from which it begins."""
     first, last = data["speed"].values[[0, -1]]
     axes.set_xlim(first - NAMED * (last - first), last)
-    labels = Labels(axes)
+    labels = panels.Labels(axes)
     for branch in np.argsort(frequency[0]):
         if frequency[0, branch] > 0.0:
             name = str(data["branch_name"].values[branch])
-            labels.add(first, frequency[0, branch], name, COLOURS["total"], LEFT)
+            labels.add(first, frequency[0, branch], name, COLOURS["total"], panels.LEFT)
 
 
 def _growing_frequencies(data: xr.Dataset, frequency: FloatArray, growing: BoolArray) -> FloatArray:

@@ -15,18 +15,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
-from bladewhirl.postprocess.fields.kinematics import (
-    Array,
-    IntArray,
-    clearance_at,
-    element_lengths,
-    history,
-    line_rows,
-    line_slope_rows,
-    rotate,
-    station_angles,
-    wall_rows,
-)
+from bladewhirl.postprocess.fields import kinematics
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, rotate
 from bladewhirl.postprocess.fields.strains import (
     StrainRows,
     Strains,
@@ -127,7 +117,7 @@ class Boxes:
 
 def rotor_boxes(dataset: xr.Dataset, pieces: int = BEAM_PIECES) -> Boxes:
     """Return the beams of the rotor, in rotating axes."""
-    line, rows = line_rows(dataset, pieces)
+    line, rows = kinematics.line_rows(dataset, pieces)
     along = (line[:, -1] - line[:, 0])[:, None]
     normal = rotate(along / np.linalg.norm(along, axis=-1)[..., None], np.pi / 2)
     half = rotor_sections(dataset, "thickness", pieces)[..., None] / 2
@@ -139,7 +129,7 @@ def rotor_boxes(dataset: xr.Dataset, pieces: int = BEAM_PIECES) -> Boxes:
         width=rotor_sections(dataset, "width", pieces),
         modulus=rotor_sections(dataset, "young_modulus", pieces),
         rows=rows,
-        turn_rows=line_slope_rows(dataset, pieces),
+        turn_rows=kinematics.line_slope_rows(dataset, pieces),
         strain_rows=rotor_strain_rows(dataset, pieces),
     )
 
@@ -147,15 +137,15 @@ def rotor_boxes(dataset: xr.Dataset, pieces: int = BEAM_PIECES) -> Boxes:
 def casing_boxes(dataset: xr.Dataset, arc_points: int = ARC_POINTS) -> Boxes:
     """Return the wall of the casing in static axes; the inner surface lies at the clearance."""
     pieces = -(-arc_points // dataset.sizes["casing_node"])
-    angle = station_angles(dataset, pieces)
+    angle = kinematics.station_angles(dataset, pieces)
     outward = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    clearance = clearance_at(dataset, angle.ravel()).reshape(angle.shape)
+    clearance = kinematics.clearance_at(dataset, angle.ravel()).reshape(angle.shape)
     radius = float(dataset.attrs["tip_radius"]) + clearance
     wall = np.broadcast_to(dataset["casing_thickness"].values[:, None], angle.shape)
     x = np.linspace(0.0, 1.0, pieces + 1)
-    polar = wall_rows(dataset, cubic_weights(x))
-    slope = wall_rows(dataset, slope_weights(x))[:, :, 0]
-    slope /= element_lengths(dataset)[:, None, None]
+    polar = kinematics.wall_rows(dataset, cubic_weights(x))
+    slope = kinematics.wall_rows(dataset, slope_weights(x))[:, :, 0]
+    slope /= kinematics.element_lengths(dataset)[:, None, None]
     return Boxes(
         body="casing",
         line=radius[..., None] * outward,

@@ -17,17 +17,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.blades import line_blades
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
-from bladewhirl.postprocess.fields.kinematics import (
-    Array,
-    IntArray,
-    combine,
-    contact_forces,
-    history,
-    radial_part,
-    rotate,
-)
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, rotate
 from bladewhirl.postprocess.paraview.boxes import (
     ARC_POINTS,
     BEAM_PIECES,
@@ -185,7 +178,7 @@ class StageParts:
         fields = {
             "displacement": _in_space(rotate(moved, angle[:, None])),
             "velocity": _in_space(rotate(rate, angle[:, None])),
-            "radial_displacement": radial_part(moved, rest[None, :, :2]),
+            "radial_displacement": kinematics.radial_part(moved, rest[None, :, :2]),
             "surface_stress": (modulus[..., None] * surface).reshape(count, -1),
         }
         for name, strain in (("axial", strains.axial), ("bending", strains.bending)):
@@ -235,7 +228,7 @@ class StageParts:
         dataset = self._dataset
         rows = dataset["rotor_shape"].values[self._tips, :2]
         moved, rate = (
-            combine(history(dataset, f"rotor_{quantity}", records), rows)
+            kinematics.combine(history(dataset, f"rotor_{quantity}", records), rows)
             for quantity in ("displacement", "velocity")
         )
         spin = 0.0 if self._rotating else float(dataset.attrs["speed"])
@@ -244,7 +237,9 @@ class StageParts:
             "displacement": _in_space(rotate(moved, angle[:, None])),
             "velocity": _in_space(rotate(rate, angle[:, None])),
             "gap": history(dataset, "gap", records),
-            "contact_force": _in_space(contact_forces(dataset, records, rotating=self._rotating)),
+            "contact_force": _in_space(
+                kinematics.contact_forces(dataset, records, rotating=self._rotating)
+            ),
         }
 
     def _contact(

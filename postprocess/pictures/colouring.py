@@ -16,18 +16,9 @@ import xarray as xr
 from matplotlib.colors import to_hex
 
 from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.blades import line_blades
-from bladewhirl.postprocess.fields.kinematics import (
-    Array,
-    IntArray,
-    ViewError,
-    casing_rows,
-    combine,
-    history,
-    line_rows,
-    ring_angles,
-    rotate,
-)
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history, rotate
 from bladewhirl.postprocess.fields.strains import (
     Strains,
     casing_strain_rows,
@@ -144,10 +135,10 @@ def _magnitude(
     deformation (displacement without the mean motion of the body), or of the velocity in the axes
     of the picture.
     """
-    _, rows = line_rows(dataset, stations.per_line)
+    _, rows = kinematics.line_rows(dataset, stations.per_line)
     beams = rows.reshape(-1, 2, rows.shape[-1])
-    angle = ring_angles(dataset, stations.per_element)
-    polar = np.moveaxis(casing_rows(dataset, angle), 1, 2)
+    angle = kinematics.ring_angles(dataset, stations.per_element)
+    polar = np.moveaxis(kinematics.casing_rows(dataset, angle), 1, 2)
     ring = np.moveaxis(rotate(polar, angle[:, None]), 2, 1)
     centre = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
     speed = float(dataset.attrs["speed"])
@@ -157,9 +148,9 @@ def _magnitude(
         ("casing", ring, ring.mean(axis=0), -speed if rotating else 0.0),
     ):
         rows_shown = shape - mean if field == "deformation" else shape
-        values = combine(history(dataset, f"{body}_displacement", records), rows_shown)
+        values = kinematics.combine(history(dataset, f"{body}_displacement", records), rows_shown)
         if field == "velocity":
-            rate = combine(history(dataset, f"{body}_velocity", records), rows_shown)
+            rate = kinematics.combine(history(dataset, f"{body}_velocity", records), rows_shown)
             values = rate + spin * rotate(values, np.pi / 2)
         sizes.append(np.linalg.norm(values, axis=-1))
     rotor, casing = sizes

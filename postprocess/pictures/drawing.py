@@ -9,14 +9,9 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT, EnlargedStage
-from bladewhirl.postprocess.fields.kinematics import (
-    Array,
-    IntArray,
-    ViewError,
-    contact_forces,
-    rotate,
-)
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, rotate
 from bladewhirl.postprocess.pictures.colouring import Field, Stations, colouring
 from bladewhirl.postprocess.pictures.symbols import StageSymbols, Symbols
 
@@ -87,7 +82,7 @@ class Drawing:
         self._rotor_turn, self._casing_turn = (
             (angle, 0 * angle) if frame == "static" else (0 * angle, -angle)
         )
-        self._forces = contact_forces(dataset, records, rotating=frame == "rotating")
+        self._forces = kinematics.contact_forces(dataset, records, rotating=frame == "rotating")
         self._tips = dataset["tip_node"].values
         from_mark = stage.line.reshape(-1, 2) - MARK * stage.nodes[self._tips[0]]
         self._mark = int(np.argmin(np.sum(from_mark**2, axis=1)))

@@ -11,20 +11,7 @@ import xarray as xr
 
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, rotate
-from bladewhirl.postprocess.pictures.appearance import (
-    DOTS,
-    FAINT,
-    FINER,
-    FONT,
-    FORCE_COLOUR,
-    INK,
-    NO_VALUE,
-    SQUARE,
-    contact_text,
-    enlargement,
-    shaft_trail,
-    speed_text,
-)
+from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Picture
 from bladewhirl.postprocess.pictures.scene import CIRCLE, StageScene, disc_triangles
 from bladewhirl.postprocess.pictures.symbols import KINDS, Symbols, sample
@@ -66,28 +53,32 @@ class Panel:
     ) -> None:
         self._plotter, drawing = scene.plotter, scene.drawing
         self._drawing = drawing
-        shown = [f"{drawing.frame} frame", enlargement(drawing.exaggeration)]
+        shown = [f"{drawing.frame} frame", look.enlargement(drawing.exaggeration)]
         bar = draw_scale_bar(scene, "motion, clearance")
         if sheet:
             shown.append(f"bars: {bar}")
         else:
-            shown.append(DOTS)
-            write(scene.plotter, bar, 0.085, 11, indent=-SQUARE)
+            shown.append(look.DOTS)
+            write(scene.plotter, bar, 0.085, 11, indent=-look.SQUARE)
         write_title(scene.plotter, dataset)
         self._time = write(scene.plotter, "", TOPS["time"], 22)
         if dataset.attrs["speed"]:  # zero for a mode
-            write(scene.plotter, f"speed\n{speed_text(dataset)}", TOPS["speed"], 13)
+            write(scene.plotter, f"speed\n{look.speed_text(dataset)}", TOPS["speed"], 13)
         write(
-            scene.plotter, "\n".join(filter(None, [*shown, note])), TOPS["frame"], 13, color=FAINT
+            scene.plotter,
+            "\n".join(filter(None, [*shown, note])),
+            TOPS["frame"],
+            13,
+            color=look.FAINT,
         )
-        self._contact = write(scene.plotter, "", TOPS["contact"], 14, color=FORCE_COLOUR)
+        self._contact = write(scene.plotter, "", TOPS["contact"], 14, color=look.FORCE_COLOUR)
         self._orbit = None if trail is None else Orbit(scene, dataset, trail)
         self._numbers = BladeNumbers(scene, dataset.sizes["blade"], LETTERS if sheet else 1.0)
         limit = drawing.linear_limit()
         if limit is not None:
             words = f"blades bend by more than\n{handy(limit, 'm', 3)}: a linear model"
             words += "\nis off by a tenth or more"
-            write(scene.plotter, words, 0.075, 11, color=FORCE_COLOUR, indent=-0.205)
+            write(scene.plotter, words, 0.075, 11, color=look.FORCE_COLOUR, indent=-0.205)
         top = SCALE_TOP if trail is None else TOPS["orbit"] - 0.06 - ORBIT_SIZE
         if drawing.colouring.parts is None:
             write_scale(scene, top)
@@ -97,7 +88,7 @@ class Panel:
     def show(self, picture: Picture) -> None:
         """Update time, contact text, blade numbers and orbit."""
         self._time.input = f"t = {1e3 * picture.time:.1f} ms"
-        self._contact.input = contact_text(picture.forces)
+        self._contact.input = look.contact_text(picture.forces)
         self._numbers.show(picture)
         if self._orbit is not None:
             self._orbit.show(picture.time)
@@ -117,25 +108,25 @@ class Orbit:
     def __init__(self, scene: StageScene, dataset: xr.Dataset, records: IntArray) -> None:
         drawing = scene.drawing
         self._time = dataset["time"].values[records]
-        trail = shaft_trail(dataset, records, drawing.frame)
+        trail = look.shaft_trail(dataset, records, drawing.frame)
         write(scene.plotter, trail.title, TOPS["orbit"], 13)
         width, height = scene.plotter.window_size
-        low = scene.place(SQUARE + 0.02, TOPS["orbit"] - 0.045 - ORBIT_SIZE)
-        high = scene.place(SQUARE + 0.02 + ORBIT_SIZE * height / width, TOPS["orbit"] - 0.045)
+        low = scene.place(look.SQUARE + 0.02, TOPS["orbit"] - 0.045 - ORBIT_SIZE)
+        high = scene.place(look.SQUARE + 0.02 + ORBIT_SIZE * height / width, TOPS["orbit"] - 0.045)
         self._middle, half = (low + high) / 2, (high[1] - low[1]) / 2
         self._way = self._middle + half * trail.places
         angle = np.linspace(0.0, 2 * np.pi, 73)
         circle = self._middle + half * np.column_stack([np.cos(angle), np.sin(angle)])
         across = np.array([[-half, 0.0], [half, 0.0], [0.0, 0.0], [0.0, -half], [0.0, half]])
         for line in (circle, self._middle + across):
-            self._add(scene.plotter, line, NO_VALUE, 1.5)
-        self._add(scene.plotter, self._way, FAINT, 1.0)
-        self._trail = self._add(scene.plotter, self._way, FORCE_COLOUR, 2.5)
+            self._add(scene.plotter, line, look.NO_VALUE, 1.5)
+        self._add(scene.plotter, self._way, look.FAINT, 1.0)
+        self._trail = self._add(scene.plotter, self._way, look.FORCE_COLOUR, 2.5)
         self._disc = 0.05 * half * CIRCLE
         self._dot = pyvista.PolyData.from_regular_faces(
             _on_plane(self._middle + self._disc), disc_triangles(1)
         )
-        scene.plotter.add_mesh(self._dot, color=INK, lighting=False)
+        scene.plotter.add_mesh(self._dot, color=look.INK, lighting=False)
 
     def show(self, time: float) -> None:
         """Emphasise the orbit up to a time [s]."""
@@ -217,17 +208,17 @@ def write_scale(scene: StageScene, top: float) -> None:
         title="",
         mapper=scene.colours,
         vertical=True,
-        position_x=SQUARE + 0.02,
+        position_x=look.SQUARE + 0.02,
         position_y=SCALE_FOOT,
         width=0.05,
         height=top - 0.045 - SCALE_FOOT,
         n_labels=5,
         fmt="%.3g",
-        color=INK,
+        color=look.INK,
         label_font_size=round(14 * plotter.window_size[1] / 960),
     )
     bar.GetLabelTextProperty().SetFontFamily(4)  # VTK_FONT_FILE
-    bar.GetLabelTextProperty().SetFontFile(FONT)
+    bar.GetLabelTextProperty().SetFontFile(look.FONT)
 
 
 def write_key(
@@ -240,7 +231,7 @@ def write_key(
     """Write a key below `top`: `sign` in each colour, with its name."""
     for number, (name, colour) in enumerate(colours.items()):
         height = top - KEY_STEP * number
-        write(plotter, sign, height, 19, color=INK, indent=-0.0012)
+        write(plotter, sign, height, 19, color=look.INK, indent=-0.0012)
         write(plotter, sign, height - 0.0015, 16, color=colour)
         write(plotter, _short(name), height - 0.005, 13, indent=0.025)
 
@@ -252,7 +243,7 @@ def write_symbols(scene: StageScene, top: float) -> int:
     for kind, name in KINDS.items():
         if len(getattr(drawn, kind)):
             height = top - KEY_STEP * number - 0.012
-            start, end = (scene.place(SQUARE + across, height) for across in (left, right))
+            start, end = (scene.place(look.SQUARE + across, height) for across in (left, right))
             scene.symbols(sample(kind, start, end))
             write(scene.plotter, name, height + 0.007, 13, indent=right - 0.008)
             number += 1
@@ -265,7 +256,7 @@ def write(
     top: float,
     size: float,
     *,
-    color: str = INK,
+    color: str = look.INK,
     indent: float = 0.0,
 ) -> pyvista.Text:
     """Write text into the panel.
@@ -281,10 +272,10 @@ def write(
     width, height = plotter.window_size
     actor: pyvista.Text = plotter.add_text(
         text,
-        position=(round((SQUARE + 0.02 + indent) * width), round(top * height)),
-        font_size=FINER * round(0.7 * size * height / 960 / FINER),
+        position=(round((look.SQUARE + 0.02 + indent) * width), round(top * height)),
+        font_size=look.FINER * round(0.7 * size * height / 960 / look.FINER),
         color=color,
-        font_file=FONT,
+        font_file=look.FONT,
         name=f"panel at {top}, {indent}",
     )
     actor.prop.SetVerticalJustificationToTop()

@@ -12,24 +12,12 @@ import xarray as xr
 from PIL import Image, ImageDraw, ImageFont
 
 from bladewhirl.files import replacing
-from bladewhirl.postprocess.fields.kinematics import (
-    FRAMES_PER_REVOLUTION,
-    Array,
-    IntArray,
-    ViewError,
-    frame_records,
-    nearest_records,
-)
+from bladewhirl.postprocess.fields import kinematics
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.pictures import films
 from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE, scene_colours
 from bladewhirl.postprocess.pictures.colouring import Field
 from bladewhirl.postprocess.pictures.drawing import Drawing, Frame
-from bladewhirl.postprocess.pictures.films import (
-    FRAME_RATE,
-    Progress,
-    shared_palette,
-    write_gif,
-    write_mp4,
-)
 from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view
 from bladewhirl.postprocess.plotting.files import checked_target
 
@@ -61,11 +49,13 @@ def animation_records(
     Raises:
         ViewError: the time window does not begin inside the run, or `frames` is not positive.
     """
-    window = frame_records(dataset, dataset.sizes["time"], start, end)
+    window = kinematics.frame_records(dataset, dataset.sizes["time"], start, end)
     if start is not None and end is not None:
         chosen = window[:: _stride(dataset)]
         count = min(len(chosen), MOST_FRAMES) if frames is None else frames
-        return chosen if count == len(chosen) else frame_records(dataset, count, start, end)
+        return (
+            chosen if count == len(chosen) else kinematics.frame_records(dataset, count, start, end)
+        )
     if frames is not None and frames < 1:
         raise ViewError(f"number of frames must be at least 1, got {frames}")
     stride = _stride(dataset)
@@ -92,7 +82,7 @@ def sheet_records(
     speed, step = abs(float(dataset.attrs["speed"])), float(dataset.attrs["record_step"])
     span = 1 + round(2 * np.pi / speed / step) if speed else dataset.sizes["time"]
     if start is not None or end is not None or not frames <= span < dataset.sizes["time"]:
-        return frame_records(dataset, frames, start, end)
+        return kinematics.frame_records(dataset, frames, start, end)
     return _busiest(dataset, span) + np.linspace(0, span - 1, frames).round().astype(np.int64)
 
 
@@ -128,7 +118,7 @@ def render_still(
         records = np.array([strongest_contact(dataset)])
     else:
         check_inside(dataset, time)
-        records = nearest_records(dataset, np.array([time]))
+        records = kinematics.nearest_records(dataset, np.array([time]))
     drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
     trail = _revolution_before(dataset, int(records[0])) if orbit else None
     with stage_view(dataset, drawing, size, trail=trail) as picture, replacing(target) as draft:
@@ -146,7 +136,7 @@ def render_animation(
     colour: Field = "displacement",
     orbit: bool = False,
     size: tuple[int, int] | None = None,
-    progress: Progress | None = None,
+    progress: films.Progress | None = None,
 ) -> Path:
     """Draw records (see `animation_records`) as a GIF or MP4 with 25 pictures per second; return
     the path.
@@ -163,7 +153,7 @@ def render_animation(
     gif = target.suffix.lower() == ".gif"
     drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
     seconds = float(np.ptp(dataset["time"].values[records]))
-    slower = (len(records) - 1) / FRAME_RATE / seconds if seconds else 1.0
+    slower = (len(records) - 1) / films.FRAME_RATE / seconds if seconds else 1.0
     note = f"slowed down {slower:.3g} times" if slower > 1 else ""
     trail = np.arange(records.min(), records.max() + 1) if orbit else None
     size = size or (GIF_WINDOW if gif else WINDOW)
@@ -180,9 +170,9 @@ def render_animation(
 
         if gif:
             samples = {i: picture(i) for i in range(0, len(records), -(-len(records) // 6))}
-            write_gif(draft, pictures(samples), _palette(drawing, [*samples.values()]))
+            films.write_gif(draft, pictures(samples), _palette(drawing, [*samples.values()]))
         else:
-            write_mp4(draft, pictures({}))
+            films.write_mp4(draft, pictures({}))
     return target
 
 
@@ -244,7 +234,7 @@ def _palette(drawing: Drawing, samples: list[Pixels]) -> Image.Image:
     such as those of smoothed edges."""
     seen = np.vstack(samples).reshape(1, -1, 3)
     drawn = seen[:, np.any(seen[0] < 240, axis=1)]  # without colours close to white
-    return shared_palette(scene_colours(drawing.colouring, 90), drawn)
+    return films.shared_palette(scene_colours(drawing.colouring, 90), drawn)
 
 
 def _revolution_before(dataset: xr.Dataset, record: int) -> IntArray:
@@ -268,7 +258,7 @@ def _stride(dataset: xr.Dataset) -> int:
     speed = abs(float(dataset.attrs["speed"]))
     if speed == 0:
         return 1
-    rate = max(FRAMES_PER_REVOLUTION, FRAMES_PER_BLADE * dataset.sizes["blade"])
+    rate = max(kinematics.FRAMES_PER_REVOLUTION, FRAMES_PER_BLADE * dataset.sizes["blade"])
     step = float(dataset.attrs["record_step"])
     return max(1, int(2 * np.pi / speed / rate / step))
 

@@ -8,24 +8,7 @@ import pyvista
 from matplotlib.colors import ListedColormap
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, rotate
-from bladewhirl.postprocess.pictures.appearance import (
-    ARROW_WIDTH,
-    BACKGROUND,
-    CONTACT_DISC,
-    EDGE,
-    FORCE_COLOUR,
-    HUB,
-    INK,
-    LONGEST_ARROW,
-    MARGIN,
-    MARK,
-    MASS_COLOUR,
-    NO_VALUE,
-    OUTLINE,
-    RIM,
-    SQUARE,
-    strokes_of,
-)
+from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows, widened
 from bladewhirl.postprocess.pictures.symbols import MASS, Symbols
 
@@ -46,15 +29,15 @@ class StageScene:
         self.plotter = plotter
         self.drawing = drawing
         stage, contact = drawing.reach()
-        self._size = max(stage, contact / (1 - LONGEST_ARROW))  # arrows end on the tips
+        self._size = max(stage, contact / (1 - look.LONGEST_ARROW))  # arrows end on the tips
         force = drawing.largest_force
-        self._metres_per_newton = LONGEST_ARROW * self._size / force if force else 0.0
+        self._metres_per_newton = look.LONGEST_ARROW * self._size / force if force else 0.0
         first = drawing.picture(0)
         self._outlines, self._ribbons = [], []
         for ribbon in (first.casing, first.rotor):
             lines, stations = ribbon.values.shape[:2]
             outline = _strip_quads(lines, stations, 1)
-            self._outlines.append(self._add(ribbon.values.size, outline, layer=0, color=INK))
+            self._outlines.append(self._add(ribbon.values.size, outline, layer=0, color=look.INK))
             halves = _strip_quads(lines, stations, 2)
             self._ribbons.append(self._add(2 * ribbon.values.size, halves, layer=1))
         # Strokes have light edges to be visible on parts of any colour.
@@ -66,33 +49,36 @@ class StageScene:
                     layer=layer,
                     color=shade or colour,
                 )
-                for name, _, colour, strokes in strokes_of(first.symbols)
+                for name, _, colour, strokes in look.strokes_of(first.symbols)
             }
-            for layer, shade in ((1.7, BACKGROUND), (2, ""))
+            for layer, shade in ((1.7, look.BACKGROUND), (2, ""))
         )
         blades: IntArray = np.arange(len(first.tips))[:, None]
         disc = disc_triangles(1)
         masses = len(first.symbols.masses)
         self._masses = [
             self._add(masses * DISC_CORNERS, disc_triangles(masses), layer=layer, color=colour)
-            for layer, colour in ((3, INK), (4, MASS_COLOUR))
+            for layer, colour in ((3, look.INK), (4, look.MASS_COLOUR))
         ]
         (self._hub_rim, self._hub), (self._mark_rim, self._mark) = (
             [
                 self._add(DISC_CORNERS, disc, layer=layer, color=colour, shown=marks)
-                for layer, colour in ((5, BACKGROUND), (5.5, INK))
+                for layer, colour in ((5, look.BACKGROUND), (5.5, look.INK))
             ]
             for _ in range(2)
         )
         self._discs = self._add(
-            blades.size * DISC_CORNERS, disc_triangles(blades.size), layer=6, color=FORCE_COLOUR
+            blades.size * DISC_CORNERS,
+            disc_triangles(blades.size),
+            layer=6,
+            color=look.FORCE_COLOUR,
         )
         self._arrows = self._add(
             7 * blades.size,
             7 * blades + np.array([0, 1, 5, 6]),
             7 * blades + np.array([2, 3, 4]),
             layer=7,
-            color=FORCE_COLOUR,
+            color=look.FORCE_COLOUR,
         )
         self.show(first)
 
@@ -100,7 +86,7 @@ class StageScene:
         """Show a picture: change the points and colours of all objects in place."""
         circle = self._size * CIRCLE
         # The outline of the inner surface lies inside the wall, so that gaps keep their size.
-        edge = OUTLINE * self._size
+        edge = look.OUTLINE * self._size
         for outline, mesh, ribbon, inner in zip(
             self._outlines, self._ribbons, (picture.casing, picture.rotor), (0.0, edge), strict=True
         ):
@@ -108,33 +94,33 @@ class StageScene:
             _move(mesh, _halves(widened(ribbon.sides, inner - edge, 0.0)))
             values = np.repeat(ribbon.values, 2, axis=-1)
             mesh.point_data["value"][:] = self.drawing.colouring.scale * values.ravel()
-        for name, width, _, strokes in strokes_of(picture.symbols):
-            _move(self._edges[name], stroke_corners(strokes, (width + 2 * EDGE) * self._size))
+        for name, width, _, strokes in look.strokes_of(picture.symbols):
+            _move(self._edges[name], stroke_corners(strokes, (width + 2 * look.EDGE) * self._size))
             _move(self._strokes[name], stroke_corners(strokes, width * self._size))
-        for mesh, share in zip(self._masses, (MASS + OUTLINE, MASS), strict=True):
+        for mesh, share in zip(self._masses, (MASS + look.OUTLINE, MASS), strict=True):
             _move(mesh, picture.symbols.masses[:, None] + share * circle)
         for mesh, middle, share in (
-            (self._hub_rim, picture.shaft, HUB + RIM),
-            (self._hub, picture.shaft, HUB),
-            (self._mark_rim, picture.mark, MARK + RIM),
-            (self._mark, picture.mark, MARK),
+            (self._hub_rim, picture.shaft, look.HUB + look.RIM),
+            (self._hub, picture.shaft, look.HUB),
+            (self._mark_rim, picture.mark, look.MARK + look.RIM),
+            (self._mark, picture.mark, look.MARK),
         ):
             _move(mesh, middle + share * circle)
         touching = np.any(picture.forces, axis=1)[:, None, None]
-        _move(self._discs, picture.tips[:, None] + CONTACT_DISC * touching * circle)
-        width = ARROW_WIDTH * self._size
+        _move(self._discs, picture.tips[:, None] + look.CONTACT_DISC * touching * circle)
+        width = look.ARROW_WIDTH * self._size
         _move(self._arrows, arrows(picture.tips, picture.forces, self._metres_per_newton, width))
 
     def dots(self, middles: Array, size: float, colour: str, *, layer: int) -> None:
         """Add outlined discs at points (dot, 2) [m]; `size` is a radius, relative to the stage."""
         faces = disc_triangles(len(middles))
-        for step, share, shade in ((0, size + OUTLINE, INK), (1, size, colour)):
+        for step, share, shade in ((0, size + look.OUTLINE, look.INK), (1, size, colour)):
             mesh = self._add(len(middles) * DISC_CORNERS, faces, layer=layer + step, color=shade)
             _move(mesh, middles[:, None] + share * self._size * CIRCLE)
 
     def symbols(self, symbols: Symbols) -> None:
         """Add symbols that are the same in all pictures."""
-        for _, width, colour, strokes in strokes_of(symbols):
+        for _, width, colour, strokes in look.strokes_of(symbols):
             mesh = self._add(4 * len(strokes), _stroke_quads(len(strokes)), layer=2, color=colour)
             _move(mesh, stroke_corners(strokes, width * self._size))
 
@@ -150,14 +136,14 @@ class StageScene:
         """Return the point of the drawing plane [m] at a position in the window, from 0 to 1."""
         width, height = self.plotter.window_size
         half = self._half_height * width / height
-        middle = (1 - SQUARE) * half
+        middle = (1 - look.SQUARE) * half
         return np.array([middle + (2 * across - 1) * half, (2 * up - 1) * self._half_height])
 
     @property
     def _half_height(self) -> float:
         """Half of the height of the window, measured in the drawing plane [m]."""
         width, height = self.plotter.window_size
-        return float(MARGIN * self._size * max(1.0, height / (SQUARE * width)))
+        return float(look.MARGIN * self._size * max(1.0, height / (look.SQUARE * width)))
 
     def _add(
         self,
@@ -184,7 +170,7 @@ class StageScene:
             scalars=None if color else "value",
             cmap=None if color else ListedColormap(map_) if isinstance(map_, list) else map_,
             clim=colouring.limits,
-            nan_color=NO_VALUE,
+            nan_color=look.NO_VALUE,
             interpolate_before_map=True,
             lighting=False,
             show_scalar_bar=False,

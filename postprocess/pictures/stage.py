@@ -94,19 +94,12 @@ def _mark_sets(scene: StageScene, node_sets: Mapping[str, IntArray]) -> None:
 
 def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, IntArray]) -> None:
     """Write title, sizes, and keys of parts, sets and symbols."""
-    from bladewhirl.postprocess.pictures.panel import (
-        KEY_STEP,
-        draw_scale_bar,
-        write,
-        write_key,
-        write_symbols,
-        write_title,
-    )
+    from bladewhirl.postprocess.pictures import panel
 
     plotter, drawing = scene.plotter, scene.drawing
-    write_title(plotter, dataset)
-    write(plotter, draw_scale_bar(scene, "clearance"), 0.085, 11, indent=-SQUARE)
-    write(plotter, _sizes(dataset), 0.885, 13)
+    panel.write_title(plotter, dataset)
+    panel.write(plotter, panel.draw_scale_bar(scene, "clearance"), 0.085, 11, indent=-SQUARE)
+    panel.write(plotter, _sizes(dataset), 0.885, 13)
     sets = [f"set “{name}”: {len(nodes)}" for name, nodes in node_sets.items()]
     dots = dict(zip(sets, SET_COLOURS, strict=False))
     top = 0.76
@@ -114,12 +107,12 @@ def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, In
         (drawing.colouring.parts or {}, "\N{BLACK SQUARE}"),
         (dots, "\N{BLACK CIRCLE}"),
     ):
-        write_key(plotter, entries, top, sign=sign)
-        top -= KEY_STEP * len(entries) + 0.03
-    top -= KEY_STEP * write_symbols(scene, top) + 0.03
+        panel.write_key(plotter, entries, top, sign=sign)
+        top -= panel.KEY_STEP * len(entries) + 0.03
+    top -= panel.KEY_STEP * panel.write_symbols(scene, top) + 0.03
     if drawing.exaggeration != 1:
         note = f"clearance drawn\n{drawing.exaggeration:g} times as large"
-        write(plotter, note, top, 13, color=FAINT)
+        panel.write(plotter, note, top, 13, color=FAINT)
 
 
 def _sizes(dataset: xr.Dataset) -> str:

@@ -18,25 +18,7 @@ import xarray as xr
 from bladewhirl.files import write_atomically
 from bladewhirl.postprocess.fields.blades import member_names
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
-from bladewhirl.postprocess.pictures.appearance import (
-    ARROW_WIDTH,
-    CONTACT_DISC,
-    FAINT,
-    FORCE_COLOUR,
-    HUB,
-    INK,
-    LONGEST_ARROW,
-    MARGIN,
-    MARK,
-    MASS_COLOUR,
-    NO_VALUE,
-    OUTLINE,
-    contact_text,
-    enlargement,
-    shaft_trail,
-    speed_text,
-    strokes_of,
-)
+from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.colouring import Colouring, Field
 from bladewhirl.postprocess.pictures.drawing import Drawing, Frame, Picture, arrows
 from bladewhirl.postprocess.pictures.films import Progress
@@ -68,14 +50,14 @@ def render_page(
     target = checked_target(path, ".html")
     drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
     stage, contact = drawing.reach()
-    size = max(stage, contact / (1 - LONGEST_ARROW)) * MARGIN
+    size = max(stage, contact / (1 - look.LONGEST_ARROW)) * look.MARGIN
     places, shades, layout = _pack(drawing, size, progress)
     about = {
         **_instants(drawing),
         **_looks(drawing.colouring),
         "strokes": [
-            [name, width * FULL / MARGIN, shade]
-            for name, width, shade, _ in strokes_of(drawing.picture(0).symbols)
+            [name, width * FULL / look.MARGIN, shade]
+            for name, width, shade, _ in look.strokes_of(drawing.picture(0).symbols)
         ],
         **_orbit(dataset, drawing),
         "layout": layout,
@@ -87,13 +69,15 @@ def render_page(
         "bladewhirl.postprocess.pictures",
         "web_page.html",
         title=str(dataset.attrs["title"]),
-        notes="\n".join([speed_text(dataset), f"{frame} frame", enlargement(drawing.exaggeration)]),
+        notes="\n".join(
+            [look.speed_text(dataset), f"{frame} frame", look.enlargement(drawing.exaggeration)]
+        ),
         key=colouring.parts and list(colouring.parts.items()),
         scale=f"{colouring.name} [{colouring.unit}]",
         ticks=[f"{tick:.3g}" for tick in np.linspace(*colouring.limits, 5)],
-        ink=INK,
-        faint=FAINT,
-        force=FORCE_COLOUR,
+        ink=look.INK,
+        faint=look.FAINT,
+        force=look.FORCE_COLOUR,
         about=about,
         places=base64.b64encode(zlib.compress(places.tobytes())).decode(),
         shades=base64.b64encode(zlib.compress(shades.tobytes())).decode(),
@@ -128,13 +112,13 @@ def _pack(
 def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Array]:
     """Return the points of all drawn shapes, by the name of the shape [m]."""
     force = drawing.largest_force
-    length = LONGEST_ARROW * size / MARGIN / force if force else 0.0
+    length = look.LONGEST_ARROW * size / look.MARGIN / force if force else 0.0
     return {
         "rotor": picture.rotor.sides,
         "casing": picture.casing.sides,
-        **{name: strokes for name, _, _, strokes in strokes_of(picture.symbols)},
+        **{name: strokes for name, _, _, strokes in look.strokes_of(picture.symbols)},
         "masses": picture.symbols.masses,
-        "arrows": arrows(picture.tips, picture.forces, length, ARROW_WIDTH * size),
+        "arrows": arrows(picture.tips, picture.forces, length, look.ARROW_WIDTH * size),
         "tips": picture.tips,
         "shaft": picture.shaft,
         "mark": picture.mark,
@@ -158,24 +142,24 @@ def _instants(drawing: Drawing) -> dict[str, Any]:
     forces = [drawing.picture(index).forces for index in range(len(drawing))]
     return {
         "times": [f"t = {1e3 * time:.1f} ms" for time in drawing.times],
-        "contact": [contact_text(force) for force in forces],
+        "contact": [look.contact_text(force) for force in forces],
         "touching": [np.any(force, axis=1).astype(int).tolist() for force in forces],
     }
 
 
 def _looks(colouring: Colouring) -> dict[str, Any]:
     """Return colours, and sizes in the units of the integer points."""
-    unit = FULL / MARGIN
+    unit = FULL / look.MARGIN
     return {
-        "ink": INK,
-        "faint": FAINT,
-        "force": FORCE_COLOUR,
-        "none": NO_VALUE,
-        "massColour": MASS_COLOUR,
-        "outline": OUTLINE * unit,
-        "hub": HUB * unit,
-        "markSize": MARK * unit,
-        "disc": CONTACT_DISC * unit,
+        "ink": look.INK,
+        "faint": look.FAINT,
+        "force": look.FORCE_COLOUR,
+        "none": look.NO_VALUE,
+        "massColour": look.MASS_COLOUR,
+        "outline": look.OUTLINE * unit,
+        "hub": look.HUB * unit,
+        "markSize": look.MARK * unit,
+        "disc": look.CONTACT_DISC * unit,
         "mass": MASS * unit,
         "colours": colouring.colours(SHADES),
         "limits": list(colouring.limits),
@@ -188,7 +172,7 @@ def _orbit(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
     """Return the orbit of the shaft from the first to the last picture, as a `ShaftTrail`, and the
     record of each picture in it."""
     records = np.arange(drawing.records.min(), drawing.records.max() + 1)
-    trail = shaft_trail(dataset, records, drawing.frame)
+    trail = look.shaft_trail(dataset, records, drawing.frame)
     return {
         "orbit": np.round(trail.places, 4).tolist(),
         "orbitPlace": (drawing.records - records[0]).tolist(),

@@ -9,17 +9,7 @@ import plotly.graph_objects as go
 import xarray as xr
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
-from bladewhirl.postprocess.modal.campbell import (
-    DRAWN_FAMILIES,
-    Frame,
-    Wave,
-    drawn_part,
-    frequency_limits,
-    in_diagram,
-    met_frequencies,
-    wave_colour,
-    waves,
-)
+from bladewhirl.postprocess.modal import campbell
 from bladewhirl.postprocess.plotting.style import COLOURS
 from bladewhirl.postprocess.reports.interactive import plot
 from bladewhirl.postprocess.reports.page import Explorer, Page, Section, Table
@@ -47,7 +37,7 @@ def campbell_page(data: xr.Dataset) -> Page:
     Args:
         data: from `campbell`.
     """
-    inside = in_diagram(data)
+    inside = campbell.in_diagram(data)
     operated = inside & data["in_operating_range"].values.astype(bool)
     low, high = data.attrs["operating_range"]
     count = int(operated.sum())
@@ -107,12 +97,12 @@ def _table(data: xr.Dataset, inside: BoolArray) -> Table:
     )
 
 
-def _explorer(data: xr.Dataset, frame: Frame) -> Explorer:
-    traces = [_line(wave, frame, data) for wave in waves(data, POINTS)]
+def _explorer(data: xr.Dataset, frame: campbell.Frame) -> Explorer:
+    traces = [_line(wave, frame, data) for wave in campbell.waves(data, POINTS)]
     groups = [trace.legendgroup for trace in traces]
     for number, trace in enumerate(traces):  # one entry of the legend for each family
         trace.showlegend = groups.index(groups[number]) == number
-    low, high = frequency_limits(drawn_part(data), frame)
+    low, high = campbell.frequency_limits(campbell.drawn_part(data), frame)
     if frame == "static":
         axis = {"type": "log", "exponentformat": "power", "range": [np.log10(low), np.log10(high)]}
     else:
@@ -133,7 +123,7 @@ def _explorer(data: xr.Dataset, frame: Frame) -> Explorer:
     )
 
 
-def _line(wave: Wave, frame: Frame, data: xr.Dataset) -> go.Scatter:
+def _line(wave: campbell.Wave, frame: campbell.Frame, data: xr.Dataset) -> go.Scatter:
     hertz = float(data.attrs["reference_frequency_hz"])
     on_casing = wave.body == "casing"
     frequency = np.abs(getattr(wave, frame))
@@ -144,14 +134,14 @@ def _line(wave: Wave, frame: Frame, data: xr.Dataset) -> go.Scatter:
         _directions(wave.static),
     )
     group = f"casing {wave.family}" if on_casing else wave.family
-    lowest = ("rigid", "1F") if on_casing else DRAWN_FAMILIES
+    lowest = ("rigid", "1F") if on_casing else campbell.DRAWN_FAMILIES
     return go.Scatter(
         x=wave.speed,
         y=frequency,
         customdata=[*zip(*columns, strict=True)],
         hovertemplate=f"{POINTED}<extra>{group}, k = {wave.nodal_diameter}</extra>",
         mode="lines",
-        line_color=wave_colour(wave.body, wave.family, wave.nodal_diameter),
+        line_color=campbell.wave_colour(wave.body, wave.family, wave.nodal_diameter),
         line_width=2.2 if wave.nodal_diameter == 1 else 1.1,
         line_dash="dot" if on_casing else "solid" if wave.direction == "backward" else "dash",
         name=group,
@@ -164,12 +154,12 @@ def _directions(signed: FloatArray) -> list[str]:
     return ["backward" if w > 0.0 else "forward" if w < 0.0 else "standing" for w in signed]
 
 
-def _coincidences(data: xr.Dataset, frame: Frame) -> go.Scatter:
-    shown = data.isel(coincidence=in_diagram(data))
+def _coincidences(data: xr.Dataset, frame: campbell.Frame) -> go.Scatter:
+    shown = data.isel(coincidence=campbell.in_diagram(data))
     columns = (shown[name].values.tolist() for name in ("nodal_diameter", *COINCIDENT, "speed"))
     return go.Scatter(
         x=shown["normalised_speed"].values,
-        y=met_frequencies(shown, frame),
+        y=campbell.met_frequencies(shown, frame),
         customdata=[*zip(*columns, strict=True)],
         hovertemplate="%{customdata[1]} meets casing %{customdata[2]}<br>%{x:.4f} ω₁,"
         " %{customdata[3]:.1f} rpm<extra>k = %{customdata[0]}</extra>",
@@ -179,7 +169,7 @@ def _coincidences(data: xr.Dataset, frame: Frame) -> go.Scatter:
     )
 
 
-def _critical(data: xr.Dataset, frame: Frame) -> Iterator[go.Scatter]:
+def _critical(data: xr.Dataset, frame: campbell.Frame) -> Iterator[go.Scatter]:
     if "branch" not in data.dims:
         return
     speed, k = data["critical_speed"].values, data["critical_nodal_diameter"].values

@@ -11,15 +11,7 @@ import xarray as xr
 from bladewhirl.postprocess.energy.strain import PLOT_DECADES, energy_terms, term_label
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.windows import span_means, span_starts
-from bladewhirl.postprocess.pictures.appearance import (
-    ARROW_WIDTH,
-    FORCE_COLOUR,
-    HUB,
-    LONGEST_ARROW,
-    MARGIN,
-    contact_text,
-    enlargement,
-)
+from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows
 from bladewhirl.postprocess.plotting.style import COLOURS
 from bladewhirl.postprocess.reports.interactive import COLOUR_SCALE, INK, buttons, colour_bar, plot
@@ -82,12 +74,12 @@ def instants(
         name="instants",
         title="The run at one instant",
         caption=CAPTION.format(
-            where=where, size=enlargement(drawing.exaggeration).replace("\n", " ")
+            where=where, size=look.enlargement(drawing.exaggeration).replace("\n", " ")
         ),
         plots=[_orbit(orbit), _histories(maps, energy)],
         times=drawing.times,
         first=int(np.searchsorted(records, marked)),
-        words=[contact_text(picture.forces).replace("\n", ", ") for picture in pictures],
+        words=[look.contact_text(picture.forces).replace("\n", ", ") for picture in pictures],
         places=[MILLI * orbit[frame].values[records] for frame in FRAMES],
         machine=_machine(drawing, pictures),
     )
@@ -106,16 +98,18 @@ def _machine(drawing: Drawing, pictures: list[Picture]) -> list[dict[str, Any]]:
     """Return the layers of the drawn machine, the lowest layer first: colour and filled outlines
     (instant, outline, point, 2). Coordinates are integers; `FULL` is half the width of the picture.
     """
-    reach = MARGIN * max(float(np.abs(picture.casing.sides).max()) for picture in pictures)
-    longest = LONGEST_ARROW * reach / drawing.largest_force if drawing.largest_force else 0.0
+    reach = look.MARGIN * max(float(np.abs(picture.casing.sides).max()) for picture in pictures)
+    longest = look.LONGEST_ARROW * reach / drawing.largest_force if drawing.largest_force else 0.0
     turn = np.linspace(0.0, 2 * np.pi, 13)
-    disc = HUB * reach * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    disc = look.HUB * reach * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
     shapes = [
         {
             COLOURS["casing"]: _outlines(picture.casing.sides[:, :: 2 * PIECE]),
             INK: _outlines(picture.rotor.sides[:, ::PIECE]),
             "#ffffff": np.stack([picture.shaft + 0.6 * disc, picture.mark + 0.6 * disc]),
-            FORCE_COLOUR: arrows(picture.tips, picture.forces, longest, ARROW_WIDTH * reach),
+            look.FORCE_COLOUR: arrows(
+                picture.tips, picture.forces, longest, look.ARROW_WIDTH * reach
+            ),
         }
         for picture in pictures
     ]

@@ -11,15 +11,7 @@ import xarray as xr
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY, rate_text
 from bladewhirl.postprocess.plotting.axes import SPEED
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
-from bladewhirl.postprocess.reports.page import (
-    Block,
-    Explorer,
-    Page,
-    ReportFigure,
-    Section,
-    Table,
-    report_figures,
-)
+from bladewhirl.postprocess.reports import page
 from bladewhirl.postprocess.reports.provenance import Provenance, case_section, subject
 from bladewhirl.postprocess.reports.sweep_explorer import frequency_explorer, points_explorer
 from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, key_heading
@@ -43,7 +35,7 @@ def sweep_report(
     failures: Sequence[tuple[str, str]] = (),
     *,
     name: str = "",
-) -> Page:
+) -> page.Page:
     """Return the report of a sweep, for `page.write_page`.
 
     The report of an unfinished sweep contains the points that are finished.
@@ -60,12 +52,12 @@ def sweep_report(
     counts = _counts(points)
     verdict, tone = _verdict(counts, state.size, done, failed)
     keys = [str(dataset[key].attrs["long_name"]) for key in swept(dataset)]
-    blocks: dict[str, list[Block]] = {
+    blocks: dict[str, list[page.Block]] = {
         name: [*_drawn(dataset, name)] for name in ("regimes", "frequencies", "motion", "points")
     }
     if failures:
         head = ("point", "reason")
-        table = Table(name="failures", title="Failed points", head=head, rows=failures)
+        table = page.Table(name="failures", title="Failed points", head=head, rows=failures)
         blocks["points"].append(table)
     if points is not None:
         blocks["regimes"].insert(0, points_explorer(points))
@@ -74,11 +66,11 @@ def sweep_report(
     blocks["regimes"].append(criterion_table())
     titles = ("Regimes", "Frequencies", "Motion and contact", "Points")
     sections = [
-        Section(name=name, title=title, blocks=parts)
+        page.Section(name=name, title=title, blocks=parts)
         for (name, parts), title in zip(blocks.items(), titles, strict=True)
         if parts
     ]
-    return Page(
+    return page.Page(
         title=(str(dataset.attrs.get("title", "")) or "Sweep") + ", sweep",
         subject=subject(dataset, provenance, name),
         verdict=verdict,
@@ -151,7 +143,7 @@ def _glance(
     ]
 
 
-def _drawn(dataset: xr.Dataset, section: str) -> list[ReportFigure]:
+def _drawn(dataset: xr.Dataset, section: str) -> list[page.ReportFigure]:
     """Return the figures of a section; maps are left out if only one key is swept."""
     kinds = [kind for kind in SWEEP_FIGURES.values() if kind.section == section]
     if len(swept(dataset)) == 1:
@@ -160,7 +152,7 @@ def _drawn(dataset: xr.Dataset, section: str) -> list[ReportFigure]:
         replace(figure, caption=_windowed(dataset, figure.caption))
         if figure.name in WINDOWED
         else figure
-        for figure in report_figures(SweepFigures(dataset).draw, kinds)
+        for figure in page.report_figures(SweepFigures(dataset).draw, kinds)
     ]
 
 
@@ -170,12 +162,12 @@ def _windowed(dataset: xr.Dataset, caption: str) -> str:
     return f"{caption} {window[:1].upper()}{window[1:]}." if window else caption
 
 
-def _frequency_map(dataset: xr.Dataset) -> Explorer:
+def _frequency_map(dataset: xr.Dataset) -> page.Explorer:
     explorer = frequency_explorer(frequency_map(dataset, main_key(dataset)))
     return replace(explorer, caption=_windowed(dataset, explorer.caption))
 
 
-def _point_table(points: xr.Dataset) -> Table:
+def _point_table(points: xr.Dataset) -> page.Table:
     key, others = points[str(points.attrs["along"])], other_keys(points)
     column = {str(name): points[name].values for name in points.data_vars}
     rows = [
@@ -192,7 +184,7 @@ def _point_table(points: xr.Dataset) -> Table:
         for n, at in enumerate(key.values)
     ]
     left_out = len(rows) - MOST_POINTS
-    return Table(
+    return page.Table(
         name="all-points",
         title=f"All points ({len(rows)})",
         caption=f"Growth rates ± {CERTAINTY:g} standard errors."
@@ -211,7 +203,7 @@ def _point_table(points: xr.Dataset) -> Table:
     )
 
 
-def _case_section(dataset: xr.Dataset, provenance: Provenance) -> Section:
+def _case_section(dataset: xr.Dataset, provenance: Provenance) -> page.Section:
     """Return the resolved case, with the swept keys in the caption."""
     settings = " ".join(f"--set {dataset[key].attrs['long_name']}=VALUE" for key in swept(dataset))
     return case_section(

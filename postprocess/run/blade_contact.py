@@ -14,14 +14,9 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import BoolArray
 from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.fields import windows
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.windows import (
-    select_window,
-    span_edges,
-    span_starts,
-    window_label,
-)
 from bladewhirl.postprocess.plotting.axes import decades, draw_map
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
@@ -81,12 +76,12 @@ def contact_maps(
     Raises:
         ViewError: there are fewer than two records.
     """
-    dataset = select_window(result, start, end)
+    dataset = windows.select_window(result, start, end)
     begin = float(dataset["time"][0])
     dataset = dataset.isel(time=slice(1, None))  # each record covers the time since the one before
     time = dataset["time"].values
-    starts = span_starts(time, columns)
-    edges = span_edges(time, starts, begin)
+    starts = windows.span_starts(time, columns)
+    edges = windows.span_edges(time, starts, begin)
     length = np.diff(edges)[:, None]
     plane = ("time", "blade")
 
@@ -129,7 +124,7 @@ def contact_classes(
     Example:
         ``contact_classes(result, start=2.0)["share"].sel(blade=3)``
     """
-    dataset = select_window(result, start, end)
+    dataset = windows.select_window(result, start, end)
     time = dataset["time"].values
     # Each record counts the steps with contact since the previous record.
     touching = dataset["contact_steps"].isel(time=slice(1, None)).sum("time").values
@@ -142,7 +137,7 @@ def contact_classes(
         "share of the time in contact",
         {"share": ("blade", share, "1"), "contact_class": ("blade", names, "1")},
         {"blade": np.arange(dataset.sizes["blade"])},
-        window=window_label(dataset),
+        window=windows.window_label(dataset),
         first_contact=first if time[0] < first <= time[-1] else np.nan,
     )
 

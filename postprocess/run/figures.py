@@ -17,14 +17,9 @@ from bladewhirl.postprocess.run.blade_contact import contact_classes, contact_ma
 from bladewhirl.postprocess.run.casing_contact import casing_contact, with_last_turns
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.stresses import stress_history
+from bladewhirl.postprocess.shaft import spectra
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.poincare import state_space
-from bladewhirl.postprocess.shaft.spectra import (
-    modal_lines,
-    shaft_spectrogram,
-    shaft_spectrum,
-    with_lines,
-)
 from bladewhirl.postprocess.shaft.transforms import Frame
 from bladewhirl.postprocess.shaft.whirl_history import PERIODS, whirl_history
 
@@ -84,12 +79,14 @@ class RunFigures:
 
     def spectrum(self, frame: Frame) -> xr.Dataset:
         """Spectrum after the onset, with lines of modes."""
-        spectrum = shaft_spectrum(self._after_onset(self.orbit), frame)
-        return with_lines(spectrum, modal_lines(self.result, frame))
+        spectrum = spectra.shaft_spectrum(self._after_onset(self.orbit), frame)
+        return spectra.with_lines(spectrum, spectra.modal_lines(self.result, frame))
 
     def spectrogram(self, frame: Frame) -> xr.Dataset:
         """Spectrogram with lines of modes."""
-        return with_lines(shaft_spectrogram(self.orbit, frame), modal_lines(self.result, frame))
+        return spectra.with_lines(
+            spectra.shaft_spectrogram(self.orbit, frame), spectra.modal_lines(self.result, frame)
+        )
 
     @property
     def states(self) -> xr.Dataset:

@@ -10,25 +10,13 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.files import write_atomically
+from bladewhirl.postprocess.energy import strain
 from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, RegimeName, classify
-from bladewhirl.postprocess.energy.strain import (
-    FIRST_FAMILY,
-    SUSPENSION,
-    family_energies,
-    strain_energies,
-)
 from bladewhirl.postprocess.energy.works import Works, late_drive_power, works
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part
-from bladewhirl.postprocess.run.extremes import (
-    ForcePeak,
-    StressPeak,
-    WallPeak,
-    casing_peaks,
-    largest_force,
-    stress_peaks,
-)
+from bladewhirl.postprocess.run import extremes
 from bladewhirl.postprocess.run.stresses import peak_stresses
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import strongest_lines
@@ -95,10 +83,10 @@ class Summary:
     work: Works  #: works of load, contact forces, damping and drive [J]
     drive_power: float | None  #: mean power against contact forces over the last third [W]
     drive_torque: float | None  #: `drive_power` divided by the speed [N m]; None at rest
-    casing_displacement_max: dict[str, WallPeak]  #: "radial" and "tangential"
-    contact_force_max: ForcePeak
+    casing_displacement_max: dict[str, extremes.WallPeak]  #: "radial" and "tangential"
+    contact_force_max: extremes.ForcePeak
     contact_impulse: float  #: sum of the normal impulses on all blades [N s]
-    stress_max: dict[str, StressPeak]  #: largest stress of "bladed_disk" and "casing"
+    stress_max: dict[str, extremes.StressPeak]  #: largest stress of "bladed_disk" and "casing"
     yield_strength: float | None  #: lowest of the yield strengths given in the case [Pa]
     contact_share: list[float]  #: share of the time steps in contact, for each blade
     gap_violation_max: float  #: deepest penetration at any step [m]
@@ -140,7 +128,7 @@ def summarise(
     missing = [key for key in MARCH_REPORT if key not in march_report]
     if missing:
         raise ValueError(f"march report: expected {', '.join(MARCH_REPORT)}; lacks {missing}")
-    energies = strain_energies(dataset) if energies is None else energies
+    energies = strain.strain_energies(dataset) if energies is None else energies
     orbit = shaft_orbit(dataset) if orbit is None else orbit
     radius = orbit["radius"].values
     regime = classify(dataset, energies["total"].values)
@@ -170,10 +158,10 @@ def summarise(
         work=works(dataset),
         drive_power=_finite(power),
         drive_torque=_finite(power / speed) if speed else None,
-        casing_displacement_max=casing_peaks(dataset),
-        contact_force_max=largest_force(dataset),
+        casing_displacement_max=extremes.casing_peaks(dataset),
+        contact_force_max=extremes.largest_force(dataset),
         contact_impulse=float(dataset["contact_impulse"].sum()),
-        stress_max=stress_peaks(peak_stresses(dataset) if stresses is None else stresses),
+        stress_max=extremes.stress_peaks(peak_stresses(dataset) if stresses is None else stresses),
         yield_strength=dataset.attrs.get("yield_strength"),
         contact_share=(contact_steps / max(steps, 1)).tolist(),
         gap_violation_max=max(0.0, -float(dataset["gap"].min())),
@@ -245,9 +233,11 @@ def _finite(value: float) -> float | None:
 def _rest(dataset: xr.Dataset) -> dict[str, float]:
     """Return the strain energy of the bladed disk at the last record by family, without the
     suspension and the first family."""
-    last = family_energies(dataset.isel(time=[-1]))["energy"].isel(time=0).sum("nodal_diameter")
+    last = (
+        strain.family_energies(dataset.isel(time=[-1]))["energy"].isel(time=0).sum("nodal_diameter")
+    )
     named = zip(last["family"].values, last.values, strict=True)
-    return {str(k): float(e) for k, e in named if k not in (SUSPENSION, FIRST_FAMILY)}
+    return {str(k): float(e) for k, e in named if k not in (strain.SUSPENSION, strain.FIRST_FAMILY)}
 
 
 def _largest_tip_displacement(dataset: xr.Dataset) -> float:

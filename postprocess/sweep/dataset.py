@@ -19,13 +19,8 @@ from zlib import crc32
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.fields import netcdf
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.fields.netcdf import (
-    ResultError,
-    attribute_fault,
-    expectation,
-    open_file,
-)
 from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT, index_values
 
 SWEEP_NAME = "sweep.nc"  #: name of the dataset's file in the folder of a sweep
@@ -162,11 +157,11 @@ def open_sweep(path: str | Path) -> xr.Dataset:
         ResultError: the file does not exist, is not a sweep, was written by a newer version, or was
             changed after it was written.
     """
-    dataset, file = open_file(path, SWEEP_NAME, "a sweep", gaps=True, cache=False)
+    dataset, file = netcdf.open_file(path, SWEEP_NAME, "a sweep", gaps=True, cache=False)
     fault = _fault(dataset)
     if fault:
         dataset.close()
-        raise ResultError(f"{file}: expected a sweep of bladewhirl, {fault}")
+        raise netcdf.ResultError(f"{file}: expected a sweep of bladewhirl, {fault}")
     named: dict[str, Any] = {
         name: (dataset[name].dims, np.array(variable.labels)[dataset[name].values])
         for name, variable in SWEEP.items()
@@ -190,7 +185,7 @@ def _fault(dataset: xr.Dataset) -> str:
     for name in ("title", "criterion", "window"):
         if name not in dataset.attrs:
             return f"it has no {name!r}"
-    if fault := attribute_fault(dataset.attrs):
+    if fault := netcdf.attribute_fault(dataset.attrs):
         return fault
     made_by = dataset.attrs.get("format", 1)
     if made_by > SWEEP_FORMAT:
@@ -205,7 +200,7 @@ def _fault(dataset: xr.Dataset) -> str:
         if dataset[name].dims != (*swept(dataset), *variable.dimensions):
             return f"with {name!r} over the points of the sweep"
         # Only codes are checked now; numbers are checked when they are read.
-        if variable.labels and (expected := expectation(dataset[name].values, variable)):
+        if variable.labels and (expected := netcdf.expectation(dataset[name].values, variable)):
             return f"with {name!r} as {expected}"
     for name in (*swept(dataset), "frequency"):
         values = dataset[name].values if name in dataset else np.zeros(0)

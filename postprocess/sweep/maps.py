@@ -16,15 +16,9 @@ from matplotlib.patches import Patch
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.plotting import style
 from bladewhirl.postprocess.plotting.axes import SPEED
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
-from bladewhirl.postprocess.plotting.style import (
-    COLOURS,
-    FULL_WIDTH,
-    SEQUENTIAL,
-    new_figure,
-    styled,
-)
 from bladewhirl.postprocess.sweep.axes import (
     edges_of,
     in_handy_units,
@@ -73,7 +67,7 @@ def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
     )
 
 
-@styled
+@style.styled
 def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     """Draw maps from `sweep_maps`, with a row of panels for each line of the Dataset.
 
@@ -87,13 +81,13 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     radius = scale * maps["shaft_radius_max"].values
     growth, error = maps["growth_rate"].values, maps["growth_error"].values
     doubtful = np.abs(growth) <= CERTAINTY * error
-    pictures = [(radius, f"largest radius [{unit}]", SEQUENTIAL, _of_magnitudes(radius))]
+    pictures = [(radius, f"largest radius [{unit}]", style.SEQUENTIAL, _of_magnitudes(radius))]
     if np.isfinite(growth).any():
         top = float(np.nanmax(np.abs(growth))) or 1.0
         threshold = linear_threshold(growth, error)
         norm = SymLogNorm(threshold, vmin=-top, vmax=top) if threshold else Normalize(-top, top)
         pictures.append((growth, "growth rate [1/s]", DIVERGING, norm))
-    figure = new_figure(width=FULL_WIDTH, height=0.04 + 0.05 * len(shown))
+    figure = style.new_figure(width=style.FULL_WIDTH, height=0.04 + 0.05 * len(shown))
     columns = 1 + len(pictures)
     rows = figure.subplots(len(shown), columns, sharex=True, sharey=True, squeeze=False)
     for number, row in zip(shown, rows, strict=True):
@@ -131,7 +125,7 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
 def _draw_cells(axes: Axes, maps: xr.Dataset, values: Array, **look: Any) -> Collection:
     """Draw values (rows, columns); cells without a result are hatched."""
     axes.grid(False)
-    axes.patch.set(hatch=HATCH, edgecolor=COLOURS["rest"])
+    axes.patch.set(hatch=HATCH, edgecolor=style.COLOURS["rest"])
     x, y = (edges_of(maps[str(maps.attrs[name])].values) for name in ("along", "across"))
     return axes.pcolor(x, y, values, **look)
 

@@ -16,16 +16,8 @@ from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.axes import draw_map
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.sweep import drawing
 from bladewhirl.postprocess.sweep.axes import edges_of, in_handy_units, key_axis, linear_threshold
-from bladewhirl.postprocess.sweep.drawing import (
-    MARK_SIZE,
-    REGIME_COLOURS,
-    REGIME_MARKS,
-    Line,
-    label_figure,
-    lines_group,
-    lines_of,
-)
 
 NOT_JUDGED = "The marches are too short to judge growth; sustained means contact up to the end."
 
@@ -46,7 +38,7 @@ def plot_regimes(data: xr.Dataset) -> Figure:
         data: from `quantities.regimes`.
     """
     data, judged = in_handy_units(data), bool(np.isfinite(data["growth_rate"].values).any())
-    lines = lines_of(data)
+    lines = drawing.lines_of(data)
     strips = 0.005 * len(lines) + 0.005
     groups = [Group(regime_entries(data["regime"].values), "" if judged else NOT_JUDGED)]
     figure = new_figure(width=FULL_WIDTH, height=strips + (0.08 if judged else 0.035))
@@ -61,9 +53,9 @@ def plot_regimes(data: xr.Dataset) -> Figure:
             panels[1].set_yscale("symlog", linthresh=threshold)
         panels[1].axhline(0.0, color=COLOURS["total"], linewidth=0.6, zorder=1)
         panels[1].set_ylabel(f"growth rate\n± {CERTAINTY:g} errors [1/s]")
-        groups.append(lines_group(lines, marked=False))
+        groups.append(drawing.lines_group(lines, marked=False))
     key_axis(panels[-1], data)
-    label_figure(figure, data, *groups)
+    drawing.label_figure(figure, data, *groups)
     return figure
 
 
@@ -78,7 +70,7 @@ def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
         regime: names of the regimes, (rows, columns).
     """
     codes = np.full(regime.shape, -1)
-    for number, name in enumerate(REGIME_COLOURS):
+    for number, name in enumerate(drawing.REGIME_COLOURS):
         codes[regime == name] = number
     axes.patch.set(hatch=HATCH, edgecolor=COLOURS["rest"])
     draw_map(
@@ -86,13 +78,13 @@ def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
         edges_of(x),
         edges_of(y),
         np.ma.masked_less(codes, 0),
-        cmap=ListedColormap(list(REGIME_COLOURS.values())),
+        cmap=ListedColormap(list(drawing.REGIME_COLOURS.values())),
         vmin=-0.5,
-        vmax=len(REGIME_COLOURS) - 0.5,
+        vmax=len(drawing.REGIME_COLOURS) - 0.5,
     )
     if max(regime.shape) > MOST_MARKED:
         return
-    for name, mark in REGIME_MARKS.items():
+    for name, mark in drawing.REGIME_MARKS.items():
         row, column = np.nonzero(regime == name)
         axes.plot(
             x[column], y[row], mark, color="black", markersize=2.5, scalex=False, scaley=False
@@ -106,17 +98,19 @@ def regime_entries(regime: Names) -> list[tuple[Patch | tuple[Patch, Line2D], st
         regime: names of the regimes, of any shape.
     """
     entries: list[tuple[Patch | tuple[Patch, Line2D], str]] = []
-    for name, colour in REGIME_COLOURS.items():
+    for name, colour in drawing.REGIME_COLOURS.items():
         if count := int(np.count_nonzero(regime == name)):
-            mark = Line2D([], [], color="black", marker=REGIME_MARKS[name], linestyle="none", ms=4)
+            mark = Line2D(
+                [], [], color="black", marker=drawing.REGIME_MARKS[name], linestyle="none", ms=4
+            )
             entries.append(((Patch(color=colour), mark), f"{name}: {count}"))
-    if rest := int(np.count_nonzero(~np.isin(regime, list(REGIME_COLOURS)))):
+    if rest := int(np.count_nonzero(~np.isin(regime, list(drawing.REGIME_COLOURS)))):
         hatched = Patch(fc="white", ec=COLOURS["rest"], hatch=HATCH)
         entries.append((hatched, f"no result: {rest}"))
     return entries
 
 
-def _draw_strips(axes: Axes, lines: list[Line]) -> None:
+def _draw_strips(axes: Axes, lines: list[drawing.Line]) -> None:
     rows = np.array([line.data["regime"].values for line in lines])
     at = np.arange(len(lines), dtype=np.float64)
     draw_regimes(axes, lines[0].place, at, rows)
@@ -124,10 +118,12 @@ def _draw_strips(axes: Axes, lines: list[Line]) -> None:
     axes.set_yticklabels([line.label or "regime" for line in lines])
 
 
-def _draw_growth(axes: Axes, line: Line) -> None:
+def _draw_growth(axes: Axes, line: drawing.Line) -> None:
     rate, error = line.data["growth_rate"].values, line.data["growth_error"].values
     axes.plot(line.place, rate, color=line.colour, linestyle=line.dash)
     axes.errorbar(line.place, rate, CERTAINTY * error, fmt="none", ecolor=line.colour)
-    for name, mark in REGIME_MARKS.items():
+    for name, mark in drawing.REGIME_MARKS.items():
         here = line.data["regime"].values == name
-        axes.plot(line.place[here], rate[here], mark, color=line.colour, markersize=MARK_SIZE)
+        axes.plot(
+            line.place[here], rate[here], mark, color=line.colour, markersize=drawing.MARK_SIZE
+        )

@@ -14,31 +14,14 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.energy.strain import (
-    FIRST_FAMILY,
-    PLOT_DECADES,
-    energy_terms,
-    term_label,
-)
+from bladewhirl.postprocess.energy import strain
 from bladewhirl.postprocess.plotting.axes import decades, draw_map
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.run.blade_contact import (
-    CLASS_COLOURS,
-    CLASS_HATCHES,
-    PERMANENT,
-    draw_share,
-)
+from bladewhirl.postprocess.run import blade_contact
+from bladewhirl.postprocess.sweep import drawing
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges, rpm_on_top
 from bladewhirl.postprocess.sweep.dataset import GROUP
-from bladewhirl.postprocess.sweep.drawing import (
-    DASHES,
-    MARKS,
-    MOST_ROWS,
-    chosen,
-    line_values,
-    title_figure,
-)
 from bladewhirl.postprocess.sweep.quantities import LINE, along
 from bladewhirl.postprocess.sweep.regimes import HATCH
 
@@ -61,7 +44,7 @@ def two_columns(
         label: label of the colour scale.
     """
     data = in_handy_units(data)
-    titles, shown = line_values(data), chosen(data.sizes[LINE], MOST_ROWS)
+    titles, shown = drawing.line_values(data), drawing.chosen(data.sizes[LINE], drawing.MOST_ROWS)
     figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(shown))
     figure.set_layout_engine("constrained", wspace=0.08)
     rows = figure.subplots(len(shown), 2, sharex=True, sharey="col", squeeze=False)
@@ -72,7 +55,7 @@ def two_columns(
         key_axis(axes, data, share=0.5)
     figure.colorbar(picture, ax=rows[:, coloured].tolist(), label=label, pad=0.02)
     rpm_on_top(data, *rows[0])
-    title_figure(figure, data, most=MOST_ROWS)
+    drawing.title_figure(figure, data, most=drawing.MOST_ROWS)
     legends_below(figure, Group(entries_of(rows[0, 1 - coloured])))
     return figure
 
@@ -93,8 +76,8 @@ def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
     data = along(dataset, key, ["late_contact_share"])
     share = data["late_contact_share"]
     classes = {
-        "permanent": share >= PERMANENT,
-        "intermittent": (share > 0) & (share < PERMANENT),
+        "permanent": share >= blade_contact.PERMANENT,
+        "intermittent": (share > 0) & (share < blade_contact.PERMANENT),
         "free": share == 0,
     }
     counts = {
@@ -129,15 +112,17 @@ def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
     axes.locator_params(axis="y", integer=True)
     free = np.ma.masked_not_equal(share.values, 0.0)
     draw_map(axes, edges, blades, free, cmap=ListedColormap(["white"]))
-    axes.patch.set(hatch=HATCH, edgecolor=CLASS_COLOURS["free"])  # where there is no result
-    return draw_share(axes, edges, blades, share.T)
+    axes.patch.set(
+        hatch=HATCH, edgecolor=blade_contact.CLASS_COLOURS["free"]
+    )  # where there is no result
+    return blade_contact.draw_share(axes, edges, blades, share.T)
 
 
 def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
     """Draw the numbers of blades, stacked; a point without a result leaves a gap."""
     edges = key_edges(one)
     below = np.zeros(len(edges) - 1)
-    for name, colour in CLASS_COLOURS.items():
+    for name, colour in blade_contact.CLASS_COLOURS.items():
         count = one[name].fillna(0.0).values
         axes.bar(
             edges[:-1],
@@ -146,7 +131,7 @@ def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
             below,
             align="edge",
             color=colour,
-            hatch=CLASS_HATCHES[name],
+            hatch=blade_contact.CLASS_HATCHES[name],
             edgecolor="white",
             linewidth=0.0,
             label=name,
@@ -171,7 +156,7 @@ def point_energies(dataset: xr.Dataset, key: str) -> xr.Dataset:
     data = along(dataset, key, ["energy_mean"])
     energy = data["energy_mean"]
     names = energy[GROUP].values.astype(str)
-    family = np.char.startswith(names, f"{FIRST_FAMILY} k=")
+    family = np.char.startswith(names, f"{strain.FIRST_FAMILY} k=")
     diameters = [int(name.partition("=")[2]) for name in names[family]]
     first = energy.isel({GROUP: family}).rename({GROUP: DIAMETER})
     done = data["state"] == "done"
@@ -201,7 +186,7 @@ def plot_point_energies(data: xr.Dataset) -> Figure:
         data: from `point_energies`.
     """
     top = float(data["total"].max()) or 1.0
-    floor = top * 10**-PLOT_DECADES
+    floor = top * 10**-strain.PLOT_DECADES
 
     def draw_line(left: Axes, right: Axes, one: xr.Dataset) -> QuadMesh:
         _draw_lines(left, one)
@@ -209,12 +194,14 @@ def plot_point_energies(data: xr.Dataset) -> Figure:
         left.set(ylim=(floor, 3 * top), ylabel="strain energy [J]")
         return _draw_diameters(right, one, top)
 
-    return two_columns(data, draw_line, coloured=1, label=f"{FIRST_FAMILY} [J]")
+    return two_columns(data, draw_line, coloured=1, label=f"{strain.FIRST_FAMILY} [J]")
 
 
 def _draw_lines(axes: Axes, one: xr.Dataset) -> None:
     place = one[str(one.attrs["along"])].values
-    for (name, energy), dash, mark in zip(energy_terms(one).items(), DASHES, MARKS, strict=False):
+    for (name, energy), dash, mark in zip(
+        strain.energy_terms(one).items(), drawing.DASHES, drawing.MARKS, strict=False
+    ):
         axes.plot(
             place,
             energy.where(energy > 0),
@@ -223,7 +210,7 @@ def _draw_lines(axes: Axes, one: xr.Dataset) -> None:
             color=COLOURS[name],
             linewidth=2.0 if name == "total" else 1.0,
             markersize=3,
-            label=term_label(name),
+            label=strain.term_label(name),
         )
 
 
@@ -232,5 +219,5 @@ def _draw_diameters(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
     axes.set(ylabel="nodal diameter k")
     axes.locator_params(axis="y", integer=True)
     rows = np.append(diameters, len(diameters)) - 0.5
-    energy = np.maximum(one["first_family"].values.T, top * 10**-PLOT_DECADES)
-    return draw_map(axes, key_edges(one), rows, energy, norm=decades(top, PLOT_DECADES))
+    energy = np.maximum(one["first_family"].values.T, top * 10**-strain.PLOT_DECADES)
+    return draw_map(axes, key_edges(one), rows, energy, norm=decades(top, strain.PLOT_DECADES))

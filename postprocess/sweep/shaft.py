@@ -10,15 +10,8 @@ from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.shaft.orbits import LONG_LINE
+from bladewhirl.postprocess.sweep import drawing
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
-from bladewhirl.postprocess.sweep.drawing import (
-    MARK_SIZE,
-    draw_marks,
-    label_figure,
-    lines_group,
-    lines_of,
-    open_mark,
-)
 from bladewhirl.solvers.stability.scenario import STEADY
 
 WIDE = 1e3  #: ratio of the largest to the median displacement above which the axis is logarithmic
@@ -45,14 +38,14 @@ def plot_shaft_radius(radius: xr.Dataset) -> Figure:
     """
     radius = in_handy_units(radius)
     unit, scale = handy_unit(float(radius["shaft_radius_max"].max().fillna(0.0)), "m")
-    lines = lines_of(radius)
+    lines = drawing.lines_of(radius)
     figure = new_figure(width=FULL_WIDTH, height=0.11)
     panels = figure.subplots(2, 1, sharex=True)
     for axes, (name, label) in zip(panels, PARTS.items(), strict=True):
         for line in lines:
             size = scale * line.data[name].values
             axes.plot(line.place, size, color=line.colour, linestyle=line.dash)
-            draw_marks(axes, line, size, filled=line.data["regime"].values != "divergent")
+            drawing.draw_marks(axes, line, size, filled=line.data["regime"].values != "divergent")
         values = scale * radius[name].values
         moving = values[values > 0]
         if moving.size and moving.max() > WIDE * np.median(moving):
@@ -63,8 +56,8 @@ def plot_shaft_radius(radius: xr.Dataset) -> Figure:
         axes.set_ylabel(f"{label} [{unit}]")
     key_axis(panels[1], radius)
     divergent = (radius["regime"] == "divergent").any()
-    marks = [open_mark("divergent (open marks)")] if divergent else []
-    label_figure(figure, radius, Group(marks), lines_group(lines))
+    marks = [drawing.open_mark("divergent (open marks)")] if divergent else []
+    drawing.label_figure(figure, radius, Group(marks), drawing.lines_group(lines))
     return figure
 
 
@@ -79,7 +72,7 @@ def plot_whirls(data: xr.Dataset) -> Figure:
         data: from `quantities.whirls`.
     """
     data = in_handy_units(data)
-    lines = lines_of(data)
+    lines = drawing.lines_of(data)
     figure = new_figure(width=FULL_WIDTH, height=0.12)
     panels = figure.subplots(2, 1, sharex=True)
     for axes, frame in zip(panels, data["frame"].values, strict=True):
@@ -91,14 +84,14 @@ def plot_whirls(data: xr.Dataset) -> Figure:
             path = np.where(clear, frequency, np.nan)
             axes.plot(line.place, path, color=line.colour, linestyle=line.dash)
             axes.errorbar(line.place, frequency, scatter, fmt="none", ecolor=line.colour)
-            draw_marks(axes, line, frequency, filled=clear)
+            drawing.draw_marks(axes, line, frequency, filled=clear)
         axes.set_ylabel(f"{frame} frame [Hz]\n← backward  forward →")
         axes.margins(y=0.1)
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, -LEAST_WHIRL), max(high, LEAST_WHIRL))
     key_axis(panels[1], data)
-    marks = Group([open_mark("no clear direction (open marks)")])
-    label_figure(figure, data, marks, lines_group(lines))
+    marks = Group([drawing.open_mark("no clear direction (open marks)")])
+    drawing.label_figure(figure, data, marks, drawing.lines_group(lines))
     return figure
 
 
@@ -115,15 +108,15 @@ def plot_contact_sides(data: xr.Dataset) -> Figure:
     data = in_handy_units(data)
     figure = new_figure(width=FULL_WIDTH, height=0.11)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
-    lines = lines_of(data)
+    lines = drawing.lines_of(data)
     for line in lines:
         lead = np.degrees(line.data["shaft_lead"].values)
-        draw_marks(upper, line, lead, filled=line.data["scenario"].values != "unsteady")
+        drawing.draw_marks(upper, line, lead, filled=line.data["scenario"].values != "unsteady")
         lower.plot(
             line.place,
             line.data["lead_steadiness"].values,
             marker=line.mark,
-            markersize=MARK_SIZE,
+            markersize=drawing.MARK_SIZE,
             color=line.colour,
             linestyle=line.dash,
         )
@@ -135,8 +128,8 @@ def plot_contact_sides(data: xr.Dataset) -> Figure:
     lower.axhline(STEADY, color=COLOURS["total"], linestyle=":", linewidth=0.6)
     key_axis(lower, data)
     marks = [(band, "where contact is standard")]
-    unsteady = open_mark(f"unsteady, below {STEADY:g} (open marks)")
-    label_figure(figure, data, Group([*marks, unsteady]), lines_group(lines))
+    unsteady = drawing.open_mark(f"unsteady, below {STEADY:g} (open marks)")
+    drawing.label_figure(figure, data, Group([*marks, unsteady]), drawing.lines_group(lines))
     return figure
 
 
@@ -150,7 +143,7 @@ def plot_bifurcation(data: xr.Dataset) -> Figure:
     data = in_handy_units(data)
     sizes = [np.nanmax(np.abs(data[name].values), initial=0.0) for name in SECTION_PARTS]
     unit, scale = handy_unit(float(max(sizes)), "m")
-    lines = lines_of(data)
+    lines = drawing.lines_of(data)
     figure = new_figure(width=FULL_WIDTH, height=0.17)
     panels = figure.subplots(len(SECTION_PARTS), 1, sharex=True)
     for axes, (name, label) in zip(panels, SECTION_PARTS.items(), strict=True):
@@ -167,5 +160,5 @@ def plot_bifurcation(data: xr.Dataset) -> Figure:
             )
         axes.set_ylabel(f"{label} [{unit}]")
     key_axis(panels[-1], data)
-    label_figure(figure, data, lines_group(lines, dashed=False))
+    drawing.label_figure(figure, data, drawing.lines_group(lines, dashed=False))
     return figure
