@@ -25,7 +25,7 @@ from pictures import DOCS, EXAMPLES, bladewhirl, keep
 import bladewhirl as bw
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, INCH, SEQUENTIAL, styled
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
-from bladewhirl.postprocess.sweep.frequency_map import LINES, MODE_DASHES, frequency_map
+from bladewhirl.postprocess.sweep.frequency_map import LINES, frequency_map
 from bladewhirl.postprocess.sweep.quantities import cell_edges
 
 CASES = {"casing_distortion": ("casing distortion", 1.5), "imbalance": ("imbalance", 3.0)}
@@ -161,11 +161,11 @@ def _map(axes: Axes, one: xr.Dataset) -> Any:
         cmap=SEQUENTIAL,
         rasterized=True,
     )
-    for name, (colour, _) in LINES.items():
+    for name, (colour, dashes, _) in LINES.items():
         for way in ("backward", "forward"):
             line = one["mode_line"].sel(mode=name, direction=way)
             label = name if way == "backward" else None
-            axes.plot(speed, line, color=colour, linestyle=MODE_DASHES[name], label=label)
+            axes.plot(speed, line, color=colour, linestyle=dashes, label=label)
     axes.set_ylim(-REACH, REACH)
     axes.grid(False)
     return picture

@@ -21,28 +21,21 @@ from bladewhirl.meshes.hermite import cubic_weights, curvature_weights, slope_we
 from bladewhirl.postprocess.fields.kinematics import Array, element_lengths, line_shapes, wall_rows
 
 
-class StrainRows(NamedTuple):
-    """Axial and bending strain for unit modal coordinates, (element, station, mode) [kg^-1/2/m]."""
-
-    axial: Array
-    bending: Array
-
-
 class Strains(NamedTuple):
-    """Strains at some records, both (record, element, station) [1]."""
+    """Axial and bending strain: for unit modal coordinates (element, station, mode) [kg^-1/2/m], or
+    at some records (record, element, station) [1]."""
 
     axial: Array
     bending: Array
 
-    @classmethod
-    def of(cls, coordinates: Array, rows: StrainRows) -> "Strains":
-        """Return the strains for modal coordinates (record, mode)."""
-        return cls(
-            *(
-                (coordinates @ row.reshape(-1, row.shape[-1]).T).reshape(-1, *row.shape[:2])
-                for row in rows
-            )
+    def at(self, coordinates: Array) -> "Strains":
+        """Return strains at records from strains for unit modal coordinates; `coordinates` are
+        (record, mode)."""
+        axial, bending = (
+            (coordinates @ row.reshape(-1, row.shape[-1]).T).reshape(-1, *row.shape[:2])
+            for row in self
         )
+        return Strains(axial, bending)
 
 
 def rotor_sections(
@@ -55,7 +48,7 @@ def rotor_sections(
     return np.asarray(middle[:, None] + change[:, None] * np.linspace(-0.5, 0.5, pieces + 1))
 
 
-def rotor_strain_rows(dataset: xr.Dataset, per_line: int = 1) -> StrainRows:
+def rotor_strain_rows(dataset: xr.Dataset, per_line: int = 1) -> Strains:
     """Return strains for unit modal coordinates at the ends of `per_line` equal pieces of every
     beam: (rotor_line, per_line + 1, rotor_mode), with eps = u' and kappa = w''.
     """
@@ -66,10 +59,10 @@ def rotor_strain_rows(dataset: xr.Dataset, per_line: int = 1) -> StrainRows:
     curvature = np.einsum("es,lem->lsm", curvature_weights(x)[::2], local[:, :, 1]) / length**2
     curvature += np.einsum("es,lem->lsm", curvature_weights(x)[1::2], rotation) / length
     half = rotor_sections(dataset, "thickness", per_line)[..., None] / 2
-    return StrainRows(np.repeat(axial, len(x), axis=1), half * curvature)
+    return Strains(np.repeat(axial, len(x), axis=1), half * curvature)
 
 
-def casing_strain_rows(dataset: xr.Dataset, per_element: int) -> StrainRows:
+def casing_strain_rows(dataset: xr.Dataset, per_element: int) -> Strains:
     """Return strains for unit modal coordinates at the ends of `per_element` equal pieces of every
     casing element: (casing_node, per_element + 1, casing_mode). The axial strain is u' + w / R, the
     change of curvature w'' - u' / R or, if the case specifies the shallow arch, w''. The wall is
@@ -84,4 +77,4 @@ def casing_strain_rows(dataset: xr.Dataset, per_element: int) -> StrainRows:
     if str(dataset["casing_curvature"].values) == "exact":
         curvature -= stretch / radius
     half = dataset["casing_thickness"].values[:, None, None] / 2
-    return StrainRows(stretch + radial / radius, half * curvature)
+    return Strains(stretch + radial / radius, half * curvature)

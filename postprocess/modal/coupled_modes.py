@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
+from bladewhirl.postprocess.modal.scenarios import broken
 from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
@@ -45,10 +46,7 @@ def plot_phases(data: xr.Dataset) -> Figure:
     curves = (("shaft", "rotor", "-"), ("smallest clearance", "casing", "--"))
     for name, key, style in curves if moves else curves[1:]:
         phase = data[f"{name.replace(' ', '_')}_phase"].values
-        wrapped = np.angle(np.exp(1j * phase))
-        # A jump from pi to -pi is not a motion: break the line there.
-        jumps = np.abs(np.diff(wrapped, prepend=wrapped[0])) > np.pi
-        degrees = np.degrees(np.where(jumps, np.nan, wrapped))
+        degrees = broken(np.degrees(np.angle(np.exp(1j * phase))))
         panels[0].plot(time, degrees, style, color=COLOURS[key], label=name, linewidth=1.2)
     panels[0].set_ylabel("phase, static frame [°]")
     if moves:

@@ -44,7 +44,7 @@ def plot_scenario(data: xr.Dataset) -> Figure:
         ("smallest clearance", "smallest_clearance_phase", "--", 1.8),
     ):
         colour = COLOURS["k = 0" if name == "shaft" else "contact"]
-        phase = _broken(np.degrees(data[key].values))
+        phase = broken(np.degrees(data[key].values))
         known = "_" if name == "shaft" else name  # the arrow on the left is labelled
         right.plot(turns, phase, style, color=colour, linewidth=width, label=known)
     right.set(
@@ -141,7 +141,7 @@ def _arrow(
     )
 
 
-def _broken(degrees: FloatArray) -> FloatArray:
+def broken(degrees: FloatArray) -> FloatArray:
     """Return angles with nan at jumps between 180 and -180 degrees, which are not a motion."""
     jump = np.abs(np.diff(degrees, prepend=degrees[0])) > 180.0
     return np.where(jump, np.nan, degrees)

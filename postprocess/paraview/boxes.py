@@ -18,7 +18,6 @@ from bladewhirl.meshes.hermite import cubic_weights, slope_weights
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, rotate
 from bladewhirl.postprocess.fields.strains import (
-    StrainRows,
     Strains,
     casing_strain_rows,
     rotor_sections,
@@ -48,7 +47,7 @@ class Boxes:
     modulus: Array  #: (element, station or 1) [Pa]
     rows: Array  #: displacement for unit coordinates (element, station, 2, mode)
     turn_rows: Array  #: rotation of the cross-section for unit coordinates (element, station, mode)
-    strain_rows: StrainRows
+    strain_rows: Strains
     solid: bool = True  #: true for boxes, false for lines
 
     @property
@@ -105,8 +104,7 @@ class Boxes:
 
     def strains(self, dataset: xr.Dataset, records: IntArray) -> Strains:
         """Return axial and bending strain at the stations (record, element, station) [1]."""
-        coordinates = history(dataset, f"{self.body}_displacement", records)
-        return Strains.of(coordinates, self.strain_rows)
+        return self.strain_rows.at(history(dataset, f"{self.body}_displacement", records))
 
     def _beside(self) -> Array:
         """Return vectors from the axis to the corners (element, station, 4 or 1, 2) [m]."""

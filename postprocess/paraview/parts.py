@@ -73,13 +73,8 @@ class StageParts:
         # In portions, so that memory does not grow with the number of records.
         together = max(1, min(PORTION, PORTION_POINTS // sum(map(len, self._rest))))
         self._portions = np.array_split(records, -(-len(records) // together))
-        factors, largest = zip(
-            *(
-                (stage.factor, stage.largest_displacement)
-                for stage in (self._enlarged(portion, exaggeration) for portion in self._portions)
-            ),
-            strict=True,
-        )
+        stages = (self._enlarged(portion, exaggeration) for portion in self._portions)
+        factors, largest = zip(*((s.factor, s.largest_displacement) for s in stages), strict=True)
         self.exaggeration: float = min(factors)
         self.largest_displacement: float = max(largest)  #: over all records [m]
         self._nodes = dataset["rotor_point"].values
@@ -88,7 +83,9 @@ class StageParts:
         self._tips_at_rest = np.pad(
             self._nodes[self._tips], ((0, 0), (0, 1)), constant_values=front
         )
-        self.names = self._part_names()
+        parts = dict.fromkeys(map(str, dataset["rotor_part"].values))
+        #: names of parts; the array `part` contains positions in this list
+        self.names = [*(name or "other beams" for name in parts), "casing", *HOLDERS]
         self._cells = [
             {name: [body.on_cells(values)] for name, values in self._cell_data(body).items()}
             for body in self._bodies
@@ -97,16 +94,11 @@ class StageParts:
         still = [self._enlarged(records[:1], factor) for factor in (1.0, self.exaggeration)]
         self._symbols = StageSymbols(dataset, still[0].angle)
         #: symbols at rest, with the true and with the enlarged clearance
+        outer = [stage.wall_at_rest() for stage in still]
         self._still = [
-            self._symbols.drawn(outer, outer, np.zeros(2), stage.nodes)
-            for stage in still
-            for outer in (stage.wall_at_rest(),)
+            self._symbols.drawn(wall, wall, np.zeros(2), stage.nodes)
+            for wall, stage in zip(outer, still, strict=True)
         ]
-
-    def _part_names(self) -> list[str]:
-        """Return the names of parts; the array `part` contains positions in this list."""
-        rotor = dict.fromkeys(map(str, self._dataset["rotor_part"].values))
-        return [*(name or "other beams" for name in rotor), "casing", *HOLDERS]
 
     def grids(self) -> Iterator[dict[str, meshio.Mesh]]:
         """Yield the grids of the parts, by name, for each record."""
@@ -168,9 +160,7 @@ class StageParts:
         spin = float(dataset.attrs["speed"]) * (1 if boxes.body == "rotor" else -1) * turning
         rate = boxes.vectors(dataset, "velocity", records) + spin * rotate(moved, np.pi / 2)
         strains, modulus = boxes.strains(dataset, records), boxes.modulus
-        bend = strains.bending[..., None] * np.where(
-            SIDES == 0, 1.0, -1.0
-        )  # strain on the right side
+        bend = strains.bending[..., None] * np.where(SIDES == 0, 1.0, -1.0)
         if not boxes.solid:  # a line has the stress of the surface with the larger magnitude
             bend = np.copysign(strains.bending, strains.axial)[..., None]
         surface = strains.axial[..., None] + bend

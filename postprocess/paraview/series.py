@@ -44,6 +44,7 @@ def export_vtk(
     frames: int = 300,
     start: float | None = None,
     end: float | None = None,
+    records: IntArray | None = None,
     rotating: bool = False,
     surface: bool = False,
     exaggeration: float | None = None,
@@ -51,6 +52,8 @@ def export_vtk(
     progress: Progress | None = None,
 ) -> Path:
     """Write a time series of the run between `start` and `end` [s]; return the path of series.pvd.
+
+    If the numbers of the `records` are given, `frames`, `start` and `end` are not used.
 
     Parts are `rotor`, `casing`, `contact` (the tips) and `supports` (springs, dampers, struts and
     links as lines). Points are at their undeformed positions; the points of the rotor are turned by
@@ -85,48 +88,10 @@ def export_vtk(
         ResultError: the result is of an old format without cross-sections.
         FileExistsError: a file exists that the manifest does not list.
     """
-    records = series_records(dataset, frames, start, end)
-    hint = sampling_hint(dataset, records)
-    if hint:
-        logger.info(hint)
-    return write_series(
-        dataset,
-        directory,
-        records,
-        rotating=rotating,
-        surface=surface,
-        exaggeration=exaggeration,
-        overwrite=overwrite,
-        progress=progress,
-    )
-
-
-def series_records(
-    dataset: xr.Dataset, frames: int, start: float | None = None, end: float | None = None
-) -> IntArray:
-    """Return the records of a series, see `frame_records`; by default from the first motion on."""
-    if start is None:
-        early = np.arange(min(EARLY, dataset.sizes["time"]))
-        moving = np.any(
-            [history(dataset, f"{body}_displacement", early).any(axis=1) for body in BODIES], axis=0
-        )
-        first = float(dataset["time"].values[int(np.argmax(moving))])
-        start = first if end is None or first <= end else None
-    return frame_records(dataset, frames, start, end)
-
-
-def write_series(
-    dataset: xr.Dataset,
-    directory: str | Path,
-    records: IntArray,
-    *,
-    rotating: bool = False,
-    surface: bool = False,
-    exaggeration: float | None = None,
-    overwrite: bool = False,
-    progress: Progress | None = None,
-) -> Path:
-    """Write the series of given records, see `export_vtk`; return the path of series.pvd."""
+    if records is None:
+        records = series_records(dataset, frames, start, end)
+        if hint := sampling_hint(dataset, records):
+            logger.info(hint)
     parts = StageParts(
         dataset, records, surface=surface, rotating=rotating, exaggeration=exaggeration
     )
@@ -158,6 +123,20 @@ def write_series(
         if progress is not None:
             progress(frame + 1, len(records))
     return index
+
+
+def series_records(
+    dataset: xr.Dataset, frames: int, start: float | None = None, end: float | None = None
+) -> IntArray:
+    """Return the records of a series, see `frame_records`; by default from the first motion on."""
+    if start is None:
+        early = np.arange(min(EARLY, dataset.sizes["time"]))
+        moving = np.any(
+            [history(dataset, f"{body}_displacement", early).any(axis=1) for body in BODIES], axis=0
+        )
+        first = float(dataset["time"].values[int(np.argmax(moving))])
+        start = first if end is None or first <= end else None
+    return frame_records(dataset, frames, start, end)
 
 
 def write_vtu(path: Path, mesh: meshio.Mesh) -> None:

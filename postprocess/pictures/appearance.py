@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
 
 import matplotlib
 import numpy as np
@@ -88,15 +87,13 @@ def enlargement(factor: float) -> str:
     return f"displacement and clearance\ndrawn {factor:g} times as large"
 
 
-class ShaftTrail(NamedTuple):
-    """Path of the shaft's centre in the inset of a picture, which contains a circle as a scale."""
+def shaft_trail(dataset: xr.Dataset, records: IntArray, frame: Frame) -> tuple[Array, str]:
+    """Return the path of the shaft's centre at some records, for an inset with a circle as a scale.
 
-    places: Array  #: positions, relative to the radius of the circle (record, 2)
-    title: str  #: title of the inset, with the radius of the circle
-
-
-def shaft_trail(dataset: xr.Dataset, records: IntArray, frame: Frame) -> ShaftTrail:
-    """Return the path of the shaft's centre at some records, in static or rotating axes."""
+    Returns:
+        positions in static or rotating axes, relative to the radius of the circle (record, 2);
+        title of the inset, with the radius of the circle.
+    """
     rows = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
     way = history(dataset, "rotor_displacement", records) @ rows.T
     if frame == "static":
@@ -105,4 +102,4 @@ def shaft_trail(dataset: xr.Dataset, records: IntArray, frame: Frame) -> ShaftTr
     unit, scale = handy_unit(reach, "m")
     end = scale_end(1.1 * scale * reach)  # the circle is larger than the orbit
     title = f"shaft\N{RIGHT SINGLE QUOTATION MARK}s orbit, circle r = {end:g} {unit}"
-    return ShaftTrail(scale / end * way, title)
+    return scale / end * way, title

@@ -161,14 +161,10 @@ def _strained(
     dataset: xr.Dataset, field: str, records: IntArray, stations: Stations
 ) -> tuple[Array, Array]:
     """Return axial or bending strain, or surface stress, of rotor and casing."""
-    rotor = Strains.of(
-        history(dataset, "rotor_displacement", records),
-        rotor_strain_rows(dataset, stations.per_line),
-    )
-    wall = Strains.of(
-        history(dataset, "casing_displacement", records),
-        casing_strain_rows(dataset, stations.per_element),
-    )
+    beams = rotor_strain_rows(dataset, stations.per_line)
+    rotor = beams.at(history(dataset, "rotor_displacement", records))
+    ring = casing_strain_rows(dataset, stations.per_element)
+    wall = ring.at(history(dataset, "casing_displacement", records))
     casing = _at_surfaces(wall, field, dataset["casing_young_modulus"].values[:, None])[:, :, :-1]
     return (
         _at_surfaces(rotor, field, rotor_sections(dataset, "young_modulus", stations.per_line)),

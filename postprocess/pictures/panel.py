@@ -108,13 +108,13 @@ class Orbit:
     def __init__(self, scene: StageScene, dataset: xr.Dataset, records: IntArray) -> None:
         drawing = scene.drawing
         self._time = dataset["time"].values[records]
-        trail = look.shaft_trail(dataset, records, drawing.frame)
-        write(scene.plotter, trail.title, TOPS["orbit"], 13)
+        places, title = look.shaft_trail(dataset, records, drawing.frame)
+        write(scene.plotter, title, TOPS["orbit"], 13)
         width, height = scene.plotter.window_size
         low = scene.place(look.SQUARE + 0.02, TOPS["orbit"] - 0.045 - ORBIT_SIZE)
         high = scene.place(look.SQUARE + 0.02 + ORBIT_SIZE * height / width, TOPS["orbit"] - 0.045)
         self._middle, half = (low + high) / 2, (high[1] - low[1]) / 2
-        self._way = self._middle + half * trail.places
+        self._way = self._middle + half * places
         angle = np.linspace(0.0, 2 * np.pi, 73)
         circle = self._middle + half * np.column_stack([np.cos(angle), np.sin(angle)])
         across = np.array([[-half, 0.0], [half, 0.0], [0.0, 0.0], [0.0, -half], [0.0, half]])

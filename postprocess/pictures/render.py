@@ -6,6 +6,7 @@ happen before the check that VTK can draw.
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,8 +17,7 @@ from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.pictures import films
 from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE, scene_colours
-from bladewhirl.postprocess.pictures.colouring import Field
-from bladewhirl.postprocess.pictures.drawing import Drawing, Frame
+from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view
 from bladewhirl.postprocess.plotting.files import checked_target
 
@@ -98,16 +98,15 @@ def render_still(
     path: str | Path,
     *,
     time: float | None = None,
-    exaggeration: float | None = None,
-    frame: Frame = "static",
-    colour: Field = "displacement",
     orbit: bool = False,
     size: tuple[int, int] = WINDOW,
+    **view: Any,
 ) -> Path:
     """Draw the stage at the record nearest to `time` [s] as PNG; return the path.
 
-    Without a time, the record of the strongest contact is drawn. See `Drawing` for exaggeration,
-    frame and colour; with `orbit` an inset shows the orbit of the shaft in the previous revolution.
+    Without a time, the record of the strongest contact is drawn. `view` is exaggeration, frame and
+    colour, see `Drawing`. With `orbit` an inset shows the orbit of the shaft in the previous
+    revolution.
 
     Raises:
         ViewError: the time is outside the run, or the path does not end in .png.
@@ -119,7 +118,7 @@ def render_still(
     else:
         check_inside(dataset, time)
         records = kinematics.nearest_records(dataset, np.array([time]))
-    drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
+    drawing = Drawing(dataset, records, **view)
     trail = _revolution_before(dataset, int(records[0])) if orbit else None
     with stage_view(dataset, drawing, size, trail=trail) as picture, replacing(target) as draft:
         Image.fromarray(picture(0)).save(draft, format="png")
@@ -131,19 +130,17 @@ def render_animation(
     path: str | Path,
     records: IntArray,
     *,
-    exaggeration: float | None = None,
-    frame: Frame = "static",
-    colour: Field = "displacement",
     orbit: bool = False,
     size: tuple[int, int] | None = None,
     progress: films.Progress | None = None,
+    **view: Any,
 ) -> Path:
     """Draw records (see `animation_records`) as a GIF or MP4 with 25 pictures per second; return
     the path.
 
-    See `Drawing` for exaggeration, frame and colour; all pictures have the same scales of colours
-    and arrows. With `orbit` an inset shows the orbit of the shaft. The default size is 960 x 720
-    pixels for a GIF and 1280 x 960 pixels for an MP4. See `Progress` for `progress`.
+    `view` is exaggeration, frame and colour, see `Drawing`; all pictures have the same scales of
+    colours and arrows. With `orbit` an inset shows the orbit of the shaft. The default size is 960
+    x 720 pixels for a GIF and 1280 x 960 pixels for an MP4. See `Progress` for `progress`.
 
     Raises:
         ViewError: the path does not end in .gif or .mp4.
@@ -151,7 +148,7 @@ def render_animation(
     """
     target = checked_target(path, ".gif", ".mp4")
     gif = target.suffix.lower() == ".gif"
-    drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
+    drawing = Drawing(dataset, records, **view)
     seconds = float(np.ptp(dataset["time"].values[records]))
     slower = (len(records) - 1) / films.FRAME_RATE / seconds if seconds else 1.0
     note = f"slowed down {slower:.3g} times" if slower > 1 else ""
@@ -181,24 +178,23 @@ def render_sheet(
     path: str | Path,
     records: IntArray,
     *,
-    exaggeration: float | None = None,
-    frame: Frame = "static",
-    colour: Field = "displacement",
     columns: int | None = None,
     cell: int = CELL,
+    **view: Any,
 ) -> Path:
     """Draw a sheet with a picture of each record, row by row, and one panel at the side, as PNG;
     return the path.
 
     All pictures have the same scales of colours, forces and displacements. `columns` is chosen when
-    None, `cell` is the width of a picture [pixels].
+    None, `cell` is the width of a picture [pixels], `view` is exaggeration, frame and colour, see
+    `Drawing`.
 
     Raises:
         ViewError: the path does not end in .png.
         OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".png")
-    drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
+    drawing = Drawing(dataset, records, **view)
     wide = columns or int(np.ceil(np.sqrt(len(records))))
     rows = -(-len(records) // wide)
     size = (round(cell / SQUARE), cell)

@@ -19,8 +19,8 @@ from bladewhirl.files import write_atomically
 from bladewhirl.postprocess.fields.blades import member_names
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
-from bladewhirl.postprocess.pictures.colouring import Colouring, Field
-from bladewhirl.postprocess.pictures.drawing import Drawing, Frame, Picture, arrows
+from bladewhirl.postprocess.pictures.colouring import Colouring
+from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows
 from bladewhirl.postprocess.pictures.films import Progress
 from bladewhirl.postprocess.pictures.symbols import MASS
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
@@ -35,20 +35,18 @@ def render_page(
     path: str | Path,
     records: IntArray,
     *,
-    exaggeration: float | None = None,
-    frame: Frame = "static",
-    colour: Field = "displacement",
     progress: Progress | None = None,
+    **view: Any,
 ) -> Path:
     """Write an animation of records (see `animation_records`) as an HTML page; return the path.
 
-    See `Drawing` for exaggeration, frame and colour, and `films.Progress` for `progress`.
+    `view` is exaggeration, frame and colour, see `Drawing`; see `films.Progress` for `progress`.
 
     Raises:
         ViewError: the path does not end in .html.
     """
     target = checked_target(path, ".html")
-    drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
+    drawing = Drawing(dataset, records, **view)
     stage, contact = drawing.reach()
     size = max(stage, contact / (1 - look.LONGEST_ARROW)) * look.MARGIN
     places, shades, layout = _pack(drawing, size, progress)
@@ -70,7 +68,11 @@ def render_page(
         "web_page.html",
         title=str(dataset.attrs["title"]),
         notes="\n".join(
-            [look.speed_text(dataset), f"{frame} frame", look.enlargement(drawing.exaggeration)]
+            [
+                look.speed_text(dataset),
+                f"{drawing.frame} frame",
+                look.enlargement(drawing.exaggeration),
+            ]
         ),
         key=colouring.parts and list(colouring.parts.items()),
         scale=f"{colouring.name} [{colouring.unit}]",
@@ -169,14 +171,14 @@ def _looks(colouring: Colouring) -> dict[str, Any]:
 
 
 def _orbit(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
-    """Return the orbit of the shaft from the first to the last picture, as a `ShaftTrail`, and the
-    record of each picture in it."""
+    """Return the orbit of the shaft from the first to the last picture, with its title, and
+    the record of each picture in it."""
     records = np.arange(drawing.records.min(), drawing.records.max() + 1)
-    trail = look.shaft_trail(dataset, records, drawing.frame)
+    places, title = look.shaft_trail(dataset, records, drawing.frame)
     return {
-        "orbit": np.round(trail.places, 4).tolist(),
+        "orbit": np.round(places, 4).tolist(),
         "orbitPlace": (drawing.records - records[0]).tolist(),
-        "orbitTitle": trail.title,
+        "orbitTitle": title,
     }
 
 

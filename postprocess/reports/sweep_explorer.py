@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -23,19 +22,9 @@ MOST_ROWS, MOST_COLUMNS = 500, 500
 """Largest number of frequencies and largest number of points in a map. If a spectrum has more,
 neighbours share a cell of the map, which has their largest value."""
 
-SYMBOLS: Mapping[str, str] = {
-    "no-contact": "circle-open",
-    "damped": "triangle-down",
-    "sustained": "circle",
-    "divergent": "triangle-up",
-}
-
-MODE_DASHES: Mapping[str, str] = {
-    "suspension": "longdash",
-    "1F k=1": "dash",
-    "casing k=1": "dashdot",
-}
-"""Dashes of the lines of modes."""
+#: marks of the regimes, and dashes of the lines of modes
+SYMBOLS = ("circle-open", "triangle-down", "circle", "triangle-up")
+DASHES = ("longdash", "dash", "dashdot")
 
 MAP_CAPTION = (
     "Amplitude of the shaft [mm], as colour on a logarithmic scale, over the swept key and the "
@@ -100,11 +89,11 @@ def points_explorer(points: xr.Dataset) -> Explorer:
             y=radius[here],
             mode="markers",
             name=f"{name} ({np.count_nonzero(here)})",
-            marker={"color": colour, "symbol": SYMBOLS[name], "size": 9, "line_width": 1.5},
+            marker={"color": colour, "symbol": symbol, "size": 9, "line_width": 1.5},
             text=texts[here],
             hovertemplate="%{text}<extra></extra>",
         )
-        for name, colour in REGIME_COLOURS.items()
+        for (name, colour), symbol in zip(REGIME_COLOURS.items(), SYMBOLS, strict=True)
         if (here := regime == name).any()
     ]
     positive = radius[radius > 0]
@@ -175,10 +164,10 @@ def _map_traces(line: xr.Dataset, top: float, *, shown: bool) -> list[go.Heatmap
                 f"{name}, {direction}",
                 name,
                 modes.sel(mode=name, direction=direction).values,
-                (colour, MODE_DASHES[name], 1.5),
+                (colour, dash, 1.5),
                 direction == "forward",
             )
-            for name, (colour, _) in LINES.items()
+            for (name, (colour, *_)), dash in zip(LINES.items(), DASHES, strict=True)
             for direction in ("backward", "forward")
         ),
     ]

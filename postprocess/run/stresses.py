@@ -22,7 +22,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.fields.strains import (
-    StrainRows,
+    Strains,
     casing_strain_rows,
     rotor_sections,
     rotor_strain_rows,
@@ -142,7 +142,7 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
     nodes = dataset.sizes["casing_node"]
     rotor = _body(
         "rotor_displacement",
-        StrainRows(*(row[order] for row in rotor_strain_rows(dataset))),
+        Strains(*(row[order] for row in rotor_strain_rows(dataset))),
         rotor_sections(dataset, "young_modulus", 1)[order],
         np.linalg.norm(ends[order], axis=-1),
         member[order],
@@ -160,7 +160,7 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
 
 
 def _body(
-    history: str, rows: StrainRows, modulus: Array, radius: Array, member: IntArray, *, first: int
+    history: str, rows: Strains, modulus: Array, radius: Array, member: IntArray, *, first: int
 ) -> _Body:
     """Return the rotor or the casing from values at points of each element, (element, point);
     `member` is the number of the part (such as a blade) of each element, `first` the position of

@@ -34,12 +34,7 @@ REGIME_COLOURS: Mapping[str, str] = {
 }
 """Colours of the regimes, the least dangerous first."""
 
-REGIME_MARKS: Mapping[str, str] = {
-    "no-contact": "_",
-    "damped": "v",
-    "sustained": "o",
-    "divergent": "^",
-}
+REGIME_MARKS: Mapping[str, str] = dict(zip(REGIME_COLOURS, "_vo^", strict=True))
 
 #: dashes and marks of the lines of a figure, in the order of the lines
 DASHES: Sequence[Any] = (

@@ -31,19 +31,13 @@ ENGINE_ORDERS = "engine orders"
 
 #: engine orders (multiples of the speed) that are drawn as lines
 ORDERS = tuple(order for order in range(-4, 5) if order != 0)
-LINES: Mapping[str, tuple[str, bool]] = {
-    "suspension": (COLOURS["suspension"], True),
-    "1F k=1": (COLOURS["k = 1"], True),
-    "casing k=1": (COLOURS["casing"], False),
+LINES: Mapping[str, tuple[str, Any, bool]] = {
+    "suspension": (COLOURS["suspension"], LINE_DASHES["suspension"], True),
+    "1F k=1": (COLOURS["k = 1"], LINE_DASHES["1F"], True),
+    "casing k=1": (COLOURS["casing"], LINE_DASHES["casing"], False),
 }
-"""Modes drawn as lines in a map: colour, and true if the map must include their frequencies."""
-
-MODE_DASHES: Mapping[str, Any] = {
-    "suspension": LINE_DASHES["suspension"],
-    "1F k=1": LINE_DASHES["1F"],
-    "casing k=1": LINE_DASHES["casing"],
-}
-"""Dashes of the lines of modes, as in spectra; engine orders are dotted."""
+"""Modes drawn as lines in a map: colour and dashes, as in spectra, and true if the map must include
+their frequencies. Engine orders are dotted."""
 
 #: black outline that makes white lines and letters legible on every colour of a map
 OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
@@ -125,7 +119,7 @@ def _mode_lines(points: xr.Dataset) -> xr.DataArray:
 
 def _reach(lines: xr.DataArray, available: float) -> float:
     """Return the largest frequency of a map [Hz]."""
-    names = [name for name, (_, reached) in LINES.items() if reached]
+    names = [name for name, (*_, reached) in LINES.items() if reached]
     outermost = np.nanmax(np.abs(lines.sel(mode=names).values), initial=0.0)
     return float(min(MARGIN * outermost, available)) if outermost > 0.0 else available
 
@@ -168,14 +162,14 @@ def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
     # Points without a result are skipped, so that they do not interrupt the lines.
     one = one.isel({key: np.flatnonzero(np.isfinite(one["engine_order"][:, 0].values))})
     place = one[key].values
-    for name, (colour, _) in LINES.items():
+    for name, (colour, dashes, _) in LINES.items():
         backward, forward = one["mode_line"].sel(mode=name).transpose("direction", key).values
         for level in (backward, forward):
             if np.nanmin(np.abs(level), initial=np.inf) <= limit:
                 axes.plot(
                     place,
                     level,
-                    linestyle=MODE_DASHES[name],
+                    linestyle=dashes,
                     color=colour,
                     label=name.replace("=", " = "),
                     path_effects=OUTLINE,

@@ -6,6 +6,7 @@ A line is one combination of values of the swept keys that are not on the horizo
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -30,7 +31,8 @@ DIAMETER = "nodal_diameter"
 
 def two_columns(
     data: xr.Dataset,
-    draw: Callable[[Axes, Axes, xr.Dataset], QuadMesh],
+    draw_map_of: Callable[[Axes, xr.Dataset], QuadMesh],
+    plot: Callable[[Axes, xr.Dataset], None],
     *,
     coloured: int,
     label: str,
@@ -39,7 +41,8 @@ def two_columns(
 
     Args:
         data: Dataset over (line, key).
-        draw: function that draws both panels of a line and returns the mesh of the map.
+        draw_map_of: function that draws the map of a line and returns its mesh.
+        plot: function that draws the plot of a line.
         coloured: column of the maps, 0 for left or 1 for right.
         label: label of the colour scale.
     """
@@ -48,9 +51,11 @@ def two_columns(
     figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(shown))
     figure.set_layout_engine("constrained", wspace=0.08)
     rows = figure.subplots(len(shown), 2, sharex=True, sharey="col", squeeze=False)
-    for number, (left, right) in zip(shown, rows, strict=True):
-        picture = draw(left, right, data.isel({LINE: number}))
-        left.set_title(titles[number], loc="left")
+    for number, row in zip(shown, rows, strict=True):
+        one = data.isel({LINE: number})
+        plot(row[1 - coloured], one)
+        picture = draw_map_of(row[coloured], one)
+        row[0].set_title(titles[number], loc="left")
     for axes in rows[-1]:
         key_axis(axes, data, share=0.5)
     figure.colorbar(picture, ax=rows[:, coloured].tolist(), label=label, pad=0.02)
@@ -96,12 +101,8 @@ def plot_blade_contacts(data: xr.Dataset) -> Figure:
     Args:
         data: from `blade_contacts`.
     """
-    return two_columns(data, _draw_line, coloured=0, label="time in contact [%], white: none")
-
-
-def _draw_line(left: Axes, right: Axes, one: xr.Dataset) -> QuadMesh:
-    _draw_counts(right, one)
-    return _draw_shares(left, one)
+    label = "time in contact [%], white: none"
+    return two_columns(data, _draw_shares, _draw_counts, coloured=0, label=label)
 
 
 def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
@@ -186,18 +187,11 @@ def plot_point_energies(data: xr.Dataset) -> Figure:
         data: from `point_energies`.
     """
     top = float(data["total"].max()) or 1.0
-    floor = top * 10**-strain.PLOT_DECADES
-
-    def draw_line(left: Axes, right: Axes, one: xr.Dataset) -> QuadMesh:
-        _draw_lines(left, one)
-        left.set_yscale("log")
-        left.set(ylim=(floor, 3 * top), ylabel="strain energy [J]")
-        return _draw_diameters(right, one, top)
-
-    return two_columns(data, draw_line, coloured=1, label=f"{strain.FIRST_FAMILY} [J]")
+    diameters, lines = partial(_draw_diameters, top=top), partial(_draw_lines, top=top)
+    return two_columns(data, diameters, lines, coloured=1, label=f"{strain.FIRST_FAMILY} [J]")
 
 
-def _draw_lines(axes: Axes, one: xr.Dataset) -> None:
+def _draw_lines(axes: Axes, one: xr.Dataset, top: float) -> None:
     place = one[str(one.attrs["along"])].values
     for (name, energy), dash, mark in zip(
         strain.energy_terms(one).items(), drawing.DASHES, drawing.MARKS, strict=False
@@ -212,6 +206,8 @@ def _draw_lines(axes: Axes, one: xr.Dataset) -> None:
             markersize=3,
             label=strain.term_label(name),
         )
+    axes.set_yscale("log")
+    axes.set(ylim=(top * 10**-strain.PLOT_DECADES, 3 * top), ylabel="strain energy [J]")
 
 
 def _draw_diameters(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:

@@ -45,16 +45,16 @@ def export(
     """
     from bladewhirl.postprocess.fields.kinematics import sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.paraview.series import series_records, write_series
+    from bladewhirl.postprocess.paraview.series import export_vtk, series_records
 
     folder = output or (directory if directory.is_dir() else directory.parent) / VTK
     with open_result(directory) as result:
         records = series_records(result, frames, start, end)
         with progress_bar(folder.name) as update, writing(folder):
-            index = write_series(
+            index = export_vtk(
                 result,
                 folder,
-                records,
+                records=records,
                 rotating=rotating,
                 surface=surface,
                 exaggeration=exaggeration,

@@ -127,14 +127,14 @@ def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterat
     if window.frames == 0:
         return
     from bladewhirl.postprocess.fields.kinematics import ViewError, sampling_hint
-    from bladewhirl.postprocess.paraview.series import series_records, write_series
+    from bladewhirl.postprocess.paraview.series import export_vtk, series_records
 
     try:
         records = series_records(result, window.frames, window.start, window.end)
     except ViewError as error:  # the run ended before the window
         yield f"no ParaView series: {error}"
         return
-    write_series(result, directory, records, rotating=window.rotating)
+    export_vtk(result, directory, records=records, rotating=window.rotating)
     hint = sampling_hint(result, records)
     if hint:
         yield f"{directory.name}: {hint} (--from, --to, --frames)"
