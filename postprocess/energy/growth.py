@@ -1,7 +1,5 @@
 """Amplitude of a run over time, with its growth rate and the uncertainty of the growth rate."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """Energy balance of a run: works of loads, contact forces, springs, damping and drive."""
 
-from __future__ import annotations
-
 from typing import TypedDict
 
 import numpy as np

@@ -15,8 +15,6 @@ shifted centre, (r, theta) -> (r + factor u_r, theta + factor u_theta / r). A be
 along an arc and keeps its length, as it does in the linear model.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

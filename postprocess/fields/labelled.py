@@ -1,7 +1,5 @@
 """Datasets returned by analyses: named dimensions, units, and the title and speeds of the run."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

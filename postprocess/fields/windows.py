@@ -1,7 +1,5 @@
 """Windows of time: a part of a run, its late part, and spans over which records are averaged."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

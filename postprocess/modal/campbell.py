@@ -1,7 +1,5 @@
 """Campbell diagrams (the paper's Fig. 8) in the rotating and in the static frame."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal

@@ -1,7 +1,5 @@
 """Figures of a coupled mode in time: deformed shapes (Fig. 13) and phases (Fig. 14)."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

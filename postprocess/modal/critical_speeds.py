@@ -1,7 +1,5 @@
 """Map of critical speeds over the stiffness of the shaft."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

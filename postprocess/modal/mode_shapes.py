@@ -1,7 +1,5 @@
 """Pictures of mode shapes (the paper's Fig. 6): undeformed and deformed body, and its centre."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

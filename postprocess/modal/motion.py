@@ -6,8 +6,6 @@ times cos(omega t) plus the sine mode times sin(omega t) travels forward; the co
 cos(omega t) minus the sine mode times sin(omega t) travels backward.
 """
 
-from __future__ import annotations
-
 from typing import Any, Literal
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Contact scenarios of modes with one nodal diameter (the paper's Figs 9 and 10)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

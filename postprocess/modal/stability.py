@@ -6,8 +6,6 @@ numbers of the figure, so the figure can be drawn again from the file saved with
 multiples of the reference frequency.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

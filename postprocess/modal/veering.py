@@ -1,7 +1,5 @@
 """Frequencies over the nodal diameter (the paper's Fig. 7) and over the stiffness of the shaft."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -6,8 +6,6 @@ has its true size. The array `warp` moves the points to their positions in a pic
 ParaView exactly when they touch in the run. Lines and boxes have the same arrays.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Colours, sizes, captions and the inset of the orbit, common to all pictures of a stage."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import matplotlib

@@ -4,8 +4,6 @@ The values are true values, independent of the exaggeration of the picture. The 
 and of the wall have different values, because bending strains differ.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args

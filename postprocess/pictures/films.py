@@ -1,7 +1,5 @@
 """Films: GIFs whose pictures share one palette, and MP4s."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Panel next to the stage in a picture: title, time, contact, colour scale, orbit of the shaft."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Mapping
 

@@ -6,8 +6,6 @@ static axes for the casing, in the axes that the case specifies for the springs 
 rotating axes for the dampers of the shaft.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple

@@ -4,8 +4,6 @@ The page contains points as 16-bit integers, colours as 8-bit integers, and the 
 them (`web_page.html`).
 """
 
-from __future__ import annotations
-
 import base64
 import zlib
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Axes of speed and frequency, maps, and labels next to points and lines."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

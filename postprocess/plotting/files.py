@@ -1,7 +1,5 @@
 """Suffixes of output files, and HTML pages from templates."""
 
-from __future__ import annotations
-
 import base64
 from importlib import resources
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Legends below a figure."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Sequence
 from typing import NamedTuple, cast

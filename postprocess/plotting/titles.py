@@ -1,7 +1,5 @@
 """Titles of figures: name of the case, content of the figure, and speed."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib import rcParams

@@ -1,7 +1,5 @@
 """Page of interactive Campbell diagrams: frequency, speed and direction of every wave."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Interactive plots of a run with a common time cursor: deformed stage, orbit, contact, energy."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

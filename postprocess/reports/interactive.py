@@ -1,7 +1,5 @@
 """Template, buttons and colour bars of the interactive plots."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

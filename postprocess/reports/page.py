@@ -4,8 +4,6 @@ The page embeds pictures as PNG and the program that draws interactive plots. Th
 policy of the page forbids loading of other files.
 """
 
-from __future__ import annotations
-
 import base64
 import io
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Provenance in a report: resolved case, program, machine and libraries."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 
 import xarray as xr

@@ -1,7 +1,5 @@
 """Report of a run: regime, figures, numbers and case."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Report of a sweep: regimes, maps, points and case."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Interactive plots of a sweep: spectra over a swept key, and all points with their details."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

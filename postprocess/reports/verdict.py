@@ -1,7 +1,5 @@
 """Regimes in reports: names, meanings and criteria."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Gaps and contact forces over blade and time (Fig. 21 of the paper), and contact classes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Contact over the angle of the casing and the revolutions of the rotor."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

@@ -1,7 +1,5 @@
 """Directions of the shaft and of the smallest clearance over time (the paper's Figs 18c, 21c)."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """Largest casing displacement, contact force and stresses of a run, with position and time."""
 
-from __future__ import annotations
-
 from typing import TypedDict
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Figures of a run by name, see `plotting.registry`, and their datasets."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import xarray as xr

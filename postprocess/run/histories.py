@@ -1,7 +1,5 @@
 """Histories of single blades and of points of the casing: gap, contact force, displacement."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import cast
 

@@ -1,7 +1,5 @@
 """Measures of the last third of a run: whirl, contact side, contact of blades, Poincaré map."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicHermiteSpline

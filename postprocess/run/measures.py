@@ -1,7 +1,5 @@
 """Measures of a run by which claims of the paper are checked: regime, whirl, contact, energies."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any
 

@@ -5,8 +5,6 @@ concentration where beams meet, and centrifugal stress. The stress at a surface 
 plus or minus the bending stress.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """State space and Poincaré map of the shaft (the paper's Figs 20c and d)."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure

@@ -6,8 +6,6 @@ positive for forward motion, in the sense of rotation. The side lobes of the Bla
 are below the smallest amplitude drawn.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 from typing import Any

@@ -5,8 +5,6 @@ motion. A circular motion of radius r has the amplitude r at one frequency. A st
 amplitude a has the amplitude a / 2 at two frequencies of opposite sign.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

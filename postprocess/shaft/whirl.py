@@ -6,8 +6,6 @@ contributes its own rate, weighted by its squared amplitude. Rates and frequenci
 forward motion, in the sense of rotation (+theta at standstill).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Direction and rate of the shaft's whirl over time."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

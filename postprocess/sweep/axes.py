@@ -1,7 +1,5 @@
 """Axes of swept keys in figures of sweeps."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

@@ -7,8 +7,6 @@ meanings (CF conventions), so that each point has a fixed size and can be writte
 `open_sweep` turns the codes into text.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from math import prod

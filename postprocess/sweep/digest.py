@@ -1,7 +1,5 @@
 """Reduction of a run to the data of a sweep: spectrum, energies, regime, thinned histories."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -3,8 +3,6 @@
 A line belongs to one combination of values of the swept keys that are not on an axis.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Figures of a sweep by name, see `plotting.registry`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import xarray as xr

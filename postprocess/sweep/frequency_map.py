@@ -1,7 +1,5 @@
 """Frequency map of a sweep: spectrum of the shaft over a swept key (the paper's Figs 15 and 19)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

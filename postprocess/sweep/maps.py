@@ -1,7 +1,5 @@
 """Maps over two swept keys: regime, largest displacement of the shaft, growth rate."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

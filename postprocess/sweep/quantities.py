@@ -5,8 +5,6 @@ axis of a figure, in ascending order. Each element of `line` is one combination 
 other swept keys, which are coordinates along `line`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Figure of the regime and of the growth rate at each point of a sweep."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

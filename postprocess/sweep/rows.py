@@ -3,8 +3,6 @@
 A line is one combination of values of the swept keys that are not on the horizontal axis.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Figures of a sweep: displacement (the paper's Fig. 24), whirl and contact side of the shaft."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
