@@ -27,12 +27,12 @@ March in time
     `run` marches one case, `run_sweep` a case over ranges of its keys (`resume_sweep` finishes an
     interrupted sweep), `convergence` varies time step and modes. Each writes a folder.
 Read and draw results
-    `open_result` and `open_sweep` return Datasets. Functions of a result, or of a time window of a
-    result in seconds: the shaft (`shaft_orbit`, `whirl_history`, `shaft_spectrum`,
-    `shaft_spectrogram`, `poincare_map`), blades and casing (`gap`, `contact_force`,
-    `tip_displacement`, `casing_displacement`, `stress_history`, `contact_classes`,
-    `contact_phase`, `tip_timing`), energies and growth (`strain_energies`, `family_energies`,
-    `amplitude_growth`).
+    `open_result` and `open_sweep` return Datasets, `probability` the shares of regimes in a sweep
+    with draws. Functions of a result, or of a time window of a result in seconds: the shaft
+    (`shaft_orbit`, `whirl_history`, `shaft_spectrum`, `shaft_spectrogram`, `poincare_map`), blades
+    and casing (`gap`, `contact_force`, `tip_displacement`, `casing_displacement`,
+    `stress_history`, `contact_classes`, `contact_phase`, `tip_timing`), energies and growth
+    (`strain_energies`, `family_energies`, `amplitude_growth`).
     `plot` has a function for each figure, `save_figure` writes one; `render` makes stills, films
     and pages, `export_vtk` a series for ParaView, `report` one HTML page of a run or a sweep.
 Verify the program

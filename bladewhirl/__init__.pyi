@@ -33,6 +33,7 @@ from .postprocess.shaft.spectra import shaft_spectrogram as shaft_spectrogram
 from .postprocess.shaft.spectra import shaft_spectrum as shaft_spectrum
 from .postprocess.shaft.whirl_history import whirl_history as whirl_history
 from .postprocess.sweep.dataset import open_sweep as open_sweep
+from .postprocess.sweep.probability import probability as probability
 from .studies.convergence.study import convergence as convergence
 from .studies.modal.campbell import campbell as campbell
 from .studies.modal.critical_speeds import critical_speeds as critical_speeds

@@ -51,6 +51,20 @@ def sweep(
             " energy for another contact.",
         ),
     ] = None,
+    draws: Annotated[
+        int | None,
+        typer.Option(help="Number of marches of each point, with values changed by --perturb."),
+    ] = None,
+    perturb: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KEY=SIZE",
+            help='Random change of a key in each draw: "contact.friction = 0.05" is a normal'
+            ' distribution with a standard deviation of 5 %; "absolute" and "uniform" behind the'
+            " number change this.",
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the draws.")] = 0,
     resume: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Finish the sweep in this folder.")
     ] = None,
@@ -81,6 +95,7 @@ def sweep(
         watch = Watch(planned=_print_plan, progress=progress)
         if resume is not None:
             new_sweep: dict[str, object] = {"CASE": case, "--over": over, "--output": output}
+            new_sweep |= {"--draws": draws, "--perturb": perturb, "--seed": seed}
             new_sweep |= {"--set": overrides, "--histories": histories, "--stop-when": stop_when}
             unused = ", ".join(name for name, value in new_sweep.items() if value)
             if unused:
@@ -103,6 +118,9 @@ def sweep(
                 histories=histories,
                 large=yes,
                 stop_when=stop_when,
+                draws=draws,
+                perturb=perturb or (),
+                seed=seed,
                 watch=watch,
             )
     document = {

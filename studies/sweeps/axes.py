@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,7 +10,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from decimal import Decimal
 from difflib import get_close_matches
-from itertools import product
 from typing import Any, get_args
 
 import numpy as np
@@ -20,6 +20,7 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError, shown
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
+from bladewhirl.studies.sweeps.draws import DRAW, PERTURB, Draws
 
 Value = int | float | str
 """Value as in a case file: a number, or text with a unit."""
@@ -64,9 +65,13 @@ class Axis:
 
 @dataclass(frozen=True, kw_only=True)
 class Grid:
-    """Points of a sweep: all combinations of values of its axes; the last axis varies fastest."""
+    """Points of a sweep: all combinations of values of its axes; the last axis varies fastest. With
+    draws, their numbers are the last axis."""
 
     axes: tuple[Axis, ...]
+    draws: Draws | None = None
+    nominal: Mapping[str, tuple[float, ...]] = dataclasses.field(default_factory=dict)
+    """Values of each perturbed key along its axis, or a single value if the key is not swept."""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -75,8 +80,8 @@ class Grid:
 
     @property
     def over(self) -> dict[str, tuple[Value, ...]]:
-        """Values of each swept key."""
-        return {axis.key: axis.values for axis in self.axes}
+        """Values of each swept key, without the draws."""
+        return {axis.key: axis.values for axis in self.axes if axis.key != DRAW}
 
     @property
     def size(self) -> int:
@@ -84,9 +89,17 @@ class Grid:
         return math.prod(self.shape)
 
     def values(self, point: int) -> dict[str, Value]:
-        """Values of the swept keys at a point."""
+        """Values of the swept keys at a point, and those of the perturbed keys."""
         position = np.unravel_index(point, self.shape)
-        return {axis.key: axis.values[i] for axis, i in zip(self.axes, position, strict=True)}
+        places = {axis.key: int(i) for axis, i in zip(self.axes, position, strict=True)}
+        values: dict[str, Value] = {key: self.over[key][places[key]] for key in self.over}
+        if self.draws is not None:
+            stream = self.draws.stream(point // self.draws.count, places[DRAW])
+            for perturbation in self.draws.perturbations:
+                nominal = self.nominal[perturbation.key]
+                at = nominal[places.get(perturbation.key, 0)]
+                values[perturbation.key] = perturbation.value(at, stream)
+        return values
 
     def label(self, point: int) -> str:
         """Return the label of a point, "march.speed = 1.05, contact.friction = 0.1"."""
@@ -98,10 +111,9 @@ class Grid:
         Raises:
             UserError: the case has errors at a point; the message names the first such point.
         """
-        keys = [axis.key for axis in self.axes]
-        for point, combination in enumerate(product(*(axis.values for axis in self.axes))):
+        for point in range(self.size):
             with self.naming(point):
-                at_point = with_values(case, dict(zip(keys, combination, strict=True)))
+                at_point = with_values(case, self.values(point))
             yield at_point
 
     @contextmanager
@@ -117,13 +129,20 @@ class Grid:
             raise UserError(f"{OVER}, point {self.label(point)}: {error.lines[0]}") from None
 
 
-def make_grid(case: Case, over: Mapping[str, Sequence[Value]], *, large: bool) -> Grid:
+def make_grid(
+    case: Case,
+    over: Mapping[str, Sequence[Value]],
+    *,
+    large: bool,
+    draws: Draws | None = None,
+) -> Grid:
     """Return the points of a sweep.
 
     Args:
         case: case that is varied.
         over: values of each swept key.
         large: whether to allow more than 100,000 points.
+        draws: draws of each point, if any.
 
     Raises:
         UserError: nothing to sweep, a key that is unknown or does not take a number, fewer than two
@@ -133,7 +152,12 @@ def make_grid(case: Case, over: Mapping[str, Sequence[Value]], *, large: bool) -
         raise UserError(f"{OVER}: expected at least one key, such as march.speed=0.95:2:0.005")
     for key in over:
         check_key(case, key)
-    grid = Grid(axes=tuple(Axis(key=key, values=tuple(values)) for key, values in over.items()))
+    axes = [Axis(key=key, values=tuple(values)) for key, values in over.items()]
+    nominal = {}
+    if draws is not None:
+        nominal = {each.key: _nominal(case, each.key, over) for each in draws.perturbations}
+        axes.append(Axis(key=DRAW, values=tuple(range(draws.count))))
+    grid = Grid(axes=tuple(axes), draws=draws, nominal=nominal)
     for axis in grid.axes:
         if len(axis.values) < 2 or len(set(axis.values)) < len(axis.values):
             raise UserError(
@@ -144,6 +168,24 @@ def make_grid(case: Case, over: Mapping[str, Sequence[Value]], *, large: bool) -
             f"{OVER}: {grid.size} points are more than {ASKED_POINTS}; --yes runs them all"
         )
     return grid
+
+
+def _nominal(case: Case, key: str, over: Mapping[str, Sequence[Value]]) -> tuple[float, ...]:
+    """Return the values of a perturbed key: along its axis if it is swept, otherwise one value.
+
+    Raises:
+        UserError: the key does not take a number, or is a speed with a unit.
+    """
+    check_key(case, key)
+    values = [value_at(with_values(case, {key: value}), key) for value in over.get(key, ())] or [
+        value_at(case, key)
+    ]
+    if any(isinstance(value, Speed) and value.kind != "normalised" for value in values):
+        raise UserError(f"{PERTURB} {key}: expected multiples of the reference frequency")
+    numbers = [value.value if isinstance(value, Speed) else value for value in values]
+    if None in numbers:
+        raise UserError(f"{PERTURB} {key}: expected a key that has a value in the case")
+    return tuple(float(number) for number in numbers)
 
 
 def parse_over(options: Sequence[str]) -> dict[str, tuple[Value, ...]]:

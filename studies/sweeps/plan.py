@@ -23,6 +23,7 @@ from bladewhirl.solvers.march.free_motion import STOPS, FreeMotion, StopWhen
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import OVER, Grid, coordinate, make_grid, unit_of, value_at
+from bladewhirl.studies.sweeps.draws import DRAW, Draws, parse_draws
 from bladewhirl.studies.sweeps.layout import history_bytes, make_layout, march_extent
 from bladewhirl.studies.sweeps.points import Point, stage_at
 from bladewhirl.studies.sweeps.store import Coordinates
@@ -62,7 +63,7 @@ class Plan:
     @property
     def digest(self) -> str:
         """Digest of the input of the points, see `plan_digest`."""
-        return plan_digest(self.case, self.grid.over, self.stop_when)
+        return plan_digest(self.case, self.grid.over, self.stop_when, self.grid.draws)
 
     @property
     def hints(self) -> tuple[str, ...]:
@@ -137,11 +138,23 @@ def plan_sweep(
     )
 
 
-def plan_digest(case: Case, over: Mapping[str, Any], stop_when: StopWhen | None) -> str:
+def _described(draws: Draws) -> dict[str, Any]:
+    """Return draws as they are written into the plan."""
+    perturb = [perturbation.text for perturbation in draws.perturbations]
+    return {"count": draws.count, "seed": draws.seed, "perturb": perturb}
+
+
+def plan_digest(
+    case: Case,
+    over: Mapping[str, Any],
+    stop_when: StopWhen | None,
+    draws: Draws | None = None,
+) -> str:
     """Return the SHA-256 digest of all input of the points, which plan and dataset contain."""
     # The last entry, 1, is the number of points marched together.
     made_by = [folder.version(), SWEEP_FORMAT, dict(over), 1]
     made_by += [] if stop_when is None else [stop_when]
+    made_by += [] if draws is None else [_described(draws)]
     whole = sha256(json.dumps(made_by).encode())
     for name, content in folder.case_files(case).items():
         whole.update(name.encode() + content)
@@ -160,6 +173,8 @@ def write_plan(plan: Plan, directory: Path) -> None:
         "histories": plan.histories,
         "stop_when": plan.stop_when,
     }
+    if plan.grid.draws is not None:
+        document["draws"] = _described(plan.grid.draws)
     text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
     for name, content in files.items():
         write_atomically(directory / name, content)
@@ -180,13 +195,15 @@ def read_plan(directory: Path) -> Plan:
         histories = bool(document["histories"])
         stop_rule = document.get("stop_when")
         stop_when = None if stop_rule is None else STOPS[STOPS.index(stop_rule)]
+        drawn = document.get("draws")
+        draws = drawn and parse_draws(drawn["count"], drawn["perturb"], drawn["seed"])
     except OSError as error:
         raise UserError(f"{path}: expected the plan of a sweep ({error.strerror})") from None
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         raise UserError(f"{path}: expected the plan of a sweep ({error!r})") from None
     case = loads(text, file=str(path))
     try:
-        digest = plan_digest(case, over, stop_when)
+        digest = plan_digest(case, over, stop_when, draws)
     except OSError as error:  # raised for the mesh file
         raise UserError(f"{error.filename}: expected a readable file ({error.strerror})") from None
     if document.get("digest") != digest:
@@ -195,14 +212,16 @@ def read_plan(directory: Path) -> Plan:
             f" was changed, or is of {made_by} in format {document.get('format', 1)}, and points"
             " marched before would not agree with new points"
         )
-    return plan_sweep(
-        case, make_grid(case, over, large=True), histories=histories, stop_when=stop_when
-    )
+    grid = make_grid(case, over, large=True, draws=draws)
+    return plan_sweep(case, grid, histories=histories, stop_when=stop_when)
 
 
 def _coordinates(case: Case, grid: Grid) -> Coordinates:
     coordinates = {}
     for axis in grid.axes:
+        if axis.key == DRAW:
+            coordinates[DRAW] = axis.numbers, "1"
+            continue
         along = (with_values(case, {**grid.values(0), axis.key: value}) for value in axis.values)
         values, unit = coordinate([value_at(each, axis.key) for each in along])
         coordinates[axis.key] = (values, unit or unit_of(case, axis.key))

@@ -19,6 +19,7 @@ from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.solvers.march.free_motion import RULE, StopWhen
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import Grid, Value, make_grid
+from bladewhirl.studies.sweeps.draws import parse_draws
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, Plan, plan_sweep, read_plan, write_plan
 from bladewhirl.studies.sweeps.points import Work
 from bladewhirl.studies.sweeps.store import Store, create
@@ -66,6 +67,9 @@ def run_sweep(
     histories: bool = False,
     large: bool = False,
     stop_when: StopWhen | None = None,
+    draws: int | None = None,
+    perturb: Sequence[str] = (),
+    seed: int = 0,
     watch: Watch | None = None,
 ) -> Sweep:
     """March a case at every combination of values and collect the results in a dataset.
@@ -89,6 +93,11 @@ def run_sweep(
             trillion steps of the sweep.
         stop_when: "damped" ends a march early when no tip can touch any more; the attribute
             `stop_rule` of the dataset contains the rule.
+        draws: number of draws of each point, with randomly changed values; `probability` gives the
+            shares of the regimes. The dataset then has the dimension `draw`.
+        perturb: changes of the draws, such as "contact.friction = 0.05": a normal distribution with
+            a standard deviation of 5 %; "absolute" and "uniform" behind the number change this.
+        seed: seed of the draws.
         watch: progress callbacks.
 
     Warns:
@@ -103,7 +112,7 @@ def run_sweep(
         resumable = (directory / PLAN_NAME).exists()
         hint = "; --resume finishes the sweep in it" if resumable else ""
         raise UserError(f"{directory}: expected a new or an empty folder{hint}")
-    grid = make_grid(case, over, large=large)
+    grid = make_grid(case, over, large=large, draws=parse_draws(draws, perturb, seed))
     plan = plan_sweep(case, grid, histories=histories, large=large, stop_when=stop_when)
     for hint in plan.hints:
         warnings.warn(hint, Hint, stacklevel=2)

@@ -1,0 +1,112 @@
+"""Shares of the regimes among the draws of each point of a sweep, with confidence intervals."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.plotting.legends import Group, entries_of
+from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
+from bladewhirl.postprocess.sweep.drawing import (
+    MARK_SIZE,
+    REGIME_COLOURS,
+    REGIME_MARKS,
+    label_figure,
+    lines_of,
+)
+from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key
+
+DRAW = "draw"
+"""Dimension of the draws in a sweep."""
+
+QUANTILE = 1.959963984540054
+"""Quantile of the normal distribution for intervals of 95 %."""
+
+
+def wilson(hits: Array, draws: Array) -> tuple[Array, Array]:
+    """Return the ends of the 95 % interval of a probability (Wilson, 1927).
+
+    Args:
+        hits: number of draws with the property.
+        draws: number of draws; the interval is [0, 1] without draws.
+    """
+    some = np.maximum(draws, 1.0)
+    share, square = hits / some, QUANTILE**2 / some
+    middle = share + 0.5 * square
+    half = QUANTILE * np.sqrt(share * (1.0 - share) / some + 0.25 * square / some)
+    low, high = (middle - half) / (1.0 + square), (middle + half) / (1.0 + square)
+    none = np.asarray(draws) == 0.0
+    return np.where(none, 0.0, np.maximum(low, 0.0)), np.where(none, 1.0, np.minimum(high, 1.0))
+
+
+def probability(dataset: xr.Dataset, key: str | None = None) -> xr.Dataset:
+    """Return the share of each regime among the draws of every point, with its 95 % interval.
+
+    Args:
+        dataset: from `open_sweep`, of a sweep with draws.
+        key: swept key on the horizontal axis of a figure, as a dimension of the sweep; the speed,
+            or the first key, if None.
+
+    Returns:
+        Dataset over (line, key, regime), with a line for each combination of values of the other
+        swept keys: `share`, nan without a finished draw; `low` and `high`, the ends of the Wilson
+        interval; and over (line, key): `draws`, the number of finished draws, and `uncertain`, true
+        where the interval of a regime includes one half.
+
+    Raises:
+        ViewError: the sweep has no draws, or no point is finished.
+    """
+    if DRAW not in dataset.dims:
+        raise ViewError("probability: expected a sweep with draws (--draws)")
+    main = key or main_key(dataset)
+    drawn = along(dataset, main, ["regime"])  # the draw varies fastest along the lines
+    count = dataset.sizes[DRAW]
+    regime = drawn["regime"].values.reshape(-1, count, drawn.sizes[main])
+    data = drawn.isel({LINE: slice(None, None, count)}).drop_vars([DRAW, "regime", "state"])
+    finished = np.isin(regime, list(REGIME_COLOURS)).sum(axis=1).astype(np.float64)
+    hits = np.stack([(regime == name).sum(axis=1) for name in REGIME_COLOURS], axis=-1)
+    low, high = wilson(hits.astype(np.float64), finished[..., None])
+    with np.errstate(invalid="ignore"):
+        share = hits / finished[..., None]
+    over = (LINE, main, "regime")
+    uncertain = ((low < 0.5) & (high > 0.5)).any(axis=-1)
+    return (
+        data.assign(
+            share=(over, share, {"units": "1"}),
+            low=(over, low, {"units": "1"}),
+            high=(over, high, {"units": "1"}),
+            draws=(over[:-1], finished, {"units": "1"}),
+            uncertain=(over[:-1], uncertain),
+        )
+        .assign_coords(regime=("regime", list(REGIME_COLOURS)))
+        .assign_attrs(title=f"shares of the regimes in {count} draws")
+    )
+
+
+@styled
+def plot_probability(data: xr.Dataset) -> Figure:
+    """Draw the share of each regime among the draws, with 95 % intervals, a panel for each line.
+
+    Args:
+        data: from `probability`.
+    """
+    data = in_handy_units(data)
+    lines = lines_of(data)
+    figure = new_figure(width=FULL_WIDTH, height=0.03 + 0.045 * len(lines))
+    panels = figure.subplots(len(lines), sharex=True, squeeze=False)[:, 0]
+    for axes, line in zip(panels, lines, strict=True):
+        for name, colour in REGIME_COLOURS.items():
+            one = line.data.sel(regime=name)
+            if not (one["share"] > 0.0).any():
+                continue
+            axes.fill_between(line.place, one["low"], one["high"], color=colour, alpha=0.2, lw=0)
+            mark = REGIME_MARKS[name]
+            axes.plot(line.place, one["share"], color=colour, marker=mark, ms=MARK_SIZE, label=name)
+        axes.set(ylim=(-0.02, 1.02), ylabel="share of draws [–]", title=line.label)
+        axes.axhline(0.5, color="black", linewidth=0.5, linestyle=":")
+    key_axis(panels[-1], data)
+    label_figure(figure, data, Group(entries_of(*panels), "Bands are 95 % intervals."))
+    return figure

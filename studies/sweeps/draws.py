@@ -1,0 +1,110 @@
+"""Draws of a sweep: every point is marched several times with slightly different values.
+
+A rub near a threshold is chaotic: a load changed by 1e-7 changes its regime. A single march is then
+one draw, and only several draws tell how likely a regime is. Each draw of a point has a random
+stream of its own, counted by point and draw (Philox), so that the values depend neither on the
+number of workers nor on the order of the points.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bladewhirl.models.inputs.errors import UserError
+
+DRAW = "draw"
+"""Name of the dimension of the draws in the dataset of a sweep."""
+
+PERTURB = "--perturb"
+
+MOST_DRAWS = 10_000
+"""Largest number of draws of a point."""
+
+_FORM = re.compile(
+    r"\s*([\w.]+)\s*=\s*([0-9.eE+-]+)((?:\s+(?:relative|absolute|normal|uniform))*)\s*"
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Perturbation:
+    """Random change of a key of the case."""
+
+    text: str  #: as the user wrote it, "excitation.amplitude = 1e-6"
+    key: str  #: dotted key, as in the case file
+    size: float  #: standard deviation, or half of the width of a uniform distribution
+    relative: bool  #: whether the size is a share of the value
+    uniform: bool  #: whether the distribution is uniform instead of normal
+
+    def value(self, nominal: float, stream: np.random.Generator) -> float:
+        """Return the changed value of a key."""
+        number = stream.uniform(-1.0, 1.0) if self.uniform else stream.standard_normal()
+        return float(nominal + self.size * number * (nominal if self.relative else 1.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Draws:
+    """Draws of each point of a sweep."""
+
+    count: int  #: number of draws of each point
+    seed: int
+    perturbations: tuple[Perturbation, ...]
+
+    def stream(self, point: int, draw: int) -> np.random.Generator:
+        """Return the random stream of a draw of a point."""
+        counter = [0, 0, point, draw]
+        return np.random.Generator(np.random.Philox(key=self.seed, counter=counter))
+
+
+def parse_draws(count: int | None, perturb: Sequence[str], seed: int) -> Draws | None:
+    """Return the draws from the options --draws, --perturb and --seed; None without draws.
+
+    Args:
+        count: number of draws of each point.
+        perturb: texts "KEY = SIZE", with the words relative (default) or absolute and normal
+            (default) or uniform behind; the size of an absolute change is in the SI unit of the
+            key.
+        seed: seed of the random streams.
+
+    Raises:
+        UserError: only one of count and perturb is given, or one of them is not valid.
+    """
+    if count is None and not perturb:
+        return None
+    if count is None or not perturb:
+        raise UserError(f"--draws {count}, {PERTURB}: expected both or none of them")
+    if not 2 <= count <= MOST_DRAWS or seed < 0:
+        raise UserError(
+            f"--draws {count}, --seed {seed}: expected 2 to {MOST_DRAWS} draws, and a seed of zero"
+            " or more"
+        )
+    perturbations = []
+    for text in perturb:
+        match = _FORM.fullmatch(text)
+        try:
+            size = float(match[2]) if match else -1.0
+        except ValueError:
+            size = -1.0
+        words = match[3].split() if match else []
+        twice = {"relative", "absolute"} <= set(words) or {"normal", "uniform"} <= set(words)
+        if match is None or not 0.0 < size < np.inf or twice:
+            raise UserError(
+                f'{PERTURB} "{text}": expected "KEY = SIZE" with a size above zero, and the words'
+                " absolute or uniform behind where they apply"
+            )
+        perturbations.append(
+            Perturbation(
+                text=text,
+                key=match[1],
+                size=size,
+                relative="absolute" not in words,
+                uniform="uniform" in words,
+            )
+        )
+    keys = [perturbation.key for perturbation in perturbations]
+    if len(set(keys)) < len(keys):
+        raise UserError(f"{PERTURB}: expected each key once")
+    return Draws(count=count, seed=seed, perturbations=tuple(perturbations))

@@ -1,0 +1,119 @@
+"""Draws of sweeps: their values, their intervals, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from small_run import small
+
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.sweep.dataset import open_sweep
+from bladewhirl.postprocess.sweep.probability import plot_probability, probability, wilson
+from bladewhirl.studies.sweeps.axes import make_grid
+from bladewhirl.studies.sweeps.draws import parse_draws
+from bladewhirl.studies.sweeps.plan import plan_sweep, read_plan, write_plan
+from bladewhirl.studies.sweeps.sweep import run_sweep
+
+CASE = small(**{"contact.friction": 0.2})
+OVER = {"march.speed": [1.0, 1.5]}
+
+
+def test_values_depend_on_seed_point_and_draw_alone() -> None:
+    perturb = ["contact.friction = 0.1", "march.speed = 0.01 absolute uniform"]
+    grids = [
+        make_grid(CASE, OVER, large=False, draws=parse_draws(count, perturb, seed))
+        for count, seed in ((3, 0), (5, 0), (3, 1))
+    ]
+    few, more, other = ([grid.values(point) for point in range(grid.size)] for grid in grids)
+    assert few[:3] == more[:3]  # further draws leave the first as they are
+    assert few[3:] == more[5:8]
+    assert few != other
+    assert len({values["contact.friction"] for values in few}) == 6
+    for values, nominal in zip(more, np.repeat([1.0, 1.5], 5), strict=True):
+        assert abs(float(values["march.speed"]) - nominal) < 0.01
+
+
+def test_normal_changes_have_their_standard_deviation() -> None:
+    grid = make_grid(CASE, OVER, large=False, draws=parse_draws(2000, ["contact.friction=0.1"], 7))
+    numbers = [float(grid.values(point)["contact.friction"]) for point in range(2000)]
+    assert np.mean(numbers) == pytest.approx(0.2, abs=0.002)
+    assert np.std(numbers) == pytest.approx(0.02, rel=0.06)
+
+
+def toy(share: float, draws: int, seed: int) -> xr.Dataset:
+    """A sweep of one point that diverges with a known probability."""
+    hit = np.random.default_rng(seed).random((1, draws)) < share
+    regime = np.where(hit, "divergent", "sustained")
+    over = ("march_speed", "draw")
+    return xr.Dataset(
+        {
+            "regime": (over, regime),
+            "state": (over, np.full((1, draws), "done")),
+            "reference_frequency": (over, np.ones((1, draws))),
+        },
+        coords={
+            "march_speed": ("march_speed", [1.0], {"long_name": "speed"}),
+            "draw": ("draw", np.arange(float(draws)), {"long_name": "draw"}),
+        },
+        attrs={"case": "toy"},
+    )
+
+
+@pytest.mark.parametrize(("share", "draws"), [(0.3, 20), (0.5, 40)])
+def test_intervals_cover_the_probability_of_a_toy(share: float, draws: int) -> None:
+    covered = 0
+    for seed in range(200):
+        one = probability(toy(share, draws, seed)).sel(regime="divergent").squeeze()
+        covered += bool(one["low"] <= share <= one["high"])
+    assert 180 <= covered <= 198
+
+
+def test_wilson_at_the_ends() -> None:
+    low, high = wilson(np.array([0.0, 10.0, 0.0]), np.array([10.0, 10.0, 0.0]))
+    np.testing.assert_allclose(low, [0.0, 0.7224672, 0.0], atol=1e-7)
+    np.testing.assert_allclose(high, [0.2775328, 1.0, 1.0], atol=1e-7)
+
+
+@pytest.mark.usefixtures("in_process", "pictures_unsaved")
+def test_a_sweep_has_a_dimension_of_draws(tmp_path: Path) -> None:
+    perturb = ["contact.friction = 1e-3"]
+    folder = tmp_path / "sweep"
+    run_sweep(CASE, OVER, folder, draws=2, perturb=perturb, seed=3)
+    with open_sweep(folder) as sweep:
+        assert dict(sweep["regime"].sizes) == {"march_speed": 2, "draw": 2}
+        shares = probability(sweep)
+        np.testing.assert_array_equal(shares["share"].sum("regime"), 1.0)
+        assert shares["uncertain"].values.all()  # two draws say little
+        assert plot_probability(shares).axes
+    draws = parse_draws(2, perturb, 3)
+    plan = plan_sweep(CASE, make_grid(CASE, OVER, large=False, draws=draws), histories=False)
+    (tmp_path / "plan").mkdir()
+    write_plan(plan, tmp_path / "plan")
+    assert read_plan(tmp_path / "plan").grid == plan.grid
+
+
+@pytest.mark.parametrize(
+    ("count", "perturb", "expected"),
+    [
+        (3, [], "expected both or none"),
+        (None, ["contact.friction = 0.1"], "expected both or none"),
+        (1, ["contact.friction = 0.1"], "expected 2 to 10000 draws"),
+        (3, ["contact.friction"], 'expected "KEY = SIZE"'),
+        (3, ["contact.friction = 0"], "a size above zero"),
+        (3, ["contact.friction = 0.1 uniform normal"], 'expected "KEY = SIZE"'),
+        (3, ["contact.friction = 0.1"] * 2, "expected each key once"),
+        (3, ["contact.grip = 0.1"], "a key of the case that holds a number"),
+    ],
+)
+def test_draws_that_cannot_be(count: int | None, perturb: list[str], expected: str) -> None:
+    with pytest.raises(UserError, match=expected):
+        make_grid(CASE, OVER, large=False, draws=parse_draws(count, perturb, 0))
+
+
+def test_a_sweep_without_draws_has_no_probability() -> None:
+    with pytest.raises(ViewError, match="expected a sweep with draws"):
+        probability(toy(0.5, 2, 0).isel(draw=0, drop=True))
