@@ -93,7 +93,9 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
         what = str(message).partition("; ")[0]  # the rest says what to do about it
         return regime("divergent", f"{what}; {grown}" if growth else what)
     grows = any(one is not None and one.is_significant for one in (growth, ripple))
-    if grows and _has_closed(dataset, touched):
+    if grows and (
+        touched.any() or float(dataset["gap"].min()) <= (1 - CLOSING) * smallest_clearance(dataset)
+    ):
         return regime("divergent", grown)
     if not touched.any():
         return regime("no-contact", f"no tip touched; {grown}")
@@ -106,12 +108,6 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
         if one is not None and one.goes_on
     ]
     return regime("sustained", "; ".join([f"contact up to {last:.6g} s", *so_far, grown]))
-
-
-def _has_closed(dataset: xr.Dataset, touched: NDArray[np.bool_]) -> bool:
-    """Return true if a tip has touched, or a gap is less than 1 - `CLOSING` of the clearance."""
-    closing = (1 - CLOSING) * smallest_clearance(dataset)
-    return bool(touched.any()) or float(dataset["gap"].min()) <= closing
 
 
 def _growth_text(growth: Growth | None, ripple: Growth | None) -> str:

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from bladewhirl.postprocess.fields import windows
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.plotting.axes import decades, draw_map
@@ -114,7 +113,9 @@ def plot_energy(energies: xr.Dataset) -> Figure:
     """
     terms = {name: energy.values for name, energy in energy_terms(energies).items()}
     time = energies["time"].values
-    first = _drawn_starts(time, 2 * np.pi / energies.attrs["reference_frequency"])
+    periods = np.ptp(time) / (2 * np.pi / energies.attrs["reference_frequency"])
+    means = int(min(periods, PLOT_POINTS)) if periods > SMOOTHED_PERIODS else len(time)
+    first = windows.span_starts(time, means)  # the first record of each drawn point
     figure = new_figure(height=0.062)
     axes = figure.add_subplot()
     top = float(terms["total"].max())
@@ -138,15 +139,6 @@ def plot_energy(energies: xr.Dataset) -> Figure:
     mean = f"means over {1e3 * np.ptp(time) / len(first):.3g} ms"
     head(figure, energies, *([mean] if len(first) < len(time) else []))
     return figure
-
-
-def _drawn_starts(time: Array, period: float) -> IntArray:
-    """Return the first record that each drawn point represents: every record of a short run; the
-    first record of each of some equal spans of time of a long run."""
-    periods = np.ptp(time) / period
-    if periods <= SMOOTHED_PERIODS:
-        return np.arange(len(time))
-    return windows.span_starts(time, int(min(periods, PLOT_POINTS)))
 
 
 def family_energies(
@@ -222,11 +214,12 @@ def plot_family_energies(energies: xr.Dataset) -> Figure:
     upper, lower = figure.subplots(2, 1)
     edges = np.concatenate([[energies.attrs["begin"]], energies["time"].values])
     place = np.arange(len(diameters) + 1) - 0.5
-    drawn = draw_map(upper, edges, place, _shown(by_diameter.values.T), norm=norm)
+    positive = [np.ma.masked_less_equal(e.values, 0.0) for e in (by_diameter, by_both)]
+    drawn = draw_map(upper, edges, place, positive[0].T, norm=norm)
     upper.set_ylabel("nodal diameter k")
     upper.set_yticks(columns[::2], labels=[str(k) for k in diameters[::2]])
     time_axis(upper)
-    draw_map(lower, columns, rows, _shown(by_both.values), norm=norm)
+    draw_map(lower, columns, rows, positive[1], norm=norm)
     lower.set(xlabel="nodal diameter k", title=f"by family, mean over {windows.window_label(late)}")
     lower.set_xticks(columns, labels=[str(k) for k in diameters])
     lower.set_yticks(rows, labels=list(families))
@@ -246,8 +239,3 @@ def plot_family_energies(energies: xr.Dataset) -> Figure:
             figure, Group([(Patch(facecolor=NONE, edgecolor="0.6"), "none, or no such mode")])
         )
     return figure
-
-
-def _shown(energy: np.ndarray) -> np.ndarray:
-    """Mask values that are not positive, which a logarithmic scale cannot show."""
-    return np.ma.masked_less_equal(energy, 0.0)

@@ -81,21 +81,15 @@ class EnlargedStage:
         )
         self.ring_displacement = rotate(ring, self.angle)
         self.wall_thickness = np.repeat(dataset["casing_thickness"].values, per_element)
-        self.largest_displacement = float(
-            max(
-                np.linalg.norm(field, axis=-1).max()
-                for field in (self.rotor_displacement, self.ring_displacement)
-            )
-        )
+        bodies = (self.rotor_displacement, self.ring_displacement)
+        self.largest_displacement = max(float(np.linalg.norm(u, axis=-1).max()) for u in bodies)
         clearance, recess = (
             kinematics.clearance_at(dataset, self.angle),
             dataset["tip_recess"].values,
         )
         largest_clearance = float(clearance.max() + np.max(recess, initial=0.0))
-        self.factor = (
-            round_factor(self.tip_radius, largest_clearance, self.largest_displacement)
-            if factor is None
-            else factor
+        self.factor = factor or round_factor(
+            self.tip_radius, largest_clearance, self.largest_displacement
         )
         self.inner_radius = self.tip_radius + self.factor * clearance
         self.nodes = dataset["rotor_point"].values  #: drawn nodes at rest (rotor_node, 2) [m]
@@ -141,7 +135,8 @@ class EnlargedStage:
             line: drawn stations of the beams, from `rotor_line`.
             wall: drawn casing, from `wall`; the ends of blades are cut parallel to it.
         """
-        half = self._thickness[..., None] / 2 * _normals(line)
+        along = _unit(np.gradient(line, axis=1, edge_order=2))
+        half = self._thickness[..., None] / 2 * rotate(along, np.pi / 2)
         sides = np.stack([line - half, line + half], axis=2)
         beams, stations = self._ends
         corner, middle = sides[beams, stations], line[beams, stations][:, None]
@@ -209,8 +204,3 @@ def _polar(points: Array) -> tuple[Array, Array]:
 def _unit(vectors: Array) -> Array:
     unit: Array = vectors / np.linalg.norm(vectors, axis=-1)[..., None]
     return unit
-
-
-def _normals(line: Array) -> Array:
-    """Return unit normals (rotor_line, station, 2) of drawn beams, by second-order differences."""
-    return rotate(_unit(np.gradient(line, axis=1, edge_order=2)), np.pi / 2)

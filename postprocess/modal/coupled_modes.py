@@ -13,20 +13,14 @@ from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.modal.scenarios import broken
 from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon
+from bladewhirl.postprocess.plotting import style
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
-from bladewhirl.postprocess.plotting.style import (
-    COLOURS,
-    FULL_WIDTH,
-    SEQUENTIAL,
-    new_figure,
-    styled,
-)
 from bladewhirl.postprocess.plotting.titles import set_title, speed_label
 
 MILLI = 1e3
 
 
-@styled
+@style.styled
 def plot_phases(data: xr.Dataset) -> Figure:
     """Draw the phases of shaft and smallest clearance in the static frame, and their difference.
 
@@ -37,18 +31,18 @@ def plot_phases(data: xr.Dataset) -> Figure:
         data: from `motion_dataset`.
     """
     moves = data.attrs["nodal_diameter"] == 1
-    figure = new_figure(height=0.085 if moves else 0.06)
+    figure = style.new_figure(height=0.085 if moves else 0.06)
     rows: dict[str, Any] = {"nrows": 2, "height_ratios": (2, 1)} if moves else {}
     panels = np.atleast_1d(figure.subplots(sharex=True, **rows))
     time = MILLI * data["time"].values
     curves = (("shaft", "rotor", "-"), ("smallest clearance", "casing", "--"))
-    for name, key, style in curves if moves else curves[1:]:
+    for name, key, dashes in curves if moves else curves[1:]:
         phase = data[f"{name.replace(' ', '_')}_phase"].values
         degrees = broken(np.degrees(np.angle(np.exp(1j * phase))))
-        panels[0].plot(time, degrees, style, color=COLOURS[key], label=name, linewidth=1.2)
+        panels[0].plot(time, degrees, dashes, color=style.COLOURS[key], label=name, linewidth=1.2)
     panels[0].set_ylabel("phase, static frame [°]")
     if moves:
-        panels[1].plot(time, np.degrees(data["shaft_lead"]), color=COLOURS["k = 1"])
+        panels[1].plot(time, np.degrees(data["shaft_lead"]), color=style.COLOURS["k = 1"])
         panels[1].set_ylabel("shaft ahead of\nclearance [°]")
     for axes in panels:
         axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), xlim=(time[0], time[-1]))
@@ -58,7 +52,7 @@ def plot_phases(data: xr.Dataset) -> Figure:
     return figure
 
 
-@styled
+@style.styled
 def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
     """Draw the deformed stage at some records side by side in static axes (the paper's Fig. 13).
 
@@ -70,7 +64,7 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
         dataset: a result, or a coupled mode as a Dataset with the variables of a result.
         records: numbers of the records; up to four are legible.
     """
-    figure = new_figure(width=FULL_WIDTH, height=0.068)
+    figure = style.new_figure(width=style.FULL_WIDTH, height=0.068)
     panels = np.atleast_1d(figure.subplots(1, len(records)))
     drawing = Drawing(dataset, records)
     size = 1.02 * drawing.reach()[0]
@@ -82,8 +76,8 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
             shown = _draw_ribbon(axes, ribbon, norm)
         near = picture.tips[int(np.argmin(gaps[index]))]
         axes.plot(0.0, 0.0, "k+", markersize=4, markeredgewidth=0.7, label="axis of rotation")
-        axes.plot(*picture.shaft, "o", color=COLOURS["k = 1"], markersize=5.5, label="shaft")
-        look: dict[str, Any] = {"color": COLOURS["contact"], "markerfacecolor": "none"}
+        axes.plot(*picture.shaft, "o", color=style.COLOURS["k = 1"], markersize=5.5, label="shaft")
+        look: dict[str, Any] = {"color": style.COLOURS["contact"], "markerfacecolor": "none"}
         axes.plot(*near, "o", markersize=5, label="smallest clearance", **look)
         axes.set(aspect="equal", xlim=(-size, size), ylim=(-size, size))
         axes.set_axis_off()
@@ -108,7 +102,11 @@ def _draw_ribbon(axes: Axes, ribbon: Ribbon, norm: Normalize) -> PolyCollection:
     )
     value = 0.5 * MILLI * (ribbon.values[:, :-1, 0] + ribbon.values[:, 1:, 0])
     quads = PolyCollection(
-        [*corners.reshape(-1, 4, 2)], cmap=SEQUENTIAL, norm=norm, linewidth=0.3, edgecolor="face"
+        [*corners.reshape(-1, 4, 2)],
+        cmap=style.SEQUENTIAL,
+        norm=norm,
+        linewidth=0.3,
+        edgecolor="face",
     )
     quads.set_array(value.ravel())
     axes.add_collection(quads)

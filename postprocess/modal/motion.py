@@ -134,7 +134,8 @@ def coupled_mode_motion(stage: StageModes, motion: CoupledMotion, kappa: float) 
     stiffness = stage.modes.equations.stiffness(angle, kappa, speed=motion.speed)
     strain = np.einsum("ti,tij,tj->t", motion.displacement, stiffness, motion.displacement)
     energy = 0.5 * (np.sum(motion.velocity**2, axis=1) + strain)
-    lost = _damping_work(stage, motion)
+    power = motion.velocity**2 @ stage.modes.damping_rate[stage.modes.entry]
+    lost = cumulative_trapezoid(power, motion.time, initial=0.0)
     in_time = {
         "time": motion.time,
         "rotor_displacement": motion.displacement[:, rotor],
@@ -244,9 +245,3 @@ def _coupled_gaps(stage: StageModes, motion: CoupledMotion) -> FloatArray:
     tips = motion.displacement @ radial_shapes(stage).tips.T
     at_rest = stage.modal.case.casing.clearance + stage.modal.disk.model.tip_recess
     return np.asarray(at_rest + wall - tips)
-
-
-def _damping_work(stage: StageModes, motion: CoupledMotion) -> FloatArray:
-    """Return the energy dissipated by modal damping since the first record, (records,)."""
-    power = motion.velocity**2 @ stage.modes.damping_rate[stage.modes.entry]
-    return np.asarray(cumulative_trapezoid(power, motion.time, initial=0.0))

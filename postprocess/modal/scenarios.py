@@ -85,12 +85,8 @@ def _draw_rings(axes: Axes, data: xr.Dataset) -> None:
     )
     for middle, radius, look in rings:
         axes.plot(*_arc(middle, radius, np.pi), **look)
-    contact: Mapping[str, Any] = {
-        "color": COLOURS["contact"],
-        "linewidth": 3.0,
-        "solid_capstyle": "round",
-    }
-    axes.plot(*_arc(centre, side, ZONE), label="contact", **contact)
+    contact: Mapping[str, Any] = {"linewidth": 3.0, "solid_capstyle": "round", "label": "contact"}
+    axes.plot(*_arc(centre, side, ZONE), color=COLOURS["contact"], **contact)
     zone = np.linspace(-ZONE, ZONE, 5)
     outward = side * np.stack([np.cos(zone), np.sin(zone)], axis=-1)
     for normal in outward:

@@ -202,7 +202,8 @@ def undeformed_mesh(dataset: xr.Dataset) -> meshio.Mesh:
     angle, radius = dataset["casing_angle"].values, dataset.attrs["casing_radius"]
     ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     rotor_lines = dataset["rotor_line"].values
-    ring_lines = len(rotor) + _closed_lines(len(ring))
+    number = len(rotor) + np.arange(len(ring))
+    ring_lines = np.column_stack([number, np.roll(number, -1)])
     is_rotor = _members(len(rotor) + len(ring), np.arange(len(rotor)))
     tips = dataset["tip_node"].values
     blade = np.full(len(is_rotor), -1)
@@ -230,11 +231,6 @@ def undeformed_mesh(dataset: xr.Dataset) -> meshio.Mesh:
         },
         cell_data={name: [values] for name, values in cell_data.items()},
     )
-
-
-def _closed_lines(points: int) -> IntArray:
-    number = np.arange(points)
-    return np.column_stack([number, np.roll(number, -1)])
 
 
 def _members(size: int, chosen: IntArray) -> IntArray:

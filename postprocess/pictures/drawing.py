@@ -123,13 +123,17 @@ class Drawing:
         stage, turned = self._stage, self._rotor_turn[index]
         line, nodes, wall = stage.rotor_line(index), stage.rotor_nodes(index), stage.wall(index)
         centre = stage.factor * stage.centre[index]
+        closed = np.append(np.arange(len(wall)), 0)  # the first station is repeated at the end
         return Picture(
             time=float(self.times[index]),
             rotor=Ribbon(
                 sides=rotate(stage.rotor_sides(index, line, wall), turned),
                 values=self.colouring.rotor[index],
             ),
-            casing=self._casing_ribbon(index, wall),
+            casing=Ribbon(
+                sides=rotate(wall[closed], self._casing_turn[index])[None],
+                values=self.colouring.casing[index][closed][None],
+            ),
             shaft=rotate(centre, turned),
             tips=rotate(nodes[self._tips], turned),
             mark=rotate(line.reshape(-1, 2)[self._mark], turned),
@@ -141,15 +145,6 @@ class Drawing:
                 turned,
             ),
             forces=self._forces[index],
-        )
-
-    def _casing_ribbon(self, index: int, sides: Array) -> Ribbon:
-        """Return the wall as a ribbon from the inner to the outer surface; the first station is
-        repeated at the end."""
-        closed = np.append(np.arange(len(sides)), 0)
-        return Ribbon(
-            sides=rotate(sides[closed], self._casing_turn[index])[None],
-            values=self.colouring.casing[index][closed][None],
         )
 
 

@@ -25,6 +25,7 @@ NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045
 LETTERS = 3.6  #: size of blade numbers in a sheet, relative to their size in a single picture
 KEY_STEP = 0.034
 KEY_LETTERS, TITLE_LETTERS = 27, 22
+ON_PLANE = ((0, 0), (0, 1))  #: padding of points (point, 2) with a zero third coordinate
 
 
 class Panel:
@@ -122,7 +123,7 @@ class Orbit:
         self._trail = self._add(scene.plotter, self._way, look.FORCE_COLOUR, 2.5)
         self._disc = 0.05 * half * CIRCLE
         self._dot = pyvista.PolyData.from_regular_faces(
-            _on_plane(self._middle + self._disc), disc_triangles(1)
+            np.pad(self._middle + self._disc, ON_PLANE), disc_triangles(1)
         )
         scene.plotter.add_mesh(self._dot, color=look.INK, lighting=False)
 
@@ -136,7 +137,7 @@ class Orbit:
 
     @staticmethod
     def _add(plotter: pyvista.Plotter, line: Array, colour: str, width: float) -> pyvista.PolyData:
-        points = _on_plane(line if len(line) > 1 else np.repeat(line, 2, axis=0))
+        points = np.pad(line if len(line) > 1 else np.repeat(line, 2, axis=0), ON_PLANE)
         mesh = pyvista.PolyData(points, lines=[len(points), *range(len(points))])
         plotter.add_mesh(
             mesh, color=colour, line_width=width * plotter.window_size[1] / 960, lighting=False
@@ -188,10 +189,6 @@ def draw_scale_bar(scene: StageScene, enlarged: str) -> str:
     return words
 
 
-def _on_plane(points: Array) -> Array:
-    return np.column_stack([points, np.zeros(len(points))])
-
-
 def write_title(plotter: pyvista.Plotter, dataset: xr.Dataset) -> None:
     """Write the title of the case at the top of the panel."""
     title = textwrap.fill(str(dataset.attrs["title"]), TITLE_LETTERS, max_lines=2)
@@ -231,7 +228,9 @@ def write_key(
         height = top - KEY_STEP * number
         write(plotter, sign, height, 19, color=look.INK, indent=-0.0012)
         write(plotter, sign, height - 0.0015, 16, color=colour)
-        write(plotter, _short(name), height - 0.005, 13, indent=0.025)
+        short = name[: KEY_LETTERS - 1] + "\N{HORIZONTAL ELLIPSIS}"
+        text = name if len(name) <= KEY_LETTERS else short
+        write(plotter, text, height - 0.005, 13, indent=0.025)
 
 
 def write_symbols(scene: StageScene, top: float) -> int:
@@ -279,8 +278,3 @@ def write(
     actor.prop.SetVerticalJustificationToTop()
     actor.prop.SetLineSpacing(1.25)
     return actor
-
-
-def _short(name: str) -> str:
-    """Return a name, shortened to the length of a line of the key."""
-    return name if len(name) <= KEY_LETTERS else name[: KEY_LETTERS - 1] + "\N{HORIZONTAL ELLIPSIS}"

@@ -45,7 +45,7 @@ class StageScene:
             {
                 name: self._add(
                     4 * len(strokes),
-                    _stroke_quads(len(strokes)),
+                    np.arange(4 * len(strokes)).reshape(-1, 4),
                     layer=layer,
                     color=shade or colour,
                 )
@@ -121,7 +121,8 @@ class StageScene:
     def symbols(self, symbols: Symbols) -> None:
         """Add symbols that are the same in all pictures."""
         for _, width, colour, strokes in look.strokes_of(symbols):
-            mesh = self._add(4 * len(strokes), _stroke_quads(len(strokes)), layer=2, color=colour)
+            quads = np.arange(4 * len(strokes)).reshape(-1, 4)
+            mesh = self._add(4 * len(strokes), quads, layer=2, color=colour)
             _move(mesh, stroke_corners(strokes, width * self._size))
 
     def aim(self) -> None:
@@ -191,10 +192,6 @@ def stroke_corners(strokes: Array, width: float) -> Array:
     aside = rotate(along, np.pi / 2)
     start, end = strokes[:, 0] - along, strokes[:, 1] + along
     return np.stack([start - aside, end - aside, end + aside, start + aside], axis=1)
-
-
-def _stroke_quads(strokes: int) -> IntArray:
-    return np.arange(4 * strokes).reshape(-1, 4)
 
 
 def _strip_quads(lines: int, stations: int, strips: int) -> IntArray:

@@ -118,11 +118,9 @@ def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, In
 def _sizes(dataset: xr.Dataset) -> str:
     """Return number of blades, tip radius and clearance as text of three lines."""
     clearance = dataset["clearance"].values[:, None] + dataset["tip_recess"].values
-    (low, high), (unit, scale) = (
-        np.sort(clearance.ravel())[[0, -1]],
-        handy_unit(clearance.max(), "m"),
-    )
-    ends = dict.fromkeys(f"{scale * length:.3g}" for length in (low, high))
+    unit, scale = handy_unit(clearance.max(), "m")
+    limits = (clearance.min(), clearance.max())
+    ends = dict.fromkeys(f"{scale * length:.3g}" for length in limits)
     return (
         f"{dataset.sizes['blade']} blades\n"
         f"tip radius {handy(float(dataset.attrs['tip_radius']), 'm', 4)}\n"

@@ -48,6 +48,7 @@ def render_page(
     stage, contact = drawing.reach()
     size = max(stage, contact / (1 - look.LONGEST_ARROW)) * look.MARGIN
     places, shades, layout = _pack(drawing, size, progress)
+    names, member = member_names(dataset)
     about = {
         **_instants(drawing),
         **_looks(drawing.colouring),
@@ -58,7 +59,7 @@ def render_page(
         **_orbit(dataset, drawing),
         "layout": layout,
         "casingShades": drawing.colouring.rotor[0].size,
-        "members": _members(dataset),
+        "members": [names[number] for number in member],  # of each beam
     }
     colouring = drawing.colouring
     text = filled_template(
@@ -178,9 +179,3 @@ def _orbit(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
         "orbitPlace": (drawing.records - records[0]).tolist(),
         "orbitTitle": title,
     }
-
-
-def _members(dataset: xr.Dataset) -> list[str]:
-    """Return for each beam the name of its blade or part."""
-    names, member = member_names(dataset)
-    return [names[number] for number in member]

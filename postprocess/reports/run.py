@@ -141,8 +141,9 @@ def _glance(
         [f"shaft leads by {math.degrees(lead):.0f}°"] if in_contact and not math.isnan(lead) else []
     )
     whirls = {frame: whirl(late, frame).text.partition(", ") for frame in FRAMES}
+    ratio, _, rpm = speed_label(dataset).partition(" (")
     return [
-        ("speed", *_split(speed_label(dataset))),
+        ("speed", ratio, rpm.rstrip(")")),
         ("end of the march", f"{float(dataset['time'].values[-1]):.6g} s", ""),
         (
             "largest shaft displacement",
@@ -164,12 +165,6 @@ def _glance(
             ", ".join([*angle, LATE]),
         ),
     ]
-
-
-def _split(label: str) -> tuple[str, str]:
-    """Split a label into the value and the text in parentheses after it."""
-    value, _, rest = label.partition(" (")
-    return value, rest.rstrip(")")
 
 
 def _sentence(words: str) -> str:

@@ -59,7 +59,9 @@ def sweep_report(
         blocks["points"].append(table)
     if points is not None:
         blocks["regimes"].insert(0, points_explorer(points))
-        blocks["frequencies"].insert(0, _frequency_map(dataset))
+        explorer = frequency_explorer(frequency_map(dataset, main_key(dataset)))
+        windowed = replace(explorer, caption=_windowed(dataset, explorer.caption))
+        blocks["frequencies"].insert(0, windowed)
         blocks["points"].append(_point_table(points))
     blocks["regimes"].append(criterion_table())
     titles = ("Regimes", "Frequencies", "Motion and contact", "Points")
@@ -158,11 +160,6 @@ def _windowed(dataset: xr.Dataset, caption: str) -> str:
     """Return a caption with the time window of spectra and mean energies added."""
     window = str(dataset.attrs.get("window", ""))
     return f"{caption} {window[:1].upper()}{window[1:]}." if window else caption
-
-
-def _frequency_map(dataset: xr.Dataset) -> page.Explorer:
-    explorer = frequency_explorer(frequency_map(dataset, main_key(dataset)))
-    return replace(explorer, caption=_windowed(dataset, explorer.caption))
 
 
 def _point_table(points: xr.Dataset) -> page.Table:

@@ -121,7 +121,7 @@ def _map_traces(line: xr.Dataset, top: float, *, shown: bool) -> list[go.Heatmap
     """
     key = str(line.attrs["along"])
     rows, columns = (
-        _starts(size, most)
+        np.unique(np.arange(min(size, most)) * size // min(size, most))
         for size, most in ((line.sizes["frequency"], MOST_ROWS), (line.sizes[key], MOST_COLUMNS))
     )
     frequency = line["frequency"].values
@@ -215,8 +215,3 @@ def _texts(points: xr.Dataset) -> Any:
 def _key_axis(values: xr.DataArray) -> dict[str, Any]:
     axis_type = "log" if is_wide(values.values) else "linear"
     return {"title_text": key_label(values), "type": axis_type}
-
-
-def _starts(count: int, most: int) -> Any:
-    """Return the first elements of up to `most` groups of neighbours among `count` elements."""
-    return np.unique(np.arange(min(count, most)) * count // min(count, most))

@@ -120,10 +120,8 @@ def plot_contact_phase(phases: xr.Dataset) -> Figure:
     upper.set_ylabel(f"phase in the\n{frame} frame [°]")
     lead = np.degrees(shown["shaft_lead"])
     touching = shown["impulse"].values > 0.0
-    for here, colour, name in (
-        (~touching, "rest", "nothing touches"),
-        (touching, "k = 1", "contact"),
-    ):
+    looks = ((~touching, "rest", "nothing touches"), (touching, "k = 1", "contact"))
+    for here, colour, name in looks:
         if here.any():
             look = {"color": COLOURS[colour], "markersize": 1.4}
             lower.plot(shown["time"][here], lead[here], ".", label=name, **look)

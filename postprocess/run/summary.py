@@ -38,15 +38,15 @@ class LineOfWhirl(TypedDict):
     share: float
 
 
-MARCH_REPORT = (
-    "complementarity_residual",
-    "unsolved_steps",
-    "dt_over_critical",
-    "steps",
-    "wall_time",
-    "us_per_step",
-)
-"""Key figures of the march that the histories in a result do not contain."""
+MARCH_REPORT: Mapping[str, type[float]] = {
+    "complementarity_residual": float,
+    "unsolved_steps": int,
+    "dt_over_critical": float,
+    "steps": int,
+    "wall_time": float,
+    "us_per_step": float,
+}
+"""Key figures of the march that the histories in a result do not contain, with their types."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,7 +133,7 @@ def summarise(
     radius = orbit["radius"].values
     regime = classify(dataset, energies["total"].values)
     power, speed = late_drive_power(dataset), float(dataset.attrs["speed"])
-    steps = int(march_report["steps"])
+    report: dict[str, Any] = {key: kind(march_report[key]) for key, kind in MARCH_REPORT.items()}
     casing = dataset["casing_frequency"].values * dataset["casing_displacement"][-1].values
     contact_steps = dataset["contact_steps"].sum("time").values
     return Summary(
@@ -163,15 +163,10 @@ def summarise(
         contact_impulse=float(dataset["contact_impulse"].sum()),
         stress_max=extremes.stress_peaks(peak_stresses(dataset) if stresses is None else stresses),
         yield_strength=dataset.attrs.get("yield_strength"),
-        contact_share=(contact_steps / max(steps, 1)).tolist(),
+        contact_share=(contact_steps / max(report["steps"], 1)).tolist(),
         gap_violation_max=max(0.0, -float(dataset["gap"].min())),
         energy_residual=energy_residual(dataset),
-        complementarity_residual=float(march_report["complementarity_residual"]),
-        unsolved_steps=int(march_report["unsolved_steps"]),
-        dt_over_critical=float(march_report["dt_over_critical"]),
-        steps=steps,
-        wall_time=float(march_report["wall_time"]),
-        us_per_step=float(march_report["us_per_step"]),
+        **report,
     )
 
 

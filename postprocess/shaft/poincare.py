@@ -113,10 +113,8 @@ def plot_state_space(states: xr.Dataset) -> Figure:
     rate, to_rate = handy_unit(float(abs(states["velocity"]).max()), "m/s")
     for row, way in zip(panels, ("x", "y"), strict=True):
         motion = states.sel(axis=way)
-        for axes, prefix, instant, mark in (
-            (row[0], "", "time", "-"),
-            (row[1], "section_", "revolution", "."),
-        ):
+        columns = ((row[0], "", "time", "-"), (row[1], "section_", "revolution", "."))
+        for axes, prefix, instant, mark in columns:
             late = states[instant].values >= late_from
             for chosen, colour, width in ((~late, PALE, 0.4), (late, COLOURS["rotor"], 0.8)):
                 named = chosen.any() and instant == "time"

@@ -189,10 +189,8 @@ def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
         ViewError: the time window is too short: the resolution is coarser than `COARSEST`.
     """
     edge = MARGIN * float(np.abs(lines).max())
-    resolution, needed = (
-        spectrum.attrs["resolution"],
-        COARSEST * spectrum.attrs["reference_frequency"],
-    )
+    resolution = spectrum.attrs["resolution"]
+    needed = COARSEST * spectrum.attrs["reference_frequency"]
     if resolution > needed:
         raise ViewError(
             f"a window of {2e3 * np.pi / resolution:.3g} ms resolves only"

@@ -1,7 +1,5 @@
 """`bladewhirl campbell`: speeds at which waves on rotor and casing coincide."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 

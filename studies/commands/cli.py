@@ -5,8 +5,6 @@ standard library and typer only; the command imports the rest when it runs, so t
 ``bladewhirl --help`` answers at once.
 """
 
-from __future__ import annotations
-
 import gc
 import os
 import warnings

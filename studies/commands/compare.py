@@ -1,7 +1,5 @@
 """`bladewhirl compare`: march one case with every contact scheme."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

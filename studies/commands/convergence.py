@@ -1,7 +1,5 @@
 """`bladewhirl convergence`: dependence of a march on its time step and on its modes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated

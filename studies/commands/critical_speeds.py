@@ -1,7 +1,5 @@
 """`bladewhirl critical-speeds`: critical speeds over the stiffness of the shaft."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

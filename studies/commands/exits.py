@@ -1,7 +1,5 @@
 """Exit codes, one-line errors, and interruption by Ctrl-C."""
 
-from __future__ import annotations
-
 import errno
 import io
 import os

@@ -1,7 +1,5 @@
 """`bladewhirl export`: a run as a series for ParaView."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """`bladewhirl new`: write a commented case file to start from."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """`bladewhirl render`: a film or a still of a run."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal

@@ -1,7 +1,5 @@
 """`bladewhirl report`: a run or a sweep as one HTML file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """`bladewhirl reproduce`: judge the claims of the source paper."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """`bladewhirl response`: steady response to engine-order forces over the speed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 

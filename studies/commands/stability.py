@@ -1,7 +1,5 @@
 """`bladewhirl stability`: speeds and coupling stiffnesses at which the stage is unstable."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 

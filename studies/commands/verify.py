@@ -1,7 +1,5 @@
 """`bladewhirl verify`: compare computed results with known results."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """Folders of figures and their data."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 

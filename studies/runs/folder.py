@@ -1,7 +1,5 @@
 """The folder of a run: checks before writing, and content."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys

@@ -1,7 +1,5 @@
 """Delay of Ctrl-C during operations that must not be interrupted at once."""
 
-from __future__ import annotations
-
 import signal
 import threading
 from collections.abc import Callable, Iterator

@@ -1,8 +1,6 @@
 """Folder in which a new run is written: the final folder, or a temporary folder next to the run
 that it replaces."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Preparation of a case for time integration."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

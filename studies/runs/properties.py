@@ -1,7 +1,5 @@
 """Properties of a stage: masses, frequencies, time step, speed, loads, sizes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

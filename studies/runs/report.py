@@ -1,7 +1,5 @@
 """Report of a folder with a run or a sweep, finished or not."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from bladewhirl.models.inputs.errors import UserError, writing

@@ -1,7 +1,5 @@
 """Runs: from a case to a folder with result, summary, figures and series."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterable
 from dataclasses import replace
