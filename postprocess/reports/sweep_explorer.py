@@ -121,7 +121,7 @@ def _map_traces(line: xr.Dataset, top: float, *, shown: bool) -> list[go.Heatmap
     """
     key = str(line.attrs["along"])
     rows, columns = (
-        np.unique(np.arange(min(size, most)) * size // min(size, most))
+        np.unique(np.arange(min(size, most)) * size // min(size, most))  # starts of groups
         for size, most in ((line.sizes["frequency"], MOST_ROWS), (line.sizes[key], MOST_COLUMNS))
     )
     frequency = line["frequency"].values
