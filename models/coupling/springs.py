@@ -70,7 +70,7 @@ class CouplingModes:
 
     @property
     def entry(self) -> IntArray:
-        """Entry of each coordinate, (size,)."""
+        """Number of the entry to which each coordinate belongs, (size,)."""
         return np.repeat(np.arange(self.entries), 1 + self.paired)
 
     @property

@@ -113,7 +113,7 @@ class RadialModes:
             radial_only: leave out modes that are not radial, see `is_radial`.
 
         Returns:
-            Numbers, ascending, and amplitudes of the part that follows cos k theta [kg^-1/2].
+            Numbers, ascending, and coefficients of cos k theta in the radial motion [kg^-1/2].
         """
         one_a_pair = (self.column % 2 != 0) | (self.column == 0)
         numbers = np.flatnonzero(one_a_pair & selected)

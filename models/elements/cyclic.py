@@ -186,8 +186,8 @@ class SectorLayout:
             yield k, tuple(blocks)
 
     def _mean_sector(self, matrix: sp.csr_array) -> tuple[FloatArray, IntArray]:
-        """Return the blocks that couple a sector with itself and with other sectors, averaged over
-        all sectors.
+        """Return the blocks of a matrix that couple a sector with itself and with other sectors;
+        each block is the mean over all sectors.
 
         Returns:
             values (entries,) and their positions (3, entries): offset in sectors to the coupled

@@ -107,7 +107,7 @@ def blade_lines(case: Case, disk: BladedDiskModel) -> list[IntArray]:
             following = [other for other in joined[node] if other != line]
         if not chain or len(following) > 1:
             expected = (
-                f'"tip" or a node set: the lines of the set "{BLADES}" are not one chain a blade'
+                f'"tip" or a node set: the lines of "{BLADES}" do not form one chain per blade'
             )
             raise CaseError([case_fault(case, "excitation.position", expected)])
         chains.append(np.array(chain[::-1]))

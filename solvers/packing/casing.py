@@ -69,7 +69,7 @@ def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, Floa
     """Return the arrangement, the weights and the shape of a cyclic casing.
 
     w and u' of a mode vary as its DFT column, w' and u as the partner column. If a harmonic has no
-    partner column, a mode of w' and u is therefore put into the position of the partner.
+    partner column, a mode with w' and u only is put into the position of the partner.
 
     Returns:
         arrangement; weights by kind of nodal value, (4, modes); shape, (nodes, columns).

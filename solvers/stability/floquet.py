@@ -44,7 +44,7 @@ class Floquet:
 
     @property
     def exponents(self) -> ComplexArray:
-        """Logarithms of the multipliers over T [1/s], imaginary parts up to pi / T, (..., 2 n)."""
+        """Logarithms of the multipliers, divided by T [1/s], (..., 2 n)."""
         return np.asarray(np.log(self.multipliers) / self.period)
 
     @property

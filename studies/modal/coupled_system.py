@@ -151,8 +151,8 @@ def couple(
             coefficients.
 
     Raises:
-        UserError: the stage lacks a mode, springs couple no chosen mode, modes with several nodal
-            diameters have equal amplitudes, or a chart of a periodic system is requested.
+        UserError: the stage lacks a mode, springs couple no chosen mode, equal amplitudes are
+            requested for modes with several nodal diameters, or a chart for a periodic system.
     """
     one_each = modal.casing.structure.is_cyclic and not np.any(
         modal.disk.blade_columns(modal.disk_modes.column) < 0

@@ -107,7 +107,7 @@ def point_report(
         return point
     if not isinstance(system, EvenSystem):
         raise UserError(
-            f"--output {folder}: the divergent mode is drawn where each mode has one nodal"
+            f"--output {folder}: the divergent mode can be drawn only if each mode has one nodal"
             " diameter, which requires cyclic symmetry, equal bearings and no dampers"
         )
     if not data["unstable"]:

@@ -146,7 +146,7 @@ def clamping_shifts(diagrams: xr.Dataset) -> dict[int, float]:
 
 
 def suspension_frequency(diagrams: xr.Dataset) -> float | None:
-    """Return the normalised frequency of the suspension pair, or of its lower wave, or None.
+    """Return the normalised frequency of the suspension, with Coriolis forces of its lower wave.
 
     Args:
         diagrams: from `veering`.
@@ -213,8 +213,8 @@ def _over_shaft(stage: ModalStage, springs: FloatArray) -> ShaftVeering:
     if layout is None or not structure.is_cyclic:
         symmetry = structure.symmetry.partition(":")[0]
         raise UserError(
-            "veering: expected equal sectors on equal shaft springs, whose modes with one nodal"
-            f" diameter are separate, not {symmetry}; bladewhirl modes lists the frequencies"
+            "veering: expected equal sectors on equal shaft springs, so that each mode has a single"
+            f" nodal diameter, not {symmetry}; bladewhirl modes lists the frequencies"
         )
     basis = layout.basis(1)
 

@@ -1,5 +1,5 @@
-"""Folder in which a new run is written: the final folder, or a temporary folder next to the run
-that it replaces."""
+"""Folder in which a new run is written: the final folder, or, if the new run replaces an earlier
+one, a temporary folder next to the earlier run."""
 
 import os
 import sys

@@ -125,7 +125,8 @@ def plan_sweep(
         try:
             FreeMotion.of(contact_problem(stage), case.march.timing.time_step)
         except ValueError as error:
-            raise UserError(f"{STOP_WHEN} {stop_when}: expected free motion, but {error}") from None
+            expected = "expected that motion without contact decays"
+            raise UserError(f"{STOP_WHEN} {stop_when}: {expected}, but {error}") from None
     return Plan(
         case=case,
         grid=grid,
@@ -185,7 +186,7 @@ def read_plan(directory: Path) -> Plan:
     """Return the plan of an existing sweep.
 
     Raises:
-        UserError: there is no plan, it is of another version or another format, or it was changed.
+        UserError: there is no plan, or the plan has another version or format, or was changed.
     """
     path = directory / PLAN_NAME
     try:

@@ -138,8 +138,8 @@ def stretching_errors(elements: int) -> FloatArray:
 def by_ritz(thickness: Sequence[float]) -> FloatArray:
     """Return the three lowest frequencies of a tapered blade with a mass at its tip [rad/s].
 
-    The trial functions are polynomials over the span and, for each inner station, polynomials
-    beyond the station that begin with the third power, because the third derivative jumps there.
+    The trial functions are polynomials over the span. For each inner section of the taper there are
+    also powers of the distance beyond it from the third on, because the third derivative jumps.
     """
     stations = np.linspace(0.0, 1.0, len(thickness))
     nodes, weights = np.polynomial.legendre.leggauss(40)

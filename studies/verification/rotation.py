@@ -106,8 +106,8 @@ def tension(stage: str) -> Pairs:
 
 @verifies(*STAGES)
 def critical_speeds(stage: str) -> Pair:
-    """Compare the critical speed and engine orders with the reference: orders from modes at rest,
-    with centrifugal effects, and with Coriolis forces."""
+    """Compare with the reference the critical speed, and the speeds of engine orders for modes at
+    rest, with centrifugal effects and with Coriolis forces."""
     row, matrices = known(stage), turning(stage)
     expected = [row["critical_speed"]]
     computed = [waves(matrices, 1, "full").synchronous(0)[0][0]]

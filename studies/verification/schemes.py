@@ -49,8 +49,8 @@ def march_on_a_penalty() -> Chunk:
 
 @verifies()
 def mass_on_a_penalty() -> Pairs:
-    """Compare impulse, depth and time of contact with half a period of a mass on a spring; the
-    exact depth of penetration is speed divided by frequency."""
+    """Compare impulse, depth and time of contact with exact values: the contact lasts half a period
+    of a mass on a spring, and the depth is speed divided by frequency."""
     chunk = march_on_a_penalty()
     return {
         "penalty_impulse": (2.0 * MASS * SPEED, chunk.contact_impulse.sum()),

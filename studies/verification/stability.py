@@ -53,8 +53,7 @@ def mathieu_border(name: str) -> Pair:
 
 @cache
 def coupled(ratio: str) -> tuple[ContactProblem, CouplingSprings]:
-    """Return the paper's six modes at its example point as a contact problem with damping and an
-    initial velocity, and the coupling springs."""
+    """Return the paper's six modes at its example point as a contact problem, and their springs."""
     push = {"initial.centre_velocity": [1e-6, 0.0], "damping.ratio": float(ratio)}
     given = contact_problem(build_stage(with_values(Case(), POINT | push)))
     assert given.springs is not None  # the stiffness of the point is not zero
