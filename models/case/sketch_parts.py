@@ -78,7 +78,7 @@ class SketchMember(Table):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """Nodes at its ends."""
+        """Nodes at both ends."""
         return self.first, self.second
 
     @property
@@ -113,7 +113,7 @@ class SketchSpring(Table):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """Nodes at its ends; only one if the other end is the rotating frame."""
+        """Nodes at both ends; only one node if the other end is the rotating frame."""
         return (self.node,) if self.other is None else (self.node, self.other)
 
 
@@ -126,7 +126,7 @@ class SketchLink(Table):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """Nodes at its ends."""
+        """Nodes at both ends."""
         return self.leader, self.led
 
 

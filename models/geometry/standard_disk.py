@@ -131,7 +131,7 @@ class _Blade:
         return (ends[0] - self._root) / self._span, (ends[1] - self._root) / self._span
 
     def pieces(self, elements: int) -> list[tuple[str, str, int]]:
-        """Return two end nodes and number of elements for each part of the blade between nodes."""
+        """Return end nodes and number of elements of each part between neighbouring nodes."""
         names = ["root", *self.inner, "tip"]
         lengths = np.diff([self._radius[name] for name in names])
         counts = np.ones(len(lengths), dtype=int)

@@ -60,8 +60,8 @@ def sweep(
         typer.Option(
             metavar="KEY=SIZE",
             help='Random change of a key in each draw: "contact.friction = 0.05" is a normal'
-            ' distribution with a standard deviation of 5 %; "absolute" and "uniform" behind the'
-            " number change this.",
+            ' distribution with a standard deviation of 5 %. A following "absolute" means SI units,'
+            ' "uniform" a uniform distribution.',
         ),
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the draws.")] = 0,

@@ -160,7 +160,7 @@ def spring_stiffnesses(case: Case, interval: FloatArray | None) -> FloatArray:
     (stiffnesses,).
 
     Args:
-        case: the case, whose stiffness is in the middle by default.
+        case: the case, whose stiffness is in the middle of the range if `interval` is None.
         interval: first and last stiffness [N/m], (2,).
 
     Raises:

@@ -1,9 +1,9 @@
 """Draws of a sweep: every point is marched several times with slightly different values.
 
-A rub near a threshold is chaotic: a load changed by 1e-7 changes its regime. A single march is then
-one draw, and only several draws tell how likely a regime is. Each draw of a point has a random
-stream of its own, counted by point and draw (Philox), so that the values depend neither on the
-number of workers nor on the order of the points.
+Contact near a threshold between regimes is chaotic: a change of 1e-7 in a load can change the
+regime. Only several marches with changed values, called draws, tell how likely a regime is. Each
+draw of a point has its own random stream (Philox, with point and draw as the counter), so that the
+values depend neither on the number of workers nor on the order of the points.
 """
 
 from __future__ import annotations
@@ -64,13 +64,13 @@ def parse_draws(count: int | None, perturb: Sequence[str], seed: int) -> Draws |
 
     Args:
         count: number of draws of each point.
-        perturb: texts "KEY = SIZE", with the words relative (default) or absolute and normal
-            (default) or uniform behind; the size of an absolute change is in the SI unit of the
-            key.
+        perturb: texts "KEY = SIZE", followed by the words relative (default) or absolute, and
+            normal (default) or uniform. SIZE is a share of the value, or, if absolute, in the SI
+            unit of the key.
         seed: seed of the random streams.
 
     Raises:
-        UserError: only one of count and perturb is given, or one of them is not valid.
+        UserError: only one of count and perturb is given, or an option is not valid.
     """
     if count is None and not perturb:
         return None
@@ -92,8 +92,8 @@ def parse_draws(count: int | None, perturb: Sequence[str], seed: int) -> Draws |
         twice = {"relative", "absolute"} <= set(words) or {"normal", "uniform"} <= set(words)
         if match is None or not 0.0 < size < np.inf or twice:
             raise UserError(
-                f'{PERTURB} "{text}": expected "KEY = SIZE" with a size above zero, and the words'
-                " absolute or uniform behind where they apply"
+                f'{PERTURB} "{text}": expected "KEY = SIZE" with a size above zero, which may be'
+                " followed by the words absolute and uniform"
             )
         perturbations.append(
             Perturbation(

@@ -93,10 +93,10 @@ def run_sweep(
             trillion steps of the sweep.
         stop_when: "damped" ends a march early when no tip can touch any more; the attribute
             `stop_rule` of the dataset contains the rule.
-        draws: number of draws of each point, with randomly changed values; `probability` gives the
-            shares of the regimes. The dataset then has the dimension `draw`.
-        perturb: changes of the draws, such as "contact.friction = 0.05": a normal distribution with
-            a standard deviation of 5 %; "absolute" and "uniform" behind the number change this.
+        draws: number of marches of each point with random changes; `probability` gives the shares
+            of the regimes. The dataset then has the dimension `draw`.
+        perturb: random changes, such as "contact.friction = 0.05": a normal distribution with a
+            standard deviation of 5 %. More words are possible, see `draws.parse_draws`.
         seed: seed of the draws.
         watch: progress callbacks.
 
