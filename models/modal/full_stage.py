@@ -65,7 +65,7 @@ def lowest_frequencies(structure: Structure, count: int) -> Frequencies:
 
 
 def family_errors(modes: Modes, family: list[str], full: Frequencies) -> dict[str, float]:
-    """Return the largest relative frequency error of each family among the modes in ``full``.
+    """Return for each family the largest relative error of its frequencies that are in ``full``.
 
     Args:
         modes: modes of a reduced model.

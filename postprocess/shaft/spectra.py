@@ -58,7 +58,7 @@ LINE_DASHES: Mapping[str, Any] = {
 
 
 def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
-    """Return the frequencies in a frame of the speed and of modes that can move the shaft [rad/s].
+    """Return the speed, and the frequencies of modes that can move the shaft, in a frame [rad/s].
 
     These modes have one nodal diameter: first family and suspension of the bladed disk, and the
     lowest mode of the casing, each as a forward and a backward wave. The frequencies of a wave in

@@ -210,8 +210,8 @@ def read_plan(directory: Path) -> Plan:
     if document.get("digest") != digest:
         raise UserError(
             f"{path}: expected a plan of bladewhirl {folder.version()} in format {SWEEP_FORMAT}; it"
-            f" was changed, or is of {made_by} in format {document.get('format', 1)}, and points"
-            " marched before would not agree with new points"
+            f" was changed, or written by {made_by} in format {document.get('format', 1)}, so that"
+            " points marched before would not agree with new points"
         )
     grid = make_grid(case, over, large=True, draws=draws)
     return plan_sweep(case, grid, histories=histories, stop_when=stop_when)

@@ -259,6 +259,6 @@ def contact_error(steps: int) -> float:
 
 @verifies()
 def order_of_contact() -> Pair:
-    """Compare the order of convergence of a motion with contact, from two time steps, with 1."""
+    """Compare with 1 the order of convergence that two time steps give with contact."""
     errors = [contact_error(steps) for steps in (2000, 32_000)]
     return 1.0, observed_order(np.array(errors), ratio=16.0)[0]
