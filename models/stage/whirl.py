@@ -19,10 +19,10 @@ def wave_frequencies(rotor: ReducedRotor, nodal_diameter: IntArray, sense: float
     """Return the frequencies of the backward and the forward wave of each mode.
 
     With symmetry, the pairs of modes of one nodal diameter are assigned to its waves in each
-    direction by rank, because branches do not cross. Without symmetry, a motion at speed
-    consists of several modes; a pair of modes gets the frequencies of the two motions to which it
-    contributes most, if one of them travels forward and the other backward. The two frequencies of a mode are equal for a standing motion, and for every mode
-    without Coriolis forces.
+    direction by rank, because branches do not cross. Without symmetry, a motion at speed consists
+    of several modes; a pair of modes gets the frequencies of the two motions to which it
+    contributes most, if one of them travels forward and the other backward. The two frequencies of
+    a mode are equal for a standing motion, and for every mode without Coriolis forces.
 
     Args:
         rotor: reduced rotor with its modes.
