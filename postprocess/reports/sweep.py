@@ -18,6 +18,7 @@ from bladewhirl.postprocess.sweep.axes import in_handy_units, key_label
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
+from bladewhirl.postprocess.sweep.probability import DRAW
 from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key, other_keys
 
 WINDOWED = ("frequency-map", "energy-families")
@@ -144,10 +145,14 @@ def _glance(
 
 
 def _drawn(dataset: xr.Dataset, section: str) -> list[page.ReportFigure]:
-    """Return the figures of a section; maps are left out if only one key is swept."""
-    kinds = [kind for kind in SWEEP_FIGURES.values() if kind.section == section]
-    if len(swept(dataset)) == 1:
-        kinds = [kind for kind in kinds if kind.name != "maps"]
+    """Return the figures of a section, without maps of a single key and probability without
+    draws."""
+    without = {"maps": len(swept(dataset)) == 1, "probability": DRAW not in dataset.dims}
+    kinds = [
+        kind
+        for kind in SWEEP_FIGURES.values()
+        if kind.section == section and not without.get(kind.name)
+    ]
     return [
         replace(figure, caption=_windowed(dataset, figure.caption))
         if figure.name in WINDOWED

@@ -48,7 +48,7 @@ def page(folder: Path) -> Parsed:
 def test_it_stands_alone_with_its_figures(page: Parsed) -> None:
     assert page.references
     assert page.outside() == []
-    assert set(page.pictures) == set(SWEEP_FIGURES) - {"maps"}
+    assert set(page.pictures) == set(SWEEP_FIGURES) - {"maps", "probability"}
 
 
 def test_the_verdict_counts_points(page: Parsed) -> None:
