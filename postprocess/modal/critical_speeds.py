@@ -39,7 +39,7 @@ def plot_critical_speeds(data: xr.Dataset) -> Figure:
         ylabel="critical speed [rpm]",
     )
     grey: Any = {"color": COLOURS["rest"], "linewidth": 0.8, "zorder": 1}
-    axes.axvline(data.attrs["case_stiffness"], label="the case", **grey)
+    axes.axvline(data.attrs["case_stiffness"], label="stiffness and speed of the case", **grey)
     if data.attrs["case_speed"] > 0.0:
         axes.axhline(data.attrs["case_speed"], **grey)
     for direction, width in WIDTHS.items():

@@ -69,7 +69,10 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
     colours = Normalize(0.0, float(growth[unstable].max()) if unstable.any() else 1.0)
     look = {"norm": colours, "cmap": GROWTH_COLOURS, "shading": "nearest"}
     mesh = panels.draw_map(axes, speed, kappa, shown, **look)
-    figure.colorbar(mesh, ax=axes, label="growth rate [1/s]; white is stable", pad=0.02)
+    if unstable.any():
+        figure.colorbar(mesh, ax=axes, label="growth rate [1/s]; white is stable", pad=0.02)
+    else:
+        axes.text(0.5, 0.5, "stable everywhere", transform=axes.transAxes, ha="center")
     if "zone" in data.dims:
         _draw_borders(axes, data)
         _draw_coincidences(axes, data)

@@ -27,7 +27,9 @@ than this percentile, see `PEAK`."""
 
 FORCE_DECADES = 3.0  #: number of decades below the largest force that colours distinguish
 SHARE_COLOURS = ["#FBEAF4", COLOURS["contact"], "#4A1238"]
-"""Colours of the share of the time in contact, for shares from 0 to 1."""
+"""Colours of the share of the time in contact, for shares from 0 to 1, and of contact forces."""
+
+CONTACT = LinearSegmentedColormap.from_list("contact", SHARE_COLOURS)
 
 GAP_COLOURS = ["#9AA5B8", "#FFFFFF"]
 """Colours of gaps, from zero to the largest gap; they are paler than the colours of contact."""
@@ -177,8 +179,8 @@ def plot_forces(maps: xr.Dataset) -> Figure:
     length = f"{larger * span:.2g} {small}"
     positive = np.ma.masked_less_equal(scale * force.T, 0.0)
     norm = decades(scale * top, FORCE_DECADES)
-    picture = draw_map(axes, maps["edge"], _blade_edges(maps), positive, norm=norm)
-    figure.colorbar(picture, ax=axes, label=f"normal force [{unit}]", extend="min")
+    picture = draw_map(axes, maps["edge"], _blade_edges(maps), positive, norm=norm, cmap=CONTACT)
+    figure.colorbar(picture, ax=axes, label=f"normal force [{unit}], white: none", extend="min")
     axes.set_xlim(*contact_span(maps["edge"].values, np.any(force > 0.0, axis=1)))
     time_axis(axes)
     axes.set_xlabel(f"{axes.get_xlabel()}, means over {length}")
@@ -239,8 +241,7 @@ def contact_span(edge: Array, touching: BoolArray) -> tuple[float, float]:
 def draw_share(axes: Axes, across: ArrayLike, up: ArrayLike, share: xr.DataArray) -> QuadMesh:
     """Draw shares (time, row) of the time in contact in percent; permanent contact is darkest."""
     percent = np.ma.masked_less_equal(100.0 * np.nan_to_num(share.values.T), 0.0)
-    scale = LinearSegmentedColormap.from_list("share", SHARE_COLOURS)
-    return draw_map(axes, across, up, percent, cmap=scale, vmin=0.0, vmax=100.0)
+    return draw_map(axes, across, up, percent, cmap=CONTACT, vmin=0.0, vmax=100.0)
 
 
 def force_limit(force: Array) -> float:

@@ -149,7 +149,7 @@ def _targets(directory: Path, output: Path | None, kinds: list[str]) -> dict[str
     if len(kinds) > 1 or suffixes[kinds[0]] != suffix:
         flags = " ".join(f"--{kind}" for kind in kinds)
         raise UserError(
-            f"--output {output}: expected one file name with the suffix that {flags} needs"
+            f"--output {output}: expected a single file with the suffix that {flags} needs"
         )
     return {kinds[0]: output}
 

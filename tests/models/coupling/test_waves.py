@@ -214,7 +214,7 @@ def test_the_command_looks_at_one_point(tmp_path: Path) -> None:
     for arguments, said in (
         (["--physical"], "--speed, --kappa and --physical compute a single point"),
         (point[:-1], "expected --physical"),
-        ([*point, "-o", str(tmp_path / "none")], "is drawn where each mode has one"),
+        ([*point, "-o", str(tmp_path / "none")], "can be drawn only if each mode has one"),
         ([*point, "--modes", "1F:77"], "--modes 1F:77: "),
     ):
         result = RUNNER.invoke(app, ["stability", case, *arguments])
