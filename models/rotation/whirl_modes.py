@@ -50,7 +50,7 @@ class WhirlModes:
     """Rank of each mode, from 0, by frequency among the branches that have the same nodal diameter
     and direction of travel at rest, (modes,). These branches do not cross. -1 without symmetry."""
     backward_at_rest: BoolArray
-    """Whether the branch of each mode travels backward at rest, (modes,)."""
+    """True if the branch of a mode travels backward at rest, (modes,)."""
     amplitudes: tuple[ComplexArray, ...]
     """Complex field p of each mode, with p^H M p = 1 [kg^-1/2]: in one sector, or on all DoF if the
     rank is -1."""

@@ -42,8 +42,8 @@ def disk_waves(stage: ModalStage, turning: TurningDisk) -> dict[int, Waves]:
     return {k: waves(turning.matrices, k, effects) for k in nodal_diameters(sectors)}
 
 
-def names_at(disk: Waves, names: list[str], omega: float, frequency: float) -> tuple[str, str, int]:
-    """Return the family of the branch nearest to a frequency, its family at rest, and its rank.
+def names_at(disk: Waves, names: list[str], omega: float, frequency: float) -> tuple[str, str]:
+    """Return the family of the branch nearest to a frequency, and its family at rest.
 
     Args:
         disk: waves of one nodal diameter of the bladed disk.
@@ -52,7 +52,7 @@ def names_at(disk: Waves, names: list[str], omega: float, frequency: float) -> t
         frequency: w, positive for a backward wave [rad/s].
     """
     rank, backward = disk.rank(omega, frequency)
-    return branch_names(disk, names, omega, backward)[rank], names[rank], rank
+    return branch_names(disk, names, omega, backward)[rank], names[rank]
 
 
 def branch_names(disk: Waves, names: list[str], omega: float, backward: bool) -> list[str]:
@@ -86,7 +86,7 @@ def meetings(
         k, frequency = int(casing.nodal_diameter[mode]), float(casing.frequency[mode])
         for speed in disk[k].meeting(frequency, highest) if k in disk else ():
             w = k * float(speed) - frequency
-            family, before, _ = names_at(disk[k], names[k], float(speed), w)
+            family, before = names_at(disk[k], names[k], float(speed), w)
             same = (rotor.nodal_diameter == k) & [name == before for name in at_rest]
             met_here = np.flatnonzero(same).tolist()
             rows += [(float(speed), i, mode, k, frequency, family) for i in met_here]
@@ -213,7 +213,7 @@ def _speeds(
         ):
             if speed > highest:
                 break
-            family, at_rest, _ = names_at(waves_of_k, names[k], speed, order * speed)
+            family, at_rest = names_at(waves_of_k, names[k], speed, order * speed)
             if at_rest in chosen:
                 rows.append((speed, k, family, at_rest, share))
     rows.sort()
