@@ -4,8 +4,6 @@ Without a C compiler, the `ziglang` package is used. The result is optimised for
 with `BLADEWHIRL_PORTABLE=1`, it runs on all processors of the same architecture.
 """
 
-from __future__ import annotations
-
 import os
 import platform
 import shlex

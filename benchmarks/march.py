@@ -12,8 +12,6 @@ can differ.
   with the usual displacement limit the march would end earlier.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from collections.abc import Callable

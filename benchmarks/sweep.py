@@ -8,8 +8,6 @@ is the time of a worker alone over the time of a worker among all: 1 if workers 
 other down. On a machine with other load, compare processor times instead of wall-clock times.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from concurrent.futures import ProcessPoolExecutor

@@ -5,8 +5,6 @@ A manifest in a folder lists the files that the program wrote there; no other fi
 removed.
 """
 
-from __future__ import annotations
-
 import errno
 import json
 import os

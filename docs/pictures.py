@@ -6,8 +6,6 @@ The script takes two minutes. It reduces the colours of PNGs to a palette. The f
 revolution of the rub in imbalance.toml.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tempfile

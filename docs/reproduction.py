@@ -8,8 +8,6 @@ of verdicts in README.md. reproduction.md names the commit of the checkout, so r
 commit with which REPRODUCTION was computed.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

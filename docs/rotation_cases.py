@@ -7,8 +7,6 @@ one core. The numbers of all points are written to docs/rotation_cases.csv, the 
 docs/rotation_*.png.
 """
 
-from __future__ import annotations
-
 import csv
 import sys
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ The four functions belong to value and slope at the first end, and to value and 
 end. `solvers.kernel` has the same functions in C.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray

@@ -1,7 +1,5 @@
 """Line meshes in the plane: points, two-node lines, named sets, sectors."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from types import MappingProxyType

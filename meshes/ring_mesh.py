@@ -1,7 +1,5 @@
 """Mesh of a casing: nodes on a circle, connected by curved elements."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

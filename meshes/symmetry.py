@@ -1,7 +1,5 @@
 """Rotational symmetry of a line mesh, detected from its points and lines."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray

@@ -11,8 +11,6 @@ A comment on the line above a block has these effects:
 `python blocks.py PAGE FOLDER` runs a page and prints the outputs of its blocks as a JSON list.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -6,8 +6,6 @@ text NAME of `reference.GENERATED`, `<!-- picture: FILE | words -->` by a pictur
 with an alternative text.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

@@ -3,8 +3,6 @@
 Like other pages, the pages of the gallery contain code blocks that are executed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import takewhile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Licences of the installed dependencies, from their metadata."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from importlib.metadata import distribution

@@ -4,8 +4,6 @@ A notebook has the text of the page and its blocks as cells; commands become lin
 block that is written to a file a cell with "%%writefile".
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Shorten types in signatures, and link them to pages of other libraries without downloads."""
 
-from __future__ import annotations
-
 import re
 
 from docutils import nodes

@@ -1,7 +1,5 @@
 """Reference pages in Markdown, generated from the program."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from collections.abc import Iterator, Mapping

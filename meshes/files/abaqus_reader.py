@@ -10,8 +10,6 @@ neither B23 elements nor sections. This module therefore reads the few relevant 
 Keywords that would change the mesh without being evaluated are an error.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field

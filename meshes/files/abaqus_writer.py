@@ -1,7 +1,5 @@
 """Writing of line meshes as Abaqus input, .inp; see `abaqus_reader` about sets and data."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import TextIO

@@ -8,8 +8,6 @@ meshio reads the files. This module writes files of version 4.1 itself, because 
 allows only one group for each element.
 """
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections import Counter, defaultdict

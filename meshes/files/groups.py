@@ -1,7 +1,5 @@
 """Contents of a mesh file before interpretation: points, lines, named groups and data."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
@@ -55,7 +53,7 @@ class GroupedLines:
         rows = [np.nan_to_num(self.line_data.get(name, none)) for name in names]
         return np.asarray(np.any(rows, axis=0))
 
-    def beams(self) -> GroupedLines:
+    def beams(self) -> "GroupedLines":
         """Return the mesh without springs and rigid links."""
         beam = self.is_beam
         number = np.cumsum(beam) - 1

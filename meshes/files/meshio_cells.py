@@ -1,7 +1,5 @@
 """Errors and lines of meshes that are read with meshio, for all its formats."""
 
-from __future__ import annotations
-
 import io
 import warnings
 from collections.abc import Iterator, Sequence

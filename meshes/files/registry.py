@@ -1,7 +1,5 @@
 """Reading and writing of mesh files by their suffix: .vtu, .msh, .inp."""
 
-from __future__ import annotations
-
 from errno import ENOENT
 from os import PathLike, strerror
 from pathlib import Path

@@ -5,8 +5,6 @@ its members and 0 elsewhere. An array of other integers, such as material number
 with the name ``name=value`` for each of its values. Data are arrays of real numbers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any

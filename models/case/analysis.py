@@ -1,7 +1,5 @@
 """Tables of a case for the analysis: reduction, damping, contact, start, coupling and march."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Annotated, Literal
 

@@ -1,7 +1,5 @@
 """The `[bladed_disk]` table of a case and its inner tables: taper, shrouds, rings, masses."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import combinations, pairwise
 from typing import Annotated, Any, Literal

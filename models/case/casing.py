@@ -1,7 +1,5 @@
 """The `[casing]` table of a case: the ring around the bladed disk, and its supports."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Annotated, Literal
 

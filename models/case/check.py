@@ -1,7 +1,5 @@
 """Validation of nested tables from TOML: make a Case, or raise a `CaseError` with all faults."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterator, Mapping
 from functools import cache

@@ -1,7 +1,5 @@
 """The `[excitation]` table of a case: the load on a stage, with one class for each type."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 

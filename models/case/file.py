@@ -1,7 +1,5 @@
 """Reading of case files, and values that replace some of their keys."""
 
-from __future__ import annotations
-
 import errno
 import os
 import re

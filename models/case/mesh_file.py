@@ -1,7 +1,5 @@
 """The `[bladed_disk.mesh]` table of a case: a mesh file and the meaning of its groups."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterator, Mapping

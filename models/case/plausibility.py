@@ -1,7 +1,5 @@
 """Warnings about valid but implausible input, usually a wrong unit."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

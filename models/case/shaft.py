@@ -1,7 +1,5 @@
 """The `[shaft]` and `[rotation]` tables of a case."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 

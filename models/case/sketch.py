@@ -1,7 +1,5 @@
 """Table of a case for a bladed disk drawn node by node, and checks that its parts fit together."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator
 from functools import cached_property

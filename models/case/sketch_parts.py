@@ -5,8 +5,6 @@ Nodes are named within a sector: "root" is the node in the sector of the part th
 centre, is a single node for all sectors.
 """
 
-from __future__ import annotations
-
 import re
 from typing import Annotated
 

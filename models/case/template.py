@@ -1,7 +1,5 @@
 """Writing of a case as TOML: with all its keys, or as a template with comments."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterator
 

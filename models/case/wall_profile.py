@@ -1,7 +1,5 @@
 """The `[casing.profile]` table of a case: a measured clearance around the casing, from a file."""
 
-from __future__ import annotations
-
 import csv
 import os
 import re

@@ -27,8 +27,6 @@ has the sign of the other blocks; derived from Eq. (16), it has the opposite sig
 added here.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -64,7 +62,7 @@ class CoupledEquations:
     """Keep the factor pi of the integral in Eq. (8); false gives the paper's eps = kappa / m."""
 
     @property
-    def blocks(self) -> tuple[CoupledEquations, ...]:
+    def blocks(self) -> tuple["CoupledEquations", ...]:
         """Independent sets of equations; here a single set with all equations."""
         return (self,)
 

@@ -10,8 +10,6 @@ see `bladewhirl.models.coupling.equations`. The paper's system, Eq. (9), has one
 rotor pairs, all with k = 1 and a = 1 (`paper_modes`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -134,7 +132,7 @@ class CouplingModes:
         crossed = matrix[np.ix_(self.cosine + self.paired, self.cosine)]
         return matrix[np.ix_(self.cosine, self.cosine)] + 1j * self.paired[:, None] * crossed
 
-    def take(self, chosen: IntArray | BoolArray | Sequence[int]) -> CouplingModes:
+    def take(self, chosen: IntArray | BoolArray | Sequence[int]) -> "CouplingModes":
         """Return the modes of the chosen entries, a mask or positions."""
         kept = np.arange(self.entries)[np.asarray(chosen)]
         arrays = {item.name: getattr(self, item.name)[kept] for item in fields(self)[1:7]}
@@ -146,7 +144,7 @@ class CouplingModes:
         name = tuple(self.name[i] for i in kept)
         return replace(self, name=name, coriolis=coriolis, softening=softening, **arrays)
 
-    def harmonic(self, k: int) -> CouplingModes:
+    def harmonic(self, k: int) -> "CouplingModes":
         """Return only the modes of nodal diameter k."""
         return self.take(self.nodal_diameter == k)
 

@@ -1,7 +1,5 @@
 """Modes of rotor and casing that springs couple, and the amplitudes of the modes at the springs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

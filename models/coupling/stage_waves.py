@@ -3,8 +3,6 @@
 See `equations` for the equations, `stage_modes` for modes with one nodal diameter each.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -5,8 +5,6 @@ one-dimensional mesh without connections; the elements are connected by common d
 A Hermite element of scikit-fem caches values of its first mesh, so each call makes a new element.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

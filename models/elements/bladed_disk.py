@@ -1,7 +1,5 @@
 """Finite element model of a bladed disk: beams, shaft springs, point masses and rigid links."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Full finite element models of a case: bladed disk and casing."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager

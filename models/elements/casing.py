@@ -12,8 +12,6 @@ A strut is one straight beam element with mass from the wall to the ground, with
 a strut that is pinned at both ends is a bar; a strut that is built in at both ends also bends.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal

@@ -1,7 +1,5 @@
 """Estimate of the memory and time of a stage before anything is assembled."""
 
-from __future__ import annotations
-
 import logging
 import os
 from dataclasses import dataclass

@@ -12,8 +12,6 @@ k = 1..floor((N-1)/2), and N - 1 for k = N/2 when N is even. (The paper's floor(
 even N only; its Eqs 11-13 are used with the corrected constant, see `real_dft`.)
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -10,8 +10,6 @@ EI [N m2], rho_A [kg/m], tension [N], and for curved beams curvature = 1/R and b
 factor of u' in kappa.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from skfem import BilinearForm

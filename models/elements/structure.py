@@ -1,7 +1,5 @@
 """Finite element structure: its matrices, its table of degrees of freedom and its sectors."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,7 +22,7 @@ class Structure:
     constraints: FloatArray
     """Fields v to which every motion x is orthogonal, v^T M x = 0, (size, constraints); may be
     empty."""
-    at_rest: Structure | None = None
+    at_rest: "Structure | None" = None
     """The structure without rotation effects; None if this structure has no rotation effects."""
     gyroscopic: sp.csr_array | None = None
     """Skew matrix 2 Omega G of the Coriolis forces, which multiplies velocities

@@ -4,8 +4,6 @@ A beam model is made from the standard disk, a `Sketch` or a mesh file. All thre
 unconnected parts and unusable sets.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any

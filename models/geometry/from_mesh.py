@@ -13,8 +13,6 @@ A node may have ``mass`` and ``inertia``. A spring between a node and the rotati
 units. Data that do not apply to a line or node are NaN.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

@@ -15,8 +15,6 @@ A sketch describes one sector, whose radial line is on +x; the sector is repeate
 model only. Put the first tip on +x, because the force of an imbalance acts in that direction.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from typing import Any, get_args

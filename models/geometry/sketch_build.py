@@ -1,7 +1,5 @@
 """Make a beam model of a sketch: repeat its sector, divide members into elements, check parts."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Sketch of the standard bladed disk, which is described by the `[bladed_disk]` table."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 

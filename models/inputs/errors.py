@@ -1,7 +1,5 @@
 """Errors in user input, reported in one line each, and conversion of values to TOML."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

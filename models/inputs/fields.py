@@ -4,8 +4,6 @@ For an invalid value, each type raises a pydantic error of type `EXPECTED` with 
 the expected value.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from numbers import Integral, Real

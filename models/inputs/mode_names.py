@@ -7,8 +7,6 @@ bladed disk; "casing" selects this mode for every k. Both modes of a degenerate 
 selected together.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches

@@ -1,7 +1,5 @@
 """Base class of the tables of a case: immutable, without unknown keys, checked for consistency."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from operator import attrgetter
 from typing import NamedTuple, Self

@@ -1,7 +1,5 @@
 """Time steps, records and duration of a march."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

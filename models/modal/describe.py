@@ -3,8 +3,6 @@
 Solvers import `stage_arrays` without finite elements; this module is therefore separate.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from bladewhirl.models.case.case import Case

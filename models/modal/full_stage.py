@@ -1,7 +1,5 @@
 """Full finite element models of a case with their modes, for modal analysis."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property

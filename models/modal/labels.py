@@ -10,8 +10,6 @@ gets the family with the largest share in this expansion. The mode gets the noda
 largest mass-weighted share in its motion; this share is called the purity of the mode.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -76,7 +74,7 @@ class LabelledModes(ModeTable):
         """Return the numbers of all modes except the sine modes of pairs, ascending."""
         return np.flatnonzero((self.column % 2 != 0) | (self.column == 0))
 
-    def take(self, chosen: IntArray | slice) -> LabelledModes:
+    def take(self, chosen: IntArray | slice) -> "LabelledModes":
         """Return the chosen modes."""
         kept = np.arange(self.count)[chosen]
         return replace(

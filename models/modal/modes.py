@@ -1,7 +1,5 @@
 """Natural modes of a structure, with nodal diameter, family and share of spring energy."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
@@ -61,7 +59,7 @@ class Modes(ModeTable):
         """True if the modes were computed by nodal diameter."""
         return bool(np.all(self.column != NO_COLUMN))
 
-    def take(self, chosen: IntArray | slice) -> Modes:
+    def take(self, chosen: IntArray | slice) -> "Modes":
         """Return the chosen modes."""
         return replace(self, shapes=self.shapes[:, chosen], **self.numbers(chosen))
 

@@ -4,8 +4,6 @@ The "constraint modes" of the paper after Eq. (3) are fixed-interface modes. The
 increased by one if the last mode is the first of a degenerate pair.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Arrays of a stage in a result: sufficient to draw and measure every motion."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Shaft springs for a required frequency of the suspension pair."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla

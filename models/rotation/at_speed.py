@@ -1,7 +1,5 @@
 """The bladed disk of a case, linearised about the state in which it rotates steadily."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

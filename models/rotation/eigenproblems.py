@@ -1,7 +1,5 @@
 """Eigenproblems of rotating structures with Coriolis forces or damping, and for critical speeds."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp

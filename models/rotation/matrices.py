@@ -11,8 +11,6 @@ forces that this load causes in beams and rigid links. Springs keep their direct
 spring adds no stiffness.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -11,8 +11,6 @@ and the wave grows. A damper of a bearing, fixed in space, acts with the force c
 at the centre and takes energy from any whirl.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial

@@ -9,8 +9,6 @@ backward, a field with w < 0 forward. If K_Omega is indefinite, only Coriolis fo
 bounded.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -73,7 +71,7 @@ class WhirlModes:
         wave = self.layout.basis(int(self.nodal_diameter[mode])) @ amplitude
         return np.asarray(wave.conj() if self.direction[mode] == "forward" else wave)
 
-    def take(self, chosen: IntArray) -> WhirlModes:
+    def take(self, chosen: IntArray) -> "WhirlModes":
         """Return the chosen modes."""
         taken: dict[str, Any] = {}
         for name, values in vars(self).items():

@@ -1,7 +1,5 @@
 """Rectangular beam sections, their materials, and the stiffness and mass of lines of a mesh."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Annotated, ClassVar, Generic, TypeVar
@@ -69,7 +67,7 @@ class Material(Table):
         given = [self.yield_strength, *(one.yield_strength for one in self.named)]
         return min((value for value in given if value is not None), default=None)
 
-    def find(self, name: str | None) -> Material | NamedMaterial:
+    def find(self, name: str | None) -> "Material | NamedMaterial":
         """Return the material with a name; this material if the name is None.
 
         Raises:
@@ -77,7 +75,7 @@ class Material(Table):
         """
         return self if name is None else {one.name: one for one in self.named}[name]
 
-    def section(self, given: BeamSection) -> Section:
+    def section(self, given: BeamSection) -> "Section":
         """Return a section of the case together with the properties of its material."""
         named = self.find(given.material)
         return Section(width=given.width, thickness=given.thickness, material=named)

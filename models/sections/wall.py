@@ -12,8 +12,6 @@ All sections are centred on the same circle. The model therefore omits the addit
 the eccentricity of a one-sided rib.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -104,7 +102,7 @@ class WallProperties:
     width: FloatArray  #: size out of the plane [m]
     young_modulus: FloatArray  #: Young's modulus [Pa]
 
-    def mean(self, weights: FloatArray) -> WallProperties:
+    def mean(self, weights: FloatArray) -> "WallProperties":
         """Return the weighted means over the points of each element; the weights sum to one."""
         return WallProperties(**{name: values @ weights for name, values in vars(self).items()})
 

@@ -1,7 +1,5 @@
 """Make the contact problem of a stage, and report faults that only a built stage reveals."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

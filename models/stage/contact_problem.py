@@ -6,8 +6,6 @@ of the casing for unit modal coordinates. Rotor and casing can be any structures
 uses their cyclic symmetry, if the modes have DFT columns.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -88,7 +86,7 @@ class ReducedRotor:
             and evenly_spaced(self.tip_angle)
         )
 
-    def take(self, modes: IntArray) -> ReducedRotor:
+    def take(self, modes: IntArray) -> "ReducedRotor":
         """Return the rotor with the chosen modes."""
         return replace(
             self,
@@ -141,7 +139,7 @@ class ReducedCasing:
         """
         return len(self.column) > len(self.nodal) and bool(np.all(self.column >= 0))
 
-    def take(self, modes: IntArray) -> ReducedCasing:
+    def take(self, modes: IntArray) -> "ReducedCasing":
         """Return the casing with the chosen modes."""
         return replace(
             self,
@@ -164,7 +162,7 @@ class Load:
     frequency: float = 0.0  #: frequency of the cosine [rad/s]
     phase: float = 0.0  #: phase of the cosine [rad]
 
-    def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> Load:
+    def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> "Load":
         """Return the load on the chosen modes, that is, its projection on these modes."""
         return replace(self, rotor=self.rotor[rotor_modes], casing=self.casing[casing_modes])
 
@@ -178,7 +176,7 @@ class Start:
     casing: FloatArray  #: modal displacements of the casing [kg^1/2 m], (casing modes,)
     casing_velocity: FloatArray  #: modal velocities of the casing [kg^1/2 m/s], (casing modes,)
 
-    def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> Start:
+    def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> "Start":
         """Return the start in the chosen modes: its mass-orthogonal projection on these modes."""
         return Start(
             rotor=self.rotor[rotor_modes],

@@ -5,8 +5,6 @@ the force turns with the blade. The force depends only on the static angle Omega
 the circle it has r maxima, which are at rest in the static frame.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray

@@ -1,7 +1,5 @@
 """Warnings about valid but implausible stages."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Selection of the modes for time integration, and of the springs between these modes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

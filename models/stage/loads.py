@@ -4,8 +4,6 @@ Loads on the rotor are in rotating axes, which coincide with the static axes at 
 casing are in static axes.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray

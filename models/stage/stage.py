@@ -1,7 +1,5 @@
 """The stage of a case: finite elements, reduction, modes and their labels."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 

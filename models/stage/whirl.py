@@ -1,7 +1,5 @@
 """Frequencies of the waves of a reduced rotor with Coriolis forces."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray

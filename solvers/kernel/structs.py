@@ -1,7 +1,5 @@
 """Structs of `kernel.h` that refer to NumPy arrays, and calls of the compiled functions."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 from importlib import resources

@@ -1,7 +1,5 @@
 """Time integration by central differences with forward-increment Lagrange multipliers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Checkpoints: exact states of a march, stored on disk, from which a killed march is resumed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Any

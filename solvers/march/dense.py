@@ -23,8 +23,6 @@ resolve the period of a tip on the penalty spring.
 The residual of a step is max_j |min(u_N,j+ + e u_N,j-, W_jj P_j)|, divided by the largest velocity.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

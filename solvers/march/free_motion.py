@@ -1,7 +1,5 @@
 """Early end of a march whose remaining energy is too small for further contact."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Literal, Self, get_args

@@ -3,8 +3,6 @@ scheme is made for one problem and one time step, for which it factorises its ma
 each state from the previous state only. A march can therefore be stopped, stored and resumed
 exactly."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum

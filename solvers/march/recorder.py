@@ -5,8 +5,6 @@ killed. Only h5py can flush a file, so the file is opened with h5py and passed t
 are flushed before the attribute `steps` includes them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import fields

@@ -1,7 +1,5 @@
 """Records of a march in memory, for marches whose histories are not written to a file."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

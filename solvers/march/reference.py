@@ -16,8 +16,6 @@ to a contact force from the next step on. Coriolis forces add Omega G / dt to A 
 x_{n-1}. With Coriolis forces, c of the rotor includes Coriolis forces and point dampers.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import NamedTuple

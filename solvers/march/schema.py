@@ -5,8 +5,6 @@ that are written and read; `schema_table` returns it as text. `HISTORY` has the 
 of `Chunk`, `STATIC` the names of the fields of `StageArrays`.
 """
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterator, Mapping
 from importlib import resources

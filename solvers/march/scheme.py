@@ -5,8 +5,6 @@ hundred times slower than the compiled code. A comparison of both shows whether 
 compiled code or in the model.
 """
 
-from __future__ import annotations
-
 import os
 from importlib import import_module
 from typing import Any

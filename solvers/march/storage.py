@@ -5,8 +5,6 @@ file.
 `check`. `CutFile` reports a larger size than the file has, so that the existing part can be read.
 """
 
-from __future__ import annotations
-
 import io
 import os
 from typing import Any

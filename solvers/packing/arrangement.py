@@ -1,7 +1,5 @@
 """Arrangement of the modes of a body (rotor or casing) in the arrays of the kernel."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Arrays of a body (rotor or casing) in modal coordinates."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray

@@ -1,7 +1,5 @@
 """Arrays of the casing: by harmonic, folded if possible, for a cyclic casing; otherwise dense."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray

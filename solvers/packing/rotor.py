@@ -1,7 +1,5 @@
 """Arrays of the rotor: by harmonic for a cyclic rotor, otherwise dense."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray

@@ -1,7 +1,5 @@
 """Arrays of point dampers, of springs between the bodies and of static shaft springs."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from bladewhirl.models.coupling.springs import CouplingSprings

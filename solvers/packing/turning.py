@@ -1,7 +1,5 @@
 """Arrays for the coupling of the rotor modes by Coriolis forces and damping."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray

@@ -13,8 +13,6 @@ but contact does not excite them. Waves with k = 0 do not travel and never meet.
 forward and backward are exchanged, with equal speeds; therefore speeds are magnitudes.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,11 +35,11 @@ class Coincidences:
         """Number of pairs."""
         return len(self.speed)
 
-    def between(self, lowest: float, highest: float) -> Coincidences:
+    def between(self, lowest: float, highest: float) -> "Coincidences":
         """Return the coincidences from ``lowest`` to ``highest`` [rad/s], limits included."""
         return self.take(np.flatnonzero((self.speed >= lowest) & (self.speed <= highest)))
 
-    def take(self, chosen: IntArray) -> Coincidences:
+    def take(self, chosen: IntArray) -> "Coincidences":
         """Return the pairs at the chosen positions."""
         return Coincidences(
             rotor=self.rotor[chosen],

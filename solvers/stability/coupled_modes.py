@@ -10,8 +10,6 @@ diameter k, Re(C exp(-i k theta)), has its crest at theta = arg(C) / k, so the w
 in the sense of rotation, if arg(C) grows.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

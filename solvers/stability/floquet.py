@@ -8,8 +8,6 @@ Reference: S. Blanes, F. Casas, J. A. Oteo, J. Ros, The Magnus expansion and som
 applications, Physics Reports 470 (2009) 151-238, Section 5.4.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

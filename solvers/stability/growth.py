@@ -8,8 +8,6 @@ with a single mode (k = 0, N/2), and modes with several nodal diameters, are sol
 coordinates.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor

@@ -13,8 +13,6 @@ clearance is smallest at arg(U - W):
 All angles are in one frame, rotating or static; their differences do not depend on the frame.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

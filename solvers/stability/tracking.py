@@ -1,7 +1,5 @@
 """Continuous branches of eigenvalues along a line of parameters (Fig. 12)."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 

@@ -7,8 +7,6 @@ clamped centre, and never passes the next frequency. The branches therefore veer
 the n-th branch is the n-th frequency at every stiffness.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

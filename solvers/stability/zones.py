@@ -14,8 +14,6 @@ With damping, and for nodal diameters with a single mode, zones are found instea
 the growth rate at a series of speeds, which is denser inside the undamped zones.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Figures of convergence in the time step and the modes, and of contact schemes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

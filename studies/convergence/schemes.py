@@ -1,7 +1,5 @@
 """Comparison of the contact schemes on one case: displacement, impulse, energy and cost."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from pathlib import Path

@@ -5,8 +5,6 @@ march: by the distance of the shaft's orbits (root mean square in rotating axes,
 radius of the finest orbit), the total normal impulse and the regime.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from contextlib import ExitStack

@@ -1,7 +1,5 @@
 """Coincidence speeds of bladed disk and casing: Dataset, JSON document, figures, page."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, get_args
 

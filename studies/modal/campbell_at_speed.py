@@ -4,8 +4,6 @@ The frequencies depend on the speed and on the direction of the waves. A speed a
 zero frequency in the rotating frame is a critical speed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Figures and films of the divergent mode at one speed and coupling stiffness."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -6,8 +6,6 @@ different nodal diameters are coupled, and the coefficients are constant in rota
 periodic in all frames: `System`. `couple` chooses between the two classes.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -124,7 +122,7 @@ class EvenSystem(System):
             "waves_met": bool(is_unstable(undamped.rate, omega)),
         }
 
-    def of_diameter(self, k: int) -> EvenSystem:
+    def of_diameter(self, k: int) -> "EvenSystem":
         """Return the system of the modes with nodal diameter k."""
         part = self.stage.take(np.flatnonzero(self.modes.nodal_diameter == k))
         return replace(self, stage=part, modes=part.modes)

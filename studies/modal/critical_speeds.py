@@ -1,7 +1,5 @@
 """Map of critical speeds over the stiffness of the shaft: Dataset, JSON document, figure."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

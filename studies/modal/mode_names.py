@@ -1,7 +1,5 @@
 """Names of modes on the command line: "1F:1", "suspension", "casing:1F:2", or lists of these."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from difflib import get_close_matches
 

@@ -1,7 +1,5 @@
 """Pictures and films of natural modes, and of the contact scenarios of the first k = 1 mode."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Natural modes of a case: Dataset and JSON document."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Steady response of the bladed disk to engine-order forces, without contact: Dataset, rows."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Contact scenarios of the k = 1 modes of a stage, for two motions of the casing (Figs 9, 10)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Linear stability of the coupled stage, at a point or as a chart, and the divergent motion."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Growth rate of coupled modes over speed and stiffness, with zones and eigenvalues."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

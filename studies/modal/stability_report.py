@@ -1,7 +1,5 @@
 """JSON documents and figures of a stability study."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Frequencies over nodal diameter and over shaft stiffness: Dataset, JSON document, figures."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

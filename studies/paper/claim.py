@@ -8,8 +8,6 @@ met, or if an essential check fails. A claim that cannot be judged is not testab
 reason.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, get_args

@@ -1,7 +1,5 @@
 """Measures of claims on marches: convergence (claims 16, 17), distortion, imbalance (20 to 46)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

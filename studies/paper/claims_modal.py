@@ -1,7 +1,5 @@
 """Measures of claims on modes: uncoupled (claims 1 to 9), and coupled by springs (10 to 15)."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Measures of claims on sweeps over speed (claims 18, 19, 27, 29, 34, 36, 38, 40, 41)."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

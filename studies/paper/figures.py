@@ -1,7 +1,5 @@
 """Figures like those of the paper, drawn from our runs: panels and functions that draw them."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Reproduction of the paper: selection of claims, their marches and sweeps, and verdicts."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

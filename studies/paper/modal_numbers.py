@@ -1,7 +1,5 @@
 """Numbers of the source paper on uncoupled modes (Sections 3.1, 3.2, 4.2)."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

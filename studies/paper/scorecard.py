@@ -1,7 +1,5 @@
 """Scorecard: verdicts of claims over repeats, and their numbers, as JSON, a table and a page."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Modal measures, marches and sweeps by which claims are judged; each is computed once."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Axes of a sweep: keys of the case with their values, validated point by point."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import re

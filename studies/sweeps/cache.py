@@ -4,8 +4,6 @@ A run is identified by its resolved case and the version of the program, so an i
 continues with the missing runs, and another study can use the same runs.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field

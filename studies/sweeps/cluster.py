@@ -1,7 +1,5 @@
 """Points on the workers of an existing dask scheduler; see `march_points`."""
 
-from __future__ import annotations
-
 import socket
 import uuid
 from collections.abc import Iterable, Iterator

@@ -6,8 +6,6 @@ draw of a point has its own random stream (Philox, with point and draw as the co
 values depend neither on the number of workers nor on the order of the points.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Sizes of the data of each point of a sweep, chosen once for all points."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Plan of a sweep: validated points, their cost, and the layout of the results."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ The data of a point depend only on its case, so that it does not matter which wo
 point, when, or how often.
 """
 
-from __future__ import annotations
-
 import os
 import threading
 from collections.abc import Mapping

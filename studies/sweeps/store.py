@@ -6,8 +6,6 @@ is written after the data of the point have been flushed. Files of sweeps with t
 equal, independent of the order in which the points were computed.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping

@@ -4,8 +4,6 @@ Only the calling process writes the dataset; workers only march. The content of 
 on the case and the points, not on the number of workers, their order, or interruptions.
 """
 
-from __future__ import annotations
-
 import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence

@@ -5,8 +5,6 @@ that crashes, or that the system kills for its memory, ends only its worker proc
 sweep.
 """
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import threading

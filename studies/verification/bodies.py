@@ -1,7 +1,5 @@
 """Small bodies with known motions, their time integration, and the error of the energy balance."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Literal

@@ -11,8 +11,6 @@ Both values can be arrays of the same shape; the entry with the largest error is
 function computes several cases, the rows name the function, which returns a pair for each case.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import time

@@ -4,8 +4,6 @@ The time integration of stages solves all problems, with one tip as the rotor, a
 second bar as the casing.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Responses to engine-order forces, compared with closed forms, the full model and the march."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

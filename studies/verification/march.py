@@ -1,7 +1,5 @@
 """Time integration compared with a simple dense program, and checks of symmetries and orders."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cache
 from typing import Any

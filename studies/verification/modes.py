@@ -1,8 +1,6 @@
 """Bladed disks compared with independent frame programs, beams compared with theory, and reduced
 models compared with full models."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise

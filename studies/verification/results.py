@@ -1,7 +1,5 @@
 """Balances of a run, computed only from its `result.nc`."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path

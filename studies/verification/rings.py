@@ -1,7 +1,5 @@
 """Casings compared with closed-form solutions of rings, and orders of convergence."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from bladewhirl.models.modal.modes import Modes, structure_modes

@@ -1,8 +1,6 @@
 """Bladed disks with rotation effects, compared with closed-form solutions and with a reference:
 independent finite elements (data/rotation.json)."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Contact schemes with restitution, sticking friction, or a stop of finite stiffness."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from typing import Any

@@ -1,7 +1,5 @@
 """Growth of parametrically coupled modes: Mathieu's equation, and the paper's coupled modes."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Stages, beams and rings of the reference results."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cache
 from typing import Any, Literal

@@ -1,7 +1,5 @@
 """Table of verification cases: computation, and output as text, JSON, Markdown or a page."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass

@@ -1,7 +1,5 @@
 """Marches with Coriolis forces, compared with closed forms and with independent elements."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Geometry of the line meshes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

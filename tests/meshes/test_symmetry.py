@@ -1,7 +1,5 @@
 """Rotational symmetry of line meshes: found whatever the numbering, refused where there is none."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

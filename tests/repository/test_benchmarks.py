@@ -1,7 +1,5 @@
 """The benchmarks run; their results need an idle machine."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

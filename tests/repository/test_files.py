@@ -1,7 +1,5 @@
 """Files appear whole, past links and folders in the way."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Pages in a real browser: they load nothing, and run nothing but their own program."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """The page on the paper's cases with rotation effects: rows of its table, marched again."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

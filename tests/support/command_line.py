@@ -1,7 +1,5 @@
 """Commands in this process: `answer` for those that end well, `refusal` for those that refuse."""
 
-from __future__ import annotations
-
 from typer.testing import CliRunner, Result
 
 from bladewhirl.studies.commands.cli import app

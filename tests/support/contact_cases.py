@@ -1,7 +1,5 @@
 """Small contact problems with known answers, and what tests ask of any march."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from functools import cache
 from typing import Literal

@@ -1,7 +1,5 @@
 """The paper's six coupled modes with frequencies close to those of its stage."""
 
-from __future__ import annotations
-
 from bladewhirl.models.coupling.springs import CouplingModes, paper_modes
 
 UNIT = 252.8

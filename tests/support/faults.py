@@ -1,7 +1,5 @@
 """What a user would be told of a case that is refused."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

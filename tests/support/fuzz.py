@@ -5,8 +5,6 @@ end in an answer or in a sentence: no traceback, no warning, no number that is n
 are made from their number alone, so a finding is repeated by `--first NUMBER --count 1`.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import io

@@ -4,8 +4,6 @@ Rewrites tests/data/golden.json, which a test compares with; it is to change onl
 meant to. The march is short so that rounding has not yet grown into other motions.
 """
 
-from __future__ import annotations
-
 import json
 
 from places import DATA

@@ -7,8 +7,6 @@ contact forces. A stage is made from its number alone, so a finding is repeated 
 `--first NUMBER --count 1`. Meant for a build with AddressSanitizer too, see `.ci/sanitize`.
 """
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import replace
 from typing import Any

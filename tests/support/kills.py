@@ -5,8 +5,6 @@ milliseconds of a write. What is left must open, be the first records of a run t
 to the bit, and lack no more than one flush; of some it is also seen that they go on to its end.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import random

@@ -5,8 +5,6 @@ from all that there are by a seed. It is killed when one of the tests fails. Wha
 loaded beside the program is loaded once.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import contextlib

@@ -3,8 +3,6 @@
 The matrices are typed in from Przemieniecki, Theory of Matrix Structural Analysis (1968).
 """
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.linalg as la
 

@@ -1,7 +1,5 @@
 """Pages of reports, taken apart for tests."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

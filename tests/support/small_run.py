@@ -1,7 +1,5 @@
 """A case of a few blades, cheap to march, and what gives commands in a process of its own."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

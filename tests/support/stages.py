@@ -1,7 +1,5 @@
 """Finite element stages that several test modules look at, and the numbers known of them."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

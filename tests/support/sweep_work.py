@@ -1,7 +1,5 @@
 """A small sweep, and stand-ins for its work in a module that workers can import."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path

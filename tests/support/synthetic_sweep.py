@@ -1,7 +1,5 @@
 """The folder of a sweep whose points are closed-form motions of `synthetic_result`."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from math import prod
 from pathlib import Path

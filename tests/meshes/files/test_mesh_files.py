@@ -1,7 +1,5 @@
 """Mesh files: what Gmsh writes is read whole, what is written comes back, the rest is refused."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Warnings about implausible input: each where it applies, none for the examples."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

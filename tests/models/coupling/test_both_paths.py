@@ -1,7 +1,5 @@
 """A tuned stage by the cyclic path and by the dense one: symmetry is found, and only saves time."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

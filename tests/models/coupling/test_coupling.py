@@ -1,7 +1,5 @@
 """The springs between rotor and casing, against Eq. (8) integrated and Eqs (9), (16), (18)."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

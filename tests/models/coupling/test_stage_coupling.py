@@ -1,7 +1,5 @@
 """The coupled modes of a finite element stage, and the growth they give."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Coupled modes that mix nodal diameters, against those of one each, Floquet theory and by hand."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The bladed disk against independent frame programs."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from stages import bladed_disk, oracle, translation

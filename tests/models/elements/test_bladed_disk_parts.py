@@ -1,7 +1,5 @@
 """What the [bladed_disk] table can describe, against closed forms, totals and drawings by hand."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The casing against closed forms of rings."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Casings on springs and struts at angles: closed forms of rings, rods and beams."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Casings out of round: what the case takes, what the tips meet."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Large stages say what they take before they are assembled; what the machine can't hold waits."""
 
-from __future__ import annotations
-
 import logging
 
 import pytest

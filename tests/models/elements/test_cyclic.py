@@ -1,7 +1,5 @@
 """Cyclic symmetry: the real DFT, one-sector blocks, nodal diameters, travelling waves."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

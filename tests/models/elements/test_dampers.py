@@ -1,7 +1,5 @@
 """Dampers of supports and shaft: a full damping matrix in the march."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

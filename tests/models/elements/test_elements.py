@@ -1,7 +1,5 @@
 """Beam elements against textbook matrices and closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial

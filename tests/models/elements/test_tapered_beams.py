@@ -1,7 +1,5 @@
 """Tapered beams against a Ritz method of smooth functions and against beam theory."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

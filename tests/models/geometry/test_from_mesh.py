@@ -1,7 +1,5 @@
 """Stages from mesh files: the same matrices after a round trip, symmetry found, faults named."""
 
-from __future__ import annotations
-
 import pickle
 import re
 import shutil

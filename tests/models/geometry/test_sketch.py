@@ -1,7 +1,5 @@
 """Bladed disks drawn part by part: what comes out, and what is refused by name."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Labels of modes: however few are asked for, however unlike the blades are."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 from functools import cache

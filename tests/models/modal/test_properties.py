@@ -1,7 +1,5 @@
 """What holds for stages of any size: structures, reduction and march together."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Literal
 

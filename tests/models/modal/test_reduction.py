@@ -1,7 +1,5 @@
 """Craig-Bampton reduction: exact where it must be, and as good as it is known to be elsewhere."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

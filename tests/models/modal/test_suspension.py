@@ -1,7 +1,5 @@
 """Shaft springs sized for the suspension's frequency."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

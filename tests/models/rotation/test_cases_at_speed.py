@@ -1,7 +1,5 @@
 """Cases whose bladed disk feels that it turns: stages, clearances, calibration, refusals."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

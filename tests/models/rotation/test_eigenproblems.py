@@ -1,7 +1,5 @@
 """Eigenproblems of random matrices: what is found solves them, is complete and in order."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg as la

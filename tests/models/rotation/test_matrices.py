@@ -1,7 +1,5 @@
 """What rotation adds to bladed disks of all parts: closed forms, invariances, measured orders."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Speeds at which waves on a turning disk meet others, by the frequencies that they have there."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

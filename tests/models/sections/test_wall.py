@@ -1,7 +1,5 @@
 """Walls whose section varies along the ring: perturbation theory, limits, masses, convergence."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from places import EXAMPLES

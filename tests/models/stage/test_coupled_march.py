@@ -1,7 +1,5 @@
 """Marches with springs between rotor and casing: Eqs (8)-(10), against the stability analysis."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

@@ -3,8 +3,6 @@
 With dampers the reference is a march whose dampers feel contact at once.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Marches in some of a stage's modes: names, projection, and the paper's six-mode space."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Loads and initial values: closed forms, full statics, marches of a rigid rotor."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from contact_cases import run

@@ -1,7 +1,5 @@
 """`stage.reduced`: matrices with named degrees of freedom, and what a stage says of itself."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg as la

@@ -1,7 +1,5 @@
 """Shafts whose springs differ: turning with the bladed disk, and standing still."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 """From a case to a stage: against independent frequencies, static answers and statics of its own
 full matrices; faults that only show on the finite element model."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 

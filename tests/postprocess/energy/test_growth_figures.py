@@ -1,7 +1,5 @@
 """The growth rate of a motion as a figure: known rates come out, noise widens the band."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import synthetic_result as synthetic

@@ -1,7 +1,5 @@
 """A stage that a user draws in Python: marched, shown, rerun from what the run left."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import shutil

@@ -1,7 +1,5 @@
 """Strains against beam theory: statics of single loads, closed forms, motions without strain."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.sparse.linalg as spla

@@ -1,7 +1,5 @@
 """Stresses over time: against a plain loop, their extremes, and which beams make a blade."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import synthetic_result as synthetic

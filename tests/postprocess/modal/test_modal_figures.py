@@ -1,7 +1,5 @@
 """Figures and films of modal analysis: what they show, and that it can be read."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Literal
 

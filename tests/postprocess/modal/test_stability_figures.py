@@ -1,7 +1,5 @@
 """Figures of stability and coupled modes: what they are drawn from, and that all of it is there."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast

@@ -1,7 +1,5 @@
 """The registry of figures, and the functions of `bladewhirl.plot` that draw them."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

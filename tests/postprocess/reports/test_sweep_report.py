@@ -1,7 +1,5 @@
 """`bladewhirl report` of sweeps: finished ones, ones with failed or missing points, none done."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

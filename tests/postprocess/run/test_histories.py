@@ -1,7 +1,5 @@
 """Histories of blades and of the casing in windows of seconds, against closed forms."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

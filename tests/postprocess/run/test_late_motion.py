@@ -1,7 +1,5 @@
 """What a sweep keeps of late motions: circles and ellipses with known answers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import synthetic_result as synthetic

@@ -1,7 +1,5 @@
 """Tip timing against arrivals of a motion in closed form."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import synthetic_result as synthetic

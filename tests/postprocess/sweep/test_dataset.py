@@ -1,7 +1,5 @@
 """Opening sweeps: values as they were given, coordinates of the points, formats."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import h5py

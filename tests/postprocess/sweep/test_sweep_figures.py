@@ -1,7 +1,5 @@
 """Figures of sweeps and what is behind them: closed-form motions, failed points, two keys."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -2,8 +2,6 @@
 that are told apart without colour.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The contact step: against plain NumPy, on both paths, and in its conventions."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Marches of a rotor that feels Coriolis forces, against what is known of whirling and of speed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

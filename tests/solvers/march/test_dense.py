@@ -1,7 +1,5 @@
 """Moreau and Jean's impacts, and a penalty: on whole stages, beside the march of every day."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

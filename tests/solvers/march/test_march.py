@@ -1,7 +1,5 @@
 """The march in time: order, start, records, resuming, divergence."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 
 import numpy as np

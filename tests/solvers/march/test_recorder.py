@@ -1,7 +1,5 @@
 """Results on disk: layout, growth, what a kill leaves, and that nothing infinite gets in."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The compiled march against the reference in plain NumPy, step for step, on all kinds of stage."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from typing import Any
 

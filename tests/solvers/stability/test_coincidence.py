@@ -1,7 +1,5 @@
 """Coincidence speeds: Eq. (14), for counter-rotating waves alone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

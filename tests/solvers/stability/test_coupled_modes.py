@@ -1,7 +1,5 @@
 """Coupled modes in time, against the periodic equations and fields drawn point by point."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Monodromy by direct integration: closed forms, Mathieu, another integrator, the frame."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coupled_system import UNIT, six_modes

@@ -1,7 +1,5 @@
 """Contact scenarios: where contact is and which whirl friction drives."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

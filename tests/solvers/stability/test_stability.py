@@ -1,7 +1,5 @@
 """Growth rates, zones and tracked branches, against closed forms, scans and the real system."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Frequencies over nodal diameter and over the stiffness of the shaft."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

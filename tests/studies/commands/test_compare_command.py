@@ -1,7 +1,5 @@
 """`bladewhirl compare`: every contact scheme on one case, as a table, a document and a figure."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Errors of the operating system end in one line."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -3,8 +3,6 @@
 The test tries `FUZZ_INPUTS` of each of the five kinds, from number `FUZZ_FIRST` on.
 """
 
-from __future__ import annotations
-
 import os
 
 import pytest

@@ -1,7 +1,5 @@
 """`bladewhirl mesh`, and runs of cases with a mesh file: self-contained, and one line a fault."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

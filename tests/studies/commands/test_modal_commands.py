@@ -1,7 +1,5 @@
 """`bladewhirl modes`, `campbell` and `veering`: lists, tables, figures and films, bad input."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from functools import cache

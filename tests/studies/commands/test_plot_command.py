@@ -1,7 +1,5 @@
 """`bladewhirl plot`: figures by name, windows, and what it refuses."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`bladewhirl report`: self-contained pages with the figures and numbers of a run."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

@@ -1,7 +1,5 @@
 """`bladewhirl run` and `bladewhirl.run`: what a run leaves, refuses, and how it ends."""
 
-from __future__ import annotations
-
 import json
 import re
 import signal

@@ -1,7 +1,5 @@
 """`bladewhirl show`: derived figures against closed forms, and its two outputs."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`bladewhirl stability`: one point, the chart, the divergent mode in time, and bad input."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Convergence in time step and modes: measured orders, what the command leaves, bad input."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Campbell diagrams of a bladed disk with rotation effects."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Map of critical speeds over shaft stiffness, compared with frequencies at rest and at speed."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

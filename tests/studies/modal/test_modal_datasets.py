@@ -1,7 +1,5 @@
 """Datasets of `modes`, `campbell` and `veering`: selection, units, files."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 """Engine-order forces: their places and directions, damped responses, refusals; `verify forced`
 compares responses with the march and with closed forms."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

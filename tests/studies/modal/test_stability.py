@@ -1,7 +1,5 @@
 """Datasets of `stability`: one point and a chart of a case."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

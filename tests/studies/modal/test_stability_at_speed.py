@@ -1,7 +1,5 @@
 """Stability of coupled modes on a bladed disk with rotation effects."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache, partial
 

@@ -1,7 +1,5 @@
 """The paper's cases give the numbers that they gave: see `support/golden.py`."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

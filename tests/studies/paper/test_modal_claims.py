@@ -1,7 +1,5 @@
 """What the source paper says of uncoupled modes, computed for the fan stage (claims 1 to 9)."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Claims of the paper: how they are judged, what they are judged by, and the command."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import re

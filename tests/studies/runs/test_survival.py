@@ -1,7 +1,5 @@
 """Runs that survive: killed, refused, made longer, overwritten, begun twice."""
 
-from __future__ import annotations
-
 import shutil
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Draws of sweeps: their values, their intervals, and what is refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

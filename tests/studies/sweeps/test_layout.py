@@ -1,7 +1,5 @@
 """Sizes of what a sweep keeps: one for all of its points, whatever their marches."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from small_run import small

@@ -1,7 +1,5 @@
 """Sweeps in worker processes: the same bits as in one process, whatever is killed on the way."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

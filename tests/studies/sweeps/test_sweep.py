@@ -1,7 +1,5 @@
 """Sweeps: points, folders, refusals and resumption, marched in this process."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What a sweep runs over: ranges, lists, units, keys, and everything wrong with them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

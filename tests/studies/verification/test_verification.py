@@ -1,7 +1,5 @@
 """`bladewhirl verify`: its table is complete, right here, and fails where a reference is wrong."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path
