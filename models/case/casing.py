@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.case.wall_profile import ClearanceProfile
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
@@ -92,6 +93,12 @@ class Casing(Table):
     """Measured clearance around the casing: { file = "wall.csv" } with the first line "angle
     [deg],clearance [mm]", { points = [[0, 1e-3], ...] }, or { harmonics = [{ lobes = 2, amplitude =
     "0.2 mm" }] }; by default there is none."""
+    closure: Closure | None = Field(
+        default=None, examples=['{ amount = "0.3 mm", time_constant = "1 s" }']
+    )
+    """Clearance lost over time: { amount = "0.3 mm", time_constant = "1 s" } or { table = [["0 s",
+    "0 mm"], ["2 s", "0.3 mm"]] }, with lobes if it varies around the casing; by default there is
+    none."""
     wall: BeamSection = BeamSection()
     """Section of the wall [m] (paper, Table 1)."""
     thickness_lobes: Annotated[
@@ -166,6 +173,7 @@ class Casing(Table):
         lobes = {
             "clearance_lobes": self.clearance_lobes,
             "profile": () if self.profile is None else self.profile.harmonics,
+            "closure.lobes": () if self.closure is None else self.closure.lobes,
             "thickness_lobes": self.thickness_lobes,
         }
         for key, rows in lobes.items():
@@ -182,6 +190,12 @@ class Casing(Table):
             )
             key = "clearance_lobes" if self.profile is None else "profile"
             yield Inconsistency(key, expected, ("clearance",))
+        if self.closure is not None and not self.closure.smallest_loss > -self.clearance:
+            expected = (
+                f"a closure that opens the gap by less than casing.clearance = {self.clearance!r};"
+                f" it would open by {-self.closure.smallest_loss:.6g} m"
+            )
+            yield Inconsistency("closure", expected, ("clearance",))
         if not (thinnest := self.thickness_profile.smallest) > 0.0:
             expected = f"lobes that leave a wall: the smallest thickness would be {thinnest:.6g} m"
             others = ("wall.thickness", "thickness_stations")

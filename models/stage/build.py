@@ -11,6 +11,7 @@ from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     ReducedCasing,
     ReducedRotor,
+    WallClosure,
     critical_time_step,
 )
 from bladewhirl.models.stage.loads import excitation_loads, initial_state
@@ -41,10 +42,19 @@ def contact_problem(stage: Stage) -> ContactProblem:
             loads=tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage)),
             start=initial_state(stage).take(kept.rotor, kept.casing),
             springs=kept.springs,
+            closure=_closure(stage),
             restitution=case.contact.restitution,
             penalty_stiffness=case.contact.penalty_stiffness,
             stick_speed=case.contact.stick_speed,
         )
+
+
+def _closure(stage: Stage) -> WallClosure | None:
+    course, mesh = stage.case.casing.closure, stage.casing.mesh
+    if course is None:
+        return None
+    share = [course.around.value(mesh.angles), course.around.slope(mesh.angles) / mesh.radius]
+    return WallClosure(course=course, share=np.column_stack(share))
 
 
 def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:
@@ -116,6 +126,12 @@ def _start_faults(stage: Stage) -> Iterator[Fault]:
     case, rows = stage.case, stage.case.initial.tip_displacement or ()
     rotor = stage.rotor
     clearance = case.casing.clearance_profile.value(rotor.tip_angle) + rotor.tip_recess
+    if case.casing.closure is not None:
+        lost = case.casing.closure.value(0.0) * case.casing.closure.around.value(rotor.tip_angle)
+        clearance = clearance - lost
+        if not clearance.min() > 0.0:
+            expected = f"a closure at t = 0 that leaves a gap: it is {lost.max():.6g} m at a tip"
+            yield case_fault(case, "casing.closure.table", expected)
     for blade, (radial, _) in enumerate(rows):
         if radial > clearance[blade]:
             expected = (

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.coupling.equations import difference_of_axes
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.elements.cyclic import evenly_spaced
@@ -152,6 +153,19 @@ class ReducedCasing:
 
 
 @dataclass(frozen=True, kw_only=True)
+class WallClosure:
+    """Clearance that is lost over time."""
+
+    course: Closure  #: closure over time
+    share: FloatArray
+    """Share of the closure at each node, and its derivative by s [1, 1/m], (nodes, 2)."""
+
+    def at(self, time: float) -> FloatArray:
+        """Return the closure and its derivative by s at each node [m, 1], (nodes, 2)."""
+        return np.asarray(self.course.value(time) * self.share)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Load:
     """A force pattern times cos(frequency t + phase), with a half-cosine ramp and an end."""
 
@@ -200,10 +214,16 @@ class ContactProblem:
     loads: tuple[Load, ...]
     start: Start
     springs: CouplingSprings | None = None  #: springs between the bodies
+    closure: WallClosure | None = None  #: clearance that is lost over time
     restitution: float = 0.0  #: restitution coefficient e of the scheme "moreau-jean"
     penalty_stiffness: float = 1e9  #: contact stiffness of the scheme "penalty" [N/m]
     stick_speed: float = 0.01
     """Sliding speed up to which friction in the scheme "penalty" grows in proportion [m/s]."""
+
+    def clearance(self, time: float) -> FloatArray:
+        """Return the clearance and its derivative by s at each node [m, 1], (nodes, 2)."""
+        at_start = self.casing.clearance
+        return at_start if self.closure is None else at_start - self.closure.at(time)
 
     @property
     def critical_time_step(self) -> float:

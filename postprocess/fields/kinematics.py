@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
+from bladewhirl.models.case.file import loads
 from bladewhirl.models.inputs.errors import UserError
 
 Array = NDArray[np.float64]
@@ -221,6 +222,17 @@ def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:
     nodes."""
     node, clearance = dataset["casing_angle"].values, dataset["clearance"].values
     return np.asarray(np.interp(angle, node, clearance, period=2 * np.pi))
+
+
+def closure_at(dataset: xr.Dataset, records: IntArray, angle: Array) -> Array:
+    """Return the clearance that `casing.closure` has taken at records, at static angles [rad],
+    (record, point) [m]."""
+    text = str(dataset.attrs.get("case", ""))
+    closure = loads(text).casing.closure if "closure" in text else None
+    if closure is None:
+        return np.zeros((len(records), len(angle)))
+    time = dataset["time"].values[records]
+    return np.asarray(closure.value(time)[:, None] * closure.around.value(angle))
 
 
 def record_lengths(dataset: xr.Dataset) -> Array:

@@ -18,6 +18,20 @@
 enum { MOST_ROUNDS = 2000 }; /* largest number of Gauss-Seidel iterations */
 #define CLOSE 1e-12          /* change, over the largest velocity, at which iterations end */
 
+/* The wall at one time. */
+typedef struct {
+    const Closure *closure; /* NULL if the clearance is constant */
+    double closed, rate;    /* closure [m] and its rate of change [m/s] */
+} Wall;
+
+static Wall wall_at(const Closure *closure, double time)
+{
+    Wall wall = {closure, 0.0, 0.0};
+    if (closure)
+        wall.closed = closure_at(closure, time, &wall.rate);
+    return wall;
+}
+
 /* Compute C v, in which Coriolis forces do no work. */
 static void velocity_force(const DenseStage *stage, const double *v, double *out)
 {
@@ -150,9 +164,17 @@ static double under_tip(const DenseStage *stage, int64_t element, const double *
     return weight[0] * near[0] + weight[1] * near[1] + weight[2] * far[0] + weight[3] * far[1];
 }
 
+/* Return the share of the closure above a tip, or its slope, depending on the weights. */
+static double closure_share(const Closure *closure, int64_t element, const double *weight)
+{
+    const double *value = closure->share.at + element, *slope = value + closure->share.columns;
+    return weight[0] * value[0] + weight[1] * slope[0] + weight[2] * value[1]
+           + weight[3] * slope[1];
+}
+
 /* Return the gap of a tip, and fill its row of B_N. */
-static double tip_gap(const DenseStage *stage, int64_t tip, double turn, const double *x,
-                      double *row)
+static double tip_gap(const DenseStage *stage, Wall wall, int64_t tip, double turn,
+                      const double *x, double *row)
 {
     int64_t modes = stage->tip_radial.columns;
     double xi, weight[4];
@@ -161,13 +183,15 @@ static double tip_gap(const DenseStage *stage, int64_t tip, double turn, const d
     for (int64_t i = 0; i < modes; i++)
         row[i] = -stage->tip_radial.at[tip * modes + i];
     double clearance = under_tip(stage, element, weight, W_KIND, row + modes);
+    if (wall.closure)
+        clearance -= wall.closed * closure_share(wall.closure, element, weight);
     return clearance + stage->tip_recess.at[tip] + dot(row, x, stage->stiffness.size);
 }
 
-/* Return the rate of change of the gap due to the slope of the casing along which the tip moves,
- * and fill its row of B_T. */
-static double tip_sliding(const DenseStage *stage, int64_t tip, double turn, const double *x,
-                          const double *v, double *row)
+/* Return the rate of change of the gap due to the closure and due to the slope of the casing along
+ * which the tip moves, and fill its row of B_T. */
+static double tip_sliding(const DenseStage *stage, Wall wall, int64_t tip, double turn,
+                          const double *x, const double *v, double *row)
 {
     int64_t modes = stage->tip_radial.columns;
     const double *tangential = stage->tip_tangential.at + tip * modes;
@@ -178,11 +202,14 @@ static double tip_sliding(const DenseStage *stage, int64_t tip, double turn, con
     slope_weights(xi, stage->element_length, weight);
     double slope = under_tip(stage, element, weight, W_KIND, row + modes);
     slope += dot(row + modes, x + modes, stage->nodal.columns);
+    if (wall.closure)
+        slope -= wall.closed * closure_share(wall.closure, element, weight);
     for (int64_t i = 0; i < modes; i++)
         row[i] = -tangential[i];
     value_weights(xi, stage->element_length, weight);
     under_tip(stage, element, weight, U_KIND, row + modes);
-    return rate * (double)stage->nodal.layers * stage->element_length / (2.0 * PI) * slope;
+    rate *= (double)stage->nodal.layers * stage->element_length / (2.0 * PI) * slope;
+    return wall.closure ? rate - wall.rate * closure_share(wall.closure, element, weight) : rate;
 }
 
 /* Update the normal impulse of a tip (law of Moreau and Jean). Returns the change as a velocity. */
@@ -243,16 +270,16 @@ static double solve_impulses(const DenseLaw *law, DenseScratch *s, int64_t tips,
 
 /* Compute the impulses of the tips in `active`, and v_{n+1}. Before, `impulse` contains the depth
  * of penetration of each tip. */
-static void solve_contact(const DenseStage *stage, const DenseLaw *law, DenseState *state,
-                          DenseScratch *s, double h, double turn, int64_t tips)
+static void solve_contact(const DenseStage *stage, Wall wall, const DenseLaw *law,
+                          DenseState *state, DenseScratch *s, double h, double turn, int64_t tips)
 {
     int64_t modes = stage->stiffness.size;
     double *rows = s->rows.at, *answers = s->answers.at;
     int solved;
     for (int64_t i = 0; i < tips; i++) {
         double *normal = rows + i * modes, *tangential = rows + (tips + i) * modes;
-        double drift = tip_sliding(stage, s->active.at[i], turn, s->seen.at, state->velocity.at,
-                                   tangential);
+        double drift = tip_sliding(stage, wall, s->active.at[i], turn, s->seen.at,
+                                   state->velocity.at, tangential);
         s->before.at[i] = dot(normal, state->velocity.at, modes) + drift;
         s->free.at[i] = dot(normal, s->v_free.at, modes) + drift;
         s->free.at[tips + i] =
@@ -293,8 +320,9 @@ static int within_limit(const DenseStage *stage, int64_t step, const double *x)
 }
 
 /* Add the impulses and works of an accepted step to the state; `x` is x_{n+1}. */
-static void account_dense(const DenseStage *stage, DenseState *state, DenseScratch *s, double h,
-                    int64_t step, int64_t touching, const double *x)
+static void account_dense(const DenseStage *stage, const Closure *closure, DenseState *state,
+                          DenseScratch *s, double h, int64_t step, int64_t touching,
+                          const double *x)
 {
     int64_t modes = stage->stiffness.size, tips = stage->tip_angle.size;
     double *work = state->works.at, *counts = state->counts.at, *sums = state->sums.at;
@@ -321,14 +349,15 @@ static void account_dense(const DenseStage *stage, DenseState *state, DenseScrat
     work[DENSE_DAMPING] += dot(moved, s->force.at, modes) / h;
     work[DENSE_TURNING] += dot(moved, s->turned.at, modes) + turning_force(stage, after, x, 0);
     work[DENSE_TURNING] -= turning_force(stage, now, state->displacement.at, 0);
+    Wall wall = wall_at(closure, (double)(step + 1) * h);
     for (int64_t tip = 0; tip < tips; tip++) {
-        double gap = tip_gap(stage, tip, after, x, s->row.at);
+        double gap = tip_gap(stage, wall, tip, after, x, s->row.at);
         sums[DENSE_GAP * tips + tip] = smaller(sums[DENSE_GAP * tips + tip], gap);
     }
 }
 
-int64_t dense_march(const DenseStage *stage, const DenseLaw *law, DenseState *state,
-                    DenseScratch *s, double h, int64_t first, int64_t steps)
+int64_t dense_march(const DenseStage *stage, const Closure *closure, const DenseLaw *law,
+                    DenseState *state, DenseScratch *s, double h, int64_t first, int64_t steps)
 {
     int64_t modes = stage->stiffness.size, tips = stage->tip_angle.size;
     double *x = state->displacement.at, *v = state->velocity.at, *seen = s->seen.at;
@@ -344,28 +373,30 @@ int64_t dense_march(const DenseStage *stage, const DenseLaw *law, DenseState *st
         for (int64_t i = 0; i < modes; i++)
             s->force.at[i] = s->load.at[i] + s->turned.at[i];
         free_velocity(stage, h, state, s->force.at, s->moved.at, s->v_free.at);
-        double turn = stage->speed * (law->penalty > 0.0 ? half : (double)(step + 1) * h);
+        double seen_at = law->penalty > 0.0 ? half : (double)(step + 1) * h;
+        double turn = stage->speed * seen_at;
+        Wall wall = wall_at(closure, seen_at);
         for (int64_t i = 0; i < modes; i++) {
             s->v_after.at[i] = s->v_free.at[i];
             seen[i] = law->penalty > 0.0 ? s->middle.at[i] : x[i] + 0.5 * h * (v[i] + s->v_free.at[i]);
         }
         int64_t touching = 0;
         for (int64_t tip = 0; tip < tips; tip++) {
-            double gap = tip_gap(stage, tip, turn, seen, s->rows.at + touching * modes);
+            double gap = tip_gap(stage, wall, tip, turn, seen, s->rows.at + touching * modes);
             if (gap < 0.0) {
                 s->active.at[touching] = tip;
                 s->impulse.at[touching++] = -gap;
             }
         }
         if (touching)
-            solve_contact(stage, law, state, s, h, turn, touching);
+            solve_contact(stage, wall, law, state, s, h, turn, touching);
         for (int64_t i = 0; i < modes; i++) {
             s->moved.at[i] = 0.5 * h * (v[i] + s->v_after.at[i]);
             seen[i] = x[i] + s->moved.at[i]; /* x_{n+1} */
         }
         if (!within_limit(stage, step + 1, seen))
             return step - first;
-        account_dense(stage, state, s, h, step, touching, seen);
+        account_dense(stage, closure, state, s, h, step, touching, seen);
         for (int64_t i = 0; i < modes; i++) {
             x[i] = seen[i];
             v[i] = s->v_after.at[i];

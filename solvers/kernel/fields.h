@@ -201,10 +201,30 @@ static inline int field_at_tips(const FieldScratch *f, double *out)
     return finite;
 }
 
-/* Compute the gap of each tip from the columns of u_r, w and w'. Returns whether all |u_r| are
- * within the limit. */
-static inline int close_gaps(const Rotor *rotor, const Casing *casing, double limit,
-                             FieldScratch *f, double *gap)
+/* Return the recess of each tip minus the closure above it at a time, for the present positions of
+ * the tips. */
+static inline const double *recess_at(const Rotor *rotor, const Closure *closure, double time,
+                                      FieldScratch *f)
+{
+    if (!closure)
+        return rotor->recess.at;
+    const double *value = closure->share.at, *slope = value + closure->share.columns;
+    double rate, closed = closure_at(closure, time, &rate);
+    int64_t width = f->hermite.columns;
+    for (int64_t j = 0; j < f->element.size; j++) {
+        int64_t e = f->element.at[j];
+        const double *weight = f->hermite.at + j;
+        double share = (weight[0] * value[e] + weight[width] * slope[e])
+                       + (weight[2 * width] * value[e + 1] + weight[3 * width] * slope[e + 1]);
+        f->recess.at[j] = rotor->recess.at[j] - closed * share;
+    }
+    return f->recess.at;
+}
+
+/* Compute the gap of each tip from the columns of u_r, w and w', and from the recess of each tip.
+ * Returns whether all |u_r| are within the limit. */
+static inline int close_gaps(const Rotor *rotor, const Casing *casing, const double *recess,
+                             double limit, FieldScratch *f, double *gap)
 {
     int64_t within = 0, tips = f->element.size;
     combine_rows(&rotor->shape, f->rotor.at, f->radial.at);
@@ -212,7 +232,7 @@ static inline int close_gaps(const Rotor *rotor, const Casing *casing, double li
     if (!field_at_tips(f, gap))
         return 0;
     for (int64_t j = 0; j < tips; j++) {
-        gap[j] += rotor->recess.at[j] - f->radial.at[j];
+        gap[j] += recess[j] - f->radial.at[j];
         within += fabs(f->radial.at[j]) <= limit; /* 0 for NaN */
     }
     return within == tips;

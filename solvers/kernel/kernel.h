@@ -176,6 +176,14 @@ typedef struct {
     Matrix loads;              /* (patterns, 4) end, ramp, frequency, phase of each pattern */
 } Numbers;
 
+/* Clearance that is lost over time: closure(t) times its share around the casing. */
+typedef struct {
+    Matrix share;  /* (2, closed) share of the closure at each node, and its slope [1, 1/m] */
+    Matrix table;  /* (points, 2) time [s] and closure [m], linear in between; or empty */
+    double amount; /* closure without a table: amount (1 - exp(-rate t)) [m] */
+    double rate;   /* [1/s] */
+} Closure;
+
 /* State of a march, which is advanced in place. */
 typedef struct {
     Matrix rotor;    /* (3, rotor_entries) x_{n-1}, x_n and scratch of the rotor */
@@ -217,6 +225,7 @@ typedef struct {
     Vector at;          /* (wide) position of each tip in elements */
     IntVector element;  /* (tips) element under each tip */
     Matrix hermite;     /* (4, wide) Hermite weights of each tip on its element: w, w', w, w' */
+    Vector recess;      /* (wide) recess of each tip minus the closure above it [m] */
     Vector radial;      /* (wide) radial displacement of each tip [m] */
     Vector tangential;  /* (wide) tangential displacement of each tip [m] */
     Vector other;       /* (wide) scratch */
@@ -261,15 +270,15 @@ typedef struct {
 } Scratch;
 
 /* Do a number of `steps` from `step` on and record at multiples of `record_every`. NULL stands for
- * an option that a march does not have: springs, dampers, gyroscopic forces. The wheel speed R
- * Omega [m/s] is NULL if sliding is permanent. Before the first step and on return, row 0 of the
+ * an option that a march does not have: springs, dampers, gyroscopic forces, closure. The wheel speed
+ * R Omega [m/s] is NULL if sliding is permanent. Before the first step and on return, row 0 of the
  * state is x_{n-1} and row 1 is x_n. Returns RUNNING or DIVERGED; `reached` gets the number of the
  * last step and the number of records. On divergence, the last state within the displacement limit
  * is recorded, with a backward difference as its velocity. */
 int march(const Rotor *rotor, const Casing *casing, const Springs *springs, const Dampers *dampers,
-          const Gyroscopic *gyroscopic, const double *wheel_speed, const Numbers *numbers,
-          State *state, Records *records, Scratch *scratch, int64_t step, int64_t steps,
-          int64_t record_every, int64_t *reached);
+          const Gyroscopic *gyroscopic, const Closure *closure, const double *wheel_speed,
+          const Numbers *numbers, State *state, Records *records, Scratch *scratch, int64_t step,
+          int64_t steps, int64_t record_every, int64_t *reached);
 
 /* Positions of the works, of the counts, and of the sums since the last record (dense schemes). */
 enum {
@@ -351,7 +360,8 @@ typedef struct {
 
 /* Do steps of length h in place until a displacement exceeds the limit. Returns the number of steps
  * done. */
-int64_t dense_march(const DenseStage *stage, const DenseLaw *law, DenseState *state,
-                    DenseScratch *scratch, double h, int64_t first, int64_t steps);
+int64_t dense_march(const DenseStage *stage, const Closure *closure, const DenseLaw *law,
+                    DenseState *state, DenseScratch *scratch, double h, int64_t first,
+                    int64_t steps);
 
 #endif

@@ -40,6 +40,7 @@ typedef struct {
     const Springs *springs;
     const Dampers *dampers;
     const Gyroscopic *gyroscopic;
+    const Closure *closure;
     const double *wheel_speed;
     const Numbers *numbers;
     State *state;
@@ -107,8 +108,10 @@ static inline int solve_step(const March *m, int64_t step, int64_t *penetrating)
     predict(m);
     place_tips(rotor, casing, numbers->elements_per_metre,
                numbers->elements_per_step * (double)(step + 1), m->x.new, f);
+    const double *recess =
+        recess_at(rotor, m->closure, (double)(step + 1) * numbers->time_step, f);
     sum_radial(rotor, casing, m->x.new, m->y.new, f);
-    int within = close_gaps(rotor, casing, limit, f, f->free_gap.at);
+    int within = close_gaps(rotor, casing, recess, limit, f, f->free_gap.at);
     *penetrating = propose_contacts(f->free_gap.at, &state->held);
     if (*penetrating == 0)
         return within;
@@ -120,7 +123,7 @@ static inline int solve_step(const March *m, int64_t step, int64_t *penetrating)
             predict(m);
         int64_t size = contact_multipliers(&trial, rotor, casing, state, f, c);
         correct(m, size);
-        within = close_gaps(rotor, casing, limit, f, f->gap.at);
+        within = close_gaps(rotor, casing, recess, limit, f, f->gap.at);
         if (trial >= LAST_TRIAL || !within)
             return within;
         if (join_contacts(f->gap.at, &state->held, trial > MENDED_TOGETHER) == 0)
@@ -186,12 +189,12 @@ static void begin(const March *m, int64_t step)
 }
 
 int march(const Rotor *rotor, const Casing *casing, const Springs *springs, const Dampers *dampers,
-          const Gyroscopic *gyroscopic, const double *wheel_speed, const Numbers *numbers,
-          State *state, Records *records, Scratch *scratch, int64_t step, int64_t steps,
-          int64_t record_every, int64_t *reached)
+          const Gyroscopic *gyroscopic, const Closure *closure, const double *wheel_speed,
+          const Numbers *numbers, State *state, Records *records, Scratch *scratch, int64_t step,
+          int64_t steps, int64_t record_every, int64_t *reached)
 {
-    March m = {rotor, casing, springs, dampers, gyroscopic, wheel_speed, numbers, state, scratch,
-               motion_of(&state->rotor), motion_of(&state->casing), 0};
+    March m = {rotor, casing, springs, dampers, gyroscopic, closure, wheel_speed, numbers, state,
+               scratch, motion_of(&state->rotor), motion_of(&state->casing), 0};
     double energy[2] = {0.0, 0.0}, dt = numbers->time_step;
     int64_t end = step + steps, written = 0, penetrating;
     int status = RUNNING;

@@ -59,6 +59,30 @@ static inline int load_amplitudes(const Matrix *loads, double time, double *out)
     return loaded;
 }
 
+/* Return the closure at a time; `rate` gets its rate of change [m/s]. */
+static double closure_at(const Closure *closure, double time, double *rate)
+{
+    const double *row = closure->table.at;
+    int64_t below = 0, above = closure->table.rows - 1;
+    if (above < 0) {
+        *rate = closure->amount * closure->rate * exp(-closure->rate * time);
+        return -closure->amount * expm1(-closure->rate * time);
+    }
+    *rate = 0.0;
+    if (time <= row[0] || time >= row[2 * above])
+        return time <= row[0] ? row[1] : row[2 * above + 1];
+    while (above - below > 1) {
+        int64_t middle = (below + above) / 2;
+        if (row[2 * middle] <= time)
+            below = middle;
+        else
+            above = middle;
+    }
+    row += 2 * below;
+    *rate = (row[3] - row[1]) / (row[2] - row[0]);
+    return row[1] + *rate * (time - row[0]);
+}
+
 /* Add the response to the load patterns, in the registers in which they are not zero. */
 static inline void add_loads(const Body *body, const double *amplitude, Motion x)
 {

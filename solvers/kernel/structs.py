@@ -157,7 +157,7 @@ def march(
     """Advance a march from ``step`` to ``step + steps``, without the interpreter lock of Python.
 
     Args:
-        stage: rotor, casing, springs, dampers and gyroscopic forces.
+        stage: rotor, casing, springs, dampers, gyroscopic forces and closure.
         wheel_speed: R Omega [m/s] if sliding is signed, None if it is permanent.
         numbers: parameters of the march.
         state: state, which is advanced in place.
@@ -178,14 +178,14 @@ def march(
     return status, reached[0], reached[1]
 
 
-def dense_march(*structs: Struct, time_step: float, first: int, steps: int) -> int:
+def dense_march(*structs: Struct | None, time_step: float, first: int, steps: int) -> int:
     """Do steps of a dense scheme and return the number of steps done; see `kernel.h`.
 
     Args:
-        structs: stage, law, state (which is advanced in place) and scratch.
+        structs: stage, closure, law, state (which is advanced in place) and scratch.
         time_step: time step h [s].
         first: number of the first step.
         steps: number of steps to do.
     """
-    pointers = [struct.pointer for struct in structs]
+    pointers = [ffi.NULL if struct is None else struct.pointer for struct in structs]
     return int(lib.dense_march(*pointers, time_step, first, steps))

@@ -17,7 +17,7 @@ from bladewhirl.solvers.kernel.structs import (
     zeros,
 )
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
-from bladewhirl.solvers.packing.casing import pack_casing
+from bladewhirl.solvers.packing.casing import pack_casing, pack_closure
 from bladewhirl.solvers.packing.rotor import pack_rotor
 from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs
 from bladewhirl.solvers.packing.turning import pack_gyroscopic
@@ -82,6 +82,7 @@ class CentralDifference:
             pack_springs(problem, self._arrangements, time_step),
             pack_dampers(problem, bodies, self._arrangements, time_step),
             pack_gyroscopic(problem, self._rotor, rotor, time_step),
+            pack_closure(problem),
         )
         signed = problem.sliding == "signed"
         self._wheel_speed = problem.rotor.tip_radius * problem.speed if signed else None
@@ -165,7 +166,7 @@ class CentralDifference:
     def _working_arrays(self) -> Arrays:
         """Return the working arrays of the kernel, which every call overwrites."""
         rotor, casing = self._arrangements
-        _, _, springs, dampers, _ = self._stage
+        springs, dampers = self._stage[2:4]
         tips, wide = len(self._rotor.spread), len(self._rotor.position)
         most = [len(dampers.rotor.rows), len(dampers.casing.rows)] if dampers else [0]
         scratch = zeros(
@@ -231,7 +232,7 @@ def initial_gap(problem: ContactProblem, time: float = 0.0) -> FloatArray:
     position = np.mod(angle * nodes / (2.0 * np.pi), nodes)
     element = position.astype(np.int64) % nodes
     xi = position - np.floor(position)
-    field = casing.nodal[:, :2] @ start.casing + casing.clearance
+    field = casing.nodal[:, :2] @ start.casing + problem.clearance(time)
     first, second = field[element], field[(element + 1) % nodes]
     at = cubic_weights(xi, casing.element_length)
     surface = (

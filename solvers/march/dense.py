@@ -33,6 +33,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.structs import Struct, dense_march, lib, zeros
 from bladewhirl.solvers.march.central_difference import initial_gap
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
+from bladewhirl.solvers.packing.casing import pack_closure
 
 SHARE_OF_STIFFEST = 0.5
 """Largest product of the time step and the frequency of a tip on its penalty spring."""
@@ -74,7 +75,7 @@ class _Dense:
         check_time_step(problem, time_step)
         self.cyclic = (False, False)
         self._problem, self._dt, self._record_every = problem, time_step, record_every
-        self._stage = _stage(problem, time_step)
+        self._stage, self._closure = _stage(problem, time_step), pack_closure(problem)
         law = {"restitution": 0.0, "penalty": 0.0, "stick_speed": 0.0} | self._law_numbers()
         self._law = Struct("DenseLaw", friction=problem.friction, **law)
         tips = len(problem.rotor.tip_angle)
@@ -101,7 +102,7 @@ class _Dense:
         arrays = _copy(state.arrays)
         step, last, ended = state.step, state.step + steps, None
         scratch = Struct("DenseScratch", **zeros("DenseScratch", self._sizes))
-        structs = self._stage, self._law, Struct("DenseState", **arrays), scratch
+        structs = self._stage, self._closure, self._law, Struct("DenseState", **arrays), scratch
         records: list[DenseState] = []
         while step < last and ended is None:
             if step % every == 0:

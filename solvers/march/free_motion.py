@@ -56,11 +56,14 @@ class FreeMotion:
             raise ValueError("a load never ends")
         if problem.springs is not None or rotor.anisotropy or rotor.circulation:
             raise ValueError("springs or dampers in the static frame can feed energy to the rotor")
+        lost = 0.0 if problem.closure is None else problem.closure.course.largest_loss
+        gap = CLOSING * float(casing.clearance[:, 0].min() + rotor.tip_recess.min() - lost)
+        if problem.closure is not None and not gap > 0.0:
+            raise ValueError("the casing closes on the tips")
         if min(rotor.frequency.min(), casing.frequency.min()) <= 0.0:
             raise ValueError("a mode has no stiffness")
         compliance = _compliance(rotor.tip_radial, rotor.frequency)
         compliance += _compliance(casing.nodal[:, 0], casing.frequency)
-        gap = CLOSING * float(casing.clearance[:, 0].min() + rotor.tip_recess.min())
         # The energy of the scheme is at least this share of the true energy (at the highest
         # frequency).
         share = 1.0 - (time_step / problem.critical_time_step) ** 2

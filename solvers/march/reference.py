@@ -270,7 +270,8 @@ class Reference:
 
         normal = np.hstack([-rotor.tip_radial, under(casing.nodal[:, :2])])
         tangential = np.hstack([-rotor.tip_tangential, under(casing.nodal[:, 2:])])
-        return normal, tangential, under(casing.clearance) + rotor.tip_recess
+        clearance = under(problem.clearance(n * self._dt))
+        return normal, tangential, clearance + rotor.tip_recess
 
     def _gap(self, x: FloatArray, n: int) -> FloatArray:
         """Return the gap of each tip at step n [m], (tips,)."""

@@ -24,8 +24,7 @@ def pack_casing(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Ar
         wide[:, :, :modes] = casing.nodal.transpose(1, 0, 2)
         shape = wide[0]
         shapes, spreads = [by_column(w, arrangement) for w in wide], [*map(aligned_copy, wide)]
-    clearance = aligned((2, padded(nodes + 1)))
-    clearance[:, : nodes + 1] = casing.clearance[np.append(np.arange(nodes), 0)].T
+    clearance = _closed(casing.clearance)
     weights, half = [arrangement.grid(w) for w in weight], arrangement.half
     radial, tangential = (
         Struct(
@@ -60,6 +59,28 @@ def pack_casing(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Ar
         spacing=1 if cyclic else nodes if nodes > 1 else 0,  # a single node has one block
         nodes=nodes,
         element_length=casing.element_length,
+    )
+
+
+def _closed(values: FloatArray) -> FloatArray:
+    """Return values and slopes at nodes (nodes, 2) as rows, with the first node again at the
+    end."""
+    rows = aligned((2, padded(len(values) + 1)))
+    rows[:, : len(values) + 1] = values[np.append(np.arange(len(values)), 0)].T
+    return rows
+
+
+def pack_closure(problem: ContactProblem) -> Struct | None:
+    """Return the closure of the casing; None if the clearance is constant."""
+    if problem.closure is None:
+        return None
+    course = problem.closure.course
+    return Struct(
+        "Closure",
+        share=_closed(problem.closure.share),
+        table=np.reshape(course.table, (-1, 2)).astype(np.float64),
+        amount=course.amount,
+        rate=1.0 / (course.time_constant or np.inf),
     )
 
 
