@@ -56,7 +56,8 @@ def _page(example: Path, case: bw.Case) -> Iterator[str]:
     duration = case.march.duration  # a motion that grows without a load needs the whole duration
     if case.excitation.type != "none":
         duration = min(duration, LONGEST)
-    if case.excitation.type != "none" or case.initial.model_fields_set:
+    moves = case.excitation.type != "none" or case.casing.closure is not None
+    if moves or case.initial.model_fields_set:
         march = f"bladewhirl run {file} --set march.duration={duration:g} -o run --frames 0"
         yield f"## The first {duration:.3g} s"
         yield _console(march, f"bladewhirl render run --gif --frames {FRAMES}")

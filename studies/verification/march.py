@@ -14,7 +14,13 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk
-from bladewhirl.studies.verification.bodies import marched, problem, small_rotor, wall
+from bladewhirl.studies.verification.bodies import (
+    ledger_residual,
+    marched,
+    problem,
+    small_rotor,
+    wall,
+)
 from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 from bladewhirl.studies.verification.stages import observed_order
 
@@ -42,6 +48,16 @@ RUBBING: Mapping[str, Mapping[str, Any]] = {
         "contact.sliding": "signed",
         "contact.tip_rotation": True,
     },
+    "oval casing that closes, friction 0.1": {
+        "casing.clearance_lobes": [{"lobes": 2, "amplitude": 2e-4}],
+        "casing.closure": {
+            "amount": 2e-2,
+            "time_constant": 0.1,
+            "lobes": [{"lobes": 3, "amplitude": 5e-3, "phase": 0.2}],
+        },
+        "contact.friction": 0.1,
+        "excitation": {"type": "none"},
+    },
 }
 """Changes of the default case, by name of the problem."""
 
@@ -61,7 +77,8 @@ def dense_march(
         A = 1 / dt^2 + D / (2 dt),     0 <= l  perp  clearance + B_N x_{n+1} >= 0
 
     in mass-normalised modes, first the rotor, then the casing. Between nodes the casing's
-    displacement is SciPy's cubic spline through values and slopes; dampers at points are left out.
+    displacement is SciPy's cubic spline through values and slopes, as are clearance and closure;
+    dampers at points are left out.
 
     Returns:
         gaps [m], normal impulses and friction impulses [N s] at every step.
@@ -73,14 +90,21 @@ def dense_march(
     compliance = 1.0 / (1.0 / dt**2 + damping / (2.0 * dt))
     around = [*range(len(casing.nodal)), 0]
     angles = np.linspace(0.0, 2.0 * np.pi, len(around))
-    radial, along, clearance = (
+    share = np.zeros((len(casing.nodal), 2)) if given.closure is None else given.closure.share
+    radial, along, clearance, closing = (
         CubicHermiteSpline(angles, value[around], casing.radius * slope[around])
         for value, slope in (
             (casing.nodal[:, 0], casing.nodal[:, 1]),
             (casing.nodal[:, 2], casing.nodal[:, 3]),
             (casing.clearance[:, 0], casing.clearance[:, 1]),
+            (share[:, 0], share[:, 1]),
         )
     )
+
+    def room(n: int, angle: FloatArray) -> FloatArray:
+        """Return the gaps of tips at angles at step n, without displacements."""
+        lost = 0.0 if given.closure is None else given.closure.course.value(n * dt)
+        return np.asarray(clearance(angle) + rotor.tip_recess - lost * closing(angle))
 
     def pull(n: int, x: FloatArray) -> FloatArray:
         """Return loads minus restoring forces at step n."""
@@ -98,7 +122,7 @@ def dense_march(
     x, v = np.r_[start.rotor, start.casing], np.r_[start.rotor_velocity, start.casing_velocity]
     before = x - dt * v + 0.5 * dt**2 * (pull(0, x) - damping * v)
     computed = np.zeros((3, steps + 1, tips))
-    computed[0, 0] = clearance(np.mod(rotor.tip_angle, 2 * np.pi)) + rotor.tip_recess
+    computed[0, 0] = room(0, np.mod(rotor.tip_angle, 2 * np.pi))
     for n in range(steps):
         inertia = 2.0 * x / dt**2 + (damping / (2.0 * dt) - 1.0 / dt**2) * before
         free = compliance * (pull(n, x) + inertia)
@@ -113,10 +137,10 @@ def dense_march(
             slides = rotor.tip_radius * speed - tangential @ (x - before) / dt
         drag = given.friction * np.sign(slides)
         rows = compliance[:, None] * (normal + drag[:, None] * tangential).T
-        gap = clearance(angle) + rotor.tip_recess + normal @ free
+        gap = room(n + 1, angle) + normal @ free
         force = complementary(gap, normal @ rows)
         before, x = x, free + rows @ force
-        left = clearance(angle) + rotor.tip_recess + normal @ x
+        left = room(n + 1, angle) + normal @ x
         computed[:, n + 1] = left, dt * force, dt * drag * force
     return computed[0], computed[1], computed[2]
 
@@ -155,6 +179,12 @@ def rubbing_stages(kind: str) -> Pairs:
         "gaps_of_rubbing_stages": (gaps, chunk.gap),
         "impulses_of_rubbing_stages": (impulses, [chunk.contact_impulse, chunk.friction_impulse]),
     }
+
+
+@verifies("oval casing that closes, friction 0.1")
+def closing_wall_ledger(kind: str) -> Pair:
+    """Compare the energy that a closing wall puts in, minus all works, with zero."""
+    return 0.0, ledger_residual(marched(coarse(RUBBING[kind]), DT, STEPS))
 
 
 @verifies()

@@ -2,8 +2,8 @@
 
 Half of them have no symmetry and any sizes; half are cyclic stages of a case. Options of the march
 are on and off by chance: loads, dampers, springs between the bodies and under the shaft, Coriolis
-forces, signed sliding, tips that turn. Each has to agree to 1e-9, except where NumPy finds no
-contact forces. A stage is made from its number alone, so a finding is repeated by
+forces, signed sliding, tips that turn, closing casings. Each has to agree to 1e-9, except where
+NumPy finds no contact forces. A stage is made from its number alone, so a finding is repeated by
 `--first NUMBER --count 1`. Meant for a build with AddressSanitizer too, see `.ci/sanitize`.
 """
 
@@ -15,8 +15,9 @@ import numpy as np
 from contact_cases import assert_same, random_problem, thrown
 
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.contact_problem import ContactProblem, WallClosure
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.kernel import structs
 from bladewhirl.solvers.march.central_difference import CentralDifference
@@ -82,6 +83,17 @@ def cyclic_stage(random: np.random.Generator) -> ContactProblem:
     return thrown(given, 40.0, spread=0.5)
 
 
+def closure(given: ContactProblem, dt: float, random: np.random.Generator) -> WallClosure:
+    """A casing that closes within the steps, evenly or by a table."""
+    share = np.column_stack([random.normal(1.0, 0.2, len(given.casing.nodal))] * 2) * [1.0, 0.1]
+    lost = 1.5 * float(given.casing.clearance[:, 0].min())
+    if random.integers(2):
+        return WallClosure(course=Closure(amount=lost, time_constant=20 * dt), share=share)
+    times = np.cumsum(random.uniform(1.0, 20.0, int(random.integers(1, 6))) * dt)
+    rows = tuple((float(time), lost * float(random.uniform())) for time in times)
+    return WallClosure(course=Closure(table=rows), share=share)
+
+
 def check(number: int) -> bool:
     """March the stage of a number in every way; return whether NumPy could."""
     random = np.random.default_rng([number, 33])
@@ -90,6 +102,8 @@ def check(number: int) -> bool:
     else:
         given, dt = without_symmetry(number, random), 1e-4
     dt = min(dt, 0.5 * given.critical_time_step)
+    if random.integers(2):
+        given = replace(given, closure=closure(given, dt, random))
     every = int(random.integers(1, 9))
     plain = Reference(given, dt, every)
     try:

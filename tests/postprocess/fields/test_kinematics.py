@@ -6,6 +6,7 @@ import synthetic_result as synthetic
 import xarray as xr
 
 from bladewhirl.postprocess.fields import kinematics
+from bladewhirl.postprocess.fields.enlarged import EnlargedStage
 
 
 @pytest.fixture(scope="module")
@@ -122,3 +123,15 @@ def test_beams_between_nodes_follow_their_cubic(result: xr.Dataset) -> None:
     np.testing.assert_allclose(rows[blades][..., 3], expected, atol=1e-13)
     everywhere = np.stack([-points[..., 1], points[..., 0]], axis=-1)  # a rigid rotation
     np.testing.assert_allclose(rows[..., 2], everywhere, atol=1e-15)
+
+
+def test_the_drawn_wall_closes_with_the_casing(result: xr.Dataset) -> None:
+    closing = result.assign_attrs(case='casing.closure = { table = [["0 s", 0], ["1 s", "1 mm"]] }')
+    records = np.array([0, 100])
+    first, later = (
+        EnlargedStage(data, records, factor=10.0, per_line=1, per_element=1).wall(1)
+        for data in (result, closing)
+    )
+    lost = 10.0 * 1e-3 * result["time"].values[100]
+    inner = np.linalg.norm(first[:, 0], axis=1) - np.linalg.norm(later[:, 0], axis=1)
+    np.testing.assert_allclose(inner, lost, rtol=0.05)  # seen from the shifted centre
