@@ -106,13 +106,11 @@ def _ripple(dataset: xr.Dataset, energy: Array, middle: Array) -> Array:
 
 @styled
 def plot_growth(growth: xr.Dataset) -> Figure:
-    """Draw the mean strain energy over time with the exponential fitted to the last windows.
+    """Draw the mean strain energy over time from `amplitude_growth`, with the exponential fitted to
+    the last windows.
 
     The lower panel shows the deviation of the amplitude from the fit, with a band for the error of
     the rate.
-
-    Args:
-        growth: from `amplitude_growth`.
     """
     figure = new_figure(height=0.085)
     axes, misfits = figure.subplots(2, 1, sharex=True, height_ratios=(2.6, 1.0))

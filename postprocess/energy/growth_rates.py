@@ -64,7 +64,7 @@ class Growth:
     end_error: float  #: standard error of `end_rate` [1/s]
     span: str  #: time interval of the fit, in words
     least_rise: float = RISE  #: smallest significant `rise`
-    share: float = 1.0  #: ratio of the ripple to the amplitude in the last window, for a ripple
+    share: float = 1.0  #: of a ripple: ratio to the amplitude of the motion in the last window
 
     @property
     def text(self) -> str:
@@ -120,14 +120,12 @@ def growth_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
     """Return windows of the motion, for the fit of growth; None if growth cannot be judged.
 
     Usually these are the windows of `windowed_amplitude`. A march that ended at its displacement
-    limit is often too short for them, although its motion grows fast. Windows of the shortest
-    length are then used, and growth is fitted to the last eight windows. If only five to seven fit
-    into the time since the load ended, growth is fitted to these five to seven. If fewer than five
-    fit, growth is fitted to the last eight windows of the run, or at least five, even under load.
+    limit is often too short for such windows, although its motion grows fast. Windows of the
+    shortest length are then used, and growth is fitted to the last eight windows since the load
+    ended, or to all windows since then if there are only five to seven. With fewer than five
+    windows since the load ended, growth is fitted to the last five to eight windows of the run.
 
-    Args:
-        dataset: a result.
-        strain_energy: energy of bladed disk and shaft springs at each record [J], (time,).
+    `strain_energy` is the energy of bladed disk and shaft springs at each record [J], (time,).
     """
     time, shortest = dataset["time"].values, longest_half_period(dataset)
     windows = windowed_amplitude(time, strain_energy, shortest)
@@ -148,11 +146,7 @@ def ripple_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
 
     The windows cover the last two thirds of the time; half of them lie in the last third. Each
     window is at least two periods of the slowest wave of the rotor long, so that a mean position
-    can be computed.
-
-    Args:
-        dataset: a result.
-        strain_energy: energy of bladed disk and shaft springs at each record [J], (time,).
+    can be computed. `strain_energy` is the same as for `growth_windows`.
     """
     time = dataset["time"].values
     slower = np.abs(_wave_frequencies(dataset)).min(axis=0)
@@ -178,18 +172,14 @@ def ripple_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
 
 
 def fit_ripple(ripple: Windows, motion: Windows) -> Growth:
-    """Fit the growth of the ripple, the motion about its mean position.
-
-    Args:
-        ripple: from `ripple_windows`.
-        motion: windows of the total motion of the same run, from `growth_windows`.
-    """
+    """Fit the growth of the ripple from `ripple_windows`; `motion` are the windows of the total
+    motion of the same run, from `growth_windows`."""
     share = ripple.amplitude[-1] / motion.amplitude[-1]
     return replace(fit_growth(ripple), least_rise=RIPPLE_RISE, share=float(share))
 
 
 def fit_growth(windows: Windows) -> Growth:
-    """Fit an exponential to the last windows of a history.
+    """Fit an exponential to the last windows of a history from `growth_windows`.
 
     The standard error is computed for a straight line fitted to the logarithms of the amplitudes.
     The misfits of neighbouring windows are not independent. If r is the correlation of a misfit
@@ -200,9 +190,6 @@ def fit_growth(windows: Windows) -> Growth:
     two errors in 7 % of series of 12 independent windows, in 14 % of series of 5 independent
     windows, and in 20 % of series of 12 windows whose true correlation is 0.5. Half of the windows
     are too few to estimate r, so the error of their rate is not corrected to judge slowing.
-
-    Args:
-        windows: windows of the history, from `growth_windows`.
     """
     before, last = windows.amplitude[: windows.late], np.log(windows.amplitude[windows.late :])
     rate, error, factor = _fitted_slope(last, windows.length)
@@ -224,12 +211,8 @@ def fit_growth(windows: Windows) -> Growth:
 
 
 def rate_text(rate: float, error: float) -> str:
-    """Return a growth rate ± `CERTAINTY` standard errors as text; a dash if the rate is not finite.
-
-    Args:
-        rate: growth rate [1/s].
-        error: standard error of the rate [1/s].
-    """
+    """Return a growth rate ± `CERTAINTY` standard errors [1/s] as text; a dash if the rate is not
+    finite."""
     return f"{rate:.3g} ± {CERTAINTY * error:.2g}" if np.isfinite(rate) else "–"
 
 
@@ -268,10 +251,10 @@ def _fitted_slope(values: Array, step: float) -> tuple[float, float, float]:
     The standard error of the slope is computed as if the misfits were independent. The factor, by
     which the error must be multiplied, corrects it for correlated misfits, see `fit_growth`.
     """
-    place = step * (np.arange(len(values)) - (len(values) - 1) / 2)
-    spread = place @ place
-    slope = place @ values / spread
-    misfit = values - values.mean() - slope * place
+    position = step * (np.arange(len(values)) - (len(values) - 1) / 2)
+    spread = position @ position
+    slope = position @ values / spread
+    misfit = values - values.mean() - slope * position
     square = float(misfit @ misfit)
     correlation = max(0.0, float(misfit[:-1] @ misfit[1:]) / square) if square > 0 else 0.0
     factor = np.sqrt((1 + correlation) / (1 - correlation))

@@ -69,12 +69,8 @@ class Regime:
 
 
 def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
-    """Classify a run by `CRITERION`.
-
-    Args:
-        dataset: a result.
-        strain_energy: of the bladed disk with its shaft springs at each record [J], (time,).
-    """
+    """Classify a run by `CRITERION`; `strain_energy` is the energy of bladed disk and shaft springs
+    at each record [J], (time,)."""
     time = dataset["time"].values
     touched: NDArray[np.bool_] = np.any(dataset["contact_steps"].values > 0, axis=1)
     windows = growth_windows(dataset, strain_energy)

@@ -76,12 +76,10 @@ def strain_energies(
 
 
 def energy_terms(energies: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Return the energies that are drawn, by their names in `COLOURS`, the total first.
+    """Return the energies that are drawn [J], by their names in `COLOURS`, the total first.
 
-    All nodal diameters of the first family except 0 and 1 are added together.
-
-    Args:
-        energies: `suspension`, `first_family` (..., nodal_diameter), `rest` and `total` [J].
+    All nodal diameters of the first family except 0 and 1 are added together. `energies` has the
+    variables of `strain_energies`.
     """
     family = energies["first_family"]
     k = family["nodal_diameter"].values
@@ -194,13 +192,10 @@ def mean_energies(energies: xr.Dataset, spans: int = SPANS) -> xr.Dataset:
 
 @styled
 def plot_family_energies(energies: xr.Dataset) -> Figure:
-    """Draw two maps of the strain energy: by time and nodal diameter, and by family and nodal
-    diameter. The second map shows the mean over the last third of the time.
+    """Draw two maps of the strain energy from `family_energies`: by time and nodal diameter, and by
+    family and nodal diameter. The second map shows the mean over the last third of the time.
 
     A long run is drawn as means over equal spans of time.
-
-    Args:
-        energies: from `family_energies`.
     """
     energies = mean_energies(energies)
     late = windows.late_part(energies)

@@ -39,11 +39,7 @@ class Works(TypedDict):
 
 
 def works(dataset: xr.Dataset) -> Works:
-    """Return the works of a run up to its last record.
-
-    Args:
-        dataset: a result.
-    """
+    """Return the works of a run up to its last record."""
     normal, friction = (float(dataset[f"{name}_work"][-1]) for name in ("normal", "friction"))
     drive = float(drive_work(dataset)[-1])
     closing = float(dataset["closing_work"][-1])
@@ -74,9 +70,6 @@ used if a result does not contain these two parts."""
 
 def work_histories(dataset: xr.Dataset) -> xr.Dataset:
     """Return the works since the start of a run; work that adds energy to the motion is positive.
-
-    Args:
-        dataset: a result.
 
     Returns:
         works [J] over time, named as in `LEDGER`, and `energy`, the sum of all works. The work of
@@ -120,7 +113,7 @@ def plot_work(histories: xr.Dataset) -> Figure:
 
 
 def drive_work(dataset: xr.Dataset) -> Array:
-    """Work of the drive against the contact forces since the start [J], (time,).
+    """Return the work of the drive against the contact forces since the start [J], (time,).
 
     The torque of friction is the friction force times the tip radius. Normal forces dissipate
     nothing: the work that they do on rotor and casing, as the wall turns past the tips, comes from
@@ -132,7 +125,8 @@ def drive_work(dataset: xr.Dataset) -> Array:
 
 
 def late_drive_power(dataset: xr.Dataset) -> float:
-    """Mean power of the drive over the last third of the time [W]; nan for a single record."""
+    """Return the mean power of the drive over the last third of the time [W]; nan for a single
+    record."""
     work, time = drive_work(dataset), dataset["time"].values
     first = len(time) - late_part(dataset).sizes["time"]
     if time[-1] <= time[first]:

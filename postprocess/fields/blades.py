@@ -11,30 +11,26 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 def line_blades(dataset: xr.Dataset) -> IntArray:
     """Return the number of the blade that each beam belongs to, -1 for no blade, (rotor_line,).
 
-    The beams of a blade are those connected to its tip by beams of the same part of the mesh. If
-    several parts meet at a tip, as under a shroud, the blade is the part whose beam points most
-    outward. If one part joins several tips, each of its beams belongs to the tip that is nearest
-    when measured along the beams.
+    A blade consists of the beams that are connected to its tip by beams of the same part of the
+    mesh. If several parts meet at a tip, as under a shroud, the blade is the part whose beam points
+    most outward. If one part joins several tips, each of its beams belongs to the nearest tip, with
+    distances measured along the beams.
     """
     lines, part = dataset["rotor_line"].values, dataset["rotor_part"].values.astype(str)
     tips, points = dataset["tip_node"].values, dataset["rotor_point"].values
     blades = np.isin(part, np.unique([part[_outward_line(points, lines, tip)] for tip in tips]))
     length = np.linalg.norm(points[lines[:, 1]] - points[lines[:, 0]], axis=1)
-    nodes = len(points)
-    graph = sp.csr_array(
-        (length[blades], (lines[blades, 0], lines[blades, 1])), shape=(nodes, nodes)
-    )
+    graph = sp.csr_array((length[blades], tuple(lines[blades].T)), shape=2 * (len(points),))
     distance, _, source = dijkstra(
         graph, directed=False, indices=tips, min_only=True, return_predecessors=True
     )
-    blade_of_node = np.full(nodes, -1)
-    reached = np.isfinite(distance)
-    number = np.full(nodes, -1)
+    number = np.full(len(points), -1)
     number[tips] = np.arange(len(tips))
+    blade_of_node = np.full(len(points), -1)
+    reached = np.isfinite(distance)
     blade_of_node[reached] = number[source[reached]]
     far = np.argmax(distance[lines], axis=1)  # the end of each beam that is farther from a tip
-    blade: IntArray = np.where(blades, blade_of_node[lines[np.arange(len(lines)), far]], -1)
-    return blade
+    return np.where(blades, blade_of_node[lines[np.arange(len(lines)), far]], -1)
 
 
 def member_names(dataset: xr.Dataset) -> tuple[list[str], IntArray]:
@@ -45,10 +41,9 @@ def member_names(dataset: xr.Dataset) -> tuple[list[str], IntArray]:
     part = dataset["rotor_part"].values.astype(str)
     rest = list(dict.fromkeys(part[blade < 0]))  # in the order of the mesh
     names = [f"blade {number}" for number in range(dataset.sizes["blade"])]
-    place = {name: len(names) + index for index, name in enumerate(rest)}
-    member: IntArray = np.array(
-        [number if number >= 0 else place[name] for number, name in zip(blade, part, strict=True)]
-    )
+    member = blade.copy()
+    for number, name in enumerate(rest, len(names)):
+        member[(blade < 0) & (part == name)] = number
     return [*names, *(name or "other beams" for name in rest)], member
 
 

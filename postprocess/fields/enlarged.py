@@ -22,7 +22,15 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.blades import line_blades, with_recess
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history, rotate
+from bladewhirl.postprocess.fields.kinematics import (
+    Array,
+    IntArray,
+    ViewError,
+    directions,
+    history,
+    rotate,
+    unit,
+)
 from bladewhirl.postprocess.fields.strains import rotor_sections
 
 #: drawn clearance as a share of the tip radius, if the factor is chosen automatically
@@ -83,10 +91,8 @@ class EnlargedStage:
         self.wall_thickness = np.repeat(dataset["casing_thickness"].values, per_element)
         bodies = (self.rotor_displacement, self.ring_displacement)
         self.largest_displacement = max(float(np.linalg.norm(u, axis=-1).max()) for u in bodies)
-        clearance, recess = (
-            kinematics.clearance_at(dataset, self.angle),
-            dataset["tip_recess"].values,
-        )
+        recess = dataset["tip_recess"].values
+        clearance = kinematics.clearance_at(dataset, self.angle)
         largest_clearance = float(clearance.max() + np.max(recess, initial=0.0))
         self.factor = factor or round_factor(
             self.tip_radius, largest_clearance, self.largest_displacement
@@ -111,23 +117,23 @@ class EnlargedStage:
 
     def outward_reach(self) -> float:
         """Return the largest outward displacement of the casing, times the factor [m]."""
-        outward = (self.ring_displacement * _directions(self.angle)).sum(axis=-1)
+        outward = (self.ring_displacement * directions(self.angle)).sum(axis=-1)
         return self.factor * max(0.0, float(outward.max()))
 
     def wall(self, index: int) -> Array:
         """Return inner and outer surface (station, side, 2) [m] of the drawn casing."""
         ring = self.ring_displacement[index]
         radius = self.inner_radius - self.factor * self._closure[index]
-        rest = radius[:, None] * _directions(self.angle)
+        rest = radius[:, None] * directions(self.angle)
         inner = magnify(rest, ring, ring.mean(axis=0), self.factor)
         tangent = np.roll(inner, -1, axis=0) - np.roll(inner, 1, axis=0)
-        outward = -rotate(_unit(tangent), np.pi / 2)
+        outward = -rotate(unit(tangent), np.pi / 2)
         return np.stack([inner, inner + self.wall_thickness[:, None] * outward], axis=1)
 
     def wall_at_rest(self) -> Array:
         """Return the outer surface of the drawn casing at rest (station, 2) [m]."""
         radius = self.inner_radius + self.wall_thickness
-        return np.asarray(radius[:, None] * _directions(self.angle))
+        return np.asarray(radius[:, None] * directions(self.angle))
 
     def rotor_sides(self, index: int, line: Array, wall: Array) -> Array:
         """Return the right and left side of each beam (rotor_line, station, side, 2) [m].
@@ -137,20 +143,18 @@ class EnlargedStage:
             line: drawn stations of the beams, from `rotor_line`.
             wall: drawn casing, from `wall`; the ends of blades are cut parallel to it.
         """
-        along = _unit(np.gradient(line, axis=1, edge_order=2))
+        along = unit(np.gradient(line, axis=1, edge_order=2))
         half = self._thickness[..., None] / 2 * rotate(along, np.pi / 2)
         sides = np.stack([line - half, line + half], axis=2)
         beams, stations = self._ends
         corner, middle = sides[beams, stations], line[beams, stations][:, None]
-        inner = wall[:, 0]
-        ahead = float(self.turns[index])
-        wall_angle, wall_radius = _polar(inner)
+        wall_angle, wall_radius = _polar(wall[:, 0])
         (angle, _), (at_tip, radius) = _polar(corner), _polar(middle)
         facing, before = (
-            np.interp(place + ahead, wall_angle, wall_radius, period=2 * np.pi)
+            np.interp(place + self.turns[index], wall_angle, wall_radius, period=2 * np.pi)
             for place in (angle, at_tip)
         )
-        sides[beams, stations] = (radius + facing - before)[..., None] * _directions(angle)
+        sides[beams, stations] = (radius + facing - before)[..., None] * directions(angle)
         return sides
 
     @cached_property
@@ -168,15 +172,12 @@ def magnify(points: Array, displacement: Array, shift: Array, factor: float) -> 
     the remaining displacement in polar coordinates, see the module docstring. A point at the
     centre, where polar coordinates are undefined, is moved by the shift only.
     """
-    radius = np.linalg.norm(points, axis=-1)
-    away = radius > 0
-    unit = np.divide(points, radius[:, None], out=np.zeros_like(points), where=away[:, None])
+    radius, outward = np.linalg.norm(points, axis=-1), unit(points)
     rest = displacement - shift
-    radial = np.sum(rest * unit, axis=-1)
-    tangential = np.sum(rest * rotate(unit, np.pi / 2), axis=-1)
-    swing = np.divide(factor * tangential, radius, out=np.zeros_like(radius), where=away)
-    drawn: Array = factor * shift + (radius + factor * radial)[:, None] * rotate(unit, swing)
-    return drawn
+    radial = np.sum(rest * outward, axis=-1)
+    tangential = np.sum(rest * rotate(outward, np.pi / 2), axis=-1)
+    swing = np.divide(factor * tangential, radius, out=np.zeros_like(radius), where=radius > 0)
+    return np.asarray(factor * shift + (radius + factor * radial)[:, None] * rotate(outward, swing))
 
 
 def round_factor(tip_radius: float, clearance: float, largest_displacement: float) -> float:
@@ -194,15 +195,6 @@ def round_factor(tip_radius: float, clearance: float, largest_displacement: floa
     return float(decade * max(step for step in (1, 2, 5) if step * decade <= limit * (1 + 1e-9)))
 
 
-def _directions(angle: Array) -> Array:
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-
-
 def _polar(points: Array) -> tuple[Array, Array]:
     """Return angles [rad] and radii of points (..., 2)."""
     return np.arctan2(points[..., 1], points[..., 0]), np.linalg.norm(points, axis=-1)
-
-
-def _unit(vectors: Array) -> Array:
-    unit: Array = vectors / np.linalg.norm(vectors, axis=-1)[..., None]
-    return unit

@@ -27,14 +27,25 @@ class ViewError(UserError, ValueError):
 
 
 def rotate(vectors: Array, angle: Array | float) -> Array:
-    """Return plane vectors (..., 2) turned counter-clockwise by `angle` (...) [rad]; arguments are
-    broadcast."""
+    """Return plane vectors (..., 2) turned counter-clockwise by `angle` (...) [rad]; the arguments
+    are broadcast."""
     cos, sin = np.cos(angle), np.sin(angle)
     x, y = vectors[..., 0], vectors[..., 1]
     first = cos * x - sin * y
     turned: Array = np.empty((*first.shape, 2))
     turned[..., 0], turned[..., 1] = first, sin * x + cos * y
     return turned
+
+
+def directions(angle: Array) -> Array:
+    """Return unit vectors (..., 2) at the angles (...) [rad], counter-clockwise from +x."""
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def unit(vectors: Array) -> Array:
+    """Return vectors (..., 2) divided by their lengths; vectors of zero length stay zero."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.asarray(np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0))
 
 
 def turn(dataset: xr.Dataset, records: IntArray) -> Array:
@@ -143,10 +154,20 @@ def line_shapes(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array, Array]
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
     shape = dataset["rotor_shape"].values[dataset["rotor_line"].values]
     span = ends[:, 1] - ends[:, 0]
-    along = span / np.linalg.norm(span, axis=1)[:, None]
+    along = unit(span)
     axes = np.stack([along, rotate(along, np.pi / 2)], axis=1)
     local = np.einsum("lad,ledm->leam", axes, shape[:, :, :2])
     return ends[:, 0], span, axes, local, shape[:, :, 2]
+
+
+def tip_rows(dataset: xr.Dataset) -> Array:
+    """Return radial and tangential displacements of the blade tips for unit modal coordinates,
+    (component, blade, rotor_mode), positive outward and counter-clockwise.
+    """
+    angle = dataset["tip_angle"].values
+    axes = directions(angle), np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+    shapes = dataset["rotor_shape"].values[dataset["tip_node"].values, :2]
+    return np.stack([np.einsum("bd,bdm->bm", axis, shapes) for axis in axes])
 
 
 def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:
@@ -253,14 +274,8 @@ def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = F
     """
     if "contact_impulse" not in dataset:
         return np.zeros((len(records), dataset.sizes["blade"], 2))
-    step = record_lengths(dataset)[records, None]
-    polar = np.stack(
-        [
-            -history(dataset, "contact_impulse", records) / step,
-            -history(dataset, "friction_impulse", records) / step,
-        ],
-        axis=-1,
-    )
+    pushed = [history(dataset, f"{kind}_impulse", records) for kind in ("contact", "friction")]
+    polar = -np.stack(pushed, axis=-1) / record_lengths(dataset)[records, None, None]
     angle = dataset["tip_angle"].values[None]
     return rotate(polar, angle if rotating else angle + turn(dataset, records)[:, None])
 

@@ -18,7 +18,7 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.schema import STATIC, TIME, Variable
 from bladewhirl.solvers.march.storage import CutFile
 
-#: largest plausible magnitude of a number in SI units; 1 / MOST is the smallest of a positive one
+#: largest plausible magnitude of a number in SI units; a positive number is larger than 1 / MOST
 MOST = 1e30
 POSITIVE = "reference_frequency casing_radius tip_radius time_step record_step yield_strength"
 NUMBERS = (

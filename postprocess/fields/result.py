@@ -55,9 +55,10 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
 def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     """Return a result of any format with all coordinates of the schema.
 
-    Variables that older formats lack are added: zero changes of the sections along beams (format
-    1); before format 4 zero static growth, and the recess of the tips at rest; before format 5 wave
-    frequencies, equal to the frequencies of the modes; before format 6 the work of closing, nan.
+    Variables that older formats lack are added: changes of the sections along beams, which are zero
+    (format 1); static growth, which is zero, and the recess of the tips at rest (before format 4);
+    frequencies of waves, equal to the frequencies of the modes (before format 5); and the work of
+    closing, which is nan (before format 6).
     """
     indices = {
         name: (name, schema.index_values(name, dataset.sizes[name]), variable.attributes)

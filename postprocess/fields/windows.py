@@ -8,7 +8,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 
 #: share of the time, at the end of a run, that is regarded as the late motion
 LATE_SHARE = 1.0 / 3.0
-EVEN = 1e-6  #: largest relative difference of equal time steps between records from their median
+EVEN = 1e-6  #: largest relative difference from the median of time steps that count as equal
 
 
 def select_window(
@@ -34,8 +34,8 @@ def select_window(
 
 
 def in_window(result: xr.Dataset, start: float | None, end: float | None) -> xr.Dataset:
-    """Return the records within [start, end] [s], or the whole result when both limits are None,
-    even if it has a single record.
+    """Return the records within [start, end] [s]. When both limits are None, return the whole
+    result, which may then have a single record.
 
     Raises:
         ViewError: the window is invalid, see `select_window`.

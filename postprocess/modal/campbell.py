@@ -51,12 +51,8 @@ class Wave:
 
 
 def waves(data: xr.Dataset, points: int) -> Iterator[Wave]:
-    """Yield all waves: backward and forward waves on the bladed disk, forward waves on the casing.
-
-    Args:
-        data: from `campbell`.
-        points: number of speeds.
-    """
+    """Yield all waves from `campbell` at `points` speeds: backward and forward waves on the bladed
+    disk, forward waves on the casing."""
     hertz = float(data.attrs["reference_frequency_hz"])
     first, last = data.attrs["speeds"]
     speed = np.linspace(first, last, points)
@@ -97,14 +93,11 @@ def waves(data: xr.Dataset, points: int) -> Iterator[Wave]:
 
 
 def drawn_part(data: xr.Dataset) -> xr.Dataset:
-    """Select the modes and coincidences that a diagram shows.
+    """Select the modes and coincidences from `campbell` that a diagram shows.
 
     Families of the bladed disk are drawn if they coincide with the casing in the operating range;
     `DRAWN_FAMILIES` are always drawn. Of the casing, the lowest mode of each nodal diameter is
     drawn, from 1 to the highest nodal diameter of these families.
-
-    Args:
-        data: from `campbell`.
     """
     operated = data["in_operating_range"].values.astype(bool) & in_diagram(data)
     families = [*DRAWN_FAMILIES, *data["family"].values[operated]]
@@ -137,7 +130,8 @@ def in_diagram(data: xr.Dataset) -> BoolArray:
 
 @styled
 def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
-    """Draw a Campbell diagram: frequencies of waves on bladed disk and casing over the speed.
+    """Draw a Campbell diagram from `campbell`: frequencies of waves on bladed disk and casing over
+    the speed. Only the `drawn_part` of the data is drawn.
 
     In the rotating frame the frequencies of the bladed disk are horizontal lines. A wave that
     travels forward on the casing has the frequency k Omega - omega in this frame, a rising line. In
@@ -150,10 +144,6 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     backward at rest are full lines, waves that are forward at rest dashed lines; the diagram in the
     static frame shows only waves with one nodal diameter. Dotted lines are multiples of the speed,
     crosses mark critical speeds.
-
-    Args:
-        data: from `campbell`; only its `drawn_part` is drawn.
-        frame: frame of the observer.
     """
     count, data = np.count_nonzero(in_diagram(data)), drawn_part(data)
     figure = new_figure(width=FULL_WIDTH, height=0.105)

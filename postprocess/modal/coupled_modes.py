@@ -22,13 +22,11 @@ MILLI = 1e3
 
 @style.styled
 def plot_phases(data: xr.Dataset) -> Figure:
-    """Draw the phases of shaft and smallest clearance in the static frame, and their difference.
+    """Draw the phases of shaft and smallest clearance in the static frame, and their difference,
+    from `motion_dataset`.
 
     This is the paper's Fig. 14(c). In waves with a nodal diameter other than one the shaft is at
     rest, and only the phase of the smallest clearance is drawn.
-
-    Args:
-        data: from `motion_dataset`.
     """
     moves = data.attrs["nodal_diameter"] == 1
     figure = style.new_figure(height=0.085 if moves else 0.06)
@@ -58,11 +56,8 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
 
     Displacements and clearance are multiplied by the same factor (see `drawing`), so the bodies
     touch in the picture where they touch in the model. A dot marks the shaft, an open dot the
-    smallest clearance, a cross the axis of rotation.
-
-    Args:
-        dataset: a result, or a coupled mode as a Dataset with the variables of a result.
-        records: numbers of the records; up to four are legible.
+    smallest clearance, a cross the axis of rotation. `dataset` is a result, or a coupled mode with
+    the variables of a result; up to four records are legible.
     """
     figure = style.new_figure(width=style.FULL_WIDTH, height=0.068)
     panels = np.atleast_1d(figure.subplots(1, len(records)))
@@ -70,7 +65,7 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
     size = 1.02 * drawing.reach()[0]
     norm = Normalize(0.0, MILLI * drawing.largest_displacement)
     gaps = dataset["gap"].values[records]
-    for axes, index in zip(panels, range(len(records)), strict=True):
+    for index, axes in enumerate(panels):
         picture = drawing.picture(index)
         for ribbon in (picture.casing, picture.rotor):
             shown = _draw_ribbon(axes, ribbon, norm)

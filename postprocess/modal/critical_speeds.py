@@ -17,14 +17,11 @@ WIDTHS = {"forward": 1.6, "backward": 0.7}
 
 @styled
 def plot_critical_speeds(data: xr.Dataset) -> Figure:
-    """Draw the critical speeds of forward and backward whirl over the stiffness of the shaft.
+    """Draw the critical speeds from `bladewhirl.critical_speeds` over the stiffness of the shaft.
 
     Colours show the share of the shaft springs in the strain energy. If this share is large, the
     disk moves on its springs, and the critical speed increases with the root of the stiffness; if
-    it is small, the blades bend. Grey lines are stiffness and speed of the case.
-
-    Args:
-        data: from `bladewhirl.critical_speeds`.
+    the share is small, the blades bend. Grey lines are stiffness and speed of the case.
     """
     figure = new_figure(width=COLUMN_WIDTH, height=0.09)
     axes = figure.subplots()

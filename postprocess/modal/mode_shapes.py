@@ -10,7 +10,14 @@ from matplotlib.figure import Figure
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.enlarged import magnify
-from bladewhirl.postprocess.fields.kinematics import casing_rows, line_rows, ring_angles, rotate
+from bladewhirl.postprocess.fields.kinematics import (
+    casing_rows,
+    directions,
+    line_rows,
+    ring_angles,
+    rotate,
+    tip_rows,
+)
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -65,7 +72,7 @@ class Outline:
             angle = ring_angles(data, -(-RING_POINTS // data.sizes["casing_node"]))
             angle = np.append(angle, angle[0])
             self.radius = float(data.attrs["casing_radius"])
-            self.rest = self.radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)[None]
+            self.rest = self.radius * directions(angle)[None]
             polar = np.moveaxis(casing_rows(data, angle), -1, 1)
             self._rows = np.moveaxis(rotate(polar, angle[:, None]), 1, -1)
             self._shift = self._rows[:-1].mean(axis=0)
@@ -132,16 +139,13 @@ def draw_shape(
 
 @styled
 def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
-    """Draw the mode shapes of a body side by side (the paper's Fig. 6).
+    """Draw the mode shapes of a body from `motion.shapes_dataset` side by side (the paper's Fig.
+    6).
 
-    A cross marks the centre at rest, a dot the displaced centre; for the casing this is its mean
-    displacement. The text below each shape gives the frequency, the displacement of the centre in
-    percent of the largest displacement of the mode, the purity and, for whirling modes, the
-    directions of travel in the rotating and in the static frame.
-
-    Args:
-        data: from `motion.shapes_dataset`; each mode has a panel.
-        body: body whose modes are drawn.
+    A cross marks the centre at rest, a dot the displaced centre; the centre of the casing moves by
+    the mean displacement of the casing. The text below each shape gives the frequency, the
+    displacement of the centre in percent of the largest displacement of the mode, the purity and,
+    for whirling modes, the directions of travel in the rotating and in the static frame.
     """
     prefix = "rotor" if body == "bladed-disk" else "casing"
     modes = data.sizes[f"{prefix}_mode"]
@@ -194,12 +198,8 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
 
 @styled
 def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
-    """Draw a travelling wave at `INSTANTS` instants of a quarter of its period, with its crests.
-
-    Args:
-        data: a mode in time, from `motion.mode_motion`.
-        body: body that moves.
-    """
+    """Draw a travelling wave from `motion.mode_motion` at `INSTANTS` instants of a quarter of its
+    period, with its crests."""
     prefix = "rotor" if body == "bladed-disk" else "casing"
     coordinates = data[f"{prefix}_displacement"].values
     figure = new_figure(width=FULL_WIDTH, height=0.062)
@@ -230,7 +230,7 @@ def _mark_crests(axes: Axes, angle: float, k: int, label: str) -> None:
     radius = axes.get_xlim()[1]
     for number in range(k):
         turned = angle + 2.0 * np.pi * number / k
-        place = radius * np.array([np.cos(turned), np.sin(turned)])
+        place = radius * directions(np.asarray(turned))
         face = "none" if number else COLOURS["contact"]
         axes.plot(*place, "D", ms=4.0, color=COLOURS["contact"], mfc=face, label=label)
     reach = OUTSIDE * radius
@@ -240,12 +240,9 @@ def _mark_crests(axes: Axes, angle: float, k: int, label: str) -> None:
 def _crest(data: xr.Dataset, prefix: str, coordinates: FloatArray, k: int) -> float:
     """Return the angle of a crest of the wave along the tips or the wall [rad]."""
     if prefix == "rotor":
-        angle = data["tip_angle"].values
-        moved = data["rotor_shape"].values[data["tip_node"].values, :2] @ coordinates
-        along = moved[:, 1] * np.cos(angle) - moved[:, 0] * np.sin(angle)
+        angle, along = data["tip_angle"].values, tip_rows(data)[1] @ coordinates
     else:
-        angle = data["casing_angle"].values
-        along = data["casing_shape"].values[:, 0] @ coordinates
+        angle, along = data["casing_angle"].values, data["casing_shape"].values[:, 0] @ coordinates
     return float(-np.angle(along @ np.exp(-1j * k * angle)) / k) if k else 0.0
 
 

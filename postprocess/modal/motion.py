@@ -17,7 +17,7 @@ from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.postprocess.fields.kinematics import casing_rows, line_rows
+from bladewhirl.postprocess.fields.kinematics import casing_rows, clearance_at, line_rows, tip_rows
 from bladewhirl.postprocess.fields.result import stage_dataset
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShapes
 
@@ -159,11 +159,8 @@ def radial_shapes(stage: StageModes) -> RadialShapes:
     """Return the displacements of shaft, tips and casing for unit coordinates of the coupled modes,
     step 4 of Section 3.3.2 of the paper.
 
-    The displacements are those of the finite element modes, even if the coupling is computed with
-    the paper's simplification that the radial amplitude of every mode is 1.
-
-    Args:
-        stage: the coupled modes.
+    The displacements are computed from the finite element modes, even if the coupling is computed
+    with the paper's simplification that the radial amplitude of every mode is 1.
     """
     disk, casing, size = stage.modal.disk, stage.modal.casing, stage.modes.size
     rotor, rotor_modes = stage.coordinates(on_casing=False)
@@ -186,8 +183,7 @@ def radial_shapes(stage: StageModes) -> RadialShapes:
 
 def shown_clearance(stage: ModalStage) -> float:
     """Return the clearance [m], or a thousandth of the tip radius if the clearance is zero."""
-    given = stage.case
-    return given.casing.clearance or SHARE_OF_RADIUS * given.tip_radius
+    return stage.case.casing.clearance or SHARE_OF_RADIUS * stage.case.tip_radius
 
 
 def _attributes(stage: ModalStage) -> dict[str, Any]:
@@ -228,14 +224,9 @@ def _gaps(geometry: xr.Dataset, rotor: FloatArray, casing: FloatArray) -> FloatA
     """Return clearance plus wall displacement minus tip displacement at each tip, (pictures,
     blades); the recess of the tips is not included."""
     angle = geometry["tip_angle"].values
-    outward = np.column_stack([np.cos(angle), np.sin(angle)])
-    shapes = geometry["rotor_shape"].values[geometry["tip_node"].values, :2]
-    tips = np.einsum("ba,bam->bm", outward, shapes)
     wall = casing_rows(geometry, angle)[:, 0]
-    clearance = np.interp(
-        angle, geometry["casing_angle"], geometry["clearance"], period=2.0 * np.pi
-    )
-    return np.asarray(clearance + casing @ wall.T - rotor @ tips.T)
+    gap = clearance_at(geometry, angle) + casing @ wall.T - rotor @ tip_rows(geometry)[0].T
+    return np.asarray(gap)
 
 
 def _coupled_gaps(stage: StageModes, motion: CoupledMotion) -> FloatArray:

@@ -1,7 +1,5 @@
 """Response to engine-order forces: amplitudes by blade and by nodal diameter over the speed."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -20,11 +18,7 @@ LOWEST = 1e-4
 
 
 def amplitude(data: xr.Dataset) -> xr.DataArray:
-    """Return the largest displacement of each tip in a period [m].
-
-    Args:
-        data: from `bladewhirl.response`.
-    """
+    """Return the largest displacement of each tip in a period [m], from `bladewhirl.response`."""
     tangential, radial = data["tip_tangential"], data["tip_radial"]
     square = abs(tangential) ** 2 + abs(radial) ** 2
     distance = (0.5 * (square + abs(tangential**2 + radial**2))) ** 0.5
@@ -32,13 +26,11 @@ def amplitude(data: xr.Dataset) -> xr.DataArray:
 
 
 def by_nodal_diameter(data: xr.Dataset) -> xr.DataArray:
-    """Return the amplitude of the tangential displacement of the tips by nodal diameter [m].
+    """Return the amplitude of the tangential displacement of the tips by nodal diameter [m], from
+    `bladewhirl.response`.
 
     The backward and the forward wave of a nodal diameter are added as the root of the sum of their
     squares. The squares of all nodal diameters add up to the mean square over the blades.
-
-    Args:
-        data: from `bladewhirl.response`.
     """
     tips = data["tip_tangential"].transpose(..., "blade")
     blades = tips.sizes["blade"]
@@ -55,11 +47,7 @@ def by_nodal_diameter(data: xr.Dataset) -> xr.DataArray:
 
 
 def drawn_amplitudes(data: xr.Dataset) -> xr.Dataset:
-    """Return the real amplitudes that `plot_response` draws.
-
-    Args:
-        data: from `bladewhirl.response`.
-    """
+    """Return the real amplitudes that `plot_response` draws, from `bladewhirl.response`."""
     return xr.Dataset(
         {"amplitude": amplitude(data), "amplitude_by_nodal_diameter": by_nodal_diameter(data)},
         attrs=data.attrs,
@@ -68,13 +56,10 @@ def drawn_amplitudes(data: xr.Dataset) -> xr.Dataset:
 
 @styled
 def plot_response(data: xr.Dataset) -> Figure:
-    """Draw the amplitudes of the tips over the speed, by blade and by nodal diameter.
+    """Draw the amplitudes of the tips from `bladewhirl.response` over the speed.
 
-    Each engine order has a row. Left: all blades, the blade with the largest amplitude in colour.
-    Right: the nodal diameters with the largest amplitudes.
-
-    Args:
-        data: from `bladewhirl.response`.
+    Each engine order has a row. The left panel shows all blades, with the blade of the largest
+    amplitude in colour; the right panel shows the nodal diameters with the largest amplitudes.
     """
     drawn = drawn_amplitudes(data if "order" in data.dims else data.expand_dims("order"))
     orders, speed = drawn["order"].values, drawn["speed"].values

@@ -55,13 +55,9 @@ TYPES = {"oscillatory": COLOURS["total"], "divergent": COLOURS["k = 1"], "damped
 
 @styled
 def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Figure:
-    """Draw the stability chart (the paper's Fig. 11): named unstable zones, growth rates, and
-    coincidence speeds.
-
-    Args:
-        data: a chart, with or without unstable zones.
-        point: normalised speed and stiffness [N/m] of a point to mark.
-    """
+    """Draw the stability chart (the paper's Fig. 11): growth rates and, if the data contain them,
+    named unstable zones and coincidence speeds. `point` is the normalised speed and the stiffness
+    [N/m] of a point to mark."""
     figure, axes = _new_chart(data)
     speed, kappa, growth = (data[name].values for name in ("speed", "kappa", "growth"))
     unstable = is_unstable(growth, speed * data.attrs["reference_frequency"])
@@ -149,10 +145,8 @@ def plot_truncation(data: xr.Dataset) -> Figure:
     """Draw the unstable zones of all modes and the unstable zones of six modes, to show the zones
     that are lost by truncation.
 
-    A zone that is narrower than a line is drawn as a line.
-
-    Args:
-        data: unstable zones of all modes and of six modes, distinguished by `zone_of`.
+    The variable `zone_of` of the data distinguishes them. A zone narrower than a line is drawn as a
+    line.
     """
     figure, axes = _new_chart(data)
     whole = data["zone_of"].values == "all"

@@ -60,15 +60,11 @@ WAYS = {"both": "o", "standing": "o", "backward": "<", "forward": ">"}
 
 @styled
 def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
-    """Draw frequencies over nodal diameter with a free and with a clamped centre (Fig. 7 of the
-    paper).
+    """Draw frequencies from `veering` over the nodal diameter, for a free and for a clamped centre
+    (the paper's Fig. 7).
 
     Up to `FEW` families are drawn on an axis that is broken between the families, more families on
-    a logarithmic axis.
-
-    Args:
-        data: from `veering`.
-        families: number of blade families that are drawn; all when None.
+    a logarithmic axis. All blade families are drawn when `families` is None.
     """
     families = families or int(data.attrs["families"])
     names = ["suspension", *(f"{rank}F" for rank in range(1, families + 1))]
@@ -113,15 +109,12 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
 
 @styled
 def plot_shaft_veering(data: xr.Dataset) -> Figure:
-    """Draw the modes with one nodal diameter over the stiffness of the shaft.
+    """Draw the modes with one nodal diameter from `veering` over the stiffness of the shaft.
 
     The colour is the share of the shaft springs in the strain energy of a mode. Where two branches
     veer, the suspension mode passes from one branch to the other. Dashed lines are the frequencies
     with a clamped centre, which the branches approach as the stiffness increases. With Coriolis
     forces the lines of forward waves are thin.
-
-    Args:
-        data: from `veering`.
     """
     ways = data["branch_direction"].values
     turns = "forward" in ways  # backward and forward waves have different branches

@@ -144,11 +144,8 @@ def contact_classes(
 
 @styled
 def plot_gaps(maps: xr.Dataset) -> Figure:
-    """Draw the gap of every blade over time and, where a blade touches, the share of the time.
-
-    Args:
-        maps: from `contact_maps`.
-    """
+    """Draw the gap of every blade over time from `contact_maps` and, where a blade touches, the
+    share of the time in contact."""
     figure, axes = _map_axes()
     unit, scale = handy_unit(float(maps["gap"].max()), "m")
     gap = np.maximum(scale * maps["gap"].values.T, 0.0)
@@ -165,11 +162,8 @@ def plot_gaps(maps: xr.Dataset) -> Figure:
 
 @styled
 def plot_forces(maps: xr.Dataset) -> Figure:
-    """Draw the mean normal force on every blade over time, with logarithmic colours.
-
-    Args:
-        maps: from `contact_maps`.
-    """
+    """Draw the mean normal force on every blade over time from `contact_maps`, with logarithmic
+    colours."""
     figure, axes = _map_axes()
     force = maps["force"].values
     top = float(force.max()) or 1.0
@@ -190,11 +184,8 @@ def plot_forces(maps: xr.Dataset) -> Figure:
 
 @styled
 def plot_contact_classes(classes: xr.Dataset) -> Figure:
-    """Draw the share of the time that each blade is in contact, coloured by class.
-
-    Args:
-        classes: from `contact_classes`.
-    """
+    """Draw the share of the time that each blade is in contact, coloured by class, from
+    `contact_classes`."""
     figure = new_figure(height=0.06)
     axes = figure.add_subplot()
     blade, share = classes["blade"].values, 100 * classes["share"].values
@@ -229,9 +220,9 @@ def contact_span(edge: Array, touching: BoolArray) -> tuple[float, float]:
     """
     spans = np.flatnonzero(touching)
     begin, end = float(edge[0]), float(edge[-1])
-    first, last = (
-        (float(edge[spans[0]]), float(edge[spans[-1] + 1])) if len(spans) else (begin, end)
-    )
+    if not len(spans):
+        return begin, end
+    first, last = float(edge[spans[0]]), float(edge[spans[-1] + 1])
     if last - first > BRIEF * (end - begin):
         return begin, end
     margin = BRIEF_MARGIN * (last - first)

@@ -78,13 +78,9 @@ def casing_contact(
 
 
 def with_last_turns(contact: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
-    """Add the contact in the last revolutions, `last_share` (last_time, last_sector), with the
-    limits `last_time_edge` and `last_angle_edge`; return short runs unchanged.
-
-    Args:
-        contact: from `casing_contact`.
-        result: result of the same run.
-    """
+    """Return the contact from `casing_contact` with the contact in the last revolutions of the same
+    result added: `last_share` (last_time, last_sector), with the limits `last_time_edge` and
+    `last_angle_edge`. Nothing is added for a short run."""
     end = float(contact["time_edge"][-1])
     speed = abs(float(contact.attrs["speed"]))
     begin, last_drawn = _limits(contact)
@@ -97,13 +93,11 @@ def with_last_turns(contact: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
 
 @styled
 def plot_casing_contact(contact: xr.Dataset) -> Figure:
-    """Draw the share of the time in contact over casing angle and revolutions.
+    """Draw the share of the time in contact over casing angle and revolutions, from
+    `with_last_turns`.
 
     The figure of a long run has a second panel with the last revolutions. If contact is brief, the
     upper panel only shows the time of contact.
-
-    Args:
-        contact: from `casing_contact`, `with_last_turns`.
     """
     both = "last_share" in contact
     figure = new_figure(height=0.105 if both else 0.06)

@@ -100,13 +100,11 @@ def _scenario(shaft: Array, clearance: Array, impulse: Array) -> dict[str, str |
 
 @styled
 def plot_contact_phase(phases: xr.Dataset) -> Figure:
-    """Draw the phases of shaft and smallest clearance, and the angle by which the shaft leads.
+    """Draw the phases of shaft and smallest clearance from `contact_phase`, and the angle by which
+    the shaft leads.
 
     The phases are drawn in the frame in which the shaft makes fewer turns. If the shaft makes more
     than `MOST_TURNS` turns, only the last turns are drawn.
-
-    Args:
-        phases: from `contact_phase`.
     """
     frame, since = _followed(phases)
     drawn = phases.sel(time=slice(since, None))

@@ -46,11 +46,7 @@ class StressPeak(TypedDict):
 
 def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
     """Return the largest radial (positive outward) and tangential displacement of the casing over
-    all records.
-
-    Args:
-        dataset: a result.
-    """
+    all records of a result."""
     around, time = ring_angles(dataset, STATIONS), dataset["time"].values
     rows = casing_rows(dataset, around)
     peaks = {way: WallPeak(displacement=0.0, angle=0.0, time=0.0) for way in WAYS}
@@ -69,11 +65,7 @@ def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
 
 
 def largest_force(dataset: xr.Dataset) -> ForcePeak:
-    """Return the largest normal force on any blade, averaged over `FORCE_TIME`.
-
-    Args:
-        dataset: a result.
-    """
+    """Return the largest normal force on any blade, averaged over `FORCE_TIME`."""
     time = dataset["time"].values
     step = float(dataset.attrs["record_step"])
     records = max(1, round(FORCE_TIME / step))
@@ -90,11 +82,8 @@ def largest_force(dataset: xr.Dataset) -> ForcePeak:
 
 
 def stress_peaks(peaks: xr.Dataset) -> dict[str, StressPeak]:
-    """Return the largest stress of the bladed disk and of the casing.
-
-    Args:
-        peaks: largest stresses of every member, from `stresses.peak_stresses` or `stress_history`.
-    """
+    """Return the largest stress of the bladed disk and of the casing, from the largest stresses of
+    their members (`stresses.peak_stresses` or `stress_history`)."""
     of_casing = peaks["member"].values == "casing"
     largest = {}
     for body, belongs in (("bladed_disk", ~of_casing), ("casing", of_casing)):

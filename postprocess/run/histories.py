@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import to_si
-from bladewhirl.postprocess.fields.kinematics import casing_rows, record_lengths
+from bladewhirl.postprocess.fields.kinematics import casing_rows, record_lengths, tip_rows
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window
@@ -92,17 +92,14 @@ def tip_displacement(
         ``tip_displacement(result)["displacement"].sel(blade=3, component="radial").plot()``
     """
     result = in_window(result, start, end)
-    angle = result["tip_angle"].values
-    outward = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    across = np.stack([-np.sin(angle), np.cos(angle)], axis=1)
-    shapes = result["rotor_shape"].values[result["tip_node"].values, :2]
-    rows = [np.einsum("bd,bdm->bm", axis, shapes) for axis in (outward, across)]
-    moved = reduce_modes(result, "rotor_displacement", np.concatenate(rows))
+    rows = tip_rows(result)
+    moved = reduce_modes(result, "rotor_displacement", rows.reshape(-1, rows.shape[-1]))
+    over, blades = ("time", "component", "blade"), rows.shape[1]
     return labelled(
         result,
         "displacement of the blade tips, rotating frame",
-        {"displacement": (("time", "component", "blade"), moved.reshape(-1, 2, len(angle)), "m")},
-        {"time": result["time"].values, "component": [*COMPONENTS], "blade": np.arange(len(angle))},
+        {"displacement": (over, moved.reshape(-1, 2, blades), "m")},
+        {"time": result["time"].values, "component": [*COMPONENTS], "blade": np.arange(blades)},
     )
 
 
@@ -146,7 +143,7 @@ def casing_displacement(
 
 
 def radians(angle: object) -> float:
-    """Return an angle in rad from a number or text."""
+    """Return an angle in rad from a number in rad or from text such as "90 deg"."""
     try:
         radians = to_si(angle, "rad") if isinstance(angle, str) else float(cast(float, angle))
     except ValueError as error:

@@ -21,7 +21,7 @@ def late_motion(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
         orbit: from `orbits.shaft_orbit`, for the same time window.
 
     Returns:
-        Dataset of these measures: `late_radius` [m], root mean square displacement of the shaft.
+        Dataset of measures. `late_radius` [m]: root mean square displacement of the shaft.
         `whirl_rotating` and `whirl_static`: directions of whirl in the two frames.
         `whirl_frequency` [Hz]: frequency in the rotating frame, forward positive, nan at rest; the
         frequency in the static frame is higher by the speed. `whirl_scatter` [Hz]: standard
@@ -63,9 +63,6 @@ def radius_peaks(orbit: xr.Dataset) -> Array:
 
     The square of the displacement is interpolated by cubics through the values and rates at the
     records. A maximum is where the rate, interpolated linearly between records, falls through zero.
-
-    Args:
-        orbit: from `orbits.shaft_orbit`, for the time considered.
     """
     time = orbit["time"].values
     place, velocity = orbit["rotating"].values, orbit["rotating_velocity"].values

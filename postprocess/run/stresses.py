@@ -119,11 +119,7 @@ def stress_history(
 
 
 def peak_stresses(dataset: xr.Dataset) -> xr.Dataset:
-    """Compute `peak_stress`, `peak_time` and `peak_radius` of `stress_history`, without histories.
-
-    Args:
-        dataset: a result.
-    """
+    """Compute only `peak_stress`, `peak_time` and `peak_radius` of `stress_history`."""
     names, bodies = _bodies(dataset)
     peak = {name: np.zeros(len(names)) for name in PEAKS}
     for body, portion, axial, bending in _strains(dataset, bodies):
@@ -160,9 +156,11 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
 def _body(
     history: str, rows: Strains, modulus: Array, radius: Array, member: IntArray, *, first: int
 ) -> _Body:
-    """Return the rotor or the casing from values at points of each element, (element, point);
-    `member` is the number of the part (such as a blade) of each element, `first` the position of
-    the first part among all parts."""
+    """Return the rotor or the casing from values at the points of each element, (element, point).
+
+    `member` is the number of the member (such as a blade) of each element, `first` the position of
+    the first member of this body among the members of both bodies.
+    """
     stations = rows.axial.shape[1]
     starts = stations * np.flatnonzero(np.diff(member, prepend=-1))
     return _Body(
@@ -225,11 +223,7 @@ def _note_peaks(
 @styled
 def plot_stress(history: xr.Dataset) -> Figure:
     """Draw the largest stress in blades, other parts and casing over time, and the extremes of the
-    stress in every blade.
-
-    Args:
-        history: from `stress_history`.
-    """
+    stress in every blade, from `stress_history`."""
     figure = new_figure(width=FULL_WIDTH, height=0.065)
     over_time, over_blades = figure.subplots(1, 2, gridspec_kw={"wspace": 0.12})
     blades = int(history.attrs["blades"])

@@ -1,14 +1,12 @@
 """Blade tip timing: arrival times of the tips at probes in the casing, as rigs measure them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, tip_rows
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window
@@ -62,12 +60,9 @@ def tip_timing(
         )
     tips = result["tip_angle"].values
     radius = result.attrs["tip_radius"] - result["tip_recess"].values
-    across = np.stack([-np.sin(tips), np.cos(tips)], axis=1)
-    rows = np.einsum(
-        "bd,bdm->bm", across, result["rotor_shape"].values[result["tip_node"].values, :2]
-    )
-    moved = reduce_modes(result, "rotor_displacement", rows)
-    rate = reduce_modes(result, "rotor_velocity", rows)
+    across = tip_rows(result)[1]
+    moved = reduce_modes(result, "rotor_displacement", across)
+    rate = reduce_modes(result, "rotor_velocity", across)
     turned = np.sign(speed) * (tips + speed * time[:, None] + moved / radius)
     if not np.all(np.diff(turned, axis=0) > 0.0):
         raise ViewError("tip timing: expected tips that turn forward between all records")
@@ -95,12 +90,13 @@ def tip_timing(
 def _arrivals(
     time: Array, moved: Array, rate: Array, angle: float, speed: float, radius: float
 ) -> tuple[Array, Array]:
-    """Return arrival times of a tip at a probe [s], and its displacement at the arrivals [m].
+    """Return arrival times of a tip at a probe [s], and the tangential displacement of the tip at
+    these times [m].
 
     Args:
         time: times of the records [s], (time,).
         moved: tangential displacement of the tip at the records [m], (time,).
-        rate: its rate [m/s], (time,).
+        rate: rate of this displacement [m/s], (time,).
         angle: angle of the tip at rest from the probe [rad].
         speed: speed of rotation [rad/s].
         radius: radius of the tip [m].
@@ -121,8 +117,8 @@ def _arrivals(
 def _cubic(
     share: Array, length: Array, moved: Array, rate: Array, record: IntArray
 ) -> tuple[Array, Array]:
-    """Return the cubic through two records with their rates, and its rate, at a share of the
-    interval after each record, (arrivals,)."""
+    """Return the displacement and its rate at a share of the interval after each record,
+    (arrivals,), from the cubic with the displacements and rates of both records."""
     first, second = moved[record], moved[record + 1]
     before, after = length * rate[record], length * rate[record + 1]
     square = 3.0 * (second - first) - 2.0 * before - after

@@ -83,7 +83,7 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
 
     The complete motion is pale, the last two turns are black. Titles give direction and frequency
     of the whirl over the last third of the time. A circle shows the clearance; if the orbit is much
-    smaller, the axes fit the orbit, and the title gives the clearance instead.
+    smaller than the clearance, the axes fit the orbit, and the title gives the clearance instead.
     """
     late = last_turns(orbit)
     clearance, radius = orbit.attrs["smallest_clearance"], float(orbit["radius"].max())
@@ -107,7 +107,13 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
         axes.set_title(f"{frame} frame\n{whirl(late_part(orbit), frame).text}")
     panels[FRAMES[0]].set_ylabel(f"y [{unit}]")
     panels[FRAMES[1]].tick_params(labelleft=False)
-    _draw_radius(panels["radius"], late)
+    radius_unit, radius_scale = handy_unit(float(late["radius"].max()), "m")
+    below = panels["radius"]
+    below.plot(late["time"], radius_scale * late["radius"], color=COLOURS["rotor"])
+    below.set_ylabel(f"radius [{radius_unit}]")
+    below.ticklabel_format(axis="y", useOffset=False)
+    below.locator_params(axis="y", nbins=4)
+    time_axis(below)
     if not tiny:
         panels[FRAMES[0]].plot([], [], label="clearance", **CLEARANCE_LINE)
     entries = panels[FRAMES[0]].get_legend_handles_labels()
@@ -126,16 +132,6 @@ def last_turns(orbit: xr.Dataset) -> xr.Dataset:
     rates = [abs(turn.rate) for frame in FRAMES if (turn := whirl(late, frame)).goes_round]
     length = DRAWN_TURNS * 2 * np.pi / max(rates, default=orbit.attrs["reference_frequency"])
     return late.sel(time=slice(late["time"].values[-1] - length, None))
-
-
-def _draw_radius(axes: Axes, late: xr.Dataset) -> None:
-    """Draw the radius over time, on an axis that does not begin at zero."""
-    unit, scale = handy_unit(float(late["radius"].max()), "m")
-    axes.plot(late["time"], scale * late["radius"], color=COLOURS["rotor"])
-    axes.set_ylabel(f"radius [{unit}]")
-    axes.ticklabel_format(axis="y", useOffset=False)
-    axes.locator_params(axis="y", nbins=4)
-    time_axis(axes)
 
 
 def _draw_path(axes: Axes, place: Array) -> None:

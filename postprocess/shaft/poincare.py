@@ -98,13 +98,10 @@ def state_space(
 
 @styled
 def plot_state_space(states: xr.Dataset) -> Figure:
-    """Draw velocity over position along x (upper row) and y (lower row): the motion in the left
-    column, the Poincaré map in the right column.
+    """Draw velocity over position from `state_space`, along x (upper row) and y (lower row): the
+    motion in the left column, the Poincaré map in the right column.
 
     The last third of the time is black, the earlier motion is pale.
-
-    Args:
-        states: from `state_space`.
     """
     figure = new_figure(height=0.1)
     panels = figure.subplots(2, 2, sharex=True, sharey=True)

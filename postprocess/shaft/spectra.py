@@ -27,8 +27,8 @@ from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Frame, phasor, spectrum
 
 SHARE, PERIODS, MOST = 1.0 / 5.0, 5.0, 0.5
-"""Length of a slice of the spectrogram: as a share of the time, at least this number of periods of
-the reference frequency, but at most this share of the time."""
+"""Length of a slice of the spectrogram: the share `SHARE` of the time or, if longer, `PERIODS`
+periods of the reference frequency; but at most the share `MOST` of the time."""
 
 SLICES = 120  #: approximate number of slices of a spectrogram
 PADDING, SLICE_PADDING = 4, 2
@@ -58,16 +58,13 @@ LINE_DASHES: Mapping[str, Any] = {
 
 
 def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
-    """Return the speed, and the frequencies of modes that can move the shaft, in a frame [rad/s].
+    """Return the speed, and the frequencies of modes that can move the shaft [rad/s], in the frame
+    of the observer.
 
     These modes have one nodal diameter: first family and suspension of the bladed disk, and the
     lowest mode of the casing, each as a forward and a backward wave. The frequencies of a wave in
     the two frames differ by the speed. A further line, "Ω", is the frequency of a stationary load
     in the rotating frame, or of a load that turns with the rotor in the static frame.
-
-    Args:
-        dataset: a result.
-        frame: frame of the observer.
 
     Returns:
         Frequencies (line,), forward positive. The coordinate `mode` (line,) contains the names
@@ -178,12 +175,8 @@ def shaft_spectrogram(
 
 
 def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
-    """Return the frequency range of a spectrum that is drawn, with the frequencies of modes and
-    speed added as `modal_line` (line,).
-
-    Args:
-        spectrum: from `shaft_spectrum` or `shaft_spectrogram`.
-        lines: from `modal_lines`, for the same frame.
+    """Return the drawn frequency range of a spectrum or spectrogram, with the frequencies from
+    `modal_lines` in the same frame added as the variable `modal_line` (line,).
 
     Raises:
         ViewError: the time window is too short: the resolution is coarser than `COARSEST`.
@@ -202,11 +195,8 @@ def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
 
 @styled
 def plot_spectrum(spectrum: xr.Dataset) -> Figure:
-    """Draw the amplitude of the shaft over frequency, with lines at the frequencies of modes.
-
-    Args:
-        spectrum: from `shaft_spectrum`, with lines from `with_lines`.
-    """
+    """Draw the amplitude of the shaft over frequency from `shaft_spectrum`, with lines at the
+    frequencies of modes from `with_lines`."""
     figure = new_figure(height=0.06)
     axes = figure.add_subplot()
     amplitude = MILLI * spectrum["amplitude"].values
@@ -233,12 +223,8 @@ def plot_spectrum(spectrum: xr.Dataset) -> Figure:
 
 @styled
 def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
-    """Draw the amplitude of the shaft over frequency and time, with lines at the frequencies of
-    modes.
-
-    Args:
-        spectrogram: from `shaft_spectrogram`, with lines from `with_lines`.
-    """
+    """Draw the amplitude of the shaft over frequency and time from `shaft_spectrogram`, with lines
+    at the frequencies of modes from `with_lines`."""
     figure = new_figure(height=0.07)
     axes = figure.add_subplot()
     amplitude = MILLI * spectrogram["amplitude"].values

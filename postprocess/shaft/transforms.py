@@ -19,7 +19,7 @@ Frame = Literal["rotating", "static"]
 Complex = NDArray[np.complex128]
 
 FEWEST_RECORDS = 16  #: smallest number of records for a spectrum
-MOST_LINES, LEAST_SHARE = 3, 0.02  #: number and least share of the lines in `strongest_lines`
+MOST_LINES, LEAST_SHARE = 3, 0.02  #: largest number and least share of the strongest lines
 LOBE = 2  #: half width of a line under the Hann window, in multiples of the resolution
 
 
@@ -69,16 +69,13 @@ def spectrum(
 
 
 def strongest_lines(orbit: xr.Dataset, frame: Frame) -> tuple[SpectralLine, ...]:
-    """Return up to three of the strongest lines of the two-sided spectrum; none for a short motion.
+    """Return up to three of the strongest lines of the two-sided spectrum of an orbit from
+    `orbits.shaft_orbit`; no lines for a short motion.
 
-    The spectrum is computed with a Hann window. The share of a line is the share of its power, the
-    power within the width of the line around a peak, in the total power. Its frequency is the
-    centre of this power. The frequencies in the two frames differ by the speed, the shares are
-    equal.
-
-    Args:
-        orbit: from `orbits.shaft_orbit`.
-        frame: frame of the observer.
+    The spectrum is computed with a Hann window. The power of a line is the power within the width
+    of the line around a peak; its share in the total power is the share of the line, and its centre
+    is the frequency of the line. The frequencies in the two frames differ by the speed, the shares
+    are equal.
     """
     try:
         even, step = evenly_spaced(orbit, FEWEST_RECORDS)

@@ -62,7 +62,8 @@ class Whirl:
 
 
 def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
-    """Compute the net turns about the bearing's centre over all records of an orbit.
+    """Compute the net turns about the bearing's centre over all records of an orbit from
+    `orbits.shaft_orbit`.
 
     The rate is the slope of a straight line fitted to the unwrapped angle; the rates in the two
     frames differ exactly by the speed. The error is the standard error of the mean of the slopes in
@@ -75,10 +76,6 @@ def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
     mean square or more; otherwise the rate is only a mean of the rates of several circular motions.
     If the position turns by more than a quarter turn between two records, the path may have passed
     the centre on either side: each such pair of records adds one turn to the oscillation.
-
-    Args:
-        orbit: from `orbits.shaft_orbit`, for the time considered.
-        frame: frame of the observer.
     """
     time = orbit["time"].values
     if len(time) < 2 or not orbit["radius"].values.any():
@@ -116,12 +113,8 @@ def _has_line(orbit: xr.Dataset, frame: Frame, rate: float, error: float) -> boo
 
 
 def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, BoolArray]:
-    """Return the unwrapped angle about the bearing's centre [rad], forward positive, and a mask of
-    the steps in which the number of turns is uncertain.
-
-    Args:
-        orbit: from `orbits.shaft_orbit`.
-        frame: frame of the observer.
+    """Return the unwrapped angle of an orbit about the bearing's centre [rad], positive for forward
+    motion, and a mask of the steps in which the number of turns is uncertain.
 
     Returns:
         angle (time,); mask (time - 1,), true if the path may have passed the centre on either side
@@ -135,14 +128,9 @@ def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, BoolArray]:
 
 
 def ripple(orbit: xr.Dataset, frame: Frame) -> tuple[float, xr.Dataset]:
-    """Return the ripple, the motion about the mean position: its root mean square [m], and its
-    orbit.
-
-    Args:
-        orbit: from `orbits.shaft_orbit`, for the time considered.
-        frame: frame in which the mean position is computed. The variable `rotating` of the returned
-            orbit is the ripple in this frame.
-    """
+    """Return root mean square [m] and orbit of the ripple, the motion about the mean position. The
+    mean position is computed in the given frame. The variable `rotating` of the returned orbit is
+    the ripple in this frame."""
     place = orbit[frame].values
     about = place - place.mean(axis=0)
     size = float(np.sqrt(np.mean(np.sum(about**2, axis=1))))

@@ -1,8 +1,9 @@
 """Direction and rate of the shaft's whirl over time."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
@@ -81,19 +82,21 @@ def _turning(
 
 @styled
 def plot_whirl_history(whirls: xr.Dataset) -> Figure:
-    """Draw the frequency of the whirl in both frames over time, forward positive, and below it the
-    radius of the orbit.
+    """Draw the frequency of the whirl from `whirl_history` in both frames over time, forward
+    positive, and below it the radius of the orbit.
 
     Spans with a clear direction have filled marks.
-
-    Args:
-        whirls: from `whirl_history`.
     """
     figure = new_figure(height=0.085)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1.0))
     time = whirls["time"].values
-    for frame in FRAMES:
-        _draw_frame(upper, whirls.sel(frame=frame), frame)
+    for frame, (line, marker, key) in LOOK.items():
+        one = whirls.sel(frame=frame)
+        rate, clear = one["rate"].values / (2 * np.pi), one["direction"].values != 0
+        look: dict[str, Any] = {"marker": marker, "color": COLOURS[key], "markersize": 2.5}
+        upper.plot(time, rate, line, mfc="white", mew=0.6, **look)
+        upper.plot(time[clear], rate[clear], linestyle="none", **look)
+        upper.plot([], [], line, label=f"{frame} frame", **look)
     upper.axhline(0.0, color=COLOURS["rotor"], linewidth=0.6)
     upper.set_ylabel("whirl [Hz]\n← backward  forward →")
     upper.margins(y=0.1)
@@ -105,13 +108,3 @@ def plot_whirl_history(whirls: xr.Dataset) -> Figure:
     figure.legend(*upper.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     head(figure, whirls, f"means over {1e3 * whirls.attrs['span']:.3g} ms")
     return figure
-
-
-def _draw_frame(axes: Axes, whirls: xr.Dataset, frame: Frame) -> None:
-    line, marker, key = LOOK[frame]
-    time, rate = whirls["time"].values, whirls["rate"].values / (2 * np.pi)
-    colour = COLOURS[key]
-    clear = whirls["direction"].values != 0
-    axes.plot(time, rate, line, marker=marker, color=colour, markersize=2.5, mfc="white", mew=0.6)
-    axes.plot(time[clear], rate[clear], marker, color=colour, markersize=2.5)
-    axes.plot([], [], line, marker=marker, color=colour, markersize=2.5, label=f"{frame} frame")
