@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
 from bladewhirl.postprocess.fields import kinematics
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, rotate
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, rotate, unit
 from bladewhirl.postprocess.fields.strains import (
     Strains,
     casing_strain_rows,
@@ -116,8 +116,7 @@ class Boxes:
 def rotor_boxes(dataset: xr.Dataset, pieces: int = BEAM_PIECES) -> Boxes:
     """Return the beams of the rotor, in rotating axes."""
     line, rows = kinematics.line_rows(dataset, pieces)
-    along = (line[:, -1] - line[:, 0])[:, None]
-    normal = rotate(along / np.linalg.norm(along, axis=-1)[..., None], np.pi / 2)
+    normal = rotate(unit(line[:, -1] - line[:, 0])[:, None], np.pi / 2)
     half = rotor_sections(dataset, "thickness", pieces)[..., None] / 2
     return Boxes(
         body="rotor",
@@ -136,7 +135,7 @@ def casing_boxes(dataset: xr.Dataset, arc_points: int = ARC_POINTS) -> Boxes:
     """Return the wall of the casing in static axes; the inner surface lies at the clearance."""
     pieces = -(-arc_points // dataset.sizes["casing_node"])
     angle = kinematics.station_angles(dataset, pieces)
-    outward = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    outward = kinematics.directions(angle)
     clearance = kinematics.clearance_at(dataset, angle.ravel()).reshape(angle.shape)
     radius = float(dataset.attrs["tip_radius"]) + clearance
     wall = np.broadcast_to(dataset["casing_thickness"].values[:, None], angle.shape)

@@ -21,6 +21,7 @@ from bladewhirl.files import claim, owned, replacing, write_atomically
 from bladewhirl.postprocess.fields.kinematics import (
     IntArray,
     contact_forces,
+    directions,
     frame_records,
     history,
     sampling_hint,
@@ -200,7 +201,7 @@ def undeformed_mesh(dataset: xr.Dataset) -> meshio.Mesh:
     """
     rotor = dataset["rotor_point"].values
     angle, radius = dataset["casing_angle"].values, dataset.attrs["casing_radius"]
-    ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    ring = radius * directions(angle)
     rotor_lines = dataset["rotor_line"].values
     number = len(rotor) + np.arange(len(ring))
     ring_lines = np.column_stack([number, np.roll(number, -1)])

@@ -6,6 +6,7 @@ and of the wall have different values, because bending strains differ.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Literal, NamedTuple, get_args
 
 import matplotlib
@@ -44,7 +45,7 @@ PART_COLOURS = tuple(
 
 
 class Stations(NamedTuple):
-    """Numbers of straight pieces by which beams and wall are drawn."""
+    """Numbers of straight pieces in drawn beams and in the drawn wall."""
 
     per_line: int  #: number of pieces of a beam
     per_element: int  #: number of pieces of an element of the casing
@@ -141,7 +142,7 @@ def _magnitude(
     centre = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
     speed = float(dataset.attrs["speed"])
     sizes = []
-    for body, shape, mean, spin in (
+    for body, shape, mean, spin in (  # `spin`: speed of the body in the axes of the picture
         ("rotor", beams, centre, 0.0 if rotating else speed),
         ("casing", ring, ring.mean(axis=0), -speed if rotating else 0.0),
     ):
@@ -198,8 +199,7 @@ def _parts(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colour
     number = np.array([names.index(name) for name in part], dtype=np.float64)
     shape = (len(records), len(part), stations.per_line + 1)
     wall = (len(records), stations.per_element * dataset.sizes["casing_node"])
-    colours = [PART_COLOURS[index % len(PART_COLOURS)] for index in range(len(names))]
-    shown = {name or "other beams": colour for name, colour in zip(names, colours, strict=True)}
+    shown = {name or "other beams": colour for name, colour in zip(names, cycle(PART_COLOURS))}
     return Colouring(
         name="part",
         unit="",

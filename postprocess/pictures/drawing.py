@@ -11,7 +11,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT, EnlargedStage
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, rotate
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, rotate, unit
 from bladewhirl.postprocess.pictures.colouring import Field, Stations, colouring
 from bladewhirl.postprocess.pictures.symbols import StageSymbols, Symbols
 
@@ -154,21 +154,17 @@ def arrows(tips: Array, forces: Array, length_per_newton: float, width: float) -
     Corners 0, 1, 5 and 6 belong to the shaft of the arrow, corners 2, 3 and 4 to its head, which is
     up to five widths long. The arrow of a blade without contact has zero size.
     """
-    size = np.linalg.norm(forces, axis=1)
-    ahead = np.divide(forces, size[:, None], out=np.zeros_like(forces), where=size[:, None] > 0)
+    ahead = unit(forces)
     aside = rotate(ahead, np.pi / 2)
-    length = length_per_newton * size
+    length = length_per_newton * np.linalg.norm(forces, axis=1)
     head = np.minimum(5 * width, length)
     back = np.stack([length, head, head, 0 * head, head, head, length], axis=1)
     side = np.array([0.5, 0.5, 1.6, 0.0, -1.6, -0.5, -0.5]) * width
-    outline: Array = (
-        tips[:, None] - back[..., None] * ahead[:, None] + side[:, None] * aside[:, None]
-    )
-    return outline
+    outline = tips[:, None] - back[..., None] * ahead[:, None] + side[:, None] * aside[:, None]
+    return np.asarray(outline)
 
 
 def widened(sides: Array, right: float, left: float) -> Array:
     """Return the sides of ribbons (line, station, 2, 2), widened by `right` and `left` [m]."""
-    span = sides[:, :, 1] - sides[:, :, 0]
-    across = span / np.linalg.norm(span, axis=-1)[..., None]
+    across = unit(sides[:, :, 1] - sides[:, :, 0])
     return np.stack([sides[:, :, 0] - right * across, sides[:, :, 1] + left * across], axis=2)

@@ -34,12 +34,8 @@ def write_gif(path: Path, pictures: Iterable[Pixels], palette: Image.Image) -> N
 
 
 def shared_palette(exact: Array, sample: Pixels) -> Image.Image:
-    """Return the palette of a GIF.
-
-    Args:
-        exact: colours that are kept exactly (colour, 3), between 0 and 1.
-        sample: picture from which the other colours are taken.
-    """
+    """Return the palette of a GIF: the colours `exact` (colour, 3), between 0 and 1, and further
+    colours from a sample of the pictures."""
     kept = np.round(255 * exact).astype(np.uint8).ravel().tolist()
     edges = Image.fromarray(sample).quantize(256 - len(exact)).getpalette() or []
     palette = Image.new("P", (1, 1))

@@ -8,7 +8,7 @@ import pyvista
 import xarray as xr
 
 from bladewhirl.models.inputs.units import handy
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, rotate
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, directions, rotate, unit
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Picture
 from bladewhirl.postprocess.pictures.scene import CIRCLE, StageScene, disc_triangles
@@ -114,8 +114,7 @@ class Orbit:
         high = scene.place(look.SQUARE + 0.02 + ORBIT_SIZE * height / width, TOPS["orbit"] - 0.045)
         self._middle, half = (low + high) / 2, (high[1] - low[1]) / 2
         self._way = self._middle + half * places
-        angle = np.linspace(0.0, 2 * np.pi, 73)
-        circle = self._middle + half * np.column_stack([np.cos(angle), np.sin(angle)])
+        circle = self._middle + half * directions(np.linspace(0.0, 2 * np.pi, 73))
         across = np.array([[-half, 0.0], [half, 0.0], [0.0, 0.0], [0.0, -half], [0.0, half]])
         for line in (circle, self._middle + across):
             self._add(scene.plotter, line, look.NO_VALUE, 1.5)
@@ -167,7 +166,7 @@ class BladeNumbers:
     def show(self, picture: Picture) -> None:
         """Move the numbers to their blades."""
         span = picture.tips[self._blades] - picture.shaft
-        aside = rotate(span / np.linalg.norm(span, axis=1)[:, None], np.pi / 2)
+        aside = rotate(unit(span), np.pi / 2)
         beside = picture.shaft + NUMBER_PLACE * span + NUMBER_ASIDE * np.abs(span).max() * aside
         for actor, place in zip(self._actors, self._pixels * (beside - self._corner), strict=True):
             actor.SetPosition(*place)
@@ -236,15 +235,13 @@ def write_key(
 def write_symbols(scene: StageScene, top: float) -> int:
     """Write a key of the drawn kinds of symbols below `top`; return the number of kinds."""
     drawn = scene.drawing.picture(0).symbols
-    left, right, number = 0.018, 0.06, 0
-    for kind, name in KINDS.items():
-        if len(getattr(drawn, kind)):
-            height = top - KEY_STEP * number - 0.012
-            start, end = (scene.place(look.SQUARE + across, height) for across in (left, right))
-            scene.symbols(sample(kind, start, end))
-            write(scene.plotter, name, height + 0.007, 13, indent=right - 0.008)
-            number += 1
-    return number
+    kinds = [kind for kind in KINDS if len(getattr(drawn, kind))]
+    for number, kind in enumerate(kinds):
+        height = top - KEY_STEP * number - 0.012
+        start, end = (scene.place(look.SQUARE + across, height) for across in (0.018, 0.06))
+        scene.symbols(sample(kind, start, end))
+        write(scene.plotter, KINDS[kind], height + 0.007, 13, indent=0.052)
+    return len(kinds)
 
 
 def write(

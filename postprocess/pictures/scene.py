@@ -7,15 +7,13 @@ import numpy as np
 import pyvista
 from matplotlib.colors import ListedColormap
 
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, rotate
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, directions, rotate, unit
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows, widened
 from bladewhirl.postprocess.pictures.symbols import MASS, Symbols
 
 DISC_CORNERS = 32
-CIRCLE = np.column_stack(
-    [f(2 * np.pi * np.arange(DISC_CORNERS) / DISC_CORNERS) for f in (np.cos, np.sin)]
-)
+CIRCLE = directions(2 * np.pi * np.arange(DISC_CORNERS) / DISC_CORNERS)
 
 
 class StageScene:
@@ -186,9 +184,7 @@ def stroke_corners(strokes: Array, width: float) -> Array:
 
     Each stroke is lengthened by half its width at both ends, so that the strokes of a zigzag join.
     """
-    span = strokes[:, 1] - strokes[:, 0]
-    length = np.linalg.norm(span, axis=-1, keepdims=True)
-    along = np.divide(span, length, out=np.zeros_like(span), where=length > 0) * width / 2
+    along = unit(strokes[:, 1] - strokes[:, 0]) * width / 2
     aside = rotate(along, np.pi / 2)
     start, end = strokes[:, 0] - along, strokes[:, 1] + along
     return np.stack([start - aside, end - aside, end + aside, start + aside], axis=1)

@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.fields.kinematics import Array, rotate
+from bladewhirl.postprocess.fields.kinematics import Array, directions, rotate, unit
 
 SPRING = 0.075  #: length of a spring at rest
 ZIGZAG = 0.016  #: half of the width of a spring
@@ -136,7 +136,7 @@ class StageSymbols:
 
     def _on_casing(self, wall: Array, rest: Array) -> Iterator[Symbol]:
         for holder, feet in zip(self._holders, self._feet, strict=True):
-            bracket = holder.lift * _outward(holder.angles)
+            bracket = holder.lift * directions(holder.angles)
             start, end = wall[feet] + bracket, rest[feet] + bracket + holder.ways
             size = self._radius * holder.scale
             yield Symbol(holder.kind, start, end, size, holder.ways)
@@ -148,7 +148,7 @@ class StageSymbols:
         size = SMALL * self._radius
         first, second = self._springs.T
         to_ground = first[second < 0]
-        ways = _unit(self._nodes[to_ground]) * size * SPRING
+        ways = unit(self._nodes[to_ground]) * size * SPRING
         yield Symbol("springs", nodes[to_ground], self._nodes[to_ground] + ways, size, ways)
         yield Symbol("springs", nodes[first[second >= 0]], nodes[second[second >= 0]], size)
         yield Symbol("struts", nodes[self._links[:, 1]], nodes[self._links[:, 0]], size)
@@ -160,7 +160,7 @@ def _holders(dataset: xr.Dataset, radius: float, clearance: float) -> list[Holde
     founded = float(dataset.get("casing_foundation", 0.0)) > 0
     around = 2 * np.pi * (np.arange(FOUNDATION if founded else 0) + 0.5) / FOUNDATION
     length = radius * SPRING
-    uniform = (SMALL * length + clearance) * _outward(around)
+    uniform = (SMALL * length + clearance) * directions(around)
     holders = [Holder("springs", around, uniform, scale=SMALL)]
     if "support_kind" not in dataset:
         return holders
@@ -173,8 +173,8 @@ def _holders(dataset: xr.Dataset, radius: float, clearance: float) -> list[Holde
         ]
         for way in ("radial", "tangential")
     )
-    outward = (length + clearance) * _outward(angle)
-    along = length * rotate(_outward(angle), np.pi / 2)
+    outward = (length + clearance) * directions(angle)
+    along = length * rotate(directions(angle), np.pi / 2)
     aside = angle + BESIDE * (~strut & (sprung_out | damped_out))  # next to the radial symbols
     low, high = radius * BRACKET, radius * (BRACKET + BESIDE)
     table: list[tuple[Kind, NDArray[np.bool_], Array, Array, float]] = [
@@ -204,13 +204,9 @@ def _strokes(parts: Iterable[Symbol], masses: Array = NO_MASSES) -> Symbols:
         strokes[kind].append(_placed(SHAPES[kind], start, end, WIDTHS[kind] * size))
         if grounded is not None:
             half = GROUND * size
-            ground = _placed(GROUND_SHAPE, end, end + half * _unit(grounded), half)
+            ground = _placed(GROUND_SHAPE, end, end + half * unit(grounded), half)
             strokes["ground"].append(ground)
     return Symbols(masses=masses, **{kind: np.concatenate(s) for kind, s in strokes.items()})
-
-
-def _outward(angles: Array) -> Array:
-    return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 def _optional(dataset: xr.Dataset, name: str, shape: tuple[int, ...]) -> NDArray[Any]:
@@ -222,11 +218,6 @@ def _positive(dataset: xr.Dataset, name: str, count: int) -> NDArray[np.bool_]:
     if the dataset lacks the variable."""
     values = dataset[name].values[:count] > 0 if name in dataset else np.zeros(count)
     return np.asarray(values, dtype=np.bool_)
-
-
-def _unit(vectors: Array) -> Array:
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.asarray(np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0))
 
 
 def _joined(points: list[tuple[float, float]]) -> Array:
@@ -245,7 +236,7 @@ def _placed(shape: Array, start: Array, end: Array, half_width: float) -> Array:
         half_width: half of the width of the symbols [m].
     """
     span = (end - start)[:, None, None]
-    aside = rotate(_unit(span), np.pi / 2) * half_width
+    aside = rotate(unit(span), np.pi / 2) * half_width
     strokes = start[:, None, None] + shape[..., :1] * span + shape[..., 1:] * aside
     return np.asarray(strokes.reshape(-1, 2, 2))
 

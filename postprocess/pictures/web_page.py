@@ -66,13 +66,8 @@ def render_page(
         "bladewhirl.postprocess.pictures",
         "web_page.html",
         title=str(dataset.attrs["title"]),
-        notes="\n".join(
-            [
-                look.speed_text(dataset),
-                f"{drawing.frame} frame",
-                look.enlargement(drawing.exaggeration),
-            ]
-        ),
+        notes=f"{look.speed_text(dataset)}\n{drawing.frame} frame\n"
+        + look.enlargement(drawing.exaggeration),
         key=colouring.parts and list(colouring.parts.items()),
         scale=f"{colouring.name} [{colouring.unit}]",
         ticks=[f"{tick:.3g}" for tick in np.linspace(*colouring.limits, 5)],
@@ -170,8 +165,8 @@ def _looks(colouring: Colouring) -> dict[str, Any]:
 
 
 def _orbit(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
-    """Return the orbit of the shaft from the first to the last picture, with its title, and
-    the record of each picture in it."""
+    """Return the orbit of the shaft from the first to the last picture, the title of the orbit, and
+    the position of each picture in the orbit."""
     records = np.arange(drawing.records.min(), drawing.records.max() + 1)
     places, title = look.shaft_trail(dataset, records, drawing.frame)
     return {

@@ -32,12 +32,8 @@ CANDIDATES = 40  #: largest number of points of a line at which a label is tried
 
 
 def speed_axis(axes: Axes, reference_hz: float) -> None:
-    """Label an x axis of normalised speeds, and add an axis in rpm on top.
-
-    Args:
-        axes: axes whose x values are multiples of the reference frequency.
-        reference_hz: reference frequency [Hz].
-    """
+    """Label an x axis of speeds in multiples of the reference frequency, and add an axis in rpm on
+    top. `reference_hz` is the reference frequency [Hz]."""
     axes.set_xlabel(SPEED)
     rpm_axis(axes, reference_hz)
 
@@ -50,13 +46,8 @@ def rpm_axis(axes: Axes, reference_hz: float) -> None:
 
 
 def frequency_axis(axes: Axes, reference_hz: float, label: str = FREQUENCY) -> None:
-    """Label a y axis of normalised frequencies, and add an axis in Hz on the right.
-
-    Args:
-        axes: axes whose y values are multiples of the reference frequency.
-        reference_hz: reference frequency [Hz].
-        label: label of the normalised axis.
-    """
+    """Label a y axis of frequencies in multiples of the reference frequency, and add an axis in Hz
+    on the right. `reference_hz` is the reference frequency [Hz]."""
     axes.set_ylabel(label)
     functions = (lambda x: np.asarray(x) * reference_hz, lambda x: np.asarray(x) / reference_hz)
     axes.secondary_yaxis("right", functions=functions).set_ylabel("frequency [Hz]")
@@ -111,7 +102,7 @@ class Labels:
             offsets: offsets of the label from a position, in the order of preference.
 
         Returns:
-            False if no position has space for the label, which is then left out.
+            false if no position has space for the label, which is then left out.
         """
         places = np.column_stack([np.atleast_1d(x), np.atleast_1d(y)])
         places = places[np.isfinite(places).all(axis=1)]

@@ -36,11 +36,8 @@ def filled_template(package: str, name: str, **values: object) -> str:
 
 
 def packed(values: Any) -> Any:
-    """Return an array in the format of Plotly: its bytes in base64, its type and its shape.
-
-    Args:
-        values: array; integers must be below 2^31; numbers in two or more axes become float32.
-    """
+    """Return an array in the format of Plotly: the bytes in base64, the type and the shape.
+    Integers must be below 2^31; floating-point numbers in two or more axes become float32."""
     if values.dtype.kind not in "fiu":
         return values.tolist()
     if values.dtype == np.int64:

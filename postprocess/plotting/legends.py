@@ -34,13 +34,10 @@ def entries_of(*panels: Axes) -> list[tuple[Artist, str]]:
 
 
 def legends_below(figure: Figure, *groups: Group) -> None:
-    """Add legends below a figure, one for each group that has entries.
+    """Add legends below a complete figure in constrained layout, one for each group that has
+    entries, the first group uppermost.
 
     Each legend has as many columns as fit. The figure grows if the legends need more than `HEIGHT`.
-
-    Args:
-        figure: complete figure in constrained layout.
-        groups: groups of entries, the uppermost first.
     """
     legends = []
     for group in (group for group in groups if group.entries):

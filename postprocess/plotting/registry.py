@@ -28,7 +28,7 @@ class FigureKind:
     name: str
     title: str
     about: str  #: content of the figure, in one line
-    reading: str = ""  #: help for reading the figure: units, signs, signs of dangerous motion
+    reading: str = ""  #: help for reading the figure: units, signs, marks of dangerous motion
     section: str = ""  #: section of the report that shows the figure; empty for no section
     wide: bool = False  #: true for the width of the page of a report, false for half of it
     data: str  #: attribute of `RunFigures`, or "module:function", that computes the dataset

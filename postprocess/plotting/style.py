@@ -86,21 +86,13 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 
 @styled
 def new_figure(*, width: float = COLUMN_WIDTH, height: float) -> Figure:
-    """Return an empty figure in constrained layout.
-
-    Args:
-        width: width [m].
-        height: height [m].
-    """
+    """Return an empty figure with a width and a height [m], in constrained layout."""
     return Figure(figsize=(width / INCH, height / INCH), layout="constrained")
 
 
 def time_axis(*panels: Axes) -> None:
-    """Show the times of panels in a suitable unit, and label the time axis of the last panel.
-
-    Args:
-        panels: panels, the uppermost first, whose x values are times [s].
-    """
+    """Show the times of panels in a suitable unit, and label the time axis of the last panel. The x
+    values of the panels are times [s]."""
     unit, scale = handy_unit(max(abs(end) for end in panels[-1].get_xlim()), "s")
     for axes in panels:
         axes.locator_params(axis="x", nbins=5)

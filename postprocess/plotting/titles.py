@@ -33,10 +33,8 @@ def head(figure: Figure, data: xr.Dataset, *words: str) -> None:
 
 
 def set_title(figure: Figure, case: str, shown: str) -> None:
-    """Set the title of a figure: the name of the case, and the lines `shown`.
-
-    Each line is cut to the width of the figure.
-    """
+    """Set the title of a figure: the name of the case, and the lines `shown`, each cut to the width
+    of the figure."""
     in_font = get_font(findfont(FontProperties())).get_char_index
     name = " ".join(case[: int(MOST_LETTERS * figure.get_figwidth())].split())
     name = "".join(c if in_font(ord(c)) else "\N{REPLACEMENT CHARACTER}" for c in name)
