@@ -30,11 +30,8 @@ POINTED = (
 
 
 def campbell_page(data: xr.Dataset) -> Page:
-    """Return a page with the Campbell diagrams in both frames and a table of the coincidences.
-
-    Args:
-        data: from `campbell`.
-    """
+    """Return a page with the Campbell diagrams in both frames and a table of the coincidences, from
+    `campbell`."""
     inside = campbell.in_diagram(data)
     operated = inside & data["in_operating_range"].values.astype(bool)
     low, high = data.attrs["operating_range"]
@@ -67,15 +64,10 @@ def _glance(data: xr.Dataset) -> Iterator[tuple[str, str, str]]:
     yield "ω₁", f"{hertz:.5g} Hz", "lowest frequency of the bladed disk, free centre"
     if "branch" not in data.dims:
         return
-    for speed, k, family in zip(
-        *(data[f"critical_{part}"].values for part in ("speed", "nodal_diameter", "family")),
-        strict=True,
-    ):
-        yield (
-            "critical speed",
-            f"{speed:.4f} ω₁",
-            f"{60 * hertz * speed:.1f} rpm, {family}, k = {k}",
-        )
+    parts = (data[f"critical_{part}"].values for part in ("speed", "nodal_diameter", "family"))
+    for speed, k, family in zip(*parts, strict=True):
+        remark = f"{60 * hertz * speed:.1f} rpm, {family}, k = {k}"
+        yield "critical speed", f"{speed:.4f} ω₁", remark
     gone = float(data.attrs["clearance_gone"])
     yield "clearance at rest used up", f"{gone:.4f} ω₁", f"{60.0 * hertz * gone:.1f} rpm"
 
@@ -97,9 +89,9 @@ def _table(data: xr.Dataset, inside: BoolArray) -> Table:
 
 def _explorer(data: xr.Dataset, frame: campbell.Frame) -> Explorer:
     traces = [_line(wave, frame, data) for wave in campbell.waves(data, POINTS)]
-    groups = [trace.legendgroup for trace in traces]
-    for number, trace in enumerate(traces):  # one entry of the legend for each family
-        trace.showlegend = groups.index(groups[number]) == number
+    first_of = {trace.legendgroup: trace for trace in reversed(traces)}
+    for trace in traces:  # one entry of the legend for each family
+        trace.showlegend = trace is first_of[trace.legendgroup]
     low, high = campbell.frequency_limits(campbell.drawn_part(data), frame)
     if frame == "static":
         axis = {"type": "log", "exponentformat": "power", "range": [np.log10(low), np.log10(high)]}

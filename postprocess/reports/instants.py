@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 import xarray as xr
 
 from bladewhirl.postprocess.energy.strain import PLOT_DECADES, energy_terms, term_label
-from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.fields.kinematics import Array, directions
 from bladewhirl.postprocess.fields.windows import span_means, span_starts
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows
@@ -98,8 +98,7 @@ def _machine(drawing: Drawing, pictures: list[Picture]) -> list[dict[str, Any]]:
     """
     reach = look.MARGIN * max(float(np.abs(picture.casing.sides).max()) for picture in pictures)
     longest = look.LONGEST_ARROW * reach / drawing.largest_force if drawing.largest_force else 0.0
-    turn = np.linspace(0.0, 2 * np.pi, 13)
-    disc = look.HUB * reach * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    disc = look.HUB * reach * directions(np.linspace(0.0, 2 * np.pi, 13))
     shapes = [
         {
             COLOURS["casing"]: _outlines(picture.casing.sides[:, :: 2 * PIECE]),
@@ -210,15 +209,15 @@ def _orbit(orbit: xr.Dataset) -> go.Figure:
     thinned = orbit.isel(time=span_starts(orbit["time"].values, ORBIT_POINTS))
     time = thinned["time"].values
     clearance = MILLI * float(orbit.attrs["smallest_clearance"])
-    turn = np.linspace(0.0, 2 * np.pi, 181)
+    x, y = clearance * directions(np.linspace(0.0, 2 * np.pi, 181)).T
     circle = go.Scatter(
-        x=clearance * np.cos(turn),
-        y=clearance * np.sin(turn),
+        x=x,
+        y=y,
         mode="lines",
         line={"color": COLOURS["casing"], "dash": "dash", "width": 1.5},
         hoverinfo="skip",
     )
-    paths, markers = [], []
+    paths, markers, outline = [], [], {"color": INK, "width": 1}
     for frame in FRAMES:
         x, y = (MILLI * thinned[frame].values).astype(np.float32).T
         paths.append(
@@ -239,11 +238,7 @@ def _orbit(orbit: xr.Dataset) -> go.Figure:
                 x=x[-1:],
                 y=y[-1:],
                 mode="markers",
-                marker={
-                    "size": 12,
-                    "color": COLOURS["contact"],
-                    "line": {"color": INK, "width": 1},
-                },
+                marker={"size": 12, "color": COLOURS["contact"], "line": outline},
                 hoverinfo="skip",
                 visible=frame == FRAMES[0],
             )

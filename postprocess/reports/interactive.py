@@ -26,13 +26,9 @@ def plot(traces: Sequence[Any], **layout: Any) -> go.Figure:
 
 
 def buttons(labels: Sequence[str], owner: Sequence[int | None]) -> list[dict[str, Any]]:
-    """Return a row of buttons above a plot, each of which shows some traces and hides all others;
-    no buttons for a single label.
-
-    Args:
-        labels: labels of the buttons.
-        owner: number of the button that shows each trace; None for a trace that is always shown.
-    """
+    """Return a row of buttons above a plot, each of which shows some traces and hides the remaining
+    traces; no buttons for a single label. `owner` contains for each trace the number of the button
+    that shows it, or None for a trace that is always shown."""
     if len(labels) == 1:
         return []
     shown = [[number in (None, button) for number in owner] for button in range(len(labels))]

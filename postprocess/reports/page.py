@@ -119,12 +119,8 @@ class Page:
 def report_figures(
     draw: Callable[[str], tuple[Figure, xr.Dataset]], kinds: Iterable[FigureKind]
 ) -> list[ReportFigure]:
-    """Return figures with captions; a figure that cannot be drawn has a reason instead.
-
-    Args:
-        draw: function that draws the figure of a given name, or raises ViewError.
-        kinds: entries of the registry of figures.
-    """
+    """Return figures with captions. `draw` draws the figure of a given name; where it raises a
+    ViewError, the reason replaces the figure."""
     figures = []
     for kind in kinds:
         picture, obstacle = "", ""

@@ -40,6 +40,12 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     Raises:
         ViewError: the result has fewer than two records.
     """
+    titles = {
+        "shaft": "Motion of the shaft",
+        "contact": "Contact of blades and casing",
+        "frequencies": "Frequencies",
+        "energy": "Strain energy and stress",
+    }
     figures = RunFigures(dataset)
     energy = strain_energies(dataset)
     regime = classify(dataset, energy["total"].values)
@@ -60,12 +66,10 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
             words=f"{meaning} The regime is the first line of the criterion below that applies.",
             blocks=[*_drawn(figures, "verdict"), criterion_table(regime.name)],
         ),
-        Section(name="shaft", title="Motion of the shaft", blocks=_drawn(figures, "shaft")),
-        Section(
-            name="contact", title="Contact of blades and casing", blocks=_drawn(figures, "contact")
+        *(
+            Section(name=part, title=title, blocks=_drawn(figures, part))
+            for part, title in titles.items()
         ),
-        Section(name="frequencies", title="Frequencies", blocks=_drawn(figures, "frequencies")),
-        Section(name="energy", title="Strain energy and stress", blocks=_drawn(figures, "energy")),
         Section(name="numbers", title="Numbers", blocks=[_summary(figures)]),
         case_section(
             dataset,

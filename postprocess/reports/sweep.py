@@ -113,15 +113,12 @@ def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> 
 
 def _warnings(points: int, done: int, failed: int) -> list[str]:
     missing = points - done - failed
-    warnings = []
-    if missing:
-        warnings.append(
-            f"The sweep is unfinished: {missing} of {points} points are missing; bladewhirl sweep "
-            "--resume finishes it."
-        )
-    if failed:
-        warnings.append(f"{failed} of {points} points failed; the reasons are listed under Points.")
-    return warnings
+    unfinished = (
+        f"The sweep is unfinished: {missing} of {points} points are missing; bladewhirl sweep "
+        "--resume finishes it."
+    )
+    failures = f"{failed} of {points} points failed; the reasons are listed under Points."
+    return [text for text, count in ((unfinished, missing), (failures, failed)) if count]
 
 
 def _glance(

@@ -41,14 +41,11 @@ POINTS_CAPTION = (
 
 
 def frequency_explorer(maps: xr.Dataset) -> Explorer:
-    """Return a plot of spectra over a swept key. If other keys are swept as well, buttons select
-    the combination of their values.
-
-    Args:
-        maps: from `frequency_map.frequency_map`.
-    """
+    """Return a plot of the spectra from `frequency_map` over a swept key. With further swept keys,
+    buttons select the combination of their values."""
     maps = in_handy_units(maps)
     unit = "/ ω₁" if maps["frequency"].attrs["units"] == "1" else "[Hz]"
+    title = f"frequency {unit}, forward positive"
     top = np.log10(np.nanmax(MILLI * maps["amplitude"].values, initial=0.0) or 1.0)
     lines = [maps.isel({LINE: number}) for number in range(maps.sizes[LINE])]
     traces = [_map_traces(line, top, shown=number == 0) for number, line in enumerate(lines)]
@@ -57,11 +54,7 @@ def frequency_explorer(maps: xr.Dataset) -> Explorer:
     figure = plot(
         [trace for group in traces for trace in group],
         xaxis=_key_axis(maps[str(maps.attrs["along"])]),
-        yaxis={
-            "title_text": f"frequency {unit}, forward positive",
-            "range": [-limit, limit],
-            "showgrid": False,
-        },
+        yaxis={"title_text": title, "range": [-limit, limit], "showgrid": False},
         updatemenus=buttons([line_label(line) for line in lines], owner),
     )
     return Explorer(
@@ -149,8 +142,8 @@ def _map_traces(line: xr.Dataset, top: float, *, shown: bool) -> list[go.Heatmap
     done = line.isel({key: np.flatnonzero(np.isfinite(line["engine_order"][:, 0].values))})
     orders, modes = done["engine_order"], done["mode_line"]
     group = "engine orders"
-    # Name, group, values, style, and True for an entry in the legend; white engine orders, which
-    # would be invisible there, are represented by a grey line.
+    # Name, group, values, style, and True for an entry in the legend. White engine orders would be
+    # invisible in the legend, where a grey line represents them.
     curves: list[tuple[str, str, Array, tuple[str, str, float], bool]] = [
         *(
             (f"{n:+d} Ω", group, orders.sel(order=n).values, ("#ffffff", "dot", 1), False)

@@ -72,12 +72,8 @@ def key_axis(
 
 
 def rpm_on_top(data: xr.Dataset, *panels: Axes) -> None:
-    """Add an axis in rpm on top of panels whose abscissa is the speed.
-
-    Args:
-        data: the drawn Dataset, from `in_handy_units`.
-        panels: uppermost panels of a figure.
-    """
+    """Add an axis in rpm on top of the uppermost panels of a figure if their abscissa is the speed.
+    The drawn `data` are from `in_handy_units`."""
     key = data[str(data.attrs["along"])]
     if key_label(key) == SPEED and "reference_hz" in data.attrs:
         for axes in panels:
@@ -119,11 +115,8 @@ def linear_threshold(rate: Array, error: Array) -> float | None:
     entire axis is linear.
 
     The returned rate exceeds the medians of rates and uncertainties, so that noise is in the linear
-    part of the axis.
-
-    Args:
-        rate: growth rates, NaN for points without a growth rate, (...) [1/s].
-        error: standard error of each rate, (...) [1/s].
+    part of the axis. Rates are NaN for points without a growth rate [1/s]; `error` is the standard
+    error of each rate [1/s].
     """
     usual = max(np.nanmedian(np.abs(rate)), CERTAINTY * np.nanmedian(error), 1e-12)
     threshold = float(10.0 ** np.ceil(np.log10(usual)))

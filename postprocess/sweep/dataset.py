@@ -103,12 +103,8 @@ def flag(variable: str, meaning: str) -> int:
 
 
 def checksum(numbers: Mapping[str, Array], coordinates: Iterable[Array]) -> int:
-    """Return the CRC-32 of the data of a point, the values of all swept keys and the frequencies.
-
-    Args:
-        numbers: arrays of the point, by name.
-        coordinates: values of every swept key, and frequencies of the spectra.
-    """
+    """Return the CRC-32 of the arrays of a point, by name, and of the coordinates: the values of
+    every swept key, and the frequencies of the spectra."""
     crc = 0
     for values in coordinates:
         crc = crc32(np.ascontiguousarray(values, dtype="f8").tobytes(), crc)

@@ -90,23 +90,11 @@ def lines_group(lines: Sequence[Line], *, dashed: bool = True, marked: bool = Tr
 
 
 def draw_marks(axes: Axes, line: Line, values: Array, *, filled: Any) -> None:
-    """Draw the marks of the points of a line, either filled or open.
-
-    Args:
-        axes: the panel.
-        line: line of the points.
-        values: ordinates, (points,).
-        filled: true for points with filled marks, (points,).
-    """
+    """Draw marks of the points of a line at the ordinates `values` (points,): full marks where
+    `filled` (points,) is true, open marks elsewhere."""
     for subset, face in ((filled, line.colour), (~filled, "white")):
-        axes.plot(
-            line.place[subset],
-            values[subset],
-            line.mark,
-            color=line.colour,
-            markerfacecolor=face,
-            markersize=MARK_SIZE,
-        )
+        look = {"color": line.colour, "markerfacecolor": face, "markersize": MARK_SIZE}
+        axes.plot(line.place[subset], values[subset], line.mark, **look)
 
 
 def open_mark(label: str) -> tuple[Line2D, str]:
@@ -115,29 +103,22 @@ def open_mark(label: str) -> tuple[Line2D, str]:
     return drawn, label
 
 
-def label_figure(figure: Figure, data: xr.Dataset, *groups: Group, note: str = "") -> None:
-    """Add the title, legends below the figure and, if the speed is swept, an axis in rpm.
-
-    Args:
-        figure: figure that is complete except for these parts.
-        data: the drawn Dataset.
-        groups: entries of the legends, the uppermost first.
-        note: text after the quantity in the title.
-    """
+def label_figure(figure: Figure, data: xr.Dataset, *groups: Group) -> None:
+    """Complete a figure of `data` by the title, by legends below the figure (the first group of
+    entries uppermost) and, if the speed is swept, by an axis in rpm."""
     rpm_on_top(data, figure.axes[0])
-    title_figure(figure, data, note=note)
+    title_figure(figure, data)
     legends_below(figure, *groups)
 
 
 def title_figure(
-    figure: Figure, data: xr.Dataset, *, note: str = "", most: int = MOST_LINES, lines: int = 0
+    figure: Figure, data: xr.Dataset, *, most: int = MOST_LINES, lines: int = 0
 ) -> None:
     """Set the title of a figure: case, quantity, and names of the keys that distinguish its lines.
 
     Args:
         figure: the figure.
         data: the drawn Dataset.
-        note: text after the quantity.
         most: largest number of lines in the figure.
         lines: number of lines of the sweep; the number of lines in `data` by default.
     """
@@ -148,7 +129,7 @@ def title_figure(
     )
     left_out = f" ({most} of {count} lines, all lines are in the data)" if count > most else ""
     of_keys = f"\nlines: {keys}{left_out}" if keys else ""
-    set_title(figure, data.attrs["case"], f"{data.attrs['title']}{note}{of_keys}")
+    set_title(figure, data.attrs["case"], f"{data.attrs['title']}{of_keys}")
 
 
 def chosen(count: int, most: int) -> list[int]:

@@ -109,10 +109,8 @@ def _mode_lines(points: xr.Dataset) -> xr.DataArray:
     frequencies = xr.concat(ways, "direction").sel(mode=list(LINES))
     speed = np.abs(points["rotation_speed"]) / (2 * np.pi)
     on_casing = frequencies["mode"].astype(str).str.startswith("casing")
-    direction = xr.DataArray(
-        [-1.0, 1.0], dims="direction", coords={"direction": ["backward", "forward"]}
-    )
-    return (frequencies * direction - speed * on_casing).transpose(LINE, ..., "mode", "direction")
+    sign = xr.DataArray([-1.0, 1.0], [("direction", ["backward", "forward"])])
+    return (frequencies * sign - speed * on_casing).transpose(LINE, ..., "mode", "direction")
 
 
 def _reach(lines: xr.DataArray, available: float) -> float:
@@ -124,11 +122,9 @@ def _reach(lines: xr.DataArray, available: float) -> float:
 
 @styled
 def plot_frequency_map(maps: xr.Dataset) -> Figure:
-    """Draw maps from `frequency_map`: amplitude over the swept key and the frequency, which is
-    positive for forward motion.
-
-    Dotted lines are engine orders, dashed lines are modes. Points without a result are left white.
-    """
+    """Draw maps from `frequency_map`: the amplitude over the swept key and the frequency, which is
+    positive for forward motion. Dotted lines are engine orders, dashed lines are modes. Points
+    without a result are left white."""
     maps = in_handy_units(maps)
     amplitude = MILLI * maps["amplitude"].values
     top = np.nanmax(amplitude, initial=0.0) or 1.0
@@ -161,17 +157,10 @@ def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
     one = one.isel({key: np.flatnonzero(np.isfinite(one["engine_order"][:, 0].values))})
     place = one[key].values
     for name, (colour, dashes, _) in LINES.items():
-        backward, forward = one["mode_line"].sel(mode=name).transpose("direction", key).values
-        for level in (backward, forward):
+        look: dict[str, Any] = {"linestyle": dashes, "color": colour, "path_effects": OUTLINE}
+        for level in one["mode_line"].sel(mode=name).transpose("direction", key).values:
             if np.nanmin(np.abs(level), initial=np.inf) <= limit:
-                axes.plot(
-                    place,
-                    level,
-                    linestyle=dashes,
-                    color=colour,
-                    label=name.replace("=", " = "),
-                    path_effects=OUTLINE,
-                )
+                axes.plot(place, level, label=name.replace("=", " = "), **look)
     for order in ORDERS:
         _draw_order(axes, place, one["engine_order"].sel(order=order).values, order, limit)
     axes.plot([], [], color="grey", linestyle=":", linewidth=0.8, label=ENGINE_ORDERS)

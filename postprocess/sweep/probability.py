@@ -1,7 +1,5 @@
 """Shares of the regimes among the draws of each point of a sweep, with confidence intervals."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -27,12 +25,8 @@ QUANTILE = 1.959963984540054
 
 
 def wilson(hits: Array, draws: Array) -> tuple[Array, Array]:
-    """Return the ends of the 95 % interval of a probability (Wilson, 1927).
-
-    Args:
-        hits: number of draws with the property.
-        draws: number of draws; the interval is [0, 1] without draws.
-    """
+    """Return the ends of the 95 % interval of a probability (Wilson, 1927), from the number of hits
+    and the number of draws; the interval is [0, 1] without draws."""
     some = np.maximum(draws, 1.0)
     share, square = hits / some, QUANTILE**2 / some
     middle = share + 0.5 * square
@@ -88,11 +82,8 @@ def probability(dataset: xr.Dataset, key: str | None = None) -> xr.Dataset:
 
 @styled
 def plot_probability(data: xr.Dataset) -> Figure:
-    """Draw the share of each regime among the draws, with 95 % intervals, a panel for each line.
-
-    Args:
-        data: from `probability`.
-    """
+    """Draw the share of each regime among the draws from `probability`, with 95 % intervals, in a
+    panel for each line of the data."""
     data = in_handy_units(data)
     lines = lines_of(data)
     figure = new_figure(width=FULL_WIDTH, height=0.03 + 0.045 * len(lines))

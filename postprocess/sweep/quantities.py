@@ -1,8 +1,9 @@
 """Quantities of all points of a sweep, arranged along one swept key; histories are not read.
 
-The first dimensions of all quantities are (line, key). `key` is the swept key on the horizontal
-axis of a figure, in ascending order. Each element of `line` is one combination of values of the
-other swept keys, which are coordinates along `line`.
+In all functions `dataset` is a sweep from `open_sweep`, and `key` is the swept key on the
+horizontal axis of a figure, as a dimension of the sweep. The first dimensions of all quantities are
+(line, key), with ascending values of the key. Each element of `line` is one combination of values
+of the other swept keys, which are coordinates along `line`.
 """
 
 from collections.abc import Sequence
@@ -28,11 +29,8 @@ def main_key(dataset: xr.Dataset) -> str:
 
 
 def other_keys(data: xr.Dataset) -> list[xr.DataArray]:
-    """Return the values (line,) of each swept key that is not on the horizontal axis.
-
-    Args:
-        data: Dataset over (line, key).
-    """
+    """Return the values (line,) of each swept key of a Dataset over (line, key) that is not on the
+    horizontal axis."""
     return [
         values
         for values in data.coords.values()
@@ -64,10 +62,6 @@ def along(dataset: xr.Dataset, key: str, names: Sequence[str]) -> xr.Dataset:
 def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
     """Load variables and `state` over all swept keys, with each key in ascending order.
 
-    Args:
-        dataset: from `open_sweep`.
-        names: names of variables.
-
     Raises:
         ViewError: no point is finished, or the format of the sweep lacks one of the variables.
     """
@@ -86,22 +80,17 @@ def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
         if chosen[name].dtype.kind == "f":
             chosen[name] = chosen[name].where(done).assign_attrs(dataset[name].attrs)
     about: dict[str, str | float] = {"case": str(dataset.attrs.get("title", ""))}
-    reference = dataset["reference_frequency"].values[dataset["state"].values == "done"] / (
-        2 * np.pi
-    )
+    reference = dataset["reference_frequency"].values[dataset["state"].values == "done"]
+    reference = reference / (2 * np.pi)
     if np.ptp(reference) <= 1e-9 * reference[0]:
         about["reference_hz"] = float(reference[0])
     return chosen.drop_attrs(deep=False).assign_attrs(about)
 
 
 def as_lines(data: xr.Dataset, keys: Sequence[str]) -> xr.Dataset:
-    """Combine swept keys into the dimension `line`, with an element for each combination of their
-    values; without keys the dimension has one element.
-
-    Args:
-        data: from `in_order`.
-        keys: swept keys that become coordinates along `line`.
-    """
+    """Combine swept keys of data from `in_order` into the dimension `line`. It has an element for
+    each combination of the values of the keys, which become coordinates along `line`; one element
+    without keys."""
     if not keys:
         return data.expand_dims(LINE)
     lines = data.stack({LINE: keys}).reset_index(LINE)
@@ -111,25 +100,15 @@ def as_lines(data: xr.Dataset, keys: Sequence[str]) -> xr.Dataset:
 
 
 def shaft_radius(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return largest and final displacement of the shaft [m], as in the paper's Fig. 24.
-
-    Args:
-        dataset: from `open_sweep`.
-        key: swept key, as a dimension of the sweep.
-
-    Returns:
-        Dataset over (line, key): `shaft_radius_max`, `shaft_radius_final`, `regime`.
-    """
+    """Return largest and final displacement of the shaft over a swept key (the paper's Fig. 24), as
+    Dataset over (line, key): `shaft_radius_max` and `shaft_radius_final` [m], `regime`."""
     names = ["shaft_radius_max", "shaft_radius_final", "regime"]
     return along(dataset, key, names).assign_attrs(title="displacement of the shaft's centre")
 
 
 def regimes(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return the regime, the growth rate of the amplitude, and the standard error of the rate.
-
-    Args:
-        dataset: from `open_sweep`.
-        key: swept key, as a dimension of the sweep.
+    """Return the regime, the growth rate of the amplitude, and the standard error of the rate, over
+    a swept key.
 
     Returns:
         Dataset over (line, key): `regime`; `growth_rate` and `growth_error` [1/s], nan where growth
@@ -142,19 +121,15 @@ def regimes(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def whirls(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return the whirl of the shaft over the last third of each march, in both frames.
-
-    Args:
-        dataset: from `open_sweep`.
-        key: swept key, as a dimension of the sweep.
+    """Return the whirl of the shaft over the last third of each march, in both frames, over a swept
+    key.
 
     Returns:
-        Dataset over (line, key), with a line for each combination of values of the other swept
-        keys: `frequency` (line, key, frame) of the whirl [Hz], forward positive; `scatter` of the
-        frequency [Hz]; `direction` (line, key, frame), "forward", "backward" or "none";
-        `mode_frequency` (line, key, mode) [Hz]; `rotation_frequency`, the speed [Hz]. Where the
-        displacement of the shaft is less than `MOTION` times the clearance, frequency and scatter
-        are nan, and the direction is "at rest".
+        Dataset over (line, key): `frequency` (line, key, frame) of the whirl [Hz], positive for
+        forward whirl; `scatter` of the frequency [Hz]; `direction` (line, key, frame), "forward",
+        "backward" or "none"; `mode_frequency` (line, key, mode) [Hz]; `rotation_frequency`, the
+        speed [Hz]. Where the displacement of the shaft is less than `MOTION` times the clearance,
+        frequency and scatter are nan, and the direction is "at rest".
     """
     names = ["whirl_frequency", "whirl_scatter", "whirl_rotating", "whirl_static"]
     names += ["rotation_speed", "mode_frequency", *_MOVING]
@@ -164,14 +139,13 @@ def whirls(dataset: xr.Dataset, key: str) -> xr.Dataset:
     frame = xr.DataArray(["rotating", "static"], dims="frame")
     rotating = data["whirl_frequency"].where(moves)
     direction = xr.concat([data["whirl_rotating"], data["whirl_static"]], dim=frame)
+    known = direction.where(moves | (data["state"] != "done"), "at rest")
     places = (LINE, key, "frame")
     return xr.Dataset(
         {
             "frequency": xr.concat([rotating, rotating + speed], dim=frame).transpose(*places),
             "scatter": data["whirl_scatter"].where(moves),
-            "direction": direction.where(moves | (data["state"] != "done"), "at rest").transpose(
-                *places
-            ),
+            "direction": known.transpose(*places),
             "mode_frequency": data["mode_frequency"],
             "rotation_frequency": speed,
             "state": data["state"],
@@ -182,11 +156,7 @@ def whirls(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 def contact_sides(dataset: xr.Dataset, key: str) -> xr.Dataset:
     """Return the mean angle by which the shaft leads the contact over the last third of each march,
-    and the contact scenario.
-
-    Args:
-        dataset: from `open_sweep`.
-        key: swept key, as a dimension of the sweep.
+    and the contact scenario, over a swept key.
 
     Returns:
         Dataset over (line, key): `shaft_lead` [rad], its `lead_steadiness`, and `scenario`. The
@@ -217,10 +187,6 @@ def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
     rotor fill a band. A circular orbit about the origin has a single radius, even if it is not
     synchronous.
 
-    Args:
-        dataset: from `open_sweep`.
-        key: swept key, as a dimension of the sweep.
-
     Returns:
         Dataset over (line, key, section) [m]: `section_x` and `section_y`, the position whenever
         blade 0 lies on +x, which is therefore the same in both frames; `section_radius`, the
@@ -235,12 +201,9 @@ def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def cell_edges(values: Array, *, logarithmic: bool) -> Array:
-    """Return the borders of cells around values, midway between neighbours, (values + 1,).
-
-    Args:
-        values: ascending, (values,); the cell of a single value has unit width.
-        logarithmic: true if midway means the geometric mean, false for the arithmetic mean.
-    """
+    """Return the borders of cells around ascending values, (values + 1,): the arithmetic or, if
+    `logarithmic`, the geometric means of neighbours. The cell of a single value has unit width on
+    the linear or logarithmic scale."""
     places = np.log(values) if logarithmic else np.asarray(values, dtype=np.float64)
     if len(places) == 1:
         edges = places[0] + np.array([-0.5, 0.5])

@@ -28,12 +28,10 @@ Names = NDArray[np.str_]
 
 @styled
 def plot_regimes(data: xr.Dataset) -> Figure:
-    """Draw a strip of regimes for each line of the data, and below the strips the growth rates.
+    """Draw a strip of regimes for each line of the data from `quantities.regimes`, and below the
+    strips the growth rates.
 
     Error bars show `CERTAINTY` standard errors. Points without a result are hatched.
-
-    Args:
-        data: from `quantities.regimes`.
     """
     data, judged = in_handy_units(data), bool(np.isfinite(data["growth_rate"].values).any())
     lines = drawing.lines_of(data)
@@ -58,15 +56,9 @@ def plot_regimes(data: xr.Dataset) -> Figure:
 
 
 def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
-    """Draw cells coloured by regime, with marks if there are few cells; cells without a result are
-    hatched.
-
-    Args:
-        axes: panel, which the cells fill.
-        x: middles of the cells, (columns,).
-        y: middles of the cells, (rows,).
-        regime: names of the regimes, (rows, columns).
-    """
+    """Draw cells coloured by the names of their regimes (rows, columns), with marks if there are
+    few cells; cells without a result are hatched. The cells fill the panel; their middles are at
+    `x` (columns,) and `y` (rows,)."""
     codes = np.full(regime.shape, -1)
     for number, name in enumerate(drawing.REGIME_COLOURS):
         codes[regime == name] = number
@@ -90,11 +82,7 @@ def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
 
 
 def regime_entries(regime: Names) -> list[tuple[Patch | tuple[Patch, Line2D], str]]:
-    """Return the legend entries: the regimes, each with the number of its points.
-
-    Args:
-        regime: names of the regimes, of any shape.
-    """
+    """Return the legend entries of the regimes, each with the number of its points in `regime`."""
     entries: list[tuple[Patch | tuple[Patch, Line2D], str]] = []
     for name, colour in drawing.REGIME_COLOURS.items():
         if count := int(np.count_nonzero(regime == name)):

@@ -65,11 +65,7 @@ def two_columns(
 
 def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
     """Return the share of the time that each blade is in contact, and the number of blades in each
-    contact class, for the last third of each march.
-
-    Args:
-        dataset: from `open_sweep`.
-        key: swept key, as a dimension of the sweep.
+    contact class, for the last third of each march, over a swept key (see `quantities`).
 
     Returns:
         Dataset over (line, key): `late_contact_share` (..., blade), nan for blades that do not
@@ -94,11 +90,8 @@ def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 @styled
 def plot_blade_contacts(data: xr.Dataset) -> Figure:
-    """Draw the share of the time in contact of each blade, and the number of blades of each class.
-
-    Args:
-        data: from `blade_contacts`.
-    """
+    """Draw the share of the time in contact of each blade, and the number of blades of each class,
+    from `blade_contacts`."""
     label = "time in contact [%], white: none"
     return two_columns(data, _draw_shares, _draw_counts, coloured=0, label=label)
 
@@ -106,15 +99,13 @@ def plot_blade_contacts(data: xr.Dataset) -> Figure:
 def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
     edges = key_edges(one)
     blades = np.arange(one.sizes["blade"] + 1) - 0.5
-    share = one["late_contact_share"].T
     axes.set(ylabel="blade, by its number")
     axes.locator_params(axis="y", integer=True)
-    free = np.ma.masked_not_equal(share.values, 0.0)
+    free = np.ma.masked_not_equal(one["late_contact_share"].values.T, 0.0)
     draw_map(axes, edges, blades, free, cmap=ListedColormap(["white"]))
-    axes.patch.set(
-        hatch=HATCH, edgecolor=blade_contact.CLASS_COLOURS["free"]
-    )  # where there is no result
-    return blade_contact.draw_share(axes, edges, blades, share.T)
+    # The hatching remains visible where there is no result.
+    axes.patch.set(hatch=HATCH, edgecolor=blade_contact.CLASS_COLOURS["free"])
+    return blade_contact.draw_share(axes, edges, blades, one["late_contact_share"])
 
 
 def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
@@ -142,11 +133,8 @@ def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
 
 
 def point_energies(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return the mean strain energy [J] of the bladed disk over the time window of the spectra.
-
-    Args:
-        dataset: from `open_sweep`.
-        key: swept key, as a dimension of the sweep.
+    """Return the mean strain energy [J] of the bladed disk in the time window of the spectra, over
+    a swept key (see `quantities`).
 
     Returns:
         Dataset over (line, key): `suspension`; `first_family` (..., nodal_diameter), nan for nodal
@@ -179,11 +167,7 @@ def point_energies(dataset: xr.Dataset, key: str) -> xr.Dataset:
 @styled
 def plot_point_energies(data: xr.Dataset) -> Figure:
     """Draw the energies of suspension, first family and all other modes, and a map of the energy of
-    the first family by nodal diameter.
-
-    Args:
-        data: from `point_energies`.
-    """
+    the first family by nodal diameter, from `point_energies`."""
     top = float(data["total"].max()) or 1.0
     diameters, lines = partial(_draw_diameters, top=top), partial(_draw_lines, top=top)
     return two_columns(data, diameters, lines, coloured=1, label=f"{strain.FIRST_FAMILY} [J]")

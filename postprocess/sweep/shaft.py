@@ -27,12 +27,10 @@ PARTS = {"shaft_radius_max": "largest", "shaft_radius_final": "at the end"}
 
 @styled
 def plot_shaft_radius(radius: xr.Dataset) -> Figure:
-    """Draw the largest and the final displacement of the shaft over the swept key.
+    """Draw the largest and the final displacement of the shaft over the swept key, from
+    `quantities.shaft_radius`.
 
     Divergent points have open marks, because their displacements would have grown further.
-
-    Args:
-        radius: from `quantities.shaft_radius`.
     """
     radius = in_handy_units(radius)
     unit, scale = handy_unit(float(radius["shaft_radius_max"].max().fillna(0.0)), "m")
@@ -61,13 +59,10 @@ def plot_shaft_radius(radius: xr.Dataset) -> Figure:
 
 @styled
 def plot_whirls(data: xr.Dataset) -> Figure:
-    """Draw the frequency of the whirl in both frames [Hz], forward positive, with bars for its
-    scatter.
+    """Draw the frequency of the whirl from `quantities.whirls` in both frames [Hz], positive for
+    forward whirl, with bars for the scatter of the frequency.
 
     Whirls with a clear direction have filled marks. Where the shaft hardly moves there is no mark.
-
-    Args:
-        data: from `quantities.whirls`.
     """
     data = in_handy_units(data)
     lines = drawing.lines_of(data)
@@ -95,13 +90,11 @@ def plot_whirls(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_contact_sides(data: xr.Dataset) -> Figure:
-    """Draw the angle by which the shaft leads the contact, and the steadiness of this angle.
+    """Draw the angle by which the shaft leads the contact, and the steadiness of this angle, from
+    `quantities.contact_sides`.
 
     The contact scenario is standard within 90 degrees, in the grey band, and inverted outside of
     the band. Points with an unsteady angle have open marks, points without contact have no mark.
-
-    Args:
-        data: from `quantities.contact_sides`.
     """
     data = in_handy_units(data)
     figure = new_figure(width=FULL_WIDTH, height=0.11)
@@ -125,19 +118,16 @@ def plot_contact_sides(data: xr.Dataset) -> Figure:
     lower.set(ylim=(0.0, 1.05), ylabel="steadiness [–]")
     lower.axhline(STEADY, color=COLOURS["total"], linestyle=":", linewidth=0.6)
     key_axis(lower, data)
-    marks = [(band, "where contact is standard")]
     unsteady = drawing.open_mark(f"unsteady, below {STEADY:g} (open marks)")
-    drawing.label_figure(figure, data, Group([*marks, unsteady]), drawing.lines_group(lines))
+    marks = Group([(band, "where contact is standard"), unsteady])
+    drawing.label_figure(figure, data, marks, drawing.lines_group(lines))
     return figure
 
 
 @styled
 def plot_bifurcation(data: xr.Dataset) -> Figure:
-    """Draw Poincaré sections and local maxima of the displacement over the swept key.
-
-    Args:
-        data: from `quantities.bifurcation`.
-    """
+    """Draw Poincaré sections and local maxima of the displacement over the swept key, from
+    `quantities.bifurcation`."""
     data = in_handy_units(data)
     sizes = [np.nanmax(np.abs(data[name].values), initial=0.0) for name in SECTION_PARTS]
     unit, scale = handy_unit(float(max(sizes)), "m")
