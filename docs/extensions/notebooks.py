@@ -1,7 +1,7 @@
 """Notebooks to download: one for each executed page with Python, without outputs.
 
-A notebook has the text of the page and its blocks as cells; commands become lines with "!", and a
-block that is written to a file a cell with "%%writefile".
+The text of the page and its blocks become cells. In the cells commands begin with "!", and a block
+that is written to a file begins with "%%writefile".
 """
 
 import json
