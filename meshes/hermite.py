@@ -17,7 +17,7 @@ def cubic_weights(x: FloatArray, length: float = 1.0) -> FloatArray:
 
 
 def slope_weights(x: FloatArray, length: float = 1.0) -> FloatArray:
-    """Return the derivatives of `cubic_weights` along an element of a length, (4, positions)."""
+    """Return the derivatives of `cubic_weights` along an element of this length, (4, positions)."""
     rest = 1.0 - x
     first = [-6.0 * x * rest / length, rest * (1.0 - 3.0 * x)]
     return np.stack([*first, 6.0 * x * rest / length, x * (3.0 * x - 2.0)])

@@ -132,10 +132,8 @@ def _check_numbers(line: bytes) -> None:
 
 
 def _is_member(mesh: meshio.Mesh, block: int, name: str, tag: int) -> Any:
-    """Return for each cell of a block whether it is in a physical group.
-
-    Files of version 4.1 have sets of cells, files of version 2.2 have tags.
-    """
+    """Return a mask of the cells of a block that are in a physical group. Files of version 4.1 have
+    sets of cells, files of version 2.2 have tags."""
     size = len(mesh.cells[block].data)
     if name in mesh.cell_sets:
         return np.isin(np.arange(size), mesh.cell_sets[name][block].astype(np.int64))

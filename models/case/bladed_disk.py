@@ -14,7 +14,7 @@ from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.rectangular import BeamSection
 
 MOST_SPREAD = 0.2
-"""Largest standard deviation of random factors; with a larger one, factors below zero are likely.
+"""Largest standard deviation of random factors; a larger deviation makes factors below zero likely.
 """
 
 Blades = tuple[Annotated[int, fields.count(0)], ...]

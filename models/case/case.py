@@ -6,8 +6,6 @@ its source. Numbers are in SI units; text includes a unit, "1 mm". New kinds of 
 as optional tables.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 

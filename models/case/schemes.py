@@ -1,7 +1,5 @@
 """Registry of the time integration schemes."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Literal
 
 SCHEMES = {

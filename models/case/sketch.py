@@ -68,7 +68,7 @@ class SketchTable(Table):
         return frozenset(node.name for node in self.nodes if node.shared)
 
     def is_shared(self, *references: str) -> bool:
-        """Return whether all sectors share all nodes in `references`."""
+        """Return true if all sectors share all nodes in `references`."""
         return all(split_reference(reference)[0] in self._shared for reference in references)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:

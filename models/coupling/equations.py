@@ -190,7 +190,8 @@ def companion(by_position: Matrix, by_rate: Matrix, unit: float = 1.0) -> Matrix
 
 
 def difference_of_axes(centre: FloatArray, angle: ArrayLike) -> FloatArray:
-    """Return X^T X - Y^T Y of the centre's rows X, Y in static axes, (..., modes, modes) [1/kg].
+    """Return X^T X - Y^T Y, where the rows X and Y are the displacements of the centre along the
+    static axes in each mode, (..., modes, modes) [1/kg].
 
     Args:
         centre: x and y of the centre in rotating axes [kg^-1/2], (2, modes).

@@ -21,14 +21,10 @@ from bladewhirl.models.modal.labels import LabelledModes
 
 
 def standing_obstacles(modal: ModalStage, *, damped: bool) -> tuple[str, ...]:
-    """Return the reasons why no frame makes a coupled stage autonomous; empty if there is one.
+    """Return the reasons why no frame makes a coupled stage autonomous; empty if a frame does.
 
     The casing must be axisymmetric, stationary shaft springs must be equal, and all damping must
-    be modal.
-
-    Args:
-        modal: finite element models with their modes.
-        damped: include point dampers in the equations.
+    be modal. If `damped`, the equations include the dampers at points.
     """
     shaft, casing = modal.case.shaft, modal.casing
     obstacles = []

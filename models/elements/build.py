@@ -22,8 +22,8 @@ from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.sections.wall import Wall
 
 LOST = 100.0
-"""Smallest accepted ratio of an eigenvalue to the rounding error of the largest eigenvalue; below
-it the eigenvalue has fewer than two correct digits."""
+"""Smallest accepted ratio of an eigenvalue to the rounding error of the largest eigenvalue; with a
+smaller ratio the eigenvalue has fewer than two correct digits."""
 
 
 def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDiskModel:

@@ -56,10 +56,8 @@ def nodal_diameters(sectors: int) -> range:
 
 
 def is_pair(k: int, sectors: int) -> bool:
-    """Return whether modes of nodal diameter k are pairs of a cosine and a sine mode.
-
-    Modes with k = 0 or k = N/2 are single.
-    """
+    """Return true if modes of nodal diameter k are pairs of a cosine and a sine mode. Modes with
+    k = 0 or k = N/2 are single."""
     return 0 < 2 * k < sectors
 
 
@@ -86,10 +84,9 @@ def wave_parts(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:
 
 
 def evenly_spaced(angles: FloatArray) -> bool:
-    """Return whether angles increase in equal steps, 2 pi divided by the number of angles."""
-    steps = np.mod(
-        angles - angles[0] - 2.0 * np.pi * np.arange(len(angles)) / len(angles), 2 * np.pi
-    )
+    """Return true if angles increase in equal steps, 2 pi divided by the number of angles."""
+    even = 2.0 * np.pi * np.arange(len(angles)) / len(angles)
+    steps = np.mod(angles - angles[0] - even, 2 * np.pi)
     return bool(np.minimum(steps, 2.0 * np.pi - steps).max() < 1e-9)
 
 
@@ -159,7 +156,7 @@ class SectorLayout:
         return sp.csr_array(entries, shape=(self.size, self.size))
 
     def is_symmetry_of(self, *matrices: sp.csr_array) -> bool:
-        """Return whether the matrices are invariant under a rotation by one sector."""
+        """Return true if the matrices are invariant under a rotation by one sector."""
         turn, tolerance = self.turn(), max(SYMMETRY_TOLERANCE, self.rounding)
         for matrix in matrices:
             change = (turn @ matrix @ turn.T - matrix).tocoo()

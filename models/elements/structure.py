@@ -18,7 +18,7 @@ class Structure:
     stiffness: sp.csr_array  #: stiffness with springs [N/m, N, N m], (size, size)
     springs: sp.csr_array  #: part of `stiffness` due to springs, (size, size)
     node_dofs: IntArray  #: DoF of each node, (nodes, components); -1 if fixed
-    layout: SectorLayout | None  #: sectors; None if the structure has none
+    layout: SectorLayout | None  #: sectors; None for a structure without sectors
     constraints: FloatArray
     """Fields v to which every motion x is orthogonal, v^T M x = 0, (size, constraints); may be
     empty."""

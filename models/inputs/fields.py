@@ -22,7 +22,7 @@ SMALLEST = 1.0 / LARGEST
 """Smallest accepted positive quantity, so that its squares and ratios are in double precision."""
 
 MOST = 100_000
-"""Largest number of blades, elements or modes; a larger one is assumed to be a typing error."""
+"""Largest number of blades, elements or modes; a larger number is assumed to be a typing error."""
 
 Sign = Literal["positive", "not negative", "any"]
 

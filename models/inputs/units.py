@@ -74,9 +74,9 @@ _SCALED = re.compile(r"(m|s|g|N|Pa|Hz)\b")
 def handy_unit(amount: float, unit: str) -> tuple[str, float]:
     """Return a unit with a prefix that suits an amount, and the factor that converts to the unit.
 
-    The unit is the largest one in which the amount is at least 0.1 (without prefix, or with m or µ)
-    or at least 1 (with k, M or G): 0.5 mm, 0.2 s, 300 MPa. Metres are used from 1 m on. Lengths and
-    times do not get the prefixes k, M and G.
+    The unit is the largest in which the amount is at least 0.1 (for units without prefix, or with m
+    or µ) or at least 1 (for units with k, M or G): 0.5 mm, 0.2 s, 300 MPa. Metres are used from 1 m
+    on. Lengths and times do not get the prefixes k, M and G.
 
     Args:
         amount: amount in the SI unit, zero or positive.

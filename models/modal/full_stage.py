@@ -124,7 +124,7 @@ class Whirl:
 
 @dataclass(frozen=True, kw_only=True)
 class ModalStage:
-    """Casing and bladed disk, the latter with a free and with a clamped centre, without reduction.
+    """Full models of the casing and of the bladed disk, with a free and with a clamped centre.
 
     With rotation.effects = "centrifugal", the modes are computed at the speed of the case. With
     "full", the modes are computed at rest, and the whirling modes at the speed of the case.

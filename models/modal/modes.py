@@ -176,7 +176,7 @@ def natural_frequencies(structure: Structure, squares: FloatArray) -> FloatArray
 
 
 def is_first_of_pair(columns: IntArray, position: int) -> bool:
-    """Return whether the mode at a position is a cosine mode that its sine mode follows."""
+    """Return true if the mode at a position is a cosine mode and the next is its sine mode."""
     following = columns[position + 1 : position + 2]
     cosine = columns[position] > 0 and columns[position] % 2 == 1
     return bool(cosine and following.size and following[0] == columns[position] + 1)

@@ -30,8 +30,8 @@ def with_sized_shaft(case: Case) -> Case:
 
     Let D = K - w^2 M be the dynamic stiffness of the disk without shaft springs, and let C select
     the two displacements of the centre. With springs k at the centre, w is a natural frequency if
-    det(I + k C^T D^-1 C) = 0. If blades differ, the two frequencies of the pair lie about w; half
-    of the trace of C^T D^-1 C is therefore used for both directions.
+    det(I + k C^T D^-1 C) = 0. If blades differ, w lies between the two frequencies of the pair;
+    half of the trace of C^T D^-1 C is therefore used for both directions.
 
     Raises:
         CaseError: no springs give the frequency, or the mode at that frequency is of another

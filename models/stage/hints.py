@@ -45,14 +45,12 @@ def _fed_whirl(stage: Stage) -> Iterator[str]:
     rotor = stage.rotor
     if not rotor.frequency.min() < 0.0:
         return
-    stiffness = np.diag(rotor.stiffness) + rotor.circulation_stiffness
-    forces = rotor.damping
-    coriolis = 0.5 * (forces - forces.T)
+    stiffness, forces = np.diag(rotor.stiffness), rotor.damping
     growth, undamped = (
-        float(damped_eigenvalues(np.eye(len(forces)), by_velocity, with_circulation)[0].real.max())
-        for by_velocity, with_circulation in (
-            (forces, stiffness),
-            (coriolis, np.diag(rotor.stiffness)),
+        float(damped_eigenvalues(np.eye(len(forces)), by_velocity, by_position)[0].real.max())
+        for by_velocity, by_position in (
+            (forces, stiffness + rotor.circulation_stiffness),
+            (0.5 * (forces - forces.T), stiffness),  # Coriolis forces only
         )
     )
     if undamped > COALESCED * abs(stage.speed):
@@ -69,7 +67,7 @@ def _fed_whirl(stage: Stage) -> Iterator[str]:
 
 
 def _free_ends(model: BeamModel) -> Iterator[str]:
-    """Yield a warning about free ends at the radius of the tips that are not in the set of tips."""
+    """Yield a warning about free ends at the radius of the tips that are missing in their set."""
     points = model.mesh.points
     joined = np.bincount(model.joints.ravel(), minlength=len(points))
     ends = np.setdiff1d(np.flatnonzero(joined == 1), [*model.tips, model.centre, *model.links.led])

@@ -1,12 +1,10 @@
 """Read and validate netCDF-4 files through xarray, also incomplete files left by a killed run."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import h5py
 import numpy as np
@@ -62,7 +60,7 @@ class CheckedArray(BackendArray):
             key, self.shape, indexing.IndexingSupport.OUTER, self._read
         )
 
-    def __deepcopy__(self, memo: object) -> CheckedArray:
+    def __deepcopy__(self, memo: object) -> Self:
         """Return the array itself: it is never written to."""
         return self
 

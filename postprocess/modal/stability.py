@@ -145,8 +145,8 @@ def plot_truncation(data: xr.Dataset) -> Figure:
     """Draw the unstable zones of all modes and the unstable zones of six modes, to show the zones
     that are lost by truncation.
 
-    The variable `zone_of` of the data distinguishes them. A zone narrower than a line is drawn as a
-    line.
+    The variable `zone_of` is "all" for zones of all modes and "few" for zones of six modes. A zone
+    that is narrower than a line is drawn as a line.
     """
     figure, axes = _new_chart(data)
     whole = data["zone_of"].values == "all"

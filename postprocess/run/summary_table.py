@@ -136,8 +136,8 @@ def summary_table(summary: Summary) -> Table:
 
 
 def displacement_hints(summary: Summary, tip_radius: float) -> tuple[str, ...]:
-    """Return a hint if the displacement of blades exceeds the limit of a linear model, a share of
-    the tip radius [m]."""
+    """Return a hint if the displacement of a blade exceeds the limit of a linear model, which is
+    `LARGE_DISPLACEMENT` times the tip radius [m]."""
     limit = LARGE_DISPLACEMENT * tip_radius
     if summary.tip_displacement_max <= limit:
         return ()

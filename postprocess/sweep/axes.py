@@ -115,8 +115,8 @@ def linear_threshold(rate: Array, error: Array) -> float | None:
     entire axis is linear.
 
     The returned rate exceeds the medians of rates and uncertainties, so that noise is in the linear
-    part of the axis. Rates are NaN for points without a growth rate [1/s]; `error` is the standard
-    error of each rate [1/s].
+    part of the axis. `rate` contains growth rates [1/s], NaN for points without a growth rate, and
+    `error` the standard error of each rate [1/s].
     """
     usual = max(np.nanmedian(np.abs(rate)), CERTAINTY * np.nanmedian(error), 1e-12)
     threshold = float(10.0 ** np.ceil(np.log10(usual)))

@@ -1,9 +1,8 @@
 """Datasets of sweeps: the data that are stored for every point, and a function to open them.
 
 The swept keys are the first dimensions of every variable; the key march.speed is the dimension
-march_speed.
-Results that are words, such as the regime, are stored as integer codes with a list of their
-meanings (CF conventions), so that each point has a fixed size and can be written in place;
+march_speed. Results that are words, such as the regime, are stored as integer codes with a list of
+their meanings (CF conventions), so that each point has a fixed size and can be written in place;
 `open_sweep` turns the codes into text.
 """
 

@@ -117,8 +117,8 @@ def _groups(energies: xr.Dataset, layout: Layout) -> Array:
 
 def _mode_frequencies(dataset: xr.Dataset, way: str) -> Array:
     """Return the lowest frequency of the modes of each entry of `MODE_LINES` [Hz]; NaN if there is
-    no such mode. `way` is "backward" or "forward", which have different frequencies on the rotor
-    with Coriolis forces."""
+    no such mode. `way` selects the "backward" or the "forward" wave on the rotor, whose frequencies
+    differ with Coriolis forces."""
     frequencies = []
     for body, family in MODE_LINES.values():
         candidates = dataset[f"{body}_nodal_diameter"].values == 1

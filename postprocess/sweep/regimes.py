@@ -82,7 +82,8 @@ def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
 
 
 def regime_entries(regime: Names) -> list[tuple[Patch | tuple[Patch, Line2D], str]]:
-    """Return the legend entries of the regimes, each with the number of its points in `regime`."""
+    """Return the legend entries of the regimes, each with the number of its points, from the names
+    of the regimes of all points."""
     entries: list[tuple[Patch | tuple[Patch, Line2D], str]] = []
     for name, colour in drawing.REGIME_COLOURS.items():
         if count := int(np.count_nonzero(regime == name)):
