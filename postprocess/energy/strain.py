@@ -173,15 +173,11 @@ def family_energies(
     )
 
 
-def mean_energies(energies: xr.Dataset, spans: int = SPANS) -> xr.Dataset:
-    """Compute mean energies over equal spans of time; `time` becomes the end of each span.
-
-    Args:
-        energies: from `family_energies`.
-        spans: largest number of spans; if there are fewer records, the records are not averaged.
-    """
+def mean_energies(energies: xr.Dataset) -> xr.Dataset:
+    """Compute mean energies from `family_energies` over up to `SPANS` equal spans of time; `time`
+    becomes the end of each span. Up to `SPANS` records are not averaged."""
     time = energies["time"].values
-    starts = windows.span_starts(time, spans)
+    starts = windows.span_starts(time, SPANS)
     means = windows.span_means(energies["energy"].values, starts)
     ends = windows.span_edges(time, starts, energies.attrs["begin"])[1:]
     thinned = energies.isel(time=slice(len(ends))).assign_coords(
@@ -192,12 +188,8 @@ def mean_energies(energies: xr.Dataset, spans: int = SPANS) -> xr.Dataset:
 
 @styled
 def plot_family_energies(energies: xr.Dataset) -> Figure:
-    """Draw two maps of the strain energy from `family_energies`: by time and nodal diameter, and by
-    family and nodal diameter. The second map shows the mean over the last third of the time.
-
-    A long run is drawn as means over equal spans of time.
-    """
-    energies = mean_energies(energies)
+    """Draw two maps of the strain energy from `mean_energies`: by time and nodal diameter, and by
+    family and nodal diameter. The second map shows the mean over the last third of the time."""
     late = windows.late_part(energies)
     by_diameter = energies["energy"].sum("family")
     by_both = late["energy"].mean("time")

@@ -48,30 +48,17 @@ def stage_at_rest(
     )
 
 
-def draw_stage(
-    dataset: xr.Dataset,
-    path: str | Path,
-    *,
-    node_sets: Mapping[str, IntArray],
-    exaggeration: float | None = None,
-    size: tuple[int, int] = WINDOW,
-) -> Path:
-    """Draw a stage with its parts, sets and supports as PNG; return the path.
-
-    Args:
-        dataset: from `stage_at_rest`, or a result, of which the first record is drawn.
-        path: path of the picture.
-        node_sets: nodes of the rotor by the name of the set.
-        exaggeration: factor of the clearance; chosen when None, see `Drawing`.
-        size: width and height [pixels].
+def draw_stage(dataset: xr.Dataset, path: str | Path, *, node_sets: Mapping[str, IntArray]) -> Path:
+    """Draw a stage from `stage_at_rest` with its parts, sets and supports as PNG; return the path.
+    `node_sets` contains the nodes of the rotor by the name of the set.
 
     Raises:
-        ViewError: the path does not end in .png, or the factor is invalid.
+        ViewError: the path does not end in .png.
         OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".png")
-    drawing = Drawing(dataset, np.array([0]), exaggeration=exaggeration, colour="part")
-    with off_screen_plotter(size) as plotter:
+    drawing = Drawing(dataset, np.array([0]), colour="part")
+    with off_screen_plotter(WINDOW) as plotter:
         from bladewhirl.postprocess.pictures.scene import StageScene
 
         scene = StageScene(plotter, drawing, marks=False)

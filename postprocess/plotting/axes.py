@@ -84,9 +84,9 @@ class Labels:
         self._axes = axes
         self._taken: list[Bbox] = []
 
-    def keep_free(self, x: ArrayLike, y: ArrayLike, size: float = 4.0) -> None:
-        """Keep labels away from the points x, y, whose marks have the diameter `size` [points]."""
-        half = 0.5 * size * self._axes.figure.dpi / 72.0
+    def keep_free(self, x: ArrayLike, y: ArrayLike) -> None:
+        """Keep labels away from the points x, y, whose marks have a diameter of 4 points."""
+        half = 0.5 * 4.0 * self._axes.figure.dpi / 72.0
         for place in self._axes.transData.transform(np.column_stack([x, y])):
             self._taken.append(Bbox([place - half, place + half]))
 

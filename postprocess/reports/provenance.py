@@ -17,17 +17,10 @@ def subject(dataset: xr.Dataset, provenance: Provenance, name: str) -> str:
     return ", ".join(filter(None, [name, program, f"{date} UTC" if date else ""]))
 
 
-def case_section(
-    dataset: xr.Dataset, provenance: Provenance, *, text: str, caption: str
-) -> Section:
-    """Return the section with the resolved case and the provenance of a result.
-
-    Args:
-        dataset: a result or a sweep.
-        provenance: provenance of the result or sweep.
-        text: the resolved case.
-        caption: caption of the case.
-    """
+def case_section(dataset: xr.Dataset, provenance: Provenance, caption: str) -> Section:
+    """Return the section with the resolved case, under a caption, and the provenance of a result or
+    a sweep."""
+    text = str(dataset.attrs.get("case", "")).strip()
     case = Text(
         name="resolved-case", title="Resolved case", text=text, caption=caption, folded=True
     )

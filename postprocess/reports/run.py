@@ -23,6 +23,10 @@ from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 LATE = "over the last third"  #: time window of whirl and contact scenario
+CASE_CAPTION = (
+    "All keys of the case with their values in SI units. Save these lines as a case file;"
+    " bladewhirl run with this file repeats the run."
+)
 UNKNOWN = ("complementarity residual", "time step / critical", "wall time")
 """Rows of the summary that are known only after the march has ended."""
 
@@ -71,13 +75,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
             for part, title in titles.items()
         ),
         Section(name="numbers", title="Numbers", blocks=[_summary(figures)]),
-        case_section(
-            dataset,
-            provenance,
-            text=str(dataset.attrs.get("case", "")).strip(),
-            caption="All keys of the case with their values in SI units. Save these lines as a case"
-            " file; bladewhirl run with this file repeats the run.",
-        ),
+        case_section(dataset, provenance, CASE_CAPTION),
     ]
     return Page(
         title=str(dataset.attrs.get("title", "")) or "Run",

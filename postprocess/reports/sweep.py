@@ -203,14 +203,12 @@ def _point_table(points: xr.Dataset) -> page.Table:
 def _case_section(dataset: xr.Dataset, provenance: Provenance) -> page.Section:
     """Return the resolved case, with the swept keys in the caption."""
     settings = " ".join(f"--set {dataset[key].attrs['long_name']}=VALUE" for key in swept(dataset))
-    return case_section(
-        dataset,
-        provenance,
-        text=str(dataset.attrs.get("case", "")).strip(),
-        caption="All keys of the case with their values in SI units; the values of swept keys "
+    caption = (
+        "All keys of the case with their values in SI units; the values of swept keys "
         "differ from point to point. Save these lines as a case file; bladewhirl run with this "
-        f"file and {settings} (in SI units, or with a unit) repeats a point.",
+        f"file and {settings} (in SI units, or with a unit) repeats a point."
     )
+    return case_section(dataset, provenance, caption)
 
 
 def _number(value: float) -> str:

@@ -50,13 +50,7 @@ CLASS_COLOURS: Mapping[str, str] = {
 CLASS_HATCHES: Mapping[str, str] = {"permanent": "////", "intermittent": "....", "free": ""}
 
 
-def contact_maps(
-    result: xr.Dataset,
-    columns: int = COLUMNS,
-    *,
-    start: float | None = None,
-    end: float | None = None,
-) -> xr.Dataset:
+def contact_maps(result: xr.Dataset, columns: int = COLUMNS) -> xr.Dataset:
     """Compute gaps and forces of every blade in equal spans of time.
 
     The gap is the smallest gap of all time steps in a span; the force is the impulse in the span
@@ -65,7 +59,6 @@ def contact_maps(
     Args:
         result: result of a run.
         columns: largest number of spans; if there are fewer records, each record has its own span.
-        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
         Dataset over (time, blade): `gap` [m], the smallest gap; `force` [N], mean normal force,
@@ -76,7 +69,7 @@ def contact_maps(
     Raises:
         ViewError: there are fewer than two records.
     """
-    dataset = windows.select_window(result, start, end)
+    dataset = windows.select_window(result)
     begin = float(dataset["time"][0])
     dataset = dataset.isel(time=slice(1, None))  # each record covers the time since the one before
     time = dataset["time"].values

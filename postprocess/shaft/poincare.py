@@ -64,19 +64,9 @@ def poincare_map(
     )
 
 
-def state_space(
-    result: xr.Dataset,
-    frame: Frame = "static",
-    *,
-    start: float | None = None,
-    end: float | None = None,
-) -> xr.Dataset:
-    """Compute position and velocity of the shaft at all records, and its Poincaré map.
-
-    Args:
-        result: result of a run, or its orbit from `orbits.shaft_orbit`.
-        frame: frame of the observer.
-        start, end: limits of the time window [s]; start and end of the run when None.
+def state_space(orbit: xr.Dataset) -> xr.Dataset:
+    """Compute position and velocity of the shaft in the static frame at all records of an orbit
+    from `orbits.shaft_orbit`, and the Poincaré map of the orbit.
 
     Returns:
         Dataset: position `place` [m] and `velocity` [m/s] over (time, axis); from `poincare_map`,
@@ -84,16 +74,13 @@ def state_space(
         `revolution` is a time [s].
 
     Raises:
-        ViewError: the rotor does not turn, or the time window is shorter than a revolution.
+        ViewError: the rotor does not turn, or the orbit is shorter than a revolution.
     """
-    orbit = shaft_orbit(result, start=start, end=end)
-    motion = orbit[[frame, f"{frame}_velocity"]].rename(
-        {frame: "place", f"{frame}_velocity": "velocity"}
-    )
-    sections = poincare_map(orbit, frame).rename(
+    motion = orbit[["static", "static_velocity"]].rename(static="place", static_velocity="velocity")
+    sections = poincare_map(orbit).rename(
         time="revolution", place="section_place", velocity="section_velocity"
     )
-    return motion.merge(sections).assign_attrs(title="state space of the shaft", frame=frame)
+    return motion.merge(sections).assign_attrs(title="state space of the shaft", frame="static")
 
 
 @styled
