@@ -33,19 +33,18 @@ def compare(
     """March a case with every contact scheme, side by side.
 
     The schemes are central differences with multipliers, Moreau and Jean's impacts with sticking
-    friction, and a penalty, see march.scheme. Displacement, impulses, energy and cost are compared.
-    Tip displacements are compared with those of the first scheme. A step of the
-    last two schemes costs fifty to a hundred times as much as with the first, so choose a short
-    march: --set march.duration=0.05.
+    friction, and a penalty, see march.scheme. The table lists displacements, impulses, energy and
+    cost, and the difference of the tip displacements from those of the first scheme. A step of the
+    other two schemes costs fifty to a hundred times as much, so choose a short march: --set
+    march.duration=0.05.
     """
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.studies.convergence.schemes import compare_schemes, schemes_document
 
     values = overrides or []
+    read = read_case(case, values)
     with faults_from(case, values), progress_bar("marching") as update:
-        data = compare_schemes(
-            read_case(case, values), output, overwrite=overwrite, progress=update
-        )
+        data = compare_schemes(read, output, overwrite=overwrite, progress=update)
     document = schemes_document(data)
     schemes = document["schemes"]
     rows = [

@@ -70,9 +70,10 @@ def convergence(
 
     values = overrides or []
     folder = output or Path(f"{case.stem}-convergence")
+    read = read_case(case, values)
     with faults_from(case, values), progress_bar("marches", lines="marches") as update:
         result = study(
-            read_case(case, values),
+            read,
             folder,
             time_steps=time_steps and time_steps[::-1],
             modes=modes,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -38,7 +38,20 @@ def mesh(
     from bladewhirl.meshes.files.registry import left_out, write_line_mesh
 
     lines = _content(source, overrides or [])
-    emit(None, *_listing(lines), json=False)
+    low, high = lines.points.min(axis=0), lines.points.max(axis=0)
+    size = (
+        f"{len(lines.points)} nodes, {len(lines.lines)} lines,"
+        f" x {low[0]:.6g} to {high[0]:.6g}, y {low[1]:.6g} to {high[1]:.6g}"
+    )
+    rows = [
+        {"name": name, "kind": kind, "members": len(members)}
+        for kind, groups in (("nodes", lines.node_groups), ("lines", lines.line_groups))
+        for name, members in groups.items()
+    ]
+    data = [f"{name} (nodes)" for name in lines.node_data]
+    data += [f"{name} (lines)" for name in lines.line_data]
+    listed = [f"data: {', '.join(data)}"] if data else []
+    emit(None, size, table(rows, GROUPS), *listed, json=False)
     if output is None:
         return
     if output.exists() and not force:
@@ -63,29 +76,12 @@ def _content(source: Path, overrides: list[str]) -> GroupedLines:
     from bladewhirl.models.geometry.from_mesh import grouped_lines
 
     if source.suffix.lower() not in READERS:
+        case = read_case(source, overrides)
         with faults_from(source, overrides):
-            model = case_beam_model(read_case(source, overrides))
-        return grouped_lines(model)
+            return grouped_lines(case_beam_model(case))
     if overrides:
         raise UserError(f"--set {overrides[0]}: expected a case file to change, not {source}")
     try:
         return read_line_mesh(source)
     except MeshFileError as error:
         raise UserError(f"{source}: expected {error}") from None
-
-
-def _listing(lines: GroupedLines) -> tuple[Any, ...]:
-    """Return size, groups and data of a mesh as lines and tables to print."""
-    low, high = lines.points.min(axis=0), lines.points.max(axis=0)
-    size = (
-        f"{len(lines.points)} nodes, {len(lines.lines)} lines,"
-        f" x {low[0]:.6g} to {high[0]:.6g}, y {low[1]:.6g} to {high[1]:.6g}"
-    )
-    rows = [
-        {"name": name, "kind": kind, "members": len(members)}
-        for kind, groups in (("nodes", lines.node_groups), ("lines", lines.line_groups))
-        for name, members in groups.items()
-    ]
-    data = [f"{name} (nodes)" for name in lines.node_data]
-    data += [f"{name} (lines)" for name in lines.line_data]
-    return (size, table(rows, GROUPS), *([f"data: {', '.join(data)}"] if data else []))

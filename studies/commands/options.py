@@ -113,7 +113,8 @@ class Span:
     count: int = 2
 
     def values(self, reference: float = 1.0) -> NDArray[np.float64]:
-        """Return the values, ends included, (COUNT,); speeds are relative to a reference [rad/s].
+        """Return the values from START to STOP, (COUNT,); speeds are multiples of the reference,
+        a speed in rad/s.
 
         Raises:
             UserError: the ends are not in order.

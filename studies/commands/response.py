@@ -27,9 +27,9 @@ def response(
 ) -> None:
     """Compute the steady response to engine-order forces over the speed, without contact.
 
-    The case needs excitation.type = "engine-order". The equations are those of the time
-    integration, with damping, mistuning and rotation effects, solved for the complex amplitude at
-    each speed. The table lists the largest amplitude of each engine order; the figure shows the
+    The case needs excitation.type = "engine-order". The equations of motion of the time
+    integration, with damping, mistuning and rotation effects, are solved for the complex amplitude
+    at each speed. The table lists the largest amplitude of each engine order; the figure shows the
     amplitudes of all blades and of nodal diameters over the speed. With --json and no -o nothing is
     written.
     """
@@ -42,11 +42,10 @@ def response(
     folder = output if output is not None or json else Path(f"{case.stem}-response")
     values = overrides or []
     read = read_case(case, values)
-    with faults_from(case, values):
+    with faults_from(case, values), progress_bar("speeds") as progress:
         stage = build_stage(read)
         multiples = speeds.values(stage.reference_frequency).tolist()
-        with progress_bar("speeds") as progress:
-            data = study.response(stage, speeds=multiples, progress=progress)
+        data = study.response(stage, speeds=multiples, progress=progress)
     if folder is not None:
         figures = {"response": (plot_response(data), drawn_amplitudes(data))}
         save_figures(folder, figures, overwrite=overwrite)

@@ -1,9 +1,7 @@
 """`bladewhirl show`: properties of a case, and all keys of the case."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -11,9 +9,6 @@ from bladewhirl.models.inputs.errors import CaseError, UserError, writing
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, facts, table
 from bladewhirl.studies.modal.columns import Column, texts
-
-if TYPE_CHECKING:
-    from bladewhirl.models.stage.stage import Stage
 
 RATES = (
     Column("name", " "),
@@ -80,10 +75,10 @@ def show(
     ] = None,
     overwrite: options.Replace = False,
 ) -> None:
-    """Print the properties of a case, and with --case all its keys.
+    """Print the properties of a case, and with --case all keys of the case.
 
     Properties are masses, lowest frequencies of the full model, the speed in rpm, the critical time
-    step, the load of an imbalance, size and errors of the reduced model, and the size of a run.
+    step, the load of an imbalance, size and errors of the reduced model, and the size of result.nc.
     """
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.models.case.template import dumps_case
@@ -105,9 +100,20 @@ def show(
     for hint in stage_hints(stage):
         typer.echo(f"Hint: {hint}.", err=True)
     if png:
+        from bladewhirl.postprocess.pictures.stage import draw_stage, stage_at_rest
+
         target = output or Path(f"{case.stem}.png")
         options.claim_output(target, named=True, overwrite=overwrite)
-        _draw(stage, target)
+        at_rest = stage_at_rest(
+            stage.arrays,
+            title=stage.case.title,
+            tip_radius=stage.rotor.tip_radius,
+            casing_radius=stage.reduced_casing.radius,
+            clamped=stage.case.shaft.clamped,
+        )
+        with writing(target):
+            draw_stage(at_rest, target, node_sets=stage.disk.mesh.node_sets)
+        typer.echo(f"Wrote {target}.", err=True)
     document = {"case": checked.model_dump(mode="json", exclude_none=True), "derived": derived}
     marched = {body: MARCHES[cyclic] for body, cyclic in derived["cyclic"].items()}
     derived = derived | {"marched": marched}
@@ -122,19 +128,3 @@ def show(
         tables.append(table(modes, MODES, f"{title}, full model"))
     full = (f"\n{dumps_case(checked)}".removesuffix("\n"),) if with_case else ()
     emit(document, *tables, *full, json=json)
-
-
-def _draw(stage: Stage, target: Path) -> None:
-    """Draw the stage, and print the name of the file on standard error."""
-    from bladewhirl.postprocess.pictures.stage import draw_stage, stage_at_rest
-
-    at_rest = stage_at_rest(
-        stage.arrays,
-        title=stage.case.title,
-        tip_radius=stage.rotor.tip_radius,
-        casing_radius=stage.reduced_casing.radius,
-        clamped=stage.case.shaft.clamped,
-    )
-    with writing(target):
-        draw_stage(at_rest, target, node_sets=stage.disk.mesh.node_sets)
-    typer.echo(f"Wrote {target}.", err=True)

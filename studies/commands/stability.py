@@ -123,9 +123,8 @@ def stability(
                 progress=progress,
             )
         values = texts(document, study.CHART)
-        last = {column.key: -1 for column in study.BORDERS}
         zones = [
-            zone | {key: zone[key][place] for key, place in last.items()}
+            zone | {column.key: zone[column.key][-1] for column in study.BORDERS}
             for zone in document.get("zones", [])
         ]
         tables = [table(zones, study.ZONES, "Unstable zones")] if "zones" in document else []

@@ -130,10 +130,7 @@ def sweep(
         "failed": result.failed,
         "marched": result.marched,
         "wall_time": result.wall_time,
-        "failures": [
-            {"point": point, **result.grid.values(point), "reason": reason}
-            for point, reason in sorted(result.failures.items())
-        ],
+        "failures": result.grid.failed(result.failures),
     }
     names = ", ".join(sorted(path.name for path in result.directory.iterdir()))
     emit(

@@ -63,8 +63,8 @@ class Axis:
 
 @dataclass(frozen=True, kw_only=True)
 class Grid:
-    """Points of a sweep: all combinations of values of its axes; the last axis varies fastest. With
-    draws, their numbers are the last axis."""
+    """Points of a sweep: all combinations of values of its axes; the last axis varies fastest. If
+    the sweep has draws, the last axis is the number of the draw."""
 
     axes: tuple[Axis, ...]
     draws: Draws | None = None
@@ -103,6 +103,13 @@ class Grid:
         """Return the label of a point, "march.speed = 1.05, contact.friction = 0.1"."""
         return ", ".join(f"{key} = {shown(value)}" for key, value in self.values(point).items())
 
+    def failed(self, failures: Mapping[int, str]) -> list[dict[str, Any]]:
+        """Return failed points, ascending, with their values and the reasons of the failures."""
+        return [
+            {"point": point, **self.values(point), "reason": reason}
+            for point, reason in sorted(failures.items())
+        ]
+
     def cases(self, case: Case) -> Iterator[Case]:
         """Yield the case at every point, in order.
 
@@ -134,13 +141,13 @@ def make_grid(
     large: bool,
     draws: Draws | None = None,
 ) -> Grid:
-    """Return the points of a sweep.
+    """Return the points of a sweep of a case over values of keys.
 
     Args:
         case: case that is varied.
         over: values of each swept key.
         large: whether to allow more than 100,000 points.
-        draws: draws of each point, if any.
+        draws: random draws at each point; None for one march without random changes.
 
     Raises:
         UserError: nothing to sweep, a key that is unknown or does not take a number, fewer than two
@@ -169,7 +176,7 @@ def make_grid(
 
 
 def _nominal(case: Case, key: str, over: Mapping[str, Sequence[Value]]) -> tuple[float, ...]:
-    """Return the values of a perturbed key: along its axis if it is swept, otherwise one value.
+    """Return the unperturbed values of a key: all values of a swept key, or the value of the case.
 
     Raises:
         UserError: the key does not take a number, or is a speed with a unit.
@@ -205,7 +212,15 @@ def parse_over(options: Sequence[str]) -> dict[str, tuple[Value, ...]]:
             raise UserError(f"{OVER} {option}: expected KEY=START:STOP:STEP or KEY=VALUE,VALUE")
         if key in over:
             raise UserError(f"{OVER} {key}: expected each key once")
-        over[key] = _range(option, text) if ":" in text else _list(option, text)
+        is_range = ":" in text
+        parts = text.split(":") if is_range else text.removesuffix(",").split(",")
+        matches = [match for match in map(_NUMBER.fullmatch, parts) if match is not None]
+        units = {match[2] or "" for match in matches}
+        if len(matches) < len(parts) or len(units) > 1:
+            raise UserError(f"{OVER} {option}: expected numbers, all with the same unit or none")
+        numbers, unit = [Decimal(match[1]) for match in matches], units.pop()
+        numbers = _range(option, numbers) if is_range else numbers
+        over[key] = tuple(_value(number, unit) for number in numbers)
     return over
 
 
@@ -278,8 +293,8 @@ def _numeric_keys(table: Table) -> Iterator[tuple[str, str]]:
             yield name, descriptions.get(name, "")
 
 
-def _range(option: str, text: str) -> tuple[Value, ...]:
-    numbers, unit = _numbers(option, text.split(":"))
+def _range(option: str, numbers: Sequence[Decimal]) -> list[Decimal]:
+    """Return the numbers from start to stop of an option with the numbers start, stop and step."""
     steps = Decimal(0)
     if len(numbers) == 3 and numbers[2] > 0:
         start, stop, step = numbers
@@ -292,21 +307,7 @@ def _range(option: str, text: str) -> tuple[Value, ...]:
     grid = [start + i * step for i in range(int(steps + ON_GRID) + 1)]
     if abs(grid[-1] - stop) <= ON_GRID * step:
         grid[-1] = stop
-    return tuple(_value(number, unit) for number in grid)
-
-
-def _list(option: str, text: str) -> tuple[Value, ...]:
-    numbers, unit = _numbers(option, text.removesuffix(",").split(","))
-    return tuple(_value(number, unit) for number in numbers)
-
-
-def _numbers(option: str, parts: Sequence[str]) -> tuple[list[Decimal], str]:
-    """Return numbers and their common unit, which is empty for plain numbers."""
-    matches = [match for match in map(_NUMBER.fullmatch, parts) if match is not None]
-    units = {match[2] or "" for match in matches}
-    if len(matches) < len(parts) or len(units) > 1:
-        raise UserError(f"{OVER} {option}: expected numbers, all with the same unit or none")
-    return [Decimal(match[1]) for match in matches], units.pop()
+    return grid
 
 
 def _value(number: Decimal, unit: str) -> Value:

@@ -34,15 +34,8 @@ Coordinates = Mapping[str, tuple[FloatArray, str]]
 def create(
     directory: Path, grid: Grid, coordinates: Coordinates, layout: dataset.Layout, attributes: Any
 ) -> None:
-    """Create the dataset of a sweep, completely or not at all.
-
-    Args:
-        directory: folder of the sweep.
-        grid: points of the sweep.
-        coordinates: values of the swept keys.
-        layout: layout of the data of each point.
-        attributes: further attributes of the dataset.
-    """
+    """Create the dataset of a sweep in its folder, completely or not at all; `attributes` are added
+    to the attributes that every such dataset has."""
     with (
         replacing(directory / dataset.SWEEP_NAME) as draft,
         h5py.File(draft, "w") as h5,
@@ -51,21 +44,18 @@ def create(
         names = tuple(axis.name for axis in grid.axes)
         sizes = dict(zip(names, grid.shape, strict=True))
         file.dimensions = {**sizes, **layout.sizes}
-        as_given = []
+        as_given, along = [], list[tuple[str, str, FloatArray, str, str]]()
         for axis in grid.axes:
-            values, unit = coordinates[axis.key]
-            made = file.create_variable(axis.name, (axis.name,), np.float64, data=values)
-            made.attrs.update({"units": unit, "long_name": axis.key})
+            along.append((axis.name, axis.name, *coordinates[axis.key], axis.key))
             if axis.unit:
                 as_given.append(re.sub(r"\W+", "_", f"{axis.name} {axis.unit}"))
-                made = file.create_variable(
-                    as_given[-1], (axis.name,), np.float64, data=axis.numbers
-                )
-                made.attrs.update({"units": axis.unit, "long_name": f"{axis.key}, as given"})
-        made = file.create_variable("frequency", ("frequency",), np.float64, data=layout.frequency)
-        made.attrs.update(
-            {"units": "Hz", "long_name": "frequency in the rotating frame, forward positive"}
-        )
+                label = f"{axis.key}, as given"
+                along.append((as_given[-1], axis.name, axis.numbers, axis.unit, label))
+        label = "frequency in the rotating frame, forward positive"
+        along.append(("frequency", "frequency", layout.frequency, "Hz", label))
+        for name, dimension, values, unit, label in along:
+            made = file.create_variable(name, (dimension,), np.float64, data=values)
+            made.attrs.update({"units": unit, "long_name": label})
         for name, labels in (
             (dataset.GROUP, layout.groups),
             (dataset.LINE, tuple(dataset.MODE_LINES)),
@@ -96,7 +86,7 @@ class Store(AbstractContextManager["Store"]):
     Args:
         directory: folder of the sweep.
         grid: points of the sweep.
-        plan: digest of the plan with which the dataset was created; None without a plan.
+        plan: digest of the plan with which the dataset was created; None if it had no plan.
 
     Raises:
         UserError: another process has opened the dataset, it cannot be written, it is from another
@@ -174,17 +164,14 @@ class Store(AbstractContextManager["Store"]):
         if not self.failures:
             path.unlink(missing_ok=True)
             return
-        document = [
-            {"point": point, **self._grid.values(point), "reason": reason}
-            for point, reason in sorted(self.failures.items())
-        ]
-        write_atomically(path, json.dumps(document, indent=2, ensure_ascii=False) + "\n")
+        rows = self._grid.failed(self.failures)
+        write_atomically(path, json.dumps(rows, indent=2, ensure_ascii=False) + "\n")
 
 
 def _reserve(
     h5: h5py.File, file: h5netcdf.File, name: str, kind: np.dtype[Any], sizes: Mapping[str, int]
 ) -> Any:
-    """Create and allocate a variable, filled with NaN or, for integers, with unmasked zeros."""
+    """Create and allocate a variable: floats are NaN; integers are zeros, not marked as missing."""
     empty = kind.type(np.nan) if kind.kind == "f" else None
     made = file.create_variable(name, tuple(sizes), kind, fillvalue=empty)
     # HDF5 allocates a contiguous array when its first value is written.

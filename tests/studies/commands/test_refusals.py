@@ -27,3 +27,10 @@ def test_a_file_that_is_not_listed_stays(
     assert refused.endswith("--overwrite replaces it)")
     assert theirs.read_text() == "precious"
     assert [path for path in folder.rglob("*") if path.is_file()] == [theirs]
+
+
+@pytest.mark.parametrize("command", ["compare", "convergence", "mesh", "modes", "response", "run"])
+def test_a_change_without_a_value_is_a_fault_of_the_option(tmp_path: Path, command: str) -> None:
+    (tmp_path / "case.toml").write_text("")
+    refused = refusal(command, tmp_path / "case.toml", "--set", "garbage")
+    assert refused == "--set garbage: expected KEY=VALUE with a dotted key, such as march.speed=1.2"
