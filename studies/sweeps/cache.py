@@ -5,14 +5,14 @@ continues with the missing runs, and another study can use the same runs.
 """
 
 import hashlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, cast
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.template import dumps_case
-from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.errors import writing
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 from bladewhirl.studies.sweeps.workers import march_points
@@ -61,10 +61,8 @@ class RunStore:
             progress(0, len(missing))
         if not missing:
             return
-        try:
+        with writing(self.directory):
             self.directory.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise UserError(f"{self.directory}: cannot be written ({error.strerror})") from None
         work = Work(
             case=dumps_case(missing[0]), layout=None, histories=str(self.directory.absolute())
         )
@@ -77,14 +75,13 @@ class RunStore:
             )
             for number, case in enumerate(missing)
         ]
-        for done, (number, outcome) in enumerate(self._marched(work, points), 1):
+        outcomes: Iterable[tuple[int, Outcome]]
+        if self.scheduler is None and self.workers == 1:
+            outcomes = ((point.number, march_point(work, point)) for point in points)
+        else:
+            outcomes = march_points(work, points, scheduler=self.scheduler, workers=self.workers)
+        for done, (number, outcome) in enumerate(outcomes, 1):
             if isinstance(outcome, Failure):
                 self.failures[run_key(missing[number])] = outcome.reason
             if progress is not None:
                 progress(done, len(missing))
-
-    def _marched(self, work: Work, points: Sequence[Point]) -> Iterator[tuple[int, Outcome]]:
-        """Yield the outcome of each point; with one worker this process marches all points."""
-        if self.scheduler is None and self.workers == 1:
-            return ((point.number, march_point(work, point)) for point in points)
-        return march_points(work, points, scheduler=self.scheduler, workers=self.workers)

@@ -3,12 +3,12 @@
 import socket
 import uuid
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from itertools import islice
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.runs.folder import version
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
+from bladewhirl.studies.sweeps.workers import READY
 
 try:
     import dask
@@ -26,19 +26,12 @@ ENCRYPTION = "distributed.comm.require-encryption"
 PATIENCE = 30.0
 """Time limit for the answer of a scheduler [s]."""
 
-READY = 1
-"""Number of points that wait at each worker, so that no worker is ever idle."""
-
 
 def march_on_cluster(
     work: Work, points: Iterable[Point], scheduler: str
 ) -> Iterator[tuple[int, Outcome]]:
-    """March points; yield the number and the outcome of each point as it arrives.
-
-    Args:
-        work: data common to all points.
-        points: points to march.
-        scheduler: address of the scheduler.
+    """March points on the workers of a scheduler, given by its address; yield the number and the
+    outcome of each point as the outcome arrives.
 
     Raises:
         UserError: the scheduler does not answer, has no TLS, or its workers have another version.
@@ -73,9 +66,12 @@ def march_on_cluster(
             yield point.number, outcome
 
 
-@contextmanager
-def _client(scheduler: str) -> Iterator[Client]:
-    """Yield a client of the scheduler."""
+def _client(scheduler: str) -> Client:
+    """Return a client of the scheduler.
+
+    Raises:
+        UserError: the scheduler does not answer, or has no TLS.
+    """
     if not scheduler.startswith("tls://") and dask.config.get(ENCRYPTION) is not False:
         raise UserError(
             f"--scheduler {scheduler}: expected tls://HOST:PORT; without TLS anybody who"
@@ -86,10 +82,8 @@ def _client(scheduler: str) -> Iterator[Client]:
         # A client that cannot connect is closed by the garbage collection; if this happens while
         # another client starts, both wait for each other forever.
         socket.create_connection(get_address_host_port(scheduler), PATIENCE).close()
-        client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
+        return Client(scheduler, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError, TimeoutError) as error:  # TypeError: no TLS keys
         raise UserError(
             f"--scheduler {scheduler}: expected the address of a dask scheduler ({error})"
         ) from None
-    with client:
-        yield client

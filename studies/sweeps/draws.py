@@ -23,7 +23,8 @@ MOST_DRAWS = 10_000
 """Largest number of draws of a point."""
 
 _FORM = re.compile(
-    r"\s*([\w.]+)\s*=\s*([0-9.eE+-]+)((?:\s+(?:relative|absolute|normal|uniform))*)\s*"
+    r"\s*([\w.]+)\s*=\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
+    r"((?:\s+(?:relative|absolute|normal|uniform))*)\s*"
 )
 
 
@@ -82,13 +83,9 @@ def parse_draws(count: int | None, perturb: Sequence[str], seed: int) -> Draws |
     perturbations = []
     for text in perturb:
         match = _FORM.fullmatch(text)
-        try:
-            size = float(match[2]) if match else -1.0
-        except ValueError:
-            size = -1.0
         words = match[3].split() if match else []
         twice = {"relative", "absolute"} <= set(words) or {"normal", "uniform"} <= set(words)
-        if match is None or not 0.0 < size < np.inf or twice:
+        if match is None or not 0.0 < float(match[2]) < np.inf or twice:
             raise UserError(
                 f'{PERTURB} "{text}": expected "KEY = SIZE" with a size above zero, which may be'
                 " followed by the words absolute and uniform"
@@ -97,7 +94,7 @@ def parse_draws(count: int | None, perturb: Sequence[str], seed: int) -> Draws |
             Perturbation(
                 text=text,
                 key=match[1],
-                size=size,
+                size=float(match[2]),
                 relative="absolute" not in words,
                 uniform="uniform" in words,
             )

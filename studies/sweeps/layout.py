@@ -1,8 +1,9 @@
 """Sizes of the data of each point of a sweep, chosen once for all points."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from math import inf
 
 import numpy as np
 
@@ -12,25 +13,26 @@ from bladewhirl.postprocess.sweep.dataset import WINDOW_SHARE, Layout
 from bladewhirl.solvers.march.recorder import result_bytes
 
 REACH = 10.0
-"""Upper limit of the spectra in multiples of the first point's reference frequency: above the
-second blade family of the default stage."""
+"""Highest frequency of the spectra, divided by the reference frequency of the first point; it is
+above the frequencies of the second blade family of the default stage."""
 
 MOST_LINES = 20_001
-"""Largest number of frequencies of a spectrum; very long marches have a smaller range."""
+"""Largest number of frequencies of a spectrum, which limits the range of very long marches."""
 
 MOST_SAMPLES = 1000
 """Largest number of samples of a decimated history."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True)
 class Extent:
     """Size of the marches of a sweep."""
 
-    shortest: float  #: duration of the shortest march [s]
-    record_step: float  #: longest time between records of any march [s]
-    steps: int  #: number of steps of all marches together
-    most_steps: int  #: largest number of steps of a march
-    histories: Mapping[tuple[int, int], int]  #: number of points by (blades, records)
+    shortest: float = inf  #: duration of the shortest march [s]
+    record_step: float = 0.0  #: longest time between records of any march [s]
+    steps: int = 0  #: number of steps of all marches together
+    most_steps: int = 0  #: largest number of steps of a march
+    #: number of points by (blades, records)
+    histories: Counter[tuple[int, int]] = field(default_factory=Counter)
 
     @property
     def blades(self) -> int:
@@ -45,32 +47,23 @@ class Extent:
 
 def march_extent(cases: Iterable[Case]) -> Extent:
     """Compute the size of the marches in one pass over the cases, without storing them."""
-    shortest, record_step, steps, most_steps = np.inf, 0.0, 0, 0
-    histories: Counter[tuple[int, int]] = Counter()
+    extent = Extent()
     for case in cases:
         march = case.march
-        shortest = min(shortest, march.duration)
-        record_step = max(record_step, march.record_step)
-        steps, most_steps = steps + march.steps, max(most_steps, march.steps)
-        histories[case.blades, march.timing.records] += 1
-    return Extent(
-        shortest=shortest,
-        record_step=record_step,
-        steps=steps,
-        most_steps=most_steps,
-        histories=histories,
-    )
+        extent.shortest = min(extent.shortest, march.duration)
+        extent.record_step = max(extent.record_step, march.record_step)
+        extent.steps += march.steps
+        extent.most_steps = max(extent.most_steps, march.steps)
+        extent.histories[case.blades, march.timing.records] += 1
+    return extent
 
 
 def make_layout(extent: Extent, stage: Stage) -> Layout:
-    """Return the layout of a sweep.
+    """Return the layout of a sweep, whose first point has the given stage.
 
-    The frequencies are multiples of 1 / window of the shortest march; at this spacing a Hann window
-    separates the periodic parts of a motion. The longest record step resolves all frequencies.
-
-    Args:
-        extent: size of the marches of all points.
-        stage: stage of the first point.
+    The spacing of the frequencies is one over the window of the shortest march, at which a Hann
+    window separates the periodic parts of a motion. The highest frequency is at most half of the
+    sampling rate of the longest record step.
     """
     nyquist = 0.5 / extent.record_step
     highest = min(REACH * stage.reference_frequency / (2.0 * np.pi), nyquist)
@@ -87,8 +80,7 @@ def make_layout(extent: Extent, stage: Stage) -> Layout:
 def history_bytes(extent: Extent, stage: Stage) -> int:
     """Estimate the size of all full histories of a sweep [bytes], assuming that all points have as
     many modes as the first point."""
-    arrays = stage.arrays
     return sum(
-        points * result_bytes(arrays, records, blades)
+        points * result_bytes(stage.arrays, records, blades)
         for (blades, records), points in extent.histories.items()
     )

@@ -36,8 +36,8 @@ CHECKED_STAGES = 32
 
 
 ASKED_STEPS, ASKED_STEPS_IN_ALL = 1_000_000_000, 1_000_000_000_000
-"""Largest numbers of steps of one march and of a sweep without confirmation: hours for the march,
-weeks on many cores for the sweep."""
+"""Largest numbers of steps of one march and of a sweep without confirmation: such a march takes
+hours, such a sweep weeks on many cores."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,11 +72,7 @@ class Plan:
         )
 
     def left(self, state: NDArray[np.int8]) -> Iterator[Point]:
-        """Yield the unfinished points.
-
-        Args:
-            state: state of every point.
-        """
+        """Yield the points whose state is not "done"; `state` has an entry for every point."""
         digits = len(str(self.grid.size - 1))
         for number in range(self.grid.size):
             if state[number] != DONE:
@@ -233,9 +229,8 @@ def _check_stages(case: Case, grid: Grid) -> None:
     Raises:
         UserError: the first error, with its point.
     """
-    swept_body = [axis for axis in grid.axes if not axis.key.startswith(("march.", "contact."))]
     chosen = range(grid.size)
-    if swept_body:
+    if any(not axis.key.startswith(("march.", "contact.")) for axis in grid.axes):
         spread = np.linspace(0, grid.size - 1, min(CHECKED_STAGES, grid.size))
         chosen = np.unique(spread.round().astype(int)).tolist()
     for point in chosen:

@@ -28,11 +28,11 @@ the cores."""
 def march_points(
     work: Work, points: Iterable[Point], *, scheduler: str | None, workers: int | None
 ) -> Iterator[tuple[int, Outcome]]:
-    """March points; yield the number and the outcome of each point as it arrives.
+    """March points; yield the number and the outcome of each point as the outcome arrives.
 
     If a worker dies, new workers are started. The points that were being marched at that time are
-    postponed and marched one at a time at the end, so that the cause is certain; a point whose
-    worker dies again fails.
+    marched again at the end, one at a time, so that a point is certainly the cause if its worker
+    dies again; this point fails.
 
     Args:
         work: data common to all points.
@@ -72,7 +72,8 @@ def cores() -> int:
 def _in_flight(
     work: Work, waiting: Iterator[Point], workers: int, suspects: list[Point]
 ) -> Iterator[tuple[int, Outcome]]:
-    """March points until all are finished or a worker dies; few points are sent at a time."""
+    """March points until all are finished or a worker dies; then the points being marched are added
+    to `suspects`. Only a few points are sent to the workers at a time."""
     marching: dict[Future[Outcome], Point] = {}
     with _processes(workers) as pool:
         while True:
