@@ -7,8 +7,9 @@ reference, and a function with the name of the case that returns (reference, com
     def nafems_ring(k: str) -> Pair:
         ...
 
-Both values can be arrays of the same shape; the entry with the largest error is reported. If one
-function computes several cases, the rows name the function, which returns a pair for each case.
+Reference and computed value can be arrays of the same shape; the entry with the largest error is
+reported. If one function computes several cases, the rows name the function, which returns a pair
+for each case.
 """
 
 import csv

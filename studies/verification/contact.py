@@ -89,9 +89,8 @@ def bars_that_meet(name: str) -> Pairs:
 def bouncing_bar() -> Pairs:
     """Compare a bar that falls on a rigid wall and bounces with a published solution.
 
-    The first contact begins after the time of free fall. The tolerance of the end of a contact is 1
-    % of its duration. The force of the first contact rises linearly, and the force of the second
-    contact is its mirror image in time.
+    The first contact begins after the time of free fall. Its end has a tolerance of 1 % of its
+    duration. The force rises linearly in the first contact, and falls linearly in the second.
     """
     known = reference("published")["bouncing_bar"]
     shape = {key: known[key] for key in ("length", "young_modulus", "density")}
@@ -138,8 +137,7 @@ OSCILLATORS = ("C1", "C2", "C3", "C4")
 def impacts_of_an_oscillator(name: str) -> Pairs:
     """Compare times and impulses of the impacts of a mass on a stop with closed-form solutions.
 
-    A mass at rest on the stop touches it again with impulses due to rounding, which do not count as
-    contact.
+    Tiny impulses due to rounding, when the mass is at rest on the stop, do not count as contact.
     """
     case, chunk = oscillator(name)
     exact = [e for e in case["events"] if e["event"] == "impact" and e["time"] < 1.2]

@@ -125,10 +125,9 @@ def energy_ledger() -> Pair:
 
 @verifies("backward", "forward")
 def circle(way: str) -> Pairs:
-    """Compare rate and direction of whirl with the suspension frequency, in both frames.
-
-    The shaft starts with the velocity of a circular orbit, and no blade touches.
-    """
+    """Compare the whirl rate in both frames with the suspension frequency, and the labels of the
+    whirl direction with the direction in which the shaft starts on a circular orbit without
+    contact."""
     longer = {"march__duration": 0.2, "march__record_step": 4e-5}
     pair = {"reduction__modes": "suspension,casing:1", **longer}
     still = {"initial__centre_velocity": (0.0, 0.0)}

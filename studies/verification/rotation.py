@@ -171,11 +171,17 @@ HUB, SHAFT = 0.05, 2e6
 
 
 def blades_on(
-    sketch: Sketch, root: str, section: Section, elements: int = 1, *, clamped: bool
+    blades: int, tip: float, section: Section, elements: int = 1, *, hub: float = 0.0, clamped: bool
 ) -> BladedDiskModel:
-    """Add blades from `root` to "tip" to a sketch with the centre "hub"; return the model."""
-    sketch.member("blades", root, "tip", section, elements=elements)
-    sketch.set("centre", "hub")
+    """Return radial blades from the radius `hub` of a rigid disk to the radius `tip` [m]."""
+    sketch = Sketch(blades)
+    sketch.node("centre", 0.0, 0.0, shared=True)
+    if hub:
+        sketch.node("root", hub)
+        sketch.link("centre", "root")
+    sketch.node("tip", tip)
+    sketch.member("blades", "root" if hub else "centre", "tip", section, elements=elements)
+    sketch.set("centre", "centre")
     sketch.set("tips", "tip")
     return assemble_bladed_disk(sketch.build(), shaft_stiffness=SHAFT, clamped=clamped)
 
@@ -184,12 +190,7 @@ def cantilevers(delta: float, alpha: float, elements: int) -> tuple[BladedDiskMo
     """Return three blades on a rigid disk, and a time that makes frequencies dimensionless [s]."""
     length = HUB / delta
     section = steel(np.sqrt(12.0) * length / alpha)
-    sketch = Sketch(3)
-    sketch.node("hub", 0.0, 0.0, shared=True)
-    sketch.node("root", HUB)
-    sketch.node("tip", HUB + length)
-    sketch.link("hub", "root")
-    disk = blades_on(sketch, "root", section, elements, clamped=True)
+    disk = blades_on(3, HUB + length, section, elements, hub=HUB, clamped=True)
     time = np.sqrt(section.line_mass * length**4 / section.bending_stiffness)
     return disk, float(time)
 
@@ -223,10 +224,7 @@ def coriolis_cantilevers() -> Pair:
 def rigid_disk() -> Pair:
     """Compare the frequencies of a rigid disk in the static frame with sqrt(k/m)."""
     stiff = Section(width=0.1, thickness=0.1, young_modulus=1e15, density=7800.0)
-    sketch = Sketch(3)
-    sketch.node("hub", 0.0, 0.0, shared=True)
-    sketch.node("tip", 0.3)
-    disk = blades_on(sketch, "hub", stiff, clamped=False)
+    disk = blades_on(3, 0.3, stiff, clamped=False)
     computed: list[FloatArray] = []
     for omega in (30.0, 200.0):
         modes = whirl_modes(rotation_matrices(disk).at_speed(omega, "full"))
@@ -240,10 +238,7 @@ def rigid_disk() -> Pair:
 def rod() -> Pair:
     """Compare the elongation of a radial rod at 1500 rad/s with closed forms."""
     section, omega = steel(0.01), 1500.0
-    sketch = Sketch(2)
-    sketch.node("hub", 0.0, 0.0, shared=True)
-    sketch.node("tip", 0.5)
-    disk = blades_on(sketch, "hub", section, 40, clamped=True)
+    disk = blades_on(2, 0.5, section, 40, clamped=True)
     matrices = rotation_matrices(disk)
     kappa = omega * 0.5 * np.sqrt(section.line_mass / section.axial_stiffness)
     computed = [
