@@ -41,20 +41,19 @@ def disk_waves(stage: ModalStage, turning: TurningDisk) -> dict[int, Waves]:
 
 
 def names_at(disk: Waves, names: list[str], omega: float, frequency: float) -> tuple[str, str]:
-    """Return the family of the branch nearest to a frequency, and its family at rest.
+    """Return the family of the branch nearest to a frequency at the speed omega, and the family of
+    this branch at rest.
 
-    Args:
-        disk: waves of one nodal diameter of the bladed disk.
-        names: families at rest, the lowest first.
-        omega: speed of rotation [rad/s].
-        frequency: w, positive for a backward wave [rad/s].
+    `names` are the families of one nodal diameter at rest, the lowest first. The frequency is
+    positive for a backward wave; speed and frequency are in rad/s.
     """
     rank, backward = disk.rank(omega, frequency)
     return branch_names(disk, names, omega, backward)[rank], names[rank]
 
 
 def branch_names(disk: Waves, names: list[str], omega: float, backward: bool) -> list[str]:
-    """Return the families of all branches of a direction at rest at the speed omega [rad/s]."""
+    """Return the families, at the speed omega [rad/s], of all branches with a direction; `names`
+    are the families of the branches at rest."""
     if "suspension" not in names:
         return names
     shares, size = disk.spring_shares(omega), len(disk.mass)
@@ -68,15 +67,11 @@ def meetings(
     names: Mapping[int, list[str]],
     highest: float,
 ) -> tuple[Coincidences, FloatArray, list[str]]:
-    """Compute coincidences with rotation effects, and frequencies [rad/s] and families of the disk
-    waves in coincidence.
+    """Compute coincidences with rotation effects up to the speed `highest` [rad/s]; return also the
+    frequencies [rad/s] and the families of the coincident waves of the bladed disk.
 
-    Args:
-        disk: waves of the bladed disk by nodal diameter.
-        rotor: selected modes of the bladed disk, one of each pair.
-        casing: modes of the casing.
-        names: families at rest by nodal diameter.
-        highest: highest speed [rad/s].
+    Waves and names (families at rest) of the bladed disk are given by nodal diameter; `rotor` has
+    one mode of each pair.
     """
     rows: list[tuple[float, int, int, int, float, str]] = []
     at_rest = rotor.at_rest or rotor.family
@@ -105,15 +100,11 @@ def dataset_at_speed(
     chosen: set[str],
     speeds: tuple[float, float],
 ) -> xr.Dataset:
-    """Compute branches, critical speeds, engine orders and growth, see `campbell`.
+    """Compute branches, critical speeds, engine orders and growth over normalised speeds, see
+    `campbell`.
 
-    Args:
-        stage: stage with the case and the reference frequency.
-        turning: bladed disk of the stage.
-        disk: waves of the bladed disk by nodal diameter.
-        names: families at rest by nodal diameter, lowest first.
-        chosen: families in the diagram.
-        speeds: range of the diagrams, normalised.
+    Waves and names (families at rest, the lowest first) of the bladed disk are given by nodal
+    diameter; only branches of the chosen families are included.
     """
     reference = stage.reference_frequency
     line = np.linspace(*speeds, LINE_SPEEDS)
@@ -165,15 +156,10 @@ def dataset_at_speed(
 
 
 def _first_meeting(disk: Mapping[int, Waves], line: FloatArray, growing: BoolArray) -> float:
-    """Compute the lowest speed at which two waves of the disk merge, so that one grows [rad/s].
+    """Return the lowest speed at which two waves of the bladed disk merge, so that one of them
+    grows [rad/s], with a relative accuracy of 1e-6; nan if no wave grows.
 
-    Args:
-        disk: waves of the bladed disk by nodal diameter.
-        line: speeds [rad/s].
-        growing: whether a wave grows at each speed.
-
-    Returns:
-        The speed with a relative accuracy of 1e-6; nan if no wave grows.
+    `growing` contains for each speed of `line` [rad/s] whether a wave grows.
     """
 
     def merged(omega: float) -> bool:

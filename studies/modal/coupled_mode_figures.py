@@ -37,13 +37,9 @@ def draw_coupled_mode(
 ) -> None:
     """Draw the motion of the fastest growing coupled mode into a folder, with its data.
 
-    Args:
-        system: the coupled modes.
-        omega: speed [rad/s].
-        kappa: spring stiffness [N/m] at which a mode grows.
-        folder: folder of the figures; made if it does not exist.
-        films: whether to write a VTK series and a GIF, too.
-        overwrite: whether to replace existing files even if bladewhirl did not write them.
+    At the speed omega [rad/s] and the spring stiffness kappa [N/m] a mode must grow. With `films`,
+    a VTK series and a GIF are also written; with `overwrite`, files that bladewhirl did not write
+    are replaced.
 
     Raises:
         UserError: a file cannot be written, or exists and was not written by bladewhirl.

@@ -37,12 +37,8 @@ class System:
     case: str = ""  #: title of the case
 
     def spectrum(self, omega: float, kappa: float) -> ComplexArray:
-        """Compute eigenvalues or Floquet exponents, the fastest growing first [1/s].
-
-        Args:
-            omega: speed [rad/s].
-            kappa: spring stiffness [N/m].
-        """
+        """Compute eigenvalues or Floquet exponents [1/s], the fastest growing first, at a speed
+        [rad/s] and a spring stiffness [N/m]."""
         return exponents(self.modes, speed=omega, kappa=kappa)
 
     def growth(
@@ -182,12 +178,13 @@ def couple(
     except ValueError as error:
         raise UserError(f"--modes {error}") from None
     equations = replace(equations, with_pi=with_pi)
-    return System(modes=equations, damped=damped, physical=physical, **_of(modal))
-
-
-def _of(modal: ModalStage) -> dict[str, Any]:
-    """Return the fields of a `System` that follow from the stage."""
-    return {"reference": modal.reference_frequency, "case": modal.case.title}
+    return System(
+        modes=equations,
+        damped=damped,
+        physical=physical,
+        reference=modal.reference_frequency,
+        case=modal.case.title,
+    )
 
 
 def couple_even(
@@ -219,7 +216,8 @@ def couple_even(
         rotation=rotation,
         damped=damped,
         physical=physical,
-        **_of(modal),
+        reference=modal.reference_frequency,
+        case=case.title,
     )
 
 

@@ -106,11 +106,8 @@ def critical_speeds(
 
 
 def critical_speed_rows(speeds: xr.Dataset) -> list[dict[str, Any]]:
-    """Return the critical speeds at one stiffness as rows, forward first.
-
-    Args:
-        speeds: from `critical_speeds`, at one stiffness.
-    """
+    """Return the critical speeds from `critical_speeds` at a single stiffness as rows, forward
+    first."""
     rows = rows_of(
         speeds.stack(row=("direction", "branch")).rename(critical_speed="rpm").reset_index("row"),
         AT_THE_CASE,

@@ -40,15 +40,10 @@ class ChosenMode:
 
 
 def choose_modes(stage: ModalStage, option: str, text: str) -> list[ChosenMode]:
-    """Return the modes of a list of names.
+    """Return the modes of a list of names, separated by commas; errors contain the option's name.
 
     A name without nodal diameter means all nodal diameters of the family. A name that several modes
     have, as with unequal sectors, means all of these modes.
-
-    Args:
-        stage: finite element models with their modes.
-        option: name of the option, for errors.
-        text: names, separated by commas.
 
     Raises:
         UserError: a family is unknown, or does not have the nodal diameter.
@@ -59,15 +54,8 @@ def choose_modes(stage: ModalStage, option: str, text: str) -> list[ChosenMode]:
 def family_of(
     stage: ModalStage, body: Body, family: str, diameters: list[int], *, every: bool = False
 ) -> list[ChosenMode]:
-    """Return the modes of a family with some nodal diameters.
-
-    Args:
-        stage: finite element models with their modes.
-        body: "bladed-disk" or "casing".
-        family: name of the family.
-        diameters: nodal diameters; a nodal diameter without a mode of the family is skipped.
-        every: whether to return all modes with the same name, instead of the lowest.
-    """
+    """Return the modes of a family with some nodal diameters, if there are such modes; with
+    `every`, all modes that have the same name instead of the lowest of them."""
     modes, chosen = modes_of(stage, body), []
     for k in diameters:
         numbers = modes.find(family, k)

@@ -47,13 +47,13 @@ class PicturePlan:
 def plan_pictures(
     stage: ModalStage, *, shapes: str | None, animate: str | None, wave: str | None
 ) -> PicturePlan:
-    """Choose the modes to draw.
+    """Choose the modes to draw and to film.
 
     Args:
         stage: finite element models with their modes.
-        shapes: names of the modes to draw; the lowest if None.
-        animate: names of the modes to film, no films if empty; 1F:1 and the suspension if None.
-        wave: wave shown by films; the wave that contact amplifies if None.
+        shapes: names of the modes to draw; if None, the lowest modes.
+        animate: names of the modes to film, empty for no films; if None, 1F:1 and the suspension.
+        wave: wave shown by films; if None, the wave that contact amplifies.
 
     Raises:
         UserError: a mode or wave does not exist.

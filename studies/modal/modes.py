@@ -58,14 +58,10 @@ def full_stage(case_or_stage: Case | Stage | ModalStage) -> ModalStage:
 
 
 def speed_of(value: Any, label: str) -> Speed:
-    """Convert a number or a text to a speed.
-
-    Args:
-        value: multiples of the reference frequency, or text such as "2500 rpm".
-        label: name of the argument, for errors.
+    """Convert a multiple of the reference frequency, or text such as "2500 rpm", to a speed.
 
     Raises:
-        UserError: the value is not a speed.
+        UserError: the value is not a speed; the message begins with the label.
     """
     try:
         return Speed(value)
@@ -77,11 +73,7 @@ def speed_of(value: Any, label: str) -> Speed:
 
 
 def stage_of_file(file: Path, overrides: list[str] | None) -> ModalStage:
-    """Return the finite element models and modes of a case file.
-
-    Args:
-        file: the case file.
-        overrides: "KEY=VALUE" as in --set.
+    """Return the finite element models and modes of a case file, changed by texts "KEY=VALUE".
 
     Raises:
         CaseError: all faults of the case, naming the file or --set.
@@ -202,13 +194,9 @@ def _pattern(modes: LabelledModes, number: int) -> str:
 
 
 def mode_lists(computed: xr.Dataset, count: int) -> dict[str, list[dict[str, Any]]]:
-    """Return the JSON document of `modes`: the lowest modes of each body, ascending.
+    """Return the JSON document of `modes`: the `count` lowest modes of each body, ascending.
 
     Both modes of a degenerate pair are listed; with rotation effects, also directions of waves.
-
-    Args:
-        computed: from `modes`.
-        count: number of modes in each list.
     """
     effects = computed.attrs["rotation_effects"] != "none"
     columns = (*COLUMNS, *AT_SPEED) if effects else COLUMNS

@@ -110,13 +110,9 @@ def _answers(
     stage: Stage, load: EngineOrder, unit: FloatArray, omega: float
 ) -> list[tuple[ComplexArray, ...]]:
     """Return for each engine order the complex tangential and radial displacements of the tips, and
-    the displacement of the centre [m], at a speed of rotation [rad/s].
+    the displacement of the centre [m], at the speed of rotation omega [rad/s].
 
-    Args:
-        stage: the stage.
-        load: the forces.
-        unit: from `unit_forces`, (blades, size).
-        omega: speed of rotation [rad/s].
+    `unit` contains the forces from `unit_forces`, (blades, size).
     """
     rotor, shapes = rotor_at(stage, omega)
     modal = unit @ shapes

@@ -28,7 +28,7 @@ SHAFT = 1
 """Nodal diameter of the modes that move the shaft."""
 
 HIGHEST = 2.0
-"""Upper limit of the coincidence speed, over the sum of rotor and casing frequency."""
+"""Upper limit of the coincidence speed, divided by the sum of rotor and casing frequency."""
 
 CASING_SHARES = {"standard": 0.5, "inverted": 2.0}
 """Ratio of casing amplitude to tip amplitude, in the picture of each scenario."""
@@ -98,9 +98,9 @@ def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F"
 def _backward_wave(
     stage: ModalStage, turning: TurningDisk, family: str, wall: float
 ) -> tuple[float, FloatArray]:
-    """Return frequency [rad/s] and field (size, 1) of the backward wave at the coincidence speed.
-
-    The wave is that of a family with k = 1; the crest of the field is at angle 0.
+    """Return frequency [rad/s] and field (size, 1) of the backward k = 1 wave of a family, at the
+    speed at which it coincides with a casing wave of the frequency `wall` [rad/s]; the crest of the
+    field is at angle 0.
 
     Raises:
         UserError: there is no coincidence speed.
@@ -130,11 +130,8 @@ def scenario_dataset(modes: WhirlingModes, *, reference: float) -> xr.Dataset:
     """Compute one turn of the rotor in two coincident modes, in the rotating frame.
 
     The wave travels backward on the rotor. Phases are measured from the motion; the smallest
-    clearance is searched around the casing.
-
-    Args:
-        modes: modes in coincidence.
-        reference: frequency by which speeds are normalised [rad/s].
+    clearance is searched around the casing. `reference` is the frequency by which speeds are
+    normalised [rad/s].
     """
     time = 2.0 * np.pi / modes.speed * np.linspace(0.0, 1.0, TIMES)
     phasor = np.exp(-1j * modes.frequency * time)

@@ -7,7 +7,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
@@ -34,8 +33,8 @@ RECORDS_PER_TURN = 48
 """Number of records in a turn of the rotor: twice as many as a smooth animation needs."""
 
 GROWTHS = 2.5
-"""Logarithm of the amplitude growth over the shown motion, unless the number of turns is limited
-by `FEWEST_TURNS` or `MOST_TURNS`."""
+"""Logarithm of the ratio of last to first amplitude in the shown motion, unless the number of turns
+is limited by `FEWEST_TURNS` or `MOST_TURNS`."""
 
 FEWEST_TURNS, MOST_TURNS = 3, 40
 """Smallest and largest number of turns of the rotor in the shown motion."""
@@ -89,16 +88,12 @@ def stability(
 
 
 def stability_point(system: System, omega: float, kappa: float) -> xr.Dataset:
-    """Compute growth rate, eigenvalues, fastest growing mode and contact scenario at a point.
+    """Compute growth rate, eigenvalues, fastest growing mode and contact scenario at a speed omega
+    [rad/s] and a spring stiffness kappa [N/m].
 
     If each mode has one nodal diameter, growth_rate_floquet is the growth rate from the monodromy
     matrix of the periodic system, an independent check of the autonomous form. It is missing at
     rest, where there is no period, and near rest, where the period is too long to be integrated.
-
-    Args:
-        system: the coupled modes.
-        omega: speed [rad/s].
-        kappa: spring stiffness [N/m].
 
     Raises:
         UserError: the Floquet exponents cannot be computed.
@@ -159,20 +154,15 @@ def fastest_mode(system: EvenSystem, omega: float, kappa: float) -> CoupledMode:
 def divergent_motion(system: EvenSystem, omega: float, kappa: float) -> CoupledMotion:
     """Compute the motion of the fastest growing coupled mode, until the clearance is closed."""
     mode = fastest_mode(system, omega, kappa)
+    turn = 2.0 * np.pi / abs(mode.speed)
+    turns = float(np.clip(GROWTHS / mode.eigenvalue.real / turn, FEWEST_TURNS, MOST_TURNS))
+    records = np.arange(round(turns * RECORDS_PER_TURN) + 1, dtype=np.float64)
     return coupled_motion(
         mode,
-        time=whirl_records(mode),
+        time=turn / RECORDS_PER_TURN * records,
         shapes=radial_shapes(system.stage),
         clearance=shown_clearance(system.stage.modal),
     )
-
-
-def whirl_records(mode: CoupledMode) -> FloatArray:
-    """Return instants of the motion of a growing mode [s], equally spaced."""
-    turn = 2.0 * np.pi / abs(mode.speed)
-    turns = float(np.clip(GROWTHS / mode.eigenvalue.real / turn, FEWEST_TURNS, MOST_TURNS))
-    records = np.arange(round(turns * RECORDS_PER_TURN) + 1)
-    return np.asarray(turn / RECORDS_PER_TURN * records, dtype=np.float64)
 
 
 def motion_measures(motion: CoupledMotion) -> dict[str, Any]:
@@ -194,12 +184,8 @@ def motion_measures(motion: CoupledMotion) -> dict[str, Any]:
 
 
 def motion_dataset(motion: CoupledMotion, *, reference: float) -> xr.Dataset:
-    """Return phases and amplitudes of the motion of a coupled mode.
-
-    Args:
-        motion: motion of the coupled mode.
-        reference: frequency by which speeds are normalised [rad/s].
-    """
+    """Return phases and amplitudes of the motion of a coupled mode; `reference` is the frequency by
+    which speeds are normalised [rad/s]."""
     moves = motion.nodal_diameter == 1  # only waves with k = 1 move the shaft
     missing = np.full(len(motion.time), np.nan)
     static = motion.shaft_static

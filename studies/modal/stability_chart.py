@@ -32,14 +32,8 @@ STIFFNESS = {"units": "N/m", "long_name": "coupling stiffness"}
 def stability_chart(
     system: System, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
 ) -> xr.Dataset:
-    """Compute growth rates over speed and stiffness; for an `EvenSystem`, also the unstable zones.
-
-    Args:
-        system: the coupled modes.
-        omegas: speeds [rad/s], ascending.
-        kappas: spring stiffnesses [N/m], ascending.
-        progress: called with the numbers of finished points and of all points.
-    """
+    """Compute growth rates over ascending speeds omegas [rad/s] and spring stiffnesses kappas
+    [N/m]; for an `EvenSystem`, also the unstable zones."""
     growth = system.growth(omegas, kappas, progress)
     data = _ranges(system, omegas, kappas)
     if isinstance(system, EvenSystem):
@@ -59,11 +53,8 @@ def zones(
 ) -> xr.Dataset:
     """Compute the borders of unstable zones, and the coincidence speeds at which the zones start.
 
-    Args:
-        system: system with reference frequency and options.
-        modes: all coupled modes of the system, or some of them.
-        omegas: speeds [rad/s], ascending.
-        kappas: spring stiffnesses [N/m], ascending.
+    The modes are all coupled modes of the system, or some of them; speeds omegas [rad/s] and spring
+    stiffnesses kappas [N/m] are in ascending order.
     """
     borders = unstable_zones(
         modes,
@@ -126,13 +117,8 @@ def truncation(complete: xr.Dataset, few: xr.Dataset) -> xr.Dataset:
 
 
 def spectrum_along(system: EvenSystem, omegas: FloatArray, kappa: float) -> xr.Dataset:
-    """Compute eigenvalues along a line of constant stiffness, tracked along branches.
-
-    Args:
-        system: the coupled modes.
-        omegas: speeds [rad/s], ascending; the first and last are the ends of the line.
-        kappa: spring stiffness [N/m].
-    """
+    """Compute eigenvalues, tracked along branches, from the first to the last of the speeds omegas
+    [rad/s] at the spring stiffness kappa [N/m]."""
     low, high = omegas[0], omegas[-1]
     borders = unstable_zones(system.modes, kappas=np.array([kappa]), low=low, high=high)
     inside = np.linspace(borders.lower, borders.upper, ZONE_SPEEDS).ravel()
@@ -153,13 +139,8 @@ def spectrum_along(system: EvenSystem, omegas: FloatArray, kappa: float) -> xr.D
 
 
 def _branch_names(modes: CouplingModes, omega: float, spectrum: ComplexArray) -> StringArray:
-    """Name each branch at a speed after the wave of an uncoupled mode with the nearest eigenvalue.
-
-    Args:
-        modes: the coupled modes.
-        omega: speed [rad/s].
-        spectrum: eigenvalues at this speed, (branches,).
-    """
+    """Name each branch after the wave of an uncoupled mode with the nearest eigenvalue at the speed
+    omega [rad/s]; `spectrum` contains the eigenvalues of the branches at this speed."""
     alone, names = [], []
     for entry in range(modes.entries):
         part = modes.take(np.array([entry]))

@@ -79,15 +79,10 @@ ROTOR_ALONE = (
 def point_report(
     system: System, omega: float, kappa: float, folder: Path | None, *, films: bool, overwrite: bool
 ) -> dict[str, Any]:
-    """Return growth rate and eigenvalues at a point; with a folder, draw the divergent mode.
+    """Return growth rate and eigenvalues at a speed omega [rad/s] and a spring stiffness kappa
+    [N/m]; draw the divergent mode into a folder unless the folder is None.
 
-    Args:
-        system: the coupled modes.
-        omega: speed [rad/s].
-        kappa: spring stiffness [N/m].
-        folder: folder of the figures of the divergent mode; no figures if None.
-        films: whether to write a VTK series and a GIF, too.
-        overwrite: whether to replace existing files even if bladewhirl did not write them.
+    The options `films` and `overwrite` are described in `draw_coupled_mode`.
 
     Raises:
         UserError: there is no divergent mode to draw, or the figures cannot be written.
@@ -131,16 +126,12 @@ def chart_report(
     overwrite: bool,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Return zones, coincidence speeds and largest growth rate of a chart; with a folder, draw it.
+    """Return zones, coincidence speeds and largest growth rate of a chart; draw the chart into a
+    folder unless the folder is None.
 
-    Args:
-        system: the coupled modes.
-        omegas: speeds [rad/s], ascending.
-        kappas: spring stiffnesses [N/m], ascending.
-        folder: folder of figures and data; no figures if None.
-        line: stiffness along which eigenvalues are drawn [N/m].
-        overwrite: whether to replace existing files even if bladewhirl did not write them.
-        progress: called with the numbers of finished points and of all points.
+    Speeds omegas [rad/s] and spring stiffnesses kappas [N/m] are in ascending order. One figure
+    shows eigenvalues at the spring stiffness `line` [N/m]. With `overwrite`, files that bladewhirl
+    did not write are replaced.
     """
     chart = stability_chart(system, omegas, kappas, progress)
     if folder is not None:

@@ -127,11 +127,8 @@ def veering_document(diagrams: xr.Dataset) -> dict[str, Any]:
 
 
 def clamping_shifts(diagrams: xr.Dataset) -> dict[int, float]:
-    """Return the largest relative change of a frequency by clamping the centre, by nodal diameter.
-
-    Args:
-        diagrams: from `veering`.
-    """
+    """Return the largest relative change of a frequency in diagrams from `veering` when the centre
+    is clamped, by nodal diameter."""
     frequency = diagrams["frequency"].to_series()
     # Above a critical speed both waves of a pair can travel backward: waves are distinguished by
     # their order.
@@ -144,22 +141,15 @@ def clamping_shifts(diagrams: xr.Dataset) -> dict[int, float]:
 
 
 def suspension_frequency(diagrams: xr.Dataset) -> float | None:
-    """Return the normalised frequency of the suspension, with Coriolis forces of its lower wave.
-
-    Args:
-        diagrams: from `veering`.
-    """
+    """Return the normalised frequency of the suspension in diagrams from `veering`; with Coriolis
+    forces the frequency of its lower wave; None without a suspension."""
     here = diagrams["family"].values == "suspension"
     return float(diagrams["normalised_frequency"].values[here][0]) if here.any() else None
 
 
 def spring_stiffnesses(case: Case, interval: FloatArray | None) -> FloatArray:
-    """Return stiffnesses of the shaft springs [N/m], equally spaced on a logarithmic scale,
-    (stiffnesses,).
-
-    Args:
-        case: the case, whose stiffness is in the middle of the range if `interval` is None.
-        interval: first and last stiffness [N/m], (2,).
+    """Return stiffnesses of the shaft springs [N/m], equally spaced on a logarithmic scale, from
+    the first to the last of an interval, or, if the interval is None, around that of the case.
 
     Raises:
         UserError: the first stiffness is zero.
@@ -173,12 +163,8 @@ def spring_stiffnesses(case: Case, interval: FloatArray | None) -> FloatArray:
 
 
 def draw_veering(diagrams: xr.Dataset, folder: Path, *, overwrite: bool = False) -> None:
-    """Draw the diagrams into a folder.
-
-    Args:
-        diagrams: from `veering`.
-        folder: folder of the figures.
-        overwrite: whether to replace existing files even if bladewhirl did not write them.
+    """Draw the diagrams from `veering` into a folder; with `overwrite`, existing files that
+    bladewhirl did not write are replaced.
 
     Raises:
         UserError: a file cannot be written, or exists and was not written by bladewhirl.
