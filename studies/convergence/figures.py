@@ -31,11 +31,8 @@ SCHEME_LINES: tuple[tuple[str, Any], ...] = (
 
 @styled
 def plot_time_steps(data: xr.Dataset) -> Figure:
-    """Draw the changes from each time step to the next finer time step, with observed orders.
-
-    Args:
-        data: Dataset over `time_step`, from `time_step_convergence`.
-    """
+    """Draw the changes from each time step to the next finer time step, with observed orders, from
+    a Dataset of `time_step_convergence`."""
     figure = new_figure(height=0.078)
     axes = figure.add_subplot()
     step = data["time_step"].values
@@ -59,11 +56,8 @@ def plot_time_steps(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_modes(data: xr.Dataset) -> Figure:
-    """Draw differences from the march with the most modes, and the error of the frequencies.
-
-    Args:
-        data: Dataset over `modes`, from `mode_convergence`.
-    """
+    """Draw differences from the march with the most modes, and the error of the frequencies, from a
+    Dataset of `mode_convergence`."""
     figure = new_figure(height=0.078)
     axes = figure.add_subplot()
     kept, regime = data["kept"].values, data["regime"].values
@@ -114,11 +108,8 @@ def _finish(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
 
 @styled
 def plot_schemes(data: xr.Dataset) -> Figure:
-    """Draw tip displacement, impulse and energy over time for each scheme, with the cost of a step.
-
-    Args:
-        data: from `schemes.compare_schemes`.
-    """
+    """Draw tip displacement, impulse and energy over time for each scheme, with the cost of a step,
+    from a Dataset of `schemes.compare_schemes`."""
     figure = new_figure(height=0.12)
     panels = figure.subplots(3, sharex=True)
     time = MILLI * data["time"].values

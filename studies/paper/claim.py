@@ -64,7 +64,8 @@ Measures = Mapping[str, Any]
 """Numbers, texts and flags by name, for the checks and the computed value of a claim."""
 
 Measure = Callable[..., Measures]
-"""Function of the marches and sweeps of a claim, or of `Evidence` for a claim without them."""
+"""Function that computes measures from the marches and sweeps of a claim, or from an `Evidence` if
+the claim has neither marches nor sweeps."""
 
 CRITERIA: Mapping[str, tuple[str, Callable[[float, float, float], bool]]] = {
     "near": ("{0:g} ± {1:g}{2}", lambda value, target, tolerance: abs(value - target) <= tolerance),
@@ -136,27 +137,20 @@ CLAIMS: dict[int, Claim] = {}
 """All claims by number, filled by the modules claims_*."""
 
 
-TEXTS, LISTS = ("section", "text", "paper", "ours"), ("figures", "trials", "sweeps")
-"""Columns of claims.csv with texts and with lists; the values of a list are separated by "; "."""
-
 ROWS = {int(row["number"]): row for row in table("claims")}
 CHECKS = table("checks")
 
 
 def measures(*numbers: int) -> Callable[[Measure], Measure]:
-    """Return a decorator for the function that computes the measures of these claims."""
+    """Return a decorator for the function that computes the measures of the claims `numbers`."""
 
     def register(measure: Measure) -> Measure:
         for number in numbers:
-            row = ROWS[number]
-            cells: dict[str, Any] = {name: row[name] for name in TEXTS}
-            cells |= {name: tuple(filter(None, row[name].split("; "))) for name in LISTS}
-            CLAIMS[number] = Claim(
-                number=number,
-                checks=tuple(check for check in CHECKS if check["claim"] == row["number"]),
-                measure=measure,
-                **cells,
-            )
+            row: dict[str, Any] = ROWS[number] | {"number": number}
+            for name in ("figures", "trials", "sweeps"):
+                row[name] = tuple(filter(None, row[name].split("; ")))
+            checks = tuple(check for check in CHECKS if int(check["claim"]) == number)
+            CLAIMS[number] = Claim(checks=checks, measure=measure, **row)
         return measure
 
     return register

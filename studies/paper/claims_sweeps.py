@@ -49,7 +49,8 @@ def _divergent_groups(speeds: Array, divergent: Array) -> list[tuple[float, floa
 
 @measures(18)
 def highest_around_the_coincidence(sweep: xr.Dataset) -> Measures:
-    """Return the largest radius [mm], the speed at which it occurs, and the ratio of `_radii`."""
+    """Return the largest radius [mm], its speed, and the ratio of median radii near the first
+    coincidence and at other speeds."""
     speed, radius, ratio = _radii(done_points(sweep), AROUND)
     peak = radius.argmax()
     return {"speed": float(speed[peak]), "radius": MILLI * radius[peak], "ratio": ratio}

@@ -9,15 +9,13 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.cyclic import wave_shares
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.studies.convergence.study import FAMILIES
 from bladewhirl.studies.modal.campbell import campbell
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
 from bladewhirl.studies.modal.veering import clamping_shifts, suspension_frequency, veering
 
 SHOWN_FAMILIES = 12
 """Number of families in the paper's Fig. 7(a)."""
-
-FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
-"""Families for which the paper states frequency errors."""
 
 PURE = 0.99
 """Smallest share of a nodal diameter in a mode that is assigned to this nodal diameter."""

@@ -31,7 +31,8 @@ PERTURBATION = 1e-7
 """Relative change of the force between repeats, because motions near a threshold are chaotic."""
 
 QUICK_DURATION = 2.5
-"""Duration of a quick march [s]: the casing distortion at 1.05 diverges within 1.8 to 2.1 s."""
+"""Duration of a quick march [s]. Marches with casing distortion at the normalised speed 1.05
+diverge earlier, after 1.8 to 2.1 s."""
 
 KAPPAS = (0.0, 500.0, 1000.0)
 """Coupling stiffnesses of the marches with six modes [N/m] (paper, Section 4.3.3)."""
@@ -214,11 +215,8 @@ class Evidence(AbstractContextManager["Evidence"]):
         Raises:
             NotTestableError: no point of the sweep could be marched.
         """
-        if name not in self._sweeps:
-            self._sweeps[name] = self._swept(name, watch)
-        return self._sweeps[name]
-
-    def _swept(self, name: str, watch: Watch | None) -> xr.Dataset:
+        if name in self._sweeps:
+            return self._sweeps[name]
         survey = SURVEYS[name]
         case = self._timed(changed(survey.load, {**self.changes, **survey.changes}), 1.0)
         axes = survey.axes(coarse=self.quick, step=self.speed_step)
@@ -230,14 +228,14 @@ class Evidence(AbstractContextManager["Evidence"]):
             "scheduler": self.store.scheduler,
             "watch": watch,
         }
-        if (directory / PLAN_NAME).exists():
-            if not is_complete(directory):
-                resume_sweep(directory, **options)
-        else:
+        if not (directory / PLAN_NAME).exists():
             run_sweep(case, axes, directory, **options)
+        elif not is_complete(directory):
+            resume_sweep(directory, **options)
         dataset = self._open.enter_context(open_sweep(directory))
         if not (dataset["state"] == "done").any():
             raise NotTestableError(f"{name}: no point of the sweep could be marched")
+        self._sweeps[name] = dataset
         return dataset
 
     def _timed(self, case: Case, length: float) -> Case:

@@ -32,13 +32,9 @@ def save_figures(
     overwrite: bool = False,
     formats: Sequence[str] = FORMATS,
 ) -> None:
-    """Save figures with their data into a folder, listed in its manifest.
-
-    Args:
-        folder: target folder, made if it does not exist.
-        figures: figures with their data, by the name of their files.
-        overwrite: whether to replace existing files that the program did not write.
-        formats: formats of the pictures.
+    """Save figures, by name of their files, with their data into a folder, and list the files in
+    the manifest of the folder; with `overwrite`, existing files that the program did not write are
+    replaced.
 
     Raises:
         UserError: a file cannot be written, or exists and was not written by the program.

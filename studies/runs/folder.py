@@ -62,9 +62,7 @@ def check_free(directory: Path, *, overwrite: bool) -> None:
 
 def is_run(directory: Path) -> bool:
     """Return whether a folder contains a run, complete or only begun."""
-    if RESULT_NAME in listed(directory):
-        return True
-    return PACKAGE in read_provenance(directory)
+    return RESULT_NAME in listed(directory) or PACKAGE in read_provenance(directory)
 
 
 def read_provenance(directory: Path) -> dict[str, Any]:
@@ -93,12 +91,8 @@ def march_digest(case: Case) -> str:
 
 
 def portable_case(case: Case, folder: str = "") -> str:
-    """Return the text of a case that refers to the copy of its mesh file instead of the original.
-
-    Args:
-        case: the case.
-        folder: folder of the copy, relative to the folder of the text.
-    """
+    """Return the text of a case that refers to a copy of the mesh file instead of the original; the
+    path of the folder with the copy is relative to the folder in which the text is written."""
     mesh = case.bladed_disk.mesh
     if mesh is None:
         return dumps_case(case)

@@ -89,12 +89,10 @@ class Run:
 
 
 def write_outputs(directory: Path, report: Mapping[str, float], window: Window) -> Run:
-    """Write summary, figures and ParaView series of a result into its folder.
+    """Write summary, figures and ParaView series of the result in a folder into this folder.
 
-    Args:
-        directory: folder with result.nc.
-        report: quality measures of the march, see `postprocess.run.summary`.
-        window: instants of the series.
+    The report contains the quality measures of the march, see `postprocess.run.summary`; the window
+    defines the instants of the series.
     """
     from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
     from bladewhirl.postprocess.fields.result import open_result

@@ -44,44 +44,40 @@ def stage_properties(stage: Stage) -> dict[str, Any]:
     Raises:
         CaseError: a property exceeds the largest float.
     """
-    with numbers_within_reach(stage.case):
-        return _properties(stage)
-
-
-def _properties(stage: Stage) -> dict[str, Any]:
     case, modes = stage.case, stage.reduction.modes
-    pair = [mode for mode, name in enumerate(stage.disk_family) if name == "suspension"]
-    rotor, casing = marched_bodies(stage)
-    critical = critical_time_step(rotor, casing, stage.kept.springs)
-    records = case.march.timing.records
-    return {
-        "bladed_disk_mass": stage.disk.model.mass,  # kg
-        "bladed_disk_parts": stage.disk.model.part_masses,  # beams of each part, point masses [kg]
-        "casing_mass": stage.casing.mass,  # with the struts [kg]
-        # The lowest frequency of the full bladed disk with free centre, at rest.
-        "reference_frequency": _rate(stage, stage.reference_frequency),
-        "speed": _rate(stage, stage.speed),
-        "rotation_effects": case.rotation.effects,  # effects included in the frequencies below
-        # The lowest mode of each nodal diameter; with unequal sectors the lowest modes.
-        "bladed_disk": _lowest_of_disk(stage),
-        "shaft_stiffness": None if case.shaft.clamped else case.shaft.springs,  # x and y [N/m]
-        # The lower frequency of the pair, at speed of the branch with most energy in the springs.
-        "suspension": _rate(stage, modes.frequency[pair[0]]) if pair else None,
-        "suspension_spring_share": float(modes.spring_share[pair[0]]) if pair else None,
-        "casing": _lowest_of_casing(stage),
-        "reduction": _reduction(stage),
-        "symmetry": stage.symmetry,
-        # Whether a body is marched by harmonics or by dense products.
-        "cyclic": {"bladed_disk": rotor.by_harmonics, "casing": casing.by_harmonics},
-        "critical_time_step": critical,  # s
-        "dt_over_critical": case.march.time_step / critical,
-        "steps": case.march.steps,
-        "records": records,
-        # The approximate size of result.nc.
-        "result_bytes": result_bytes(stage.arrays, records),
-        "imbalance": _imbalance(stage),
-        "distortion": _distortion(stage),
-    }
+    with numbers_within_reach(case):
+        pair = [mode for mode, name in enumerate(stage.disk_family) if name == "suspension"]
+        rotor, casing = marched_bodies(stage)
+        critical = critical_time_step(rotor, casing, stage.kept.springs)
+        records = case.march.timing.records
+        return {
+            "bladed_disk_mass": stage.disk.model.mass,  # kg
+            "bladed_disk_parts": stage.disk.model.part_masses,  # beams by part, point masses [kg]
+            "casing_mass": stage.casing.mass,  # with the struts [kg]
+            # The lowest frequency of the full bladed disk with free centre, at rest.
+            "reference_frequency": _rate(stage, stage.reference_frequency),
+            "speed": _rate(stage, stage.speed),
+            "rotation_effects": case.rotation.effects,  # effects included in the frequencies below
+            # The lowest mode of each nodal diameter; with unequal sectors the lowest modes.
+            "bladed_disk": _lowest_of_disk(stage),
+            "shaft_stiffness": None if case.shaft.clamped else case.shaft.springs,  # x and y [N/m]
+            # The lower frequency of the pair; at speed, of the branch with most spring energy.
+            "suspension": _rate(stage, modes.frequency[pair[0]]) if pair else None,
+            "suspension_spring_share": float(modes.spring_share[pair[0]]) if pair else None,
+            "casing": _lowest_of_casing(stage),
+            "reduction": _reduction(stage),
+            "symmetry": stage.symmetry,
+            # Whether a body is marched by harmonics or by dense products.
+            "cyclic": {"bladed_disk": rotor.by_harmonics, "casing": casing.by_harmonics},
+            "critical_time_step": critical,  # s
+            "dt_over_critical": case.march.time_step / critical,
+            "steps": case.march.steps,
+            "records": records,
+            # The approximate size of result.nc.
+            "result_bytes": result_bytes(stage.arrays, records),
+            "imbalance": _imbalance(stage),
+            "distortion": _distortion(stage),
+        }
 
 
 def _reduction(stage: Stage) -> dict[str, Any]:

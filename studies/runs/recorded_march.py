@@ -46,7 +46,8 @@ SPARE_BYTES = 4_000_000
 a full disk."""
 
 FLUSH_TIME, FLUSH_RECORDS = 0.5, 4096
-"""Largest time [s] and number of records between two writes, which a killed run can lose."""
+"""Largest time [s] and largest number of records between two writes; a killed run loses at most the
+records since the last write."""
 
 Activity = Literal["marching", "writing"]
 
@@ -192,13 +193,10 @@ def _recorder(
                 raise UserError(f"{path}: expected the {begin.records} records of the checkpoint")
             recorder = stack.enter_context(Recorder(draft, prepared.stage.arrays, attributes))
             for records in portions(earlier.isel(time=slice(begin.records))):
-                recorder.write(_chunk(earlier.isel(time=records), prepared.timing.time_step))
+                part = earlier.isel(time=records)
+                step = np.rint(part["time"].values / prepared.timing.time_step).astype(np.int64)
+                recorder.write(Chunk(step=step, **{name: part[name].values for name in HISTORY}))
         yield recorder
-
-
-def _chunk(records: xr.Dataset, time_step: float) -> Chunk:
-    values = {name: records[name].values for name in HISTORY}
-    return Chunk(step=np.rint(values["time"] / time_step).astype(np.int64), **values)
 
 
 def state_at(prepared: Prepared, begin: Checkpoint) -> Any:
@@ -271,7 +269,8 @@ def _attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
 def _divergence(prepared: Prepared, chunk: Chunk) -> str:
     """Describe a violation of the displacement limit (blade or angle, time, size) and the remedy.
 
-    The last record is the last state within the limit, so the violation is located one step later.
+    The last record is within the limit. The place of the violation is found from displacements that
+    are extrapolated by one step.
     """
     rotor, casing = prepared.problem.rotor, prepared.problem.casing
     step, largest, text = prepared.timing.time_step, 0.0, ""

@@ -101,7 +101,14 @@ def resume(
     """
     directory = Path(directory)
     path = directory / folder.CASE_NAME
-    case, checkpoint = read_case(path, overrides), _read_checkpoint(directory)
+    case, state = read_case(path, overrides), directory / CHECKPOINT_NAME
+    try:
+        checkpoint = read_checkpoint(state)
+    except (OSError, ValueError) as error:
+        raise UserError(
+            f"{state}: expected the state in which a run ended ({error});"
+            f" bladewhirl run {path} --overwrite runs it anew"
+        ) from None
     if checkpoint.case != folder.march_digest(case):
         raise UserError(
             f"{path}: expected the case, and the version of bladewhirl, that the run was begun"
@@ -115,17 +122,6 @@ def resume(
         remove_leftovers(directory)
         write_atomically(path, folder.portable_case(case))
         return _march_and_sum_up(prepared, directory, window, progress, checkpoint)
-
-
-def _read_checkpoint(directory: Path) -> Checkpoint:
-    path = directory / CHECKPOINT_NAME
-    try:
-        return read_checkpoint(path)
-    except (OSError, ValueError) as error:
-        raise UserError(
-            f"{path}: expected the state in which a run ended ({error});"
-            f" bladewhirl run {directory / folder.CASE_NAME} --overwrite runs it anew"
-        ) from None
 
 
 def _march_and_sum_up(
