@@ -4,7 +4,7 @@ Worker processes march points of a sweep of the imbalance case, with speeds from
 in each turn first one worker alone, then all workers at once. All workers march the same points, so
 that no worker has more contact than another. The time per step includes the model and the analysis
 of a point, not the start of the workers. The shortest time of all turns is printed. The efficiency
-is the time of a worker alone over the time of a worker among all: 1 if workers do not slow each
+is the time with one worker divided by the time with all workers: 1 if workers do not slow each
 other down. On a machine with other load, compare processor times instead of wall-clock times.
 """
 
@@ -54,7 +54,7 @@ def processor_time(work: Work, points: list[Point]) -> float:
 
 
 def cost(pool: ProcessPoolExecutor, plan: Plan, workers: int, points: int) -> Cost:
-    """Let each of a number of workers march the same points; return the times."""
+    """Let a number of workers march, each of them all points; return the times of the workers."""
     work = Work(case=dumps_case(plan.case), layout=plan.layout, histories="")
     began = time.perf_counter()
     chosen = [Point(number=number, values=plan.grid.values(number)) for number in range(points)]

@@ -45,7 +45,7 @@ def replacing(target: Path) -> Iterator[Path]:
 
 
 def remove_leftovers(folder: Path) -> None:
-    """Remove drafts of killed processes. No other process must be writing into the folder."""
+    """Remove drafts of killed processes from a folder into which no other process writes."""
     for left in folder.glob(f"{PREFIX}*"):
         if left.is_dir() and not left.is_symlink():
             shutil.rmtree(left, ignore_errors=True)
@@ -58,8 +58,8 @@ def write_atomically(target: Path, content: str | bytes) -> None:
 
 
 def listed(folder: Path) -> set[str]:
-    """Return the names in the manifest of a folder, such as ``vtk/series.pvd``; none without a
-    manifest."""
+    """Return the names in the manifest of a folder, such as ``vtk/series.pvd``; an empty set if
+    there is no manifest."""
     try:
         content = json.loads((folder / MANIFEST_NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -69,12 +69,10 @@ def listed(folder: Path) -> set[str]:
 
 
 def claim(folder: Path, names: Iterable[str], *, overwrite: bool = False) -> None:
-    """List files in the manifest of a folder before writing them; make the folder if missing.
+    """List files that will be written, named relative to a folder, in the manifest of the folder.
 
-    Args:
-        folder: folder of the files and of the manifest.
-        names: names of the files, relative to the folder.
-        overwrite: allow existing files that the manifest does not list.
+    The folder is made if it does not exist. With `overwrite`, existing files that the manifest does
+    not list are accepted.
 
     Raises:
         FileExistsError: a file exists that the manifest does not list.

@@ -8,9 +8,9 @@
 
 Most functions draw a result of `bw.open_result` in a time window [s], or a sweep of
 `bw.open_sweep`, as their docstring says. Each draws the figure of the same name of
-`bladewhirl plot`, with underscores for hyphens. `campbell`, `veering`, `shaft_veering`,
-`critical_speeds` and `response` draw datasets of the functions of `bw` with these names;
-`shaft_veering` draws a dataset of `bw.veering`.
+`bladewhirl plot`, with underscores for hyphens. `campbell`, `veering`, `critical_speeds` and
+`response` draw datasets of the functions of `bw` with these names, and `shaft_veering` draws a
+dataset of `bw.veering`.
 """
 
 from __future__ import annotations

@@ -48,17 +48,15 @@ def campbell(
     """Find coincidence speeds and draw Campbell diagrams, in the rotating and the static frame.
 
     Where k Ω = ω_casing + ω_rotor, Eq. (14), a forward wave on the casing and a backward wave on
-    the rotor travel at the same speed in space, and contact amplifies both. The table lists the
-    coincidence speeds inside --speeds; JSON lists all speeds, for every nodal diameter and family.
-    With --json or --html a folder is made only if -o names it.
+    the rotor travel at the same speed in space, and contact amplifies both waves. The table lists
+    the coincidence speeds inside --speeds; JSON lists all coincidence speeds, for every nodal
+    diameter and family. With --json or --html a folder is made only if -o names it.
     """
     from bladewhirl.postprocess.plotting.files import checked_target
     from bladewhirl.studies.modal import campbell as study
     from bladewhirl.studies.modal.modes import stage_of_file
 
-    folder = output
-    if output is None and html is None and not json:
-        folder = Path(f"{case.stem}-campbell")
+    folder = output if output or html or json else Path(f"{case.stem}-campbell")
     if html is not None:
         checked_target(html, ".html")
     stage = stage_of_file(case, overrides)

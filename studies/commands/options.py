@@ -25,14 +25,10 @@ MOST_POINTS = 100_000
 def option(
     name: str, metavar: str, help_text: str, read: Callable[[str], Any], expected: str
 ) -> Any:
-    """Return a typer option with a parser; parsing errors name the option and the expected values.
+    """Return a typer option whose text is converted by the function `read`.
 
-    Args:
-        name: name of the option.
-        metavar: name of the value in the help text.
-        help_text: description of the option.
-        read: function that converts the text, or raises a ValueError.
-        expected: description of the valid values.
+    If this function raises a ValueError, the error message contains the name of the option and a
+    description of the expected values. The metavar is the name of the value in the help text.
     """
 
     def parse(text: str) -> Any:
@@ -220,13 +216,10 @@ Scheduler = Annotated[
 
 
 def claim_output(target: Path, *, named: bool, overwrite: bool) -> None:
-    """Check that a file may be written, before it is computed.
+    """Check that a file may be written, before its content is computed.
 
-    Args:
-        target: the file.
-        named: whether the user named the file; otherwise the file is in a folder of the program,
-            with a manifest.
-        overwrite: whether an existing file may be replaced even if bladewhirl did not write it.
+    A file that the user did not name is in a folder of the program, with a manifest. With
+    `overwrite`, an existing file may be replaced even if bladewhirl did not write it.
 
     Raises:
         UserError: the file exists, and no manifest lists it.

@@ -91,9 +91,7 @@ def stability(
     if (speed is None) != (kappa is None):
         raise UserError("--speed, --kappa: expected both, for one point, or neither, for a chart")
     stiffnesses = kappas.values()
-    folder = output
-    if output is None and speed is None and not json:
-        folder = Path(f"{case.stem}-stability")
+    folder = output if output or kappa is not None or json else Path(f"{case.stem}-stability")
     system = couple(
         stage_of_file(case, overrides),
         modes=modes,

@@ -195,11 +195,8 @@ def mode_convergence(
     The paper reports motion convergence: already with few modes the kind of motion no longer
     changes, while displacements do not converge asymptotically.
 
-    Args:
-        case: case to march.
-        modes: two or more numbers of fixed-interface modes, ascending.
-        store: store of the marches; missing marches are made on all cores.
-        progress: called with the numbers of finished marches and of all marches.
+    The numbers of modes, two or more, ascend; the other arguments are described in
+    `time_step_convergence`.
 
     Returns:
         Dataset over `modes`: the variables of `time_step_convergence`, where the finest march has

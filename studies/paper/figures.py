@@ -53,12 +53,8 @@ class PaperFigure:
 def draw_figures(
     evidence: Evidence, numbers: Iterable[str], directory: Path
 ) -> dict[str, list[ReportFigure]]:
-    """Draw figures of the paper into folders below a directory.
-
-    Args:
-        evidence: evidence whose runs are drawn; missing runs are made.
-        numbers: numbers of the figures, as in `PAPER_FIGURES`.
-        directory: folder to write into.
+    """Draw figures of the paper from the runs of an evidence, with numbers as in `PAPER_FIGURES`,
+    into folders in a directory; missing runs are made.
 
     Raises:
         UserError: the directory cannot be written.

@@ -138,12 +138,7 @@ HEAD = ("", "claim", "paper", "ours", "verdict", "why")
 
 
 def scorecard_page(card: Scorecard, drawn: Mapping[str, Sequence[ReportFigure]]) -> Page:
-    """Return the scorecard as a report.
-
-    Args:
-        card: the scorecard.
-        drawn: panels of each figure of the paper, from `figures.draw_figures`.
-    """
+    """Return the scorecard as a report, with the panels of figures from `figures.draw_figures`."""
     ordered = sorted(card.scores, key=lambda score: (score.claim.place, score.claim.number))
     sections = [
         _section(section, list(scores), drawn)

@@ -91,12 +91,8 @@ class Survey:
     over: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
     def axes(self, *, coarse: bool, step: float | None = None) -> dict[str, list[float]]:
-        """Return the values of all swept keys.
-
-        Args:
-            coarse: whether to use the coarse step between speeds.
-            step: another step between speeds; if None, the step of the survey.
-        """
+        """Return the values of all swept keys; the step between speeds is `step`, or, if `step` is
+        None, the normal or the coarse step of the survey."""
         first, last = self.speeds
         step = step or (self.coarse_step if coarse else self.step)
         count = int((last - first) / step + 1e-9) + 1

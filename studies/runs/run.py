@@ -86,7 +86,7 @@ def resume(
     rotating: bool = False,
     progress: recorded_march.Progress | None = None,
 ) -> Run:
-    """Finish a killed run or extend a run, with bitwise the same result as without interruption.
+    """Finish a killed run or extend a run; the result is bitwise that of an uninterrupted run.
 
     Args:
         directory: folder of the run.

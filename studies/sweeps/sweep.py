@@ -132,13 +132,9 @@ def resume_sweep(
     workers: int | None = None,
     watch: Watch | None = None,
 ) -> Sweep:
-    """Finish a sweep: march the missing points, and the failed points again.
+    """Finish the sweep in a folder: march the missing points, and the failed points again.
 
-    Args:
-        directory: folder of the sweep.
-        scheduler: as for `run_sweep`.
-        workers: as for `run_sweep`.
-        watch: as for `run_sweep`.
+    The other arguments are described in `run_sweep`.
 
     Raises:
         UserError: the folder contains no sweep, or a sweep of another program version; the sweep
@@ -154,7 +150,7 @@ def resume_sweep(
 def _carry_out(
     plan: Plan, directory: Path, watch: Watch, scheduler: str | None, workers: int | None
 ) -> Sweep:
-    """March all unfinished points."""
+    """March all unfinished points of the plan into the dataset in the folder, and draw figures."""
     from bladewhirl.postprocess.sweep.figures import leave_figures
 
     began = time.perf_counter()

@@ -85,8 +85,7 @@ def tension(stage: str) -> Pairs:
     disk, matrices = bladed_disk(disk_thickness=float(stage)), turning(stage)
     sets, root = disk.mesh.line_sets, disk.mesh.node_sets["roots"][0]
     (line,) = [n for n in sets["blades"] if disk.mesh.lines[n, 0] == root]
-    growth: tuple[list[Any], list[Any]] = ([], [])
-    forces: tuple[list[Any], list[Any]] = ([], [])
+    growth, forces = (tuple[list[Any], list[Any]](([], [])) for _ in range(2))
     for row in known(stage)["speeds"]:
         omega = row["omega"]
         linear = static_displacement(matrices, omega, follows=False)

@@ -70,8 +70,8 @@ class Verification:
         return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
     def to_markdown(self) -> str:
-        """Return a table for each subject, without times, so that only rounding differs from run to
-        run."""
+        """Return a table for each subject; times are left out, so that only rounding errors differ
+        between two runs."""
         parts = []
         for subject, outcomes in self.by_subject().items():
             rows = [HEAD, ["---"] * len(HEAD), *map(cells, outcomes)]
