@@ -64,7 +64,8 @@ class Setting:
         return plain, replace(plain.init(), step=int(chunk.step[1]), before=before, now=now)
 
     def difference(self) -> float:
-        """Return the largest difference of C and NumPy displacements, over the largest value."""
+        """Return the largest difference of C and NumPy displacements, divided by the largest
+        displacement."""
         every = CentralDifference(self.problem, TIME_STEP, 1)
         plain, begin = self.numpy()
         _, expected, _ = plain.advance(begin, COMPARED_STEPS, 1)

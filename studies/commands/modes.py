@@ -78,8 +78,8 @@ def modes(
     columns = (*study.COLUMNS, *study.AT_SPEED) if waves else study.COLUMNS
 
     def lowest(title: str, **body: str) -> Table:
-        """Return the table of a body; both modes of a pair are one row, and columns that say
-        nothing are left out."""
+        """Return the table of a body, with one row for both modes of a pair; the columns "purity"
+        and "at rest" are left out if they contain no information."""
         data = computed.sel(body).isel(mode=slice(count))
         single = data.isel(mode=(data["pattern"] != "sine").values)
         plain = {

@@ -116,7 +116,7 @@ def plot(
 def _opened(
     directory: Path, start: float | None, end: float | None
 ) -> Iterator[RunFigures | SweepFigures]:
-    """Yield the figures of a run, or of a sweep; only the modules for this kind are loaded."""
+    """Yield the figures of a run or of a sweep; modules for the other kind are not loaded."""
     if _is_sweep(directory):
         from bladewhirl.postprocess.sweep.dataset import open_sweep
         from bladewhirl.postprocess.sweep.figures import SweepFigures

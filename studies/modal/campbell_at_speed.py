@@ -52,8 +52,8 @@ def names_at(disk: Waves, names: list[str], omega: float, frequency: float) -> t
 
 
 def branch_names(disk: Waves, names: list[str], omega: float, backward: bool) -> list[str]:
-    """Return the families, at the speed omega [rad/s], of all branches with a direction; `names`
-    are the families of the branches at rest."""
+    """Return the families of all backward, or of all forward branches at the speed omega [rad/s];
+    `names` are the families of the branches at rest."""
     if "suspension" not in names:
         return names
     shares, size = disk.spring_shares(omega), len(disk.mass)

@@ -54,8 +54,8 @@ def choose_modes(stage: ModalStage, option: str, text: str) -> list[ChosenMode]:
 def family_of(
     stage: ModalStage, body: Body, family: str, diameters: list[int], *, every: bool = False
 ) -> list[ChosenMode]:
-    """Return the modes of a family with some nodal diameters, if there are such modes; with
-    `every`, all modes that have the same name instead of the lowest of them."""
+    """Return the lowest mode of a family with each nodal diameter, or, with `every`, all such modes;
+    nodal diameters without such a mode are skipped."""
     modes, chosen = modes_of(stage, body), []
     for k in diameters:
         numbers = modes.find(family, k)

@@ -127,8 +127,8 @@ def veering_document(diagrams: xr.Dataset) -> dict[str, Any]:
 
 
 def clamping_shifts(diagrams: xr.Dataset) -> dict[int, float]:
-    """Return the largest relative change of a frequency in diagrams from `veering` when the centre
-    is clamped, by nodal diameter."""
+    """Return by nodal diameter the largest relative change that clamping the centre causes in a
+    frequency; the diagrams are from `veering`."""
     frequency = diagrams["frequency"].to_series()
     # Above a critical speed both waves of a pair can travel backward: waves are distinguished by
     # their order.
@@ -141,8 +141,8 @@ def clamping_shifts(diagrams: xr.Dataset) -> dict[int, float]:
 
 
 def suspension_frequency(diagrams: xr.Dataset) -> float | None:
-    """Return the normalised frequency of the suspension in diagrams from `veering`; with Coriolis
-    forces the frequency of its lower wave; None without a suspension."""
+    """Return the normalised frequency of the suspension (with Coriolis forces, of its lower wave)
+    from diagrams of `veering`; None without a suspension."""
     here = diagrams["family"].values == "suspension"
     return float(diagrams["normalised_frequency"].values[here][0]) if here.any() else None
 

@@ -53,8 +53,8 @@ class PaperFigure:
 def draw_figures(
     evidence: Evidence, numbers: Iterable[str], directory: Path
 ) -> dict[str, list[ReportFigure]]:
-    """Draw figures of the paper from the runs of an evidence, with numbers as in `PAPER_FIGURES`,
-    into folders in a directory; missing runs are made.
+    """Draw figures of the paper, with numbers as in `PAPER_FIGURES`, into folders in a directory;
+    runs that the evidence lacks are made.
 
     Raises:
         UserError: the directory cannot be written.

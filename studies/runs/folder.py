@@ -75,7 +75,8 @@ def read_provenance(directory: Path) -> dict[str, Any]:
 
 
 def case_files(case: Case) -> dict[str, bytes]:
-    """Return the files needed to run a case again, content by name: case.toml and mesh file."""
+    """Return the contents of the files needed to run a case again, case.toml and the mesh file, by
+    name of the file."""
     mesh = case.bladed_disk.mesh
     files = {CASE_NAME: portable_case(case).encode()}
     return files if mesh is None else files | {_copy_name(mesh): Path(mesh.file).read_bytes()}

@@ -89,7 +89,7 @@ class Run:
 
 
 def write_outputs(directory: Path, report: Mapping[str, float], window: Window) -> Run:
-    """Write summary, figures and ParaView series of the result in a folder into this folder.
+    """Write summary, figures and ParaView series into a folder that contains the result of a run.
 
     The report contains the quality measures of the march, see `postprocess.run.summary`; the window
     defines the instants of the series.
@@ -121,7 +121,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
 
 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
-    """Write the ParaView series; yield hints."""
+    """Write the ParaView series; yield hints for the user, such as a too coarse sampling."""
     if window.frames == 0:
         return
     from bladewhirl.postprocess.fields.kinematics import ViewError, sampling_hint

@@ -105,8 +105,8 @@ def _rate(stage: Stage, rad_per_s: float) -> Rate:
 
 
 def _lowest_of_disk(stage: Stage) -> list[Mode]:
-    """Return the modes of the full model; mistuned modes get nodal diameter and purity of the
-    modes of the reduced model."""
+    """Return the lowest modes of the full model. If sectors differ, nodal diameters and purities
+    are taken from the modes of the reduced model."""
     frequencies, modes = stage.disk_frequencies, stage.reduction.modes
     if NO_COLUMN not in frequencies:
         return [_mode(stage, k, values[0], 1.0) for k, values in frequencies.items()]
@@ -135,7 +135,7 @@ def _mode(stage: Stage, k: int, frequency: float, purity: float) -> Mode:
 
 
 def _imbalance(stage: Stage) -> dict[str, float] | None:
-    """Return imbalance, force and share of closed clearance at the speed of the case, or None."""
+    """Return size, force and effect of the imbalance at the speed of the case, if any."""
     if not isinstance(stage.case.excitation, Imbalance):
         return None
     size = unbalance(stage)

@@ -127,7 +127,8 @@ def _march_into(
     progress: Progress | None = None,
     begin: Checkpoint | None = None,
 ) -> dict[str, float]:
-    """March; after each `pause` [s], call `flush` with records, state and elapsed time."""
+    """March; return the quality measures. At intervals of `pause` [s], `flush` is called with the
+    new records, the state and the elapsed time [s]."""
     timing, residual, unsolved = prepared.timing, 0.0, 0
     reason, message = EndReason.COMPLETED.value, ""
     first, before = None, 0.0

@@ -110,8 +110,8 @@ FOLDER = resources.files("bladewhirl.studies.verification") / "data"
 
 @cache
 def reference(name: str) -> Any:
-    """Return the content of a file of reference values, which also states how they were
-    computed."""
+    """Return the content of a file of reference values; the file also states the source of the
+    values."""
     return json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
 
 

@@ -232,15 +232,15 @@ def energies_and_gaps() -> Pairs:
 
 @verifies()
 def unbalance_orbit() -> Pair:
-    """Compare computed orbits under unbalance with the exact orbits on which they start, at speeds
-    below and above the resonance."""
+    """Compare orbits under unbalance, which start on the exact orbits, with the exact orbits, at
+    speeds below and above the resonance."""
     known = reference("jeffcott")
     computed = [_departure(known["rotor"], row) for row in known["response"]]
     return np.zeros(len(computed)), computed
 
 
 def _departure(rotor: dict[str, float], row: dict[str, float]) -> float:
-    """Return the largest deviation from the exact orbit in 0.1 s, over the radius of the orbit."""
+    """Return the largest deviation from the exact orbit in 0.1 s, divided by the orbit's radius."""
     root = np.sqrt(rotor["mass"])
     body = small_rotor(
         np.full(2, np.sqrt(rotor["stiffness"]) / root),

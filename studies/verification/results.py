@@ -105,7 +105,8 @@ def balances() -> Pairs:
 
 @verifies(1.05, -1.05)
 def friction_ratio(speed: float) -> Pair:
-    """Compare friction impulses over normal impulses with the signed friction coefficient."""
+    """Compare the ratio of friction to normal impulses with the coefficient of friction, which gets
+    the sign of the speed."""
     result = recorded(march__speed=speed)
     normal, friction = (result[f"{name}_impulse"].values for name in ("contact", "friction"))
     ratio = friction[normal > 0.0] / normal[normal > 0.0]

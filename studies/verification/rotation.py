@@ -196,7 +196,8 @@ def cantilevers(delta: float, alpha: float, elements: int) -> tuple[BladedDiskMo
 
 @verifies()
 def flapwise_cantilevers() -> Pair:
-    """Compare out-of-plane frequencies, from w_f^2 = w_c^2 + Omega^2, with power series."""
+    """Compare out-of-plane frequencies w_f with solutions by power series; w_f follows from the
+    in-plane frequency w_c without Coriolis forces: w_f^2 = w_c^2 + Omega^2."""
     rows, computed = reference("rotation")["cantilevers"]["flapwise"], []
     for row in rows:
         disk, time = cantilevers(row["delta"], 1e3, 12)
@@ -209,8 +210,8 @@ def flapwise_cantilevers() -> Pair:
 
 @verifies()
 def coriolis_cantilevers() -> Pair:
-    """Compare in-plane frequencies of rotating cantilevers, with bending and stretching coupled by
-    Coriolis forces, with solutions by power series."""
+    """Compare in-plane frequencies of rotating cantilevers, whose bending and stretching Coriolis
+    forces couple, with solutions by power series."""
     rows, computed = reference("rotation")["cantilevers"]["chordwise"], []
     for row in rows:
         disk, time = cantilevers(row["delta"], row["alpha"], 20)

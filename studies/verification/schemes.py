@@ -84,8 +84,8 @@ def pad_that_sticks() -> Pairs:
 
 @verifies(0.6, 0.7)
 def two_masses_on_a_stop(frequency: float) -> Pair:
-    """Compare the motion of two masses by the penalty scheme with an ODE solver, from rest through
-    several impacts and releases."""
+    """Compare the motion of two masses that the penalty scheme computes, from rest through several
+    impacts and releases, with the motion that an ODE solver computes."""
     steps = 20_000
     stiffness = np.array([[1.0, -1.0], [-1.0, 2.0]])
     square, shapes = np.linalg.eigh(stiffness)

@@ -123,7 +123,7 @@ def monodromy_by_runge_kutta() -> Pair:
 
 @verifies()
 def growth_of_a_march_at_speed() -> Pair:
-    """Compare the growth rate of a march with rotation effects with the eigenvalues."""
+    """Compare the growth rate of a march with rotation effects with that of the eigenvalues."""
     turned, coupling = six_modes_at_speed()
     exact = growth_rate(coupling.modes, speed=turned.speed, kappa=coupling.kappa)
     return exact, late_growth(turned, 200_000)
@@ -182,7 +182,7 @@ def coincidences() -> Pair:
 
 @verifies()
 def narrow_zones() -> Pair:
-    """Compare width and growth rate of narrow zones with first-order terms in eps = pi kappa."""
+    """Compare width and growth rate of narrow zones with their first-order terms in pi kappa."""
     modes, zones = zones_at(kappa := 1e-2)
     casing, *rotor = modes.frequency[np.argsort(~modes.on_casing, kind="stable")]
     width = 2.0 * np.pi * kappa / np.sqrt(casing * np.array(rotor))
@@ -193,7 +193,7 @@ def narrow_zones() -> Pair:
 
 @verifies()
 def order_of_coupled_marches() -> Pair:
-    """Compare with order 2 the convergence of coupled marches, from three time steps."""
+    """Compare the order of convergence of coupled marches, from three time steps, with 2."""
     given, _ = coupled("0.005")
     chunks = [marched(given, 0.2 / steps, steps, every=steps) for steps in (2000, 4000, 8000)]
     ends = [chunk.rotor_displacement[-1] for chunk in chunks]
