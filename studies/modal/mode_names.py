@@ -54,7 +54,7 @@ def choose_modes(stage: ModalStage, option: str, text: str) -> list[ChosenMode]:
 def family_of(
     stage: ModalStage, body: Body, family: str, diameters: list[int], *, every: bool = False
 ) -> list[ChosenMode]:
-    """Return the lowest mode of a family with each nodal diameter, or, with `every`, all such modes;
+    """Return the lowest mode of a family with each nodal diameter, or all of them with `every`;
     nodal diameters without such a mode are skipped."""
     modes, chosen = modes_of(stage, body), []
     for k in diameters:
