@@ -28,6 +28,7 @@ from bladewhirl.models.case.excitation import (
     Imbalance,
     NoExcitation,
 )
+from bladewhirl.models.case.sensors import SensorRows, sensor_faults
 from bladewhirl.models.case.shaft import Rotation, Shaft
 from bladewhirl.models.case.sketch import SketchTable
 from bladewhirl.models.inputs.errors import CaseError, shown
@@ -61,6 +62,8 @@ class Case(Table):
     """A bladed disk drawn in Python, in place of [bladed_disk]."""
     coupling: Coupling = Coupling()
     march: March = March()
+    sensor: SensorRows = ()
+    """Sensors, whose signals a run writes to sensors.nc and NAME.csv, each a table [[sensor]]."""
 
     if not TYPE_CHECKING:  # type checkers see the keys
 
@@ -115,6 +118,7 @@ class Case(Table):
                 others = ("bladed_disk.blades", "bladed_disk.mesh.tips", "sketch")
                 yield Inconsistency(f"initial.{key}", expected, others)
         yield from self._unknown_materials()
+        yield from sensor_faults(self.sensor, self.blades)
         if self.shaft.damping_frame == "static" and self.rotation.effects != "full":
             expected = '"rotating", or rotation.effects = "full" (Coriolis forces)'
             yield Inconsistency("shaft.damping_frame", expected, ("rotation.effects",))

@@ -1,7 +1,7 @@
 """Validation of nested tables from TOML: make a Case, or raise a `CaseError` with all faults."""
 
 import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, get_args
 
@@ -10,7 +10,8 @@ from pydantic_core import ErrorDetails
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EXCITATIONS
-from bladewhirl.models.inputs.errors import Fault, toml_key
+from bladewhirl.models.case.sensors import SENSORS, Sensor, SensorList, sensor_faults
+from bladewhirl.models.inputs.errors import CaseError, Fault, toml_key
 from bladewhirl.models.inputs.fields import EXPECTED
 from bladewhirl.models.inputs.table import INCONSISTENT, Table
 
@@ -18,7 +19,10 @@ Path = tuple[str | int, ...]
 """Keys and row numbers from the root of the case to a value."""
 
 TAG_ERRORS = ("union_tag_not_found", "union_tag_invalid")
-"""pydantic's errors about the type of the excitation."""
+"""pydantic's errors about the type of the excitation or of a sensor."""
+
+KINDS: Mapping[str, Mapping[str, type[Table]]] = {"excitation": EXCITATIONS, "sensor": SENSORS}
+"""Table class of each type, for the tables whose keys depend on the key `type`."""
 
 FIXED_PHRASES = {"bool_type": "true or false", "string_type": "text"}
 """Text of the expected value for each type of pydantic error."""
@@ -34,6 +38,25 @@ def case_from(tables: Mapping[str, Any]) -> Case:
             are reported only if each value is valid by itself.
     """
     return Case(**tables)
+
+
+def sensors_from(rows: Sequence[Any], blades: int) -> tuple[Sensor, ...]:
+    """Make sensors from tables, for a bladed disk with a number of blades.
+
+    Raises:
+        CaseError: a sensor is invalid; the error lists all faults.
+    """
+    try:
+        sensors = SensorList(sensor=rows).sensor
+    except ValidationError as error:
+        raise CaseError(faults_of(error, {"sensor": rows})) from None
+    faults = [
+        Fault(key=_dotted(fault.path), value=fault.value, expected=fault.expected)
+        for fault in sensor_faults(sensors, blades)
+    ]
+    if faults:
+        raise CaseError(faults)
+    return sensors
 
 
 def faults_of(error: ValidationError, tables: Mapping[str, Any], parent: str = "") -> list[Fault]:
@@ -66,7 +89,7 @@ def _expected(details: ErrorDetails, path: Path) -> str:
     if kind == "extra_forbidden":
         return _known_key(details["loc"], path)
     if kind in TAG_ERRORS:
-        return " or ".join(f'"{name}"' for name in EXCITATIONS)
+        return " or ".join(f'"{name}"' for name in KINDS[str(path[0])])
     if kind == "literal_error":
         return str(context["expected"]).replace("'", '"')
     if kind == "missing":
@@ -77,12 +100,19 @@ def _expected(details: ErrorDetails, path: Path) -> str:
 
 
 def _path(details: ErrorDetails) -> Path:
-    """Return the path to a fault, without the type of excitation that pydantic inserts."""
+    """Return the path to a fault, without the type of the table that pydantic inserts."""
     location = details["loc"]
     if details["type"] in TAG_ERRORS:
         return (*location, "type")
-    tagged = location[:1] == ("excitation",) and location[1:2] != () and location[1] in EXCITATIONS
-    return (location[0], *location[2:]) if tagged else location
+    at = _place_of_type(location)
+    return (*location[:at], *location[at + 1 :]) if at else location
+
+
+def _place_of_type(location: Path) -> int:
+    """Return the place in a path at which pydantic inserts the type of a table; 0 without type."""
+    at = 1 + len([part for part in location[1:2] if isinstance(part, int)])
+    tagged = len(location) > at and location[at] in KINDS.get(str(location[0]), ())
+    return at if tagged else 0
 
 
 def _value(tables: Mapping[str, Any], path: Path, default: object) -> Any:
@@ -105,11 +135,11 @@ def _dotted(path: Path) -> str:
 def _known_key(location: Path, path: Path) -> str:
     """Return a text that suggests similar keys: keys of the table, or else keys of any table."""
     name, table = str(path[-1]), path[:-1]
-    kinds = [f'"{kind}"' for kind, load in EXCITATIONS.items() if name in load.model_fields]
-    if path[0] == "excitation" and kinds:
-        return (
-            f'a key of excitation.type = "{location[1]}"; this key belongs to {" and ".join(kinds)}'
-        )
+    kinds = KINDS.get(str(path[0]), {})
+    owners = [f'"{kind}"' for kind, table_of in kinds.items() if name in table_of.model_fields]
+    if owners:
+        given = location[_place_of_type(location)]
+        return f'a key of {path[0]}.type = "{given}"; this key belongs to {" and ".join(owners)}'
     known = _known_keys()
     names = tuple(part for part in table if isinstance(part, str))  # without numbers of rows
     siblings = [key[-1] for key in known if key[:-1] == names]

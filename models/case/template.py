@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EXCITATIONS, NoExcitation
+from bladewhirl.models.case.sensors import EXAMPLES
 from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
@@ -39,6 +40,10 @@ def _document(case: Case, *, commented: bool) -> str:
             parts.append(f"{summary}[{name}]\n{keys}")
             if commented and name == "excitation":
                 parts += [_alternative(kind()) for kind in EXCITATIONS.values()]
+    for sensor in case.sensor:
+        parts.append(f"[[sensor]]\n{''.join(_keys(sensor, commented=False))}")
+    if commented:
+        parts += [_alternative(sensor, "[[sensor]]\n") for sensor in EXAMPLES]
     return "\n".join(part for part in parts if part)
 
 
@@ -51,6 +56,8 @@ def _keys(table: Table, *, commented: bool) -> Iterator[str]:
             continue
         if isinstance(table, Case) and isinstance(value, Table):
             continue  # has its own heading; nested tables are written inline
+        if isinstance(table, Case) and name == "sensor":
+            continue  # each sensor has its own heading, at the end
         if commented:
             yield _comment(descriptions[name])
         if value is not None:
@@ -59,11 +66,12 @@ def _keys(table: Table, *, commented: bool) -> Iterator[str]:
             yield _comment(f"{name} = {(field.examples or [None])[0]}")
 
 
-def _alternative(table: Table) -> str:
-    """Return the keys of another type of excitation, commented out; comments start with "##"."""
+def _alternative(table: Table, heading: str = "") -> str:
+    """Return the keys of a type of excitation or sensor, below a heading, commented out; comments
+    start with "##"."""
     if isinstance(table, NoExcitation):
         return ""
-    lines = [_comment(_summary(table)), *_keys(table, commented=True)]
+    lines = [_comment(_summary(table)), heading, *_keys(table, commented=True)]
     text = "".join(lines).splitlines()
     return "".join(f"#{line}\n" if line.startswith("#") else f"# {line}\n" for line in text)
 

@@ -35,6 +35,7 @@ _NUMBERS: dict[Sign, str] = {
 _EXAMPLES = {
     "m": "1 mm",
     "m/s": "5 mm/s",
+    "m/s2": "9.81 m/s2",
     "s": "1 us",
     "N": "2 kN",
     "Pa": "210 GPa",

@@ -14,11 +14,17 @@ INCONSISTENT = "inconsistent"
 class Inconsistency(NamedTuple):
     """Contradiction between values that are valid by themselves; keys are relative to the table."""
 
-    key: str  #: key to report
+    key: str  #: key to report; a row of an array is a number, as in "sensor.0.blade"
     expected: str  #: text that completes "expected ..."
     others: tuple[str, ...] = ()  #: keys whose values contradict the value of `key`
     value: object = None  #: value to show in place of the value of `key`
     place: str = ""  #: name of a part of the table that has no key, shown in place of a key
+
+    @property
+    def path(self) -> tuple[str | int, ...]:
+        """Names and numbers of rows in `key`."""
+        parts = self.key.split(".") if self.key else []
+        return tuple(int(part) if part.isdigit() else part for part in parts)
 
 
 class Table(BaseModel):
@@ -44,7 +50,7 @@ class Table(BaseModel):
         errors = [
             InitErrorDetails(
                 type=PydanticCustomError(INCONSISTENT, "expected {expected}", fault._asdict()),
-                loc=tuple(fault.key.split(".")) if fault.key else (),
+                loc=fault.path,
                 input=self if fault.value or fault.place else attrgetter(fault.key)(self),
             )
             for fault in self.inconsistencies()

@@ -1,0 +1,235 @@
+"""The `[[sensor]]` tables of a case: what a rig records, with one class for each type of sensor."""
+
+import math
+import re
+from collections.abc import Iterable, Iterator
+from numbers import Real
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
+from pydantic_core import PydanticCustomError
+
+from bladewhirl.models.inputs import fields
+from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.sections.wall import TURN
+
+Quantity = Literal["displacement", "velocity", "acceleration"]
+
+MOTION_UNITS: dict[str, str] = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
+"""SI unit of each quantity of a moving point."""
+
+RESERVED = ("time", "blade")
+"""Names of coordinates of the recorded signals, which a sensor must not have."""
+
+
+def _name(value: Any) -> str:
+    fits = isinstance(value, str) and re.fullmatch(r"(?:[A-Za-z0-9][A-Za-z0-9.-]{0,59})?", value)
+    if not fits or value in RESERVED:
+        phrase = "up to 60 letters, digits, dots and hyphens, as the name of a file, other than"
+        raise fields.expectation(f'{phrase} "time" and "blade"')
+    return str(value)
+
+
+def _within_a_turn(angle: float) -> float:
+    if abs(angle) > TURN:
+        raise fields.expectation('an angle within a turn, in rad or text such as "90 deg"')
+    return angle
+
+
+def _listed(value: Any) -> tuple[Any, ...]:
+    value = value.tolist() if hasattr(value, "tolist") else value
+    items = tuple(value) if isinstance(value, list | tuple) else (value,)
+    if not items:
+        raise fields.expectation('an angle such as "90 deg", or a list of angles')
+    return items
+
+
+def _share(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, Real) or not 0.0 <= float(value) <= 1.0:
+        raise fields.expectation("a number from 0 at the root to 1 at the tip")
+    return float(value)
+
+
+def _blade(value: Any) -> Any:
+    number: Any = fields.count(0).func
+    try:
+        return value if isinstance(value, str) and value == "all" else number(value)
+    except PydanticCustomError:
+        raise fields.expectation('"all" or the number of a blade, from 0') from None
+
+
+def _noise(value: Any, info: ValidationInfo) -> float:
+    unit = MOTION_UNITS[(info.data or {}).get("quantity", "displacement")]
+    read: Any = fields.quantity(unit, "not negative").func
+    return float(read(value))
+
+
+Angle = Annotated[fields.Angle, AfterValidator(_within_a_turn)]
+
+
+class SensorTable(Table):
+    """Keys of every sensor."""
+
+    type: str
+    """"strain", "tip-timing", "wall" or "centre"."""
+    name: Annotated[str, BeforeValidator(_name)] = ""
+    """Name of the signal and of its file NAME.csv; by default from the type and the position, such
+    as "wall-90"."""
+    sampling_rate: Annotated[float, fields.quantity("Hz")] | None = Field(
+        default=None, examples=['"20 kHz"']
+    )
+    """Samples per second [Hz], by default one sample for each record. There is no filter: a
+    vibration above half the rate appears at a lower frequency."""
+    seed: Annotated[int, fields.count(0)] = 0
+    """Seed of the noise: the same seed gives the same noise."""
+
+    @property
+    def label(self) -> str:
+        """Name of the signal: the key `name`, or a name from the type and the position."""
+        return self.name or f"{self.type}-{self._place}"
+
+    @property
+    def _place(self) -> str:
+        raise NotImplementedError
+
+
+class StrainGauge(SensorTable):
+    """A strain gauge on the surface of one blade or of every blade, along the blade."""
+
+    type: Literal["strain"]
+    """Strain along the surface [m/m], counted from the steadily turning state."""
+    span: Annotated[float, BeforeValidator(_share)] | None = None
+    """Position from 0 at the root to 1 at the tip, measured along the centre line of the blade.
+    Give either span or element."""
+    element: Annotated[int, fields.count(0)] | None = Field(default=None, examples=[0])
+    """Number of the element of the blade in whose middle the gauge is, counted from 0 at the
+    root."""
+    side: Literal["+theta", "-theta"] = "+theta"
+    """Side of the blade that faces counter-clockwise, "+theta", or clockwise, "-theta"."""
+    blade: Annotated[int | Literal["all"], BeforeValidator(_blade)] = "all"
+    """Number of the blade with the gauge, from 0, or "all" for a gauge on every blade."""
+    noise: Annotated[float, fields.number("not negative")] = 0.0
+    """Standard deviation of the noise [m/m]."""
+
+    @property
+    def _place(self) -> str:
+        at = f"{self.span:g}" if self.element is None else f"element-{self.element}"
+        side = "" if self.side == "+theta" else "-minus"
+        return f"{at}{side}" if self.blade == "all" else f"blade-{self.blade}-{at}{side}"
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield an error unless exactly one of span and element is given."""
+        if (self.span is None) == (self.element is None):
+            yield Inconsistency("span", "either span or element", ("element",))
+
+
+class TipTiming(SensorTable):
+    """Probes in the casing that record when the blade tips arrive."""
+
+    type: Literal["tip-timing"]
+    """Arrival times [s], and the tangential deflection of the tip that follows from each [m]. Here
+    sampling_rate is the frequency of the clock, to whose ticks the arrival times are rounded; they
+    are exact by default."""
+    probes: Annotated[tuple[Angle, ...], BeforeValidator(_listed)]
+    """Angle of the probe in the casing, counter-clockwise from the x axis [rad], or a list of the
+    angles of several probes."""
+    noise: fields.TimeOrZero = 0.0
+    """Standard deviation of the noise of the arrival times [s]."""
+
+    @property
+    def _place(self) -> str:
+        return "-".join(map(_degrees, self.probes))
+
+
+class WallSensor(SensorTable):
+    """A sensor of the motion of the casing's wall at one angle."""
+
+    type: Literal["wall"]
+    """Motion of the wall in the static frame."""
+    angle: Angle
+    """Angle of the sensor, counter-clockwise from the x axis [rad]."""
+    direction: Literal["radial", "tangential"] = "radial"
+    """"radial", positive outward, or "tangential", positive counter-clockwise."""
+    quantity: Quantity = "displacement"
+    """"displacement" [m], "velocity" [m/s] or "acceleration" [m/s2]."""
+    noise: Annotated[float, BeforeValidator(_noise)] = 0.0
+    """Standard deviation of the noise, in the unit of the quantity."""
+
+    @property
+    def _place(self) -> str:
+        words = [_degrees(self.angle)]
+        words += ["tangential"] if self.direction == "tangential" else []
+        return "-".join(words + _unless_displacement(self.quantity))
+
+
+class CentreSensor(SensorTable):
+    """A probe of the motion of the shaft's centre in the static frame."""
+
+    type: Literal["centre"]
+    """Motion of the shaft's centre in the static frame, in one direction."""
+    angle: Angle = 0.0
+    """Direction that counts as positive, counter-clockwise from the x axis [rad]."""
+    quantity: Quantity = "displacement"
+    """"displacement" [m], "velocity" [m/s] or "acceleration" [m/s2]."""
+    noise: Annotated[float, BeforeValidator(_noise)] = 0.0
+    """Standard deviation of the noise, in the unit of the quantity."""
+
+    @property
+    def _place(self) -> str:
+        return "-".join([_degrees(self.angle), *_unless_displacement(self.quantity)])
+
+
+def _degrees(angle: float) -> str:
+    return f"{round(math.degrees(angle) % 360.0, 3):g}"
+
+
+def _unless_displacement(quantity: str) -> list[str]:
+    return [] if quantity == "displacement" else [quantity]
+
+
+SENSORS: dict[str, type[SensorTable]] = {
+    "strain": StrainGauge,
+    "tip-timing": TipTiming,
+    "wall": WallSensor,
+    "centre": CentreSensor,
+}
+"""Table class of each `type` of a sensor."""
+
+EXAMPLES: tuple[SensorTable, ...] = (
+    StrainGauge(type="strain", span=0.1),
+    TipTiming(type="tip-timing", probes=(0.0, 0.25 * TURN)),
+    WallSensor(type="wall", angle=0.25 * TURN),
+    CentreSensor(type="centre"),
+)
+"""A sensor of each type, for the template of a case file."""
+
+Sensor = Annotated[
+    StrainGauge | TipTiming | WallSensor | CentreSensor, Field(discriminator="type")
+]
+SensorRows = Annotated[tuple[Sensor, ...], fields.rows('{ type = "strain", span = 0.1 }')]
+
+
+class SensorList(Table):
+    """Sensors without the other tables of a case."""
+
+    sensor: SensorRows = ()
+
+
+def sensor_faults(sensors: Iterable[Sensor], blades: int) -> Iterator[Inconsistency]:
+    """Yield the sensors on blades that do not exist, and those with the name of another sensor.
+
+    Args:
+        sensors: all sensors of a case.
+        blades: number of blades.
+    """
+    names: dict[str, int] = {}
+    for number, sensor in enumerate(sensors):
+        blade = getattr(sensor, "blade", "all")
+        if blade != "all" and blade >= blades:
+            expected = f'"all" or a blade from 0 to {blades - 1}'
+            others = ("bladed_disk.blades", "bladed_disk.mesh.tips", "sketch")
+            yield Inconsistency(f"sensor.{number}.blade", expected, others, blade)
+        first = names.setdefault(sensor.label.lower(), number)
+        if first != number:
+            expected = f"a name of its own, not that of sensor[{first}]"
+            yield Inconsistency(f"sensor.{number}.name", expected, ("sensor",), sensor.label)
