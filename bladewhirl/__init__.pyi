@@ -25,6 +25,7 @@ from .postprocess.run.histories import casing_displacement as casing_displacemen
 from .postprocess.run.histories import contact_force as contact_force
 from .postprocess.run.histories import gap as gap
 from .postprocess.run.histories import tip_displacement as tip_displacement
+from .postprocess.run.sensors import sensors as sensors
 from .postprocess.run.stresses import stress_history as stress_history
 from .postprocess.run.tip_timing import tip_timing as tip_timing
 from .postprocess.shaft.orbits import shaft_orbit as shaft_orbit

@@ -15,8 +15,7 @@ from typer.main import get_command
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import FIXED_PHRASES, TABLE_ERRORS, tables_in
-from bladewhirl.models.case.excitation import EXCITATIONS
+from bladewhirl.models.case.check import FIXED_PHRASES, KINDS, TABLE_ERRORS, tables_in
 from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
@@ -39,10 +38,9 @@ def case_keys() -> str:
     parts = ["".join(_entries(Case, "", ""))]
     for name, field in Case.model_fields.items():
         tables = [] if name == "sketch" else list(tables_in(field.annotation))
-        if name == "excitation":
-            tables = list(EXCITATIONS.values())
-        for table in tables:
-            kind = table.model_fields["type"].default if name == "excitation" else ""
+        kinds: dict[type[Table], str] = dict.fromkeys(tables, "")
+        kinds |= {table: kind for kind, table in KINDS.get(name, {}).items()}
+        for table, kind in kinds.items():
             title = f"{name}, type {kind}" if kind else name
             parts.append(f"## [{title}]\n\n{_words(_summary(table))}\n\n")
             suffix = f" ({kind})" if kind else ""

@@ -203,9 +203,7 @@ EXAMPLES: tuple[SensorTable, ...] = (
 )
 """A sensor of each type, for the template of a case file."""
 
-Sensor = Annotated[
-    StrainGauge | TipTiming | WallSensor | CentreSensor, Field(discriminator="type")
-]
+Sensor = Annotated[StrainGauge | TipTiming | WallSensor | CentreSensor, Field(discriminator="type")]
 SensorRows = Annotated[tuple[Sensor, ...], fields.rows('{ type = "strain", span = 0.1 }')]
 
 
@@ -224,8 +222,8 @@ def sensor_faults(sensors: Iterable[Sensor], blades: int) -> Iterator[Inconsiste
     """
     names: dict[str, int] = {}
     for number, sensor in enumerate(sensors):
-        blade = getattr(sensor, "blade", "all")
-        if blade != "all" and blade >= blades:
+        blade = sensor.blade if isinstance(sensor, StrainGauge) else "all"
+        if isinstance(blade, int) and blade >= blades:
             expected = f'"all" or a blade from 0 to {blades - 1}'
             others = ("bladed_disk.blades", "bladed_disk.mesh.tips", "sketch")
             yield Inconsistency(f"sensor.{number}.blade", expected, others, blade)

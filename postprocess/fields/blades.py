@@ -5,7 +5,7 @@ import scipy.sparse as sp
 import xarray as xr
 from scipy.sparse.csgraph import dijkstra
 
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 
 
 def line_blades(dataset: xr.Dataset) -> IntArray:
@@ -31,6 +31,25 @@ def line_blades(dataset: xr.Dataset) -> IntArray:
     blade_of_node[reached] = number[source[reached]]
     far = np.argmax(distance[lines], axis=1)  # the end of each beam that is farther from a tip
     return np.where(blades, blade_of_node[lines[np.arange(len(lines)), far]], -1)
+
+
+def blade_chain(dataset: xr.Dataset, blade: int) -> list[tuple[int, bool]]:
+    """Return the beams of a blade from root to tip, each with true if its direction is from the
+    root to the tip.
+
+    Raises:
+        ViewError: the beams of the blade are not a chain that ends at the tip.
+    """
+    lines, node = dataset["rotor_line"].values, int(dataset["tip_node"].values[blade])
+    left = {int(line): lines[line] for line in np.flatnonzero(line_blades(dataset) == blade)}
+    chain: list[tuple[int, bool]] = []
+    while len(at_node := [line for line, ends in left.items() if node in ends]) == 1:
+        first, second = left.pop(at_node[0]).tolist()
+        chain.append((at_node[0], second == node))
+        node = first if second == node else second
+    if left or not chain:
+        raise ViewError(f"expected beams of blade {blade} that form one chain from root to tip")
+    return chain[::-1]
 
 
 def member_names(dataset: xr.Dataset) -> tuple[list[str], IntArray]:

@@ -18,7 +18,14 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.hermite import cubic_weights, curvature_weights, slope_weights
-from bladewhirl.postprocess.fields.kinematics import Array, element_lengths, line_shapes, wall_rows
+from bladewhirl.meshes.line_mesh import BoolArray
+from bladewhirl.postprocess.fields.kinematics import (
+    Array,
+    IntArray,
+    element_lengths,
+    line_shapes,
+    wall_rows,
+)
 
 
 class Strains(NamedTuple):
@@ -60,6 +67,22 @@ def rotor_strain_rows(dataset: xr.Dataset, per_line: int = 1) -> Strains:
     curvature += np.einsum("es,lem->lsm", curvature_weights(x)[1::2], rotation) / length
     half = rotor_sections(dataset, "thickness", per_line)[..., None] / 2
     return Strains(np.repeat(axial, len(x), axis=1), half * curvature)
+
+
+def surface_strain_rows(dataset: xr.Dataset, lines: IntArray, x: Array, left: BoolArray) -> Array:
+    """Return strains along the surface of beams for unit modal coordinates, (point, rotor_mode).
+
+    Args:
+        dataset: a result.
+        lines: number of the beam of each point, (point,).
+        x: position from 0 to 1 along the beam, (point,).
+        left: true on the surface to the left of the beam's direction, (point,).
+    """
+    ends, half = rotor_strain_rows(dataset), rotor_sections(dataset, "thickness", 1) / 2
+    weights = np.stack([1.0 - x, x], axis=1)  # curvature and thickness are linear in a beam
+    curvature = np.einsum("pe,pem->pm", weights, ends.bending[lines] / half[lines, :, None])
+    distance = np.where(left, 1.0, -1.0) * np.sum(weights * half[lines], axis=1)
+    return np.asarray(ends.axial[lines, 0] - distance[:, None] * curvature)
 
 
 def casing_strain_rows(dataset: xr.Dataset, per_element: int) -> Strains:

@@ -53,11 +53,8 @@ def tip_timing(
     angles = np.array([radians(value) for value in np.ravel(np.asarray(probes))])
     time, speed = result["time"].values, float(result.attrs["speed"])
     step = float(np.diff(time).max()) if len(time) > 1 else np.inf
-    if speed == 0.0 or abs(speed) * step >= 0.5 * np.pi:
-        raise ViewError(
-            f"tip timing: expected at least four records a revolution, got a record step of"
-            f" {step:.3g} s at {abs(speed) * 30.0 / np.pi:.4g} rpm"
-        )
+    if too_slow(speed, step):
+        raise ViewError(f"tip timing: expected {too_slow(speed, step)}")
     tips = result["tip_angle"].values
     radius = result.attrs["tip_radius"] - result["tip_recess"].values
     across = tip_rows(result)[1]
@@ -85,6 +82,15 @@ def tip_timing(
         {"arrival": (over, table[0], "s"), "deflection": (over, table[1], "m")},
         {"probe": angles, "blade": np.arange(len(tips)), "revolution": np.arange(most)},
     )
+
+
+def too_slow(speed: float, step: float) -> str:
+    """Return what tip timing needs at a speed [rad/s] with a record step [s], and what it gets;
+    empty if the records suffice."""
+    if speed != 0.0 and abs(speed) * step < 0.5 * np.pi:
+        return ""
+    rpm = abs(speed) * 30.0 / np.pi
+    return f"at least four records a revolution, got a record step of {step:.3g} s at {rpm:.4g} rpm"
 
 
 def _arrivals(

@@ -3,7 +3,7 @@
 import json
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from hashlib import sha256
 from importlib import metadata
@@ -14,6 +14,7 @@ from typing import Any
 from bladewhirl.files import listed, write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.mesh_file import MeshTable
+from bladewhirl.models.case.sensors import Sensor
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME
@@ -25,6 +26,7 @@ SUMMARY_NAME = "summary.json"
 MESH_NAME = "mesh"  #: name of the copy of a mesh file, without its suffix
 VTK_NAME = "vtk"
 ORBIT_NAME, ENERGY_NAME = "orbit.png", "energy.png"
+SENSORS_NAME = "sensors.nc"
 REPORT_NAME = "report.html"
 FAILURES_NAME = "failures.json"  #: file with the failed points of a sweep, and the reasons
 
@@ -157,10 +159,16 @@ def _dependencies() -> Iterator[tuple[str, str]]:
             yield name[0], metadata.version(name[0])
 
 
+def sensor_files(sensors: Sequence[Sensor]) -> tuple[str, ...]:
+    """Return the names of the files with the signals of sensors: sensors.nc, and a CSV file for
+    each sensor."""
+    return (SENSORS_NAME, *(f"{sensor.label}.csv" for sensor in sensors)) if sensors else ()
+
+
 def files_of_run(case: Case) -> tuple[str, ...]:
     """Return the names of the files of a run of a case, without the ParaView series."""
     figures = [
         f"{Path(name).stem}{end}" for name in (ORBIT_NAME, ENERGY_NAME) for end in (".png", ".nc")
     ]
     made = (RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, CHECKPOINT_NAME)
-    return (*case_files(case), *made, *figures)
+    return (*case_files(case), *made, *figures, *sensor_files(case.sensor))

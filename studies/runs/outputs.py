@@ -89,7 +89,8 @@ class Run:
 
 
 def write_outputs(directory: Path, report: Mapping[str, float], window: Window) -> Run:
-    """Write summary, figures and ParaView series into a folder that contains the result of a run.
+    """Write summary, figures, signals of sensors and ParaView series into a folder that contains
+    the result of a run.
 
     The report contains the quality measures of the march, see `postprocess.run.summary`; the window
     defines the instants of the series.
@@ -100,6 +101,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     from bladewhirl.postprocess.run.summary import summarise, write_summary
     from bladewhirl.postprocess.run.summary_table import displacement_hints
     from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
+    from bladewhirl.studies.runs.sensor_files import write_sensors
 
     with open_result(directory) as result:
         orbit, energies = shaft_orbit(result), strain_energies(result)
@@ -115,6 +117,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
             symmetry=result.attrs["symmetry"],
             hints=(
                 *displacement_hints(summary, result.attrs["tip_radius"]),
+                *write_sensors(result, directory),
                 *_write_series(result, directory / folder.VTK_NAME, window),
             ),
         )

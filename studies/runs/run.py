@@ -16,6 +16,7 @@ from bladewhirl.studies.runs import folder, recorded_march
 from bladewhirl.studies.runs.outputs import Run, Window, write_outputs
 from bladewhirl.studies.runs.place import locked, taking_place
 from bladewhirl.studies.runs.prepare import Prepared, prepare
+from bladewhirl.studies.runs.sensor_files import check_gauges
 
 
 def run(
@@ -32,7 +33,8 @@ def run(
     """March a case, and write all its results into a folder.
 
     These are written: case.toml (and a copy of its mesh file), provenance.json, result.nc,
-    summary.json, orbit and energy (.png and their data) and vtk/. Nothing is written before
+    summary.json, orbit and energy (.png and their data) and vtk/; with tables [[sensor]] also
+    sensors.nc and a file NAME.csv for each sensor. Nothing is written before
     the case is validated. Ctrl-C ends the march properly: all outputs are written for the time
     marched, and the end reason of the run is "interrupted".
 
@@ -63,6 +65,7 @@ def run(
     window.check(case.march.duration)
     folder.check_free(directory, overwrite=overwrite)
     prepared = prepare(case)
+    check_gauges(prepared)
     for hint in stage_hints(prepared.stage):
         warnings.warn(hint, Hint, stacklevel=2)
     with writing(directory):

@@ -20,6 +20,7 @@ SUBJECTS = {
     "rotation": "Effects of rotation",
     "whirl": "Marches with Coriolis forces",
     "forced": "Engine-order forces",
+    "sensors": "Sensors",
 }
 """Titles of the subjects by the name of their module, in the order of the table."""
 

@@ -1,0 +1,326 @@
+"""Signals of the sensors of a rig, from the records of a run.
+
+Between records each displacement is the cubic with the displacements and velocities of both
+records. For a vibration with the angular frequency w and the record step h, the largest errors, as
+shares of the amplitudes, are (w h)^4 / 384 of a displacement, (w h)^3 / (72 sqrt(3)) of a velocity
+(both are exact at the records) and (w h)^2 / 12 of an acceleration. A contact changes the velocity
+between two records; the cubic spreads this change over the record step.
+"""
+
+import tomllib
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.meshes.hermite import cubic_weights, curvature_weights, slope_weights
+from bladewhirl.models.case.check import sensors_from
+from bladewhirl.models.case.sensors import (
+    MOTION_UNITS,
+    CentreSensor,
+    Sensor,
+    StrainGauge,
+    TipTiming,
+    WallSensor,
+)
+from bladewhirl.models.inputs.errors import CaseError, Fault, Hint
+from bladewhirl.postprocess.fields.blades import blade_chain
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, casing_rows
+from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.result import reduce_modes
+from bladewhirl.postprocess.fields.strains import surface_strain_rows
+from bladewhirl.postprocess.fields.windows import in_window
+from bladewhirl.postprocess.run.histories import COMPONENTS
+from bladewhirl.postprocess.run.tip_timing import tip_timing, too_slow
+
+WEIGHTS = (cubic_weights, slope_weights, curvature_weights)
+"""Functions of a cubic for its value, its first and its second derivative."""
+
+ON_SAMPLE = 1e-6  #: share of a sample by which a sample may be outside the records
+
+SHOWN: dict[str, tuple[str, float]] = {
+    "m/m": ("µm/m", 1e6),
+    "m": ("µm", 1e6),
+    "m/s": ("mm/s", 1e3),
+    "m/s2": ("g", 1.0 / 9.80665),
+}
+"""Unit of tables and figures, and its factor, for the SI unit of a signal."""
+
+
+def sensors(
+    result: xr.Dataset,
+    tables: Iterable[Any] | None = None,
+    *,
+    start: float | None = None,
+    end: float | None = None,
+) -> xr.Dataset:
+    """Return the signals of sensors: strain gauges, tip timing, and probes of wall and shaft.
+
+    Args:
+        result: result of a run; it is read portion by portion.
+        tables: sensors, with the keys of the tables [[sensor]] of a case file; the sensors of the
+            case of the run when None.
+        start, end: limits of the time window [s]; start and end of the run when None.
+
+    Returns:
+        Dataset with a variable for each sensor, named after it. A signal is over `time` [s], or,
+        with a sampling rate, over a time of its own such as `time_20000_Hz`; a strain [m/m] of all
+        blades also over `blade`. Tip timing has the deflection [m] and, in `NAME_arrival`, the
+        arrival times [s] over (NAME_probe [rad], blade, NAME_revolution), nan after the end.
+        Attributes of each signal: units, and type, position, noise and seed of the sensor.
+
+    Warns:
+        Hint: a sensor samples more often than the run has records.
+
+    Raises:
+        CaseError: a sensor is invalid; the error lists all faults.
+        ViewError: there is no sensor, or tip timing is impossible, see `tip_timing`.
+
+    Example:
+        ``sensors(result, [{"type": "strain", "span": 0.1}])["strain-0.1"].sel(blade=3).plot()``
+    """
+    chosen = sensors_of(result, tables)
+    for hint in sampling_hints(chosen, float(result.attrs["record_step"])):
+        warnings.warn(hint, Hint, stacklevel=2)
+    return signals(result, chosen, start=start, end=end)
+
+
+def sensors_of(result: xr.Dataset, tables: Iterable[Any] | None = None) -> tuple[Sensor, ...]:
+    """Return sensors from tables, or those of the case of a run when None; see `sensors`."""
+    if tables is None:
+        text = str(result.attrs.get("case", ""))
+        tables = tomllib.loads(text).get("sensor", []) if "[[sensor]]" in text else []
+    chosen = sensors_from(list(tables), result.sizes["blade"])
+    if not chosen:
+        raise ViewError("sensors: expected tables [[sensor]] in the case of the run")
+    speed = float(result.attrs["speed"])
+    check_sensors(result, chosen, speed, float(result.attrs["record_step"]))
+    return chosen
+
+
+def check_sensors(
+    stage: xr.Dataset, sensors: Sequence[Sensor], speed: float, record_step: float
+) -> None:
+    """Check that sensors fit the mesh of a stage, its speed [rad/s] and the record step [s].
+
+    Raises:
+        CaseError: a gauge is not on a blade, or tip timing lacks records; all faults are listed.
+    """
+    faults = []
+    for number, sensor in enumerate(sensors):
+        if isinstance(sensor, TipTiming) and (expected := too_slow(speed, record_step)):
+            faults.append(Fault(key=f"sensor[{number}].type", value=sensor.type, expected=expected))
+        if isinstance(sensor, StrainGauge):
+            try:
+                gauge_rows(stage, sensor)
+            except ViewError as error:
+                key = "span" if sensor.element is None else "element"
+                expected = str(error).removeprefix("expected ")
+                value = getattr(sensor, key)
+                faults.append(Fault(key=f"sensor[{number}].{key}", value=value, expected=expected))
+    if faults:
+        raise CaseError(faults)
+
+
+def sampling_hints(sensors: Iterable[Sensor], record_step: float) -> Iterator[str]:
+    """Yield a hint for each sensor that samples more often than there are records, whose step is
+    given [s]."""
+    for sensor in sensors:
+        rate = sensor.sampling_rate or 0.0
+        if rate * record_step > 1.0 + ON_SAMPLE and not isinstance(sensor, TipTiming):
+            yield (
+                f"sensor {sensor.label} samples {rate:g} times a second, but the run has only"
+                f" {1.0 / record_step:g} records a second; between records the signal is a cubic"
+            )
+
+
+def signals(
+    result: xr.Dataset,
+    sensors: Sequence[Sensor],
+    *,
+    start: float | None = None,
+    end: float | None = None,
+) -> xr.Dataset:
+    """Return the signals of sensors from `sensors_of`, see `sensors`."""
+    result = in_window(result, start, end)
+    parts = [
+        _timing(result, sensor, number)
+        if isinstance(sensor, TipTiming)
+        else _signal(result, sensor, number)
+        for number, sensor in enumerate(sensors)
+    ]
+    return xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
+
+
+def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> Array:
+    """Return the strain under a gauge for unit modal coordinates, (blade, rotor_mode), of all
+    blades or of the blade with the gauge.
+
+    Raises:
+        ViewError: the blade is not a chain of beams, or does not have the element of the gauge.
+    """
+    ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    blades = range(dataset.sizes["blade"]) if gauge.blade == "all" else [gauge.blade]
+    lines, places, outwards = [], [], []
+    for blade in blades:
+        chain = blade_chain(dataset, blade)
+        if gauge.element is not None and gauge.element >= len(chain):
+            raise ViewError(f"expected an element from 0 to {len(chain) - 1} of blade {blade}")
+        number, x = gauge.element, 0.5
+        if number is None:
+            passed = np.concatenate([[0.0], np.cumsum(length[[line for line, _ in chain]])])
+            at = float(gauge.span or 0.0) * passed[-1]
+            number = min(int(np.searchsorted(passed, at, side="right")) - 1, len(chain) - 1)
+            x = (at - passed[number]) / (passed[number + 1] - passed[number])
+        line, outward = chain[number]
+        lines.append(line)
+        places.append(x if outward else 1.0 - x)
+        outwards.append(outward)
+    left = np.array(outwards) == (gauge.side == "+theta")
+    return surface_strain_rows(dataset, np.array(lines), np.array(places), left)
+
+
+def shown_unit(signal: xr.DataArray) -> tuple[str, float]:
+    """Return the unit in which rigs show a signal, and the factor from the SI unit: microstrain,
+    micrometres, mm/s, g, and mm for the deflection of a tip."""
+    if signal.attrs["type"] == "tip-timing":
+        return "mm", 1e3
+    return SHOWN[signal.attrs["units"]]
+
+
+def _signal(
+    result: xr.Dataset, sensor: StrainGauge | WallSensor | CentreSensor, number: int
+) -> xr.Dataset:
+    """Return the signal of a sensor that samples in time; the number of the sensor is part of the
+    key of its noise."""
+    numbers, at = _samples(result, sensor.sampling_rate)
+    over = "time" if sensor.sampling_rate is None else f"time_{sensor.sampling_rate:g}_Hz"
+    coordinates: dict[str, Any] = {over: at}
+    match sensor:
+        case StrainGauge():
+            unit, values = "m/m", _between(result, "rotor", gauge_rows(result, sensor), at)
+        case WallSensor():
+            unit, derivative = _motion(sensor.quantity)
+            rows = casing_rows(result, np.array([sensor.angle]))
+            row = rows[:, COMPONENTS.index(sensor.direction)]
+            values = _between(result, "casing", row, at, derivative)
+        case CentreSensor():
+            unit, derivative = _motion(sensor.quantity)
+            values = _centre(result, sensor.angle, at, derivative)[:, None]
+    noise = _stream(sensor, number).standard_normal((numbers[-1] + 1, values.shape[1]))
+    values = values + sensor.noise * noise[numbers]
+    dimensions: tuple[str, ...] = (over,)
+    if isinstance(sensor, StrainGauge) and sensor.blade == "all":
+        dimensions, coordinates["blade"] = (over, "blade"), np.arange(values.shape[1])
+    else:
+        values = values[:, 0]
+    signal = labelled(
+        result, "signals of sensors", {sensor.label: (dimensions, values, unit)}, coordinates
+    )
+    signal[over].attrs["units"] = "s"
+    signal[sensor.label].attrs |= _about(sensor)
+    return signal
+
+
+def _timing(result: xr.Dataset, sensor: TipTiming, number: int) -> xr.Dataset:
+    """Return arrivals and deflections from tip timing with noise and with a clock that ticks."""
+    exact = tip_timing(result, np.array(sensor.probes))
+    speed, name = float(result.attrs["speed"]), sensor.label
+    radius = float(result.attrs["tip_radius"]) - result["tip_recess"].values[:, None]
+    angle = result["tip_angle"].values[:, None] - exact["probe"].values[:, None, None]
+    arrival = exact["arrival"].values
+    turned = angle + speed * arrival + exact["deflection"].values / radius
+    turn = np.nan_to_num(np.sign(speed) * np.round(turned / (2.0 * np.pi))).astype(np.int64) + 2
+    shape = (int(turn.max()) + 1, len(sensor.probes), len(radius))
+    probe, blade = np.ogrid[: shape[1], : shape[2]]
+    # Noise belongs to the revolution since the start of the run, also in a time window.
+    noise = _stream(sensor, number).standard_normal(shape)[turn, probe[..., None], blade[..., None]]
+    measured = arrival + sensor.noise * noise
+    if sensor.sampling_rate is not None:
+        measured = np.round(measured * sensor.sampling_rate) / sensor.sampling_rate
+    exact["deflection"].values -= radius * speed * (measured - arrival)
+    exact["arrival"].values[:] = measured
+    names = {"deflection": name, "arrival": f"{name}_arrival"}
+    names |= {each: f"{name}_{each}" for each in ("probe", "revolution")}
+    signal = exact.rename(names).assign_attrs(title="signals of sensors")
+    signal[f"{name}_probe"].attrs["units"] = "rad"
+    signal[name].attrs |= _about(sensor)
+    return signal
+
+
+def _samples(result: xr.Dataset, rate: float | None) -> tuple[IntArray, Array]:
+    """Return the numbers of the samples since the start of the run, and their times [s]: those of
+    the records when the rate [Hz] is None."""
+    time = result["time"].values
+    if rate is None:
+        first = round(time[0] / float(result.attrs["record_step"]))
+        return np.arange(first, first + len(time)), time
+    first, last = np.ceil(time[0] * rate - ON_SAMPLE), np.floor(time[-1] * rate + ON_SAMPLE)
+    numbers = np.arange(int(first), int(last) + 1)
+    if not len(numbers):
+        raise ViewError(f"sensors: expected a sample of {rate:g} Hz between the records")
+    return numbers, numbers / rate
+
+
+def _between(
+    result: xr.Dataset,
+    body: Literal["rotor", "casing"],
+    rows: Array,
+    at: Array,
+    derivative: int = 0,
+) -> Array:
+    """Return weighted sums of the modal coordinates of a body at times between the records, or
+    their derivatives, (at, row).
+
+    Args:
+        result: a result.
+        body: "rotor" or "casing".
+        rows: weights of the modes, (row, mode).
+        at: times [s], (at,).
+        derivative: 0, 1 or 2.
+    """
+    time = result["time"].values
+    if len(time) == 1:
+        raise ViewError("sensors: expected at least two records")
+    rotor = body == "rotor"
+    values = reduce_modes(result, "rotor_displacement" if rotor else "casing_displacement", rows)
+    rates = reduce_modes(result, "rotor_velocity" if rotor else "casing_velocity", rows)
+    record = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
+    length = time[record + 1] - time[record]
+    weights = WEIGHTS[derivative]((at - time[record]) / length)[:, :, None]
+    step = length[:, None]
+    cubic = weights[0] * values[record] + weights[2] * values[record + 1]
+    cubic += step * (weights[1] * rates[record] + weights[3] * rates[record + 1])
+    return np.asarray(cubic / step**derivative)
+
+
+def _centre(result: xr.Dataset, angle: float, at: Array, derivative: int) -> Array:
+    """Return the displacement of the shaft's centre along a static angle [rad], or its derivatives,
+    (at,).
+
+    With z = x + i y in rotating axes, the displacement in static axes is exp(i Omega t) z, and each
+    derivative adds i Omega.
+    """
+    rows = result["rotor_shape"].values[int(result["centre_node"]), :2]
+    turning = 1j * float(result.attrs["speed"])
+    x, y = np.stack([_between(result, "rotor", rows, at, d) for d in range(derivative + 1)]).T
+    z = x + 1j * y  # (at, derivative)
+    binomial = {0: [1.0], 1: [turning, 1.0], 2: [turning**2, 2.0 * turning, 1.0]}[derivative]
+    return np.asarray(np.real(np.exp(turning * at - 1j * angle) * (z @ binomial)))
+
+
+def _motion(quantity: str) -> tuple[str, int]:
+    return MOTION_UNITS[quantity], list(MOTION_UNITS).index(quantity)
+
+
+def _stream(sensor: Sensor, number: int) -> np.random.Generator:
+    key = np.array([sensor.seed, number], dtype=np.uint64)
+    return np.random.Generator(np.random.Philox(key=key))
+
+
+def _about(sensor: Sensor) -> dict[str, Any]:
+    """Return the keys of a sensor as attributes of its signal."""
+    return sensor.model_dump(mode="json", exclude_none=True, exclude={"name"})

@@ -1,0 +1,93 @@
+"""The [[sensor]] tables: written and read back, and refused by key, value and expectation."""
+
+import pytest
+from faults import fault
+
+import bladewhirl as bw
+from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.file import loads
+from bladewhirl.models.case.template import template
+
+GAUGE = {"type": "strain", "span": 0.1}
+
+TEXT = """
+[[sensor]]
+type = "strain"
+element = 0
+blade = 3
+side = "-theta"
+[[sensor]]
+type = "tip-timing"
+probes = "90 deg"
+noise = "1 us"
+sampling_rate = "80 MHz"
+[[sensor]]
+type = "wall"
+angle = "-90 deg"
+quantity = "velocity"
+noise = "1 mm/s"
+[[sensor]]
+type = "centre"
+name = "x.1"
+"""
+
+
+def test_a_case_with_sensors_is_written_and_read_back() -> None:
+    case = loads(TEXT)
+    assert loads(bw.dumps_case(case)) == case
+    names = [sensor.label for sensor in case.sensor]
+    assert names == ["strain-blade-3-element-0-minus", "tip-timing-90", "wall-270-velocity", "x.1"]
+    assert [sensor.noise for sensor in case.sensor] == [0.0, 1e-6, 1e-3, 0.0]
+    assert case.sensor[1].sampling_rate == 8e7
+    faster = bw.with_values(case, {"march.speed": 1.2})
+    assert faster.sensor == case.sensor
+
+
+def test_sensors_are_set_as_rows() -> None:
+    case = loads(TEXT, overrides=['sensor=[{type="strain",span=0.1}]', "march.speed=1.2"])
+    assert [sensor.label for sensor in case.sensor] == ["strain-0.1"]
+
+
+def test_a_case_without_sensors_has_no_key_of_sensors() -> None:
+    assert "sensor" not in bw.dumps_case(bw.Case())
+    text = template()
+    assert loads(text) == bw.Case()
+    commented = text[text.index("# [[sensor]]") :]
+    uncommented = "\n".join(line[2:] for line in commented.splitlines() if line[:2] == "# ")
+    assert len(loads(uncommented).sensor) == 4
+
+
+@pytest.mark.parametrize(
+    ("sensor", "line"),
+    [
+        ({"type": "strian"}, 'type = "strian": expected "strain" or "tip-timing" or "wall" or'),
+        ({"span": 0.1}, 'type: expected "strain" or'),
+        (GAUGE | {"span": 2}, "span = 2: expected a number from 0 at the root to 1 at the tip"),
+        (GAUGE | {"element": 0}, "span = 0.1: expected either span or element"),
+        ({"type": "strain"}, "span: expected either span or element"),
+        (GAUGE | {"blade": 22}, 'blade = 22: expected "all" or a blade from 0 to 21'),
+        (GAUGE | {"blade": -1}, 'blade = -1: expected "all" or the number of a blade, from 0'),
+        (GAUGE | {"name": "a/b"}, 'name = "a/b": expected up to 60 letters'),
+        (GAUGE | {"name": "time"}, 'name = "time": expected up to 60 letters'),
+        (GAUGE | {"sampling_rate": 0}, "sampling_rate = 0: expected a positive number in Hz"),
+        (GAUGE | {"angle": 0}, 'angle = 0: expected a key of sensor.type = "strain"; this key'),
+        (GAUGE | {"spam": 0}, "spam = 0: expected a known key; the nearest is sensor[0].span"),
+        ({"type": "tip-timing", "probes": []}, "probes = []: expected an angle such as"),
+        ({"type": "tip-timing", "probes": [0, 90]}, "probes[1] = 90: expected an angle within a"),
+        ({"type": "wall"}, "angle: expected a value for angle"),
+        (
+            {"type": "wall", "angle": 0, "quantity": "velocity", "noise": "1 mm"},
+            'noise = "1 mm": expected a number of zero or more in m/s',
+        ),
+        ({"type": "centre", "quantity": "speed"}, 'quantity = "speed": expected "displacement"'),
+    ],
+)
+def test_faults_name_key_value_and_expectation(sensor: dict[str, object], line: str) -> None:
+    assert fault(case_from, {"sensor": [sensor]}).startswith(f"sensor[0].{line}")
+
+
+def test_each_sensor_has_a_name_of_its_own() -> None:
+    line = fault(case_from, {"sensor": [GAUGE, GAUGE | {"blade": 2}, GAUGE | {"seed": 1}]})
+    expected = "expected a name of its own, not that of sensor[0]"
+    assert line == f'sensor[2].name = "strain-0.1": {expected}'
+    assert "expected rows of" in fault(case_from, {"sensor": GAUGE})

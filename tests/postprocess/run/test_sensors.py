@@ -1,0 +1,145 @@
+"""Signals of sensors against motions in closed form."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+from faults import fault
+
+import bladewhirl as bw
+from bladewhirl.models.inputs.errors import Hint
+
+LENGTH = synthetic.TIP_RADIUS - synthetic.DISK_RADIUS
+GAUGE = {"type": "strain", "span": 0.4}
+TIMING = {"type": "tip-timing", "probes": [0.0, "90 deg"], "name": "btt"}
+WALL = {"type": "wall", "angle": "90 deg", "name": "wall"}
+
+
+@pytest.fixture(scope="module")
+def result() -> xr.Dataset:
+    return synthetic.synthetic_result()
+
+
+@pytest.mark.parametrize(("side", "sign"), [("+theta", -1.0), ("-theta", 1.0)])
+def test_a_gauge_has_the_strain_of_a_cubic_bending_line(
+    result: xr.Dataset, side: str, sign: float
+) -> None:
+    """w = x^2 (3 - x) / 2 has the curvature 3 (1 - x) / L^2; the translation does not strain."""
+    signal = bw.sensors(result, [GAUGE | {"side": side, "name": "gauge"}])["gauge"]
+    waves = np.stack([np.cos(result["tip_angle"]), np.sin(result["tip_angle"])])
+    curvature = 3.0 * 0.6 / LENGTH**2 * result["rotor_displacement"].values[:, 3:] @ waves
+    np.testing.assert_allclose(signal, sign * 0.005 * curvature, atol=1e-12)
+    assert signal.attrs["units"] == "m/m"
+    element = bw.sensors(result, [{"type": "strain", "element": 1, "blade": 3, "side": side}])
+    at_middle = signal.sel(blade=3) * (1.0 - 0.375) / 0.6  # of the second of four elements
+    np.testing.assert_allclose(element[next(iter(element))], at_middle, atol=1e-12)
+
+
+def test_beams_that_run_inward_have_the_same_sides(result: xr.Dataset) -> None:
+    turned = result.copy(deep=True)
+    blades = turned["rotor_part"].values == "blades"
+    turned["rotor_line"].values[blades] = turned["rotor_line"].values[blades][:, ::-1]
+    xr.testing.assert_allclose(bw.sensors(turned, [GAUGE]), bw.sensors(result, [GAUGE]))
+
+
+def test_a_tapered_blade_is_strained_at_its_own_surface(result: xr.Dataset) -> None:
+    tapered = result.copy(deep=True)
+    tapered["rotor_thickness_change"].values[:] = -0.004
+    gauge = [{"type": "strain", "element": 0, "name": "a"}, GAUGE | {"span": 0.2, "name": "b"}]
+    plain, thin = bw.sensors(result, gauge), bw.sensors(tapered, gauge)
+    np.testing.assert_allclose(thin["a"], plain["a"], atol=1e-15)  # in the middle of an element
+    np.testing.assert_allclose(thin["b"], plain["b"] * (0.010 - 0.004 * 0.3) / 0.010, atol=1e-15)
+
+
+def test_wall_sensors_move_as_the_waves_of_the_ring(result: xr.Dataset) -> None:
+    """At 90 degrees the radial motion is that of the second mode less that of the third."""
+    rate, time = 3000.0, np.arange(1201) / 3000.0
+    exact = 1e-4 * np.sin(5.0 * time) - 0.2e-3 * np.cos(60.0 * time)
+    second = -25e-4 * np.sin(5.0 * time) + 0.2e-3 * 3600.0 * np.cos(60.0 * time)
+    first = 5e-4 * np.cos(5.0 * time) + 0.2e-3 * 60.0 * np.sin(60.0 * time)
+    step = 60.0 * synthetic.RECORD_STEP
+    for quantity, values, error in (
+        ("displacement", exact, 0.2e-3 * step**4 / 384),
+        ("velocity", first, 0.2e-3 * 60.0 * step**3 / 72 / np.sqrt(3.0)),
+        ("acceleration", second, 0.2e-3 * 3600.0 * step**2 / 12),
+    ):
+        with pytest.warns(Hint, match="wall samples 3000 times a second, but the run has only"):
+            found = bw.sensors(result, [WALL | {"quantity": quantity, "sampling_rate": rate}])
+        np.testing.assert_allclose(found["time_3000_Hz"], time, atol=1e-12)
+        np.testing.assert_allclose(found["wall"], values, rtol=0, atol=1.01 * error + 1e-15)
+        assert abs(found["wall"] - values).max() > 0.5 * error  # the error that the text states
+    along = bw.sensors(result, [WALL | {"direction": "tangential"}])["wall"]
+    expected = bw.casing_displacement(result, "90 deg")["displacement"].sel(component="tangential")
+    np.testing.assert_allclose(along, expected[:, 0], atol=1e-18)
+
+
+def test_the_centre_is_seen_in_the_static_frame(result: xr.Dataset) -> None:
+    """A whirl at -70 rad/s in axes that turn at 80 rad/s is one at 10 rad/s."""
+    for order, quantity in enumerate(("displacement", "velocity", "acceleration")):
+        sensor = {"type": "centre", "angle": 0.5, "quantity": quantity, "name": "probe"}
+        found = bw.sensors(result, [sensor], start=0.1)["probe"]
+        phase = 10.0 * found["time"].values - 0.5 + 0.5 * np.pi * order
+        accuracy = (1e-12, 1e-12, 0.8e-3 * 70.0**4 * 1e-6 / 12)[order]
+        expected = 0.8e-3 * 10.0**order * np.cos(phase)
+        np.testing.assert_allclose(found, expected, rtol=0, atol=accuracy)
+
+
+def test_tip_timing_is_that_of_the_function(result: xr.Dataset) -> None:
+    found = bw.sensors(result, [TIMING])
+    exact = bw.tip_timing(result, ["0 deg", "90 deg"])
+    np.testing.assert_array_equal(found["btt_arrival"], exact["arrival"])
+    np.testing.assert_allclose(found["btt"], exact["deflection"], atol=1e-12)
+
+
+def test_noise_of_arrivals_is_noise_of_deflections(result: xr.Dataset) -> None:
+    exact = bw.sensors(result, [TIMING])
+    noisy = bw.sensors(result, [TIMING | {"noise": "2 us"}])
+    late = (noisy["btt_arrival"] - exact["btt_arrival"]).values
+    assert np.nanstd(late) == pytest.approx(2e-6, rel=0.15)
+    moved = (noisy["btt"] - exact["btt"]).values
+    np.testing.assert_allclose(moved, -synthetic.TIP_RADIUS * synthetic.SPEED * late, atol=1e-15)
+    part = bw.sensors(result, [TIMING | {"noise": "2 us"}], start=0.1, end=0.3)
+    assert np.isin(part["btt_arrival"].values, noisy["btt_arrival"].values).sum() >= 2 * 22 * 2
+    clock = bw.sensors(result, [TIMING | {"sampling_rate": "10 kHz"}])["btt_arrival"].values
+    ticks = clock[np.isfinite(clock)] * 1e4
+    np.testing.assert_allclose(ticks, np.round(ticks), atol=1e-9)
+    assert np.nanmax(abs(clock - exact["btt_arrival"].values)) <= 0.5e-4 + 1e-15
+
+
+def test_noise_follows_from_seed_and_number(result: xr.Dataset) -> None:
+    gauges: list[dict[str, Any]] = [
+        GAUGE | {"noise": 1e-6, "name": name, "seed": seed}
+        for name, seed in (("a", 7), ("b", 7), ("c", 8))
+    ]
+    exact = bw.sensors(result, [GAUGE])["strain-0.4"]
+    signals = bw.sensors(result, gauges)
+    noise = {name: (signals[name] - exact).values for name in "abc"}
+    for one in noise.values():
+        assert one.std() == pytest.approx(1e-6, rel=0.03)
+    for first, second in ("ab", "ac", "bc"):
+        assert abs(np.corrcoef(noise[first].ravel(), noise[second].ravel())[0, 1]) < 0.05
+    xr.testing.assert_identical(bw.sensors(result, gauges), signals)
+    assert signals["c"].attrs["seed"] == 8
+    window = bw.sensors(result, gauges, start=0.2)
+    np.testing.assert_array_equal(window["a"], signals["a"].sel(time=window["time"]))
+
+
+def test_sensors_are_those_of_the_case(result: xr.Dataset) -> None:
+    text = bw.dumps_case(bw.Case(sensor=[WALL]))
+    assert list(bw.sensors(result.assign_attrs(case=text))) == ["wall"]
+    with pytest.raises(bw.ViewError, match=r"expected tables \[\[sensor\]\]"):
+        bw.sensors(result)
+
+
+def test_sensors_that_are_not_there_are_refused(result: xr.Dataset) -> None:
+    line = fault(bw.sensors, result, [WALL, GAUGE | {"blade": 22}])
+    assert line == 'sensor[1].blade = 22: expected "all" or a blade from 0 to 21'
+    line = fault(bw.sensors, result, [{"type": "strain", "element": 4}])
+    assert line == "sensor[0].element = 4: expected an element from 0 to 3 of blade 0"
+    line = fault(bw.sensors, result.assign_attrs(speed=0.0), [TIMING])
+    assert line.startswith('sensor[0].type = "tip-timing": expected at least four records')
+    branched = result.copy(deep=True)
+    branched["rotor_part"].values[:44] = "blades"
+    assert "one chain from root to tip" in fault(bw.sensors, branched, [GAUGE])
