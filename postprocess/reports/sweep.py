@@ -15,10 +15,9 @@ from bladewhirl.postprocess.reports.sweep_explorer import frequency_explorer, po
 from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, key_heading
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_label
-from bladewhirl.postprocess.sweep.dataset import swept
+from bladewhirl.postprocess.sweep.dataset import DRAW, swept
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
-from bladewhirl.postprocess.sweep.probability import DRAW
 from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key, other_keys
 
 WINDOWED = ("frequency-map", "energy-families")
@@ -47,9 +46,10 @@ def sweep_report(
     """
     state = dataset["state"].values
     done, failed = int((state == "done").sum()), int((state == "failed").sum())
+    wanted = state.size - int((state == "not-needed").sum())
     points = _points(dataset) if done else None
     counts = _counts(points)
-    verdict, tone = _verdict(counts, state.size, done, failed)
+    verdict, tone = _verdict(counts, wanted, done, failed)
     keys = [str(dataset[key].attrs["long_name"]) for key in swept(dataset)]
     blocks: dict[str, list[page.Block]] = {
         name: [*_drawn(dataset, name)] for name in ("regimes", "frequencies", "motion", "points")
@@ -77,7 +77,7 @@ def sweep_report(
         verdict=verdict,
         tone=tone,
         reason=f"Swept: {', '.join(keys)}. {REGIMES[next(iter(counts))].meaning if counts else ''}",
-        warnings=_warnings(state.size, done, failed),
+        warnings=_warnings(wanted, done, failed),
         figures=_glance(dataset, points, counts, done),
         sections=[*sections, _case_section(dataset, provenance)],
     )
@@ -125,7 +125,9 @@ def _glance(
     dataset: xr.Dataset, points: xr.Dataset | None, counts: Mapping[str, int], done: int
 ) -> list[tuple[str, str, str]]:
     """Return the key figures: name, value, remark."""
-    rows = [("points done", f"{done} of {dataset['state'].size}", "")]
+    left = int((dataset["state"].values == "not-needed").sum())
+    remark = f"{left} draws not needed" if left else ""
+    rows = [("points done", f"{done} of {dataset['state'].size}", remark)]
     attributes = {} if points is None else points.attrs
     keys = in_handy_units(dataset[swept(dataset)].assign_attrs(attributes))
     for key in (keys[name] for name in swept(dataset)):

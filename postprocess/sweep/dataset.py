@@ -21,7 +21,8 @@ from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT, index_values
 
 SWEEP_NAME = "sweep.nc"  #: name of the dataset's file in the folder of a sweep
-MISSING, DONE, FAILED = 0, 1, 2  #: codes of the variable `state` of a point
+MISSING, DONE, FAILED, NOT_NEEDED = range(4)  #: codes of the variable `state` of a point
+DRAW = "draw"  #: name of the dimension of the draws of each point
 #: size of a dataset [bytes] up to which all checksums are verified when the dataset is opened
 CHECKED_BYTES = 2**28
 BLOCK = 64  #: number of points whose checksums are verified together

@@ -4,10 +4,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.legends import Group, entries_of
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
+from bladewhirl.postprocess.sweep.dataset import DRAW
 from bladewhirl.postprocess.sweep.drawing import (
     MARK_SIZE,
     REGIME_COLOURS,
@@ -16,24 +17,7 @@ from bladewhirl.postprocess.sweep.drawing import (
     lines_of,
 )
 from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key
-
-DRAW = "draw"
-"""Dimension of the draws in a sweep."""
-
-QUANTILE = 1.959963984540054
-"""Quantile of the normal distribution for intervals of 95 %."""
-
-
-def wilson(hits: Array, draws: Array) -> tuple[Array, Array]:
-    """Return the ends of the 95 % interval of a probability (Wilson, 1927), from the number of hits
-    and the number of draws; the interval is [0, 1] without draws."""
-    some = np.maximum(draws, 1.0)
-    share, square = hits / some, QUANTILE**2 / some
-    middle = share + 0.5 * square
-    half = QUANTILE * np.sqrt(share * (1.0 - share) / some + 0.25 * square / some)
-    low, high = (middle - half) / (1.0 + square), (middle + half) / (1.0 + square)
-    none = np.asarray(draws) == 0.0
-    return np.where(none, 0.0, np.maximum(low, 0.0)), np.where(none, 1.0, np.minimum(high, 1.0))
+from bladewhirl.postprocess.sweep.shares import settled, wilson
 
 
 def probability(dataset: xr.Dataset, key: str | None = None) -> xr.Dataset:
@@ -66,14 +50,13 @@ def probability(dataset: xr.Dataset, key: str | None = None) -> xr.Dataset:
     with np.errstate(invalid="ignore"):
         share = hits / finished[..., None]
     over = (LINE, main, "regime")
-    uncertain = ((low < 0.5) & (high > 0.5)).any(axis=-1)
     return (
         data.assign(
             share=(over, share, {"units": "1"}),
             low=(over, low, {"units": "1"}),
             high=(over, high, {"units": "1"}),
             draws=(over[:-1], finished, {"units": "1"}),
-            uncertain=(over[:-1], uncertain),
+            uncertain=(over[:-1], ~settled(low, high)),
         )
         .assign_coords(regime=("regime", list(REGIME_COLOURS)))
         .assign_attrs(title=f"shares of the regimes in {count} draws")

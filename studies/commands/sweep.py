@@ -65,8 +65,20 @@ def sweep(
         ),
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the draws.")] = 0,
+    until: Annotated[
+        float | None,
+        typer.Option(
+            metavar="WIDTH",
+            help="Stop drawing a point when the 95 % interval of the share of every regime excludes"
+            " one half or is narrower than WIDTH, such as 0.2.",
+        ),
+    ] = None,
     resume: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Finish the sweep in this folder.")
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Finish the sweep in this folder; with a larger number of --draws, add draws.",
+        ),
     ] = None,
     yes: Annotated[
         bool, typer.Option("--yes", help="Allow more than 100,000 points or long marches.")
@@ -95,12 +107,14 @@ def sweep(
         watch = Watch(planned=_print_plan, progress=progress)
         if resume is not None:
             new_sweep: dict[str, object] = {"CASE": case, "--over": over, "--output": output}
-            new_sweep |= {"--draws": draws, "--perturb": perturb, "--seed": seed}
+            new_sweep |= {"--perturb": perturb, "--seed": seed, "--until": until}
             new_sweep |= {"--set": overrides, "--histories": histories, "--stop-when": stop_when}
             unused = ", ".join(name for name, value in new_sweep.items() if value)
             if unused:
                 raise UserError(f"--resume {resume}: expected no {unused}, which the plan defines")
-            result = resume_sweep(resume, scheduler=scheduler, workers=workers, watch=watch)
+            result = resume_sweep(
+                resume, scheduler=scheduler, workers=workers, draws=draws, watch=watch
+            )
         elif case is None or not over or output is None:
             raise UserError("sweep: expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR")
         else:
@@ -121,6 +135,7 @@ def sweep(
                 draws=draws,
                 perturb=perturb or (),
                 seed=seed,
+                until=until,
                 watch=watch,
             )
     document = {
@@ -128,14 +143,16 @@ def sweep(
         "points": result.points,
         "done": result.done,
         "failed": result.failed,
+        "not_needed": result.not_needed,
         "marched": result.marched,
         "wall_time": result.wall_time,
         "failures": result.grid.failed(result.failures),
     }
+    not_needed = f", {result.not_needed} not needed" if result.not_needed else ""
     names = ", ".join(sorted(path.name for path in result.directory.iterdir()))
     emit(
         document,
-        f"{result.done} of {result.points} points done, {result.failed} failed;"
+        f"{result.done} of {result.points} points done, {result.failed} failed{not_needed};"
         f" {result.marched} marched in {result.wall_time:.3g} s",
         f"{result.directory}: {names}",
         json=json,

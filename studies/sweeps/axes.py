@@ -18,7 +18,8 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError, shown
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
-from bladewhirl.studies.sweeps.draws import DRAW, PERTURB, Draws
+from bladewhirl.postprocess.sweep.dataset import DRAW
+from bladewhirl.studies.sweeps.draws import PERTURB, Draws
 
 Value = int | float | str
 """Value as in a case file: a number, or text with a unit."""

@@ -14,10 +14,7 @@ import numpy as np
 
 from bladewhirl.models.inputs.errors import UserError
 
-DRAW = "draw"
-"""Name of the dimension of the draws in the dataset of a sweep."""
-
-PERTURB = "--perturb"
+PERTURB, UNTIL = "--perturb", "--until"
 
 MOST_DRAWS = 10_000
 """Largest number of draws of a point."""
@@ -51,6 +48,8 @@ class Draws:
     count: int  #: number of draws of each point
     seed: int
     perturbations: tuple[Perturbation, ...]
+    #: width of intervals below which a point is not drawn any more; None to march all draws
+    until: float | None = None
 
     def stream(self, point: int, draw: int) -> np.random.Generator:
         """Return the random stream of a draw of a point."""
@@ -58,8 +57,10 @@ class Draws:
         return np.random.Generator(np.random.Philox(key=self.seed, counter=counter))
 
 
-def parse_draws(count: int | None, perturb: Sequence[str], seed: int) -> Draws | None:
-    """Return the draws from the options --draws, --perturb and --seed; None without draws.
+def parse_draws(
+    count: int | None, perturb: Sequence[str], seed: int, until: float | None = None
+) -> Draws | None:
+    """Return the draws from the options --draws, --perturb, --seed, --until; None without draws.
 
     Args:
         count: number of draws of each point.
@@ -67,10 +68,13 @@ def parse_draws(count: int | None, perturb: Sequence[str], seed: int) -> Draws |
             normal (default) or uniform. SIZE is a share of the value, or, if absolute, in the SI
             unit of the key.
         seed: seed of the random streams.
+        until: width of the intervals of shares from which on a point is not drawn any more.
 
     Raises:
         UserError: only one of count and perturb is given, or an option is not valid.
     """
+    if until is not None and (count is None or not 0.0 < until < 1.0):
+        raise UserError(f"{UNTIL} {until}: expected a width between 0 and 1, and --draws")
     if count is None and not perturb:
         return None
     if count is None or not perturb:
@@ -102,4 +106,4 @@ def parse_draws(count: int | None, perturb: Sequence[str], seed: int) -> Draws |
     keys = [perturbation.key for perturbation in perturbations]
     if len(set(keys)) < len(keys):
         raise UserError(f"{PERTURB}: expected each key once")
-    return Draws(count=count, seed=seed, perturbations=tuple(perturbations))
+    return Draws(count=count, seed=seed, perturbations=tuple(perturbations), until=until)

@@ -16,12 +16,12 @@ from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.stage.build import contact_problem, march_faults
-from bladewhirl.postprocess.sweep.dataset import DONE, Layout
-from bladewhirl.solvers.march.free_motion import STOPS, FreeMotion, StopWhen
+from bladewhirl.postprocess.sweep.dataset import DONE, DRAW, Layout
+from bladewhirl.solvers.march.free_motion import RULE, STOPS, FreeMotion, StopWhen
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import OVER, Grid, coordinate, make_grid, unit_of, value_at
-from bladewhirl.studies.sweeps.draws import DRAW, Draws, parse_draws
+from bladewhirl.studies.sweeps.draws import Draws, parse_draws
 from bladewhirl.studies.sweeps.layout import history_bytes, make_layout, march_extent
 from bladewhirl.studies.sweeps.points import Point, stage_at
 from bladewhirl.studies.sweeps.store import Coordinates
@@ -64,6 +64,13 @@ class Plan:
         return plan_digest(self.case, self.grid.over, self.stop_when, self.grid.draws)
 
     @property
+    def attributes(self) -> dict[str, str]:
+        """Attributes of the dataset that depend on the case and on the program."""
+        attributes = {"title": self.case.title, "case": folder.portable_case(self.case)}
+        attributes |= {"version": folder.version(), "plan": self.digest}
+        return attributes | ({} if self.stop_when is None else {"stop_rule": RULE})
+
+    @property
     def hints(self) -> tuple[str, ...]:
         """Warnings about implausible values at the first and the last point."""
         ends = (self.grid.values(number) for number in (0, self.grid.size - 1))
@@ -71,13 +78,16 @@ class Plan:
             dict.fromkeys(hint for at in ends for hint in case_hints(with_values(self.case, at)))
         )
 
-    def left(self, state: NDArray[np.int8]) -> Iterator[Point]:
-        """Yield the points whose state is not "done"; `state` has an entry for every point."""
+    def left(self, state: NDArray[np.int8]) -> Iterator[int]:
+        """Yield the numbers of the points whose state is not "done"; `state` has an entry for every
+        point."""
+        return (number for number in range(self.grid.size) if state[number] != DONE)
+
+    def point(self, number: int) -> Point:
+        """Return a point for a worker to march."""
         digits = len(str(self.grid.size - 1))
-        for number in range(self.grid.size):
-            if state[number] != DONE:
-                name = f"point_{number:0{digits}d}.nc" if self.histories else None
-                yield Point(number=number, values=self.grid.values(number), history=name)
+        name = f"point_{number:0{digits}d}.nc" if self.histories else None
+        return Point(number=number, values=self.grid.values(number), history=name)
 
 
 def plan_sweep(
@@ -136,7 +146,8 @@ def plan_sweep(
 def _described(draws: Draws) -> dict[str, Any]:
     """Return draws as they are written into the plan."""
     perturb = [perturbation.text for perturbation in draws.perturbations]
-    return {"count": draws.count, "seed": draws.seed, "perturb": perturb}
+    described = {"count": draws.count, "seed": draws.seed, "perturb": perturb}
+    return described if draws.until is None else {**described, "until": draws.until}
 
 
 def plan_digest(
@@ -191,7 +202,9 @@ def read_plan(directory: Path) -> Plan:
         stop_rule = document.get("stop_when")
         stop_when = None if stop_rule is None else STOPS[STOPS.index(stop_rule)]
         drawn = document.get("draws")
-        draws = drawn and parse_draws(drawn["count"], drawn["perturb"], drawn["seed"])
+        draws = drawn and parse_draws(
+            drawn["count"], drawn["perturb"], drawn["seed"], drawn.get("until")
+        )
     except OSError as error:
         raise UserError(f"{path}: expected the plan of a sweep ({error.strerror})") from None
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:

@@ -16,6 +16,7 @@ from typing import Any
 import h5netcdf
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from bladewhirl.files import replacing, write_atomically
 from bladewhirl.meshes.line_mesh import FloatArray
@@ -66,9 +67,12 @@ def create(
             lengths = {dimension: layout.sizes[dimension] for dimension in variable.dimensions}
             made = _reserve(h5, file, name, np.dtype(variable.kind), {**sizes, **lengths})
             made.attrs.update(variable.attributes)
-            if variable.labels:
-                made.attrs["flag_values"] = np.arange(len(variable.labels), dtype="i1")
-                made.attrs["flag_meanings"] = " ".join(variable.labels)
+            labels = variable.labels
+            if name == "state" and (grid.draws is None or grid.draws.until is None):
+                labels = labels[: dataset.NOT_NEEDED]  # the same file as before there was --until
+            if labels:
+                made.attrs["flag_values"] = np.arange(len(labels), dtype="i1")
+                made.attrs["flag_meanings"] = " ".join(labels)
         file.attrs["coordinates"] = " ".join(as_given)
         file.attrs["over"] = json.dumps(grid.over)
         file.attrs["format"] = SWEEP_FORMAT
@@ -139,9 +143,25 @@ class Store(AbstractContextManager["Store"]):
         return np.asarray(self._h5["frequency"][()], dtype=np.float64)
 
     @property
+    def regime(self) -> NDArray[np.int8]:
+        """Code of the regime of every point as written, (points,)."""
+        return np.asarray(self._h5["regime"][()], dtype=np.int8).ravel()
+
+    @property
     def done(self) -> int:
         """Number of finished points."""
         return int(np.count_nonzero(self.state == dataset.DONE))
+
+    @property
+    def not_needed(self) -> int:
+        """Number of draws that are not needed."""
+        return int(np.count_nonzero(self.state == dataset.NOT_NEEDED))
+
+    def read(self, point: int) -> dict[str, FloatArray]:
+        """Read the data of a finished point."""
+        index = np.unravel_index(point, self._grid.shape)
+        names = (name for name in SWEEP if name not in ("state", "checksum"))
+        return {name: np.asarray(self._variables[name][index]) for name in names}
 
     def write(self, point: int, outcome: Outcome) -> None:
         """Write a point: first its data, then its state."""
@@ -154,9 +174,17 @@ class Store(AbstractContextManager["Store"]):
                 self._variables[name][index] = values
             self._variables["checksum"][index] = dataset.checksum(outcome, self._coordinates)
         self._h5.flush()
+        self._write_state(point, dataset.FAILED if isinstance(outcome, Failure) else dataset.DONE)
+
+    def leave_out(self, point: int) -> None:
+        """Write that a draw is not needed."""
+        self.failures.pop(point, None)
+        self._write_state(point, dataset.NOT_NEEDED)
+
+    def _write_state(self, point: int, state: int) -> None:
         self._write_failures()
-        self.state[point] = dataset.FAILED if isinstance(outcome, Failure) else dataset.DONE
-        self._variables["state"][index] = self.state[point]
+        self.state[point] = state
+        self._variables["state"][np.unravel_index(point, self._grid.shape)] = state
         self._h5.flush()
 
     def _write_failures(self) -> None:

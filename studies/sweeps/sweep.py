@@ -6,7 +6,7 @@ on the case and the points, not on the number of workers, their order, or interr
 
 import time
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -14,13 +14,15 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import Hint, UserError
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
-from bladewhirl.solvers.march.free_motion import RULE, StopWhen
+from bladewhirl.solvers.march.free_motion import StopWhen
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import Grid, Value, make_grid
 from bladewhirl.studies.sweeps.draws import parse_draws
+from bladewhirl.studies.sweeps.more_draws import add_draws
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, Plan, plan_sweep, read_plan, write_plan
-from bladewhirl.studies.sweeps.points import Work
+from bladewhirl.studies.sweeps.points import Outcome, Work
 from bladewhirl.studies.sweeps.store import Store, create
+from bladewhirl.studies.sweeps.until import Judge
 from bladewhirl.studies.sweeps.workers import march_points
 
 HISTORIES_NAME = "histories"
@@ -47,6 +49,7 @@ class Sweep:
     grid: Grid
     wall_time: float  #: wall time of this call [s]
     marched: int  #: number of points marched by this call
+    not_needed: int = 0  #: number of draws that were not needed, see `until`
     left_out: Mapping[str, str] = field(default_factory=dict)  #: figures not drawn, and the reasons
 
     @property
@@ -68,6 +71,7 @@ def run_sweep(
     draws: int | None = None,
     perturb: Sequence[str] = (),
     seed: int = 0,
+    until: float | None = None,
     watch: Watch | None = None,
 ) -> Sweep:
     """March a case at every combination of values and collect the results in a dataset.
@@ -96,6 +100,8 @@ def run_sweep(
         perturb: random changes, such as "contact.friction = 0.05": a normal distribution with a
             standard deviation of 5 %. More words are possible, see `draws.parse_draws`.
         seed: seed of the draws.
+        until: stop drawing a point when the 95 % interval of the share of every regime excludes one
+            half or is narrower than this. The `state` of the other draws is "not-needed".
         watch: progress callbacks.
 
     Warns:
@@ -110,7 +116,7 @@ def run_sweep(
         resumable = (directory / PLAN_NAME).exists()
         hint = "; --resume finishes the sweep in it" if resumable else ""
         raise UserError(f"{directory}: expected a new or an empty folder{hint}")
-    grid = make_grid(case, over, large=large, draws=parse_draws(draws, perturb, seed))
+    grid = make_grid(case, over, large=large, draws=parse_draws(draws, perturb, seed, until))
     plan = plan_sweep(case, grid, histories=histories, large=large, stop_when=stop_when)
     for hint in plan.hints:
         warnings.warn(hint, Hint, stacklevel=2)
@@ -130,18 +136,26 @@ def resume_sweep(
     *,
     scheduler: str | None = None,
     workers: int | None = None,
+    draws: int | None = None,
     watch: Watch | None = None,
 ) -> Sweep:
     """Finish the sweep in a folder: march the missing points, and the failed points again.
 
-    The other arguments are described in `run_sweep`.
+    Args:
+        directory: folder of the sweep.
+        scheduler: see `run_sweep`.
+        workers: see `run_sweep`.
+        draws: new, larger number of draws of each point; the finished draws are kept.
+        watch: progress callbacks.
 
     Raises:
         UserError: the folder contains no sweep, or a sweep of another program version; the sweep
-            is still running; or the scheduler does not answer.
+            is still running; the scheduler does not answer; or draws cannot be added.
     """
     directory = Path(directory)
     plan = read_plan(directory)
+    if draws is not None:
+        plan = add_draws(plan, directory, draws)
     watch = watch or Watch()
     watch.planned(plan)
     return _carry_out(plan, directory, watch, scheduler, workers)
@@ -158,10 +172,7 @@ def _carry_out(
     if plan.histories:
         histories.mkdir(exist_ok=True)
     if not (directory / SWEEP_NAME).exists():
-        attributes = {"title": plan.case.title, "case": folder.portable_case(plan.case)}
-        attributes |= {"version": folder.version(), "plan": plan.digest}
-        attributes |= {} if plan.stop_when is None else {"stop_rule": RULE}
-        create(directory, plan.grid, plan.coordinates, plan.layout, attributes)
+        create(directory, plan.grid, plan.coordinates, plan.layout, plan.attributes)
     with Store(directory, plan.grid, plan.digest) as store:
         # The data of a point must match the file, not the defaults of this machine.
         layout = replace(plan.layout, frequency=store.frequency)
@@ -171,21 +182,45 @@ def _carry_out(
             histories=str(histories),
             stop_when=plan.stop_when,
         )
-        state, marched = store.state.copy(), 0
+        marched = 0
         watch.progress(store.done, 0, plan.grid.size)
-        for number, outcome in march_points(
-            work, plan.left(state), scheduler=scheduler, workers=workers
-        ):
+        for number, outcome in _outcomes(plan, store, work, scheduler, workers):
+            if outcome is None:
+                store.leave_out(number)
+                (histories / (plan.point(number).history or "none")).unlink(missing_ok=True)
+                continue
             store.write(number, outcome)
             marched += 1
-            watch.progress(store.done, len(store.failures), plan.grid.size)
+            watch.progress(store.done, len(store.failures), plan.grid.size - store.not_needed)
         swept = Sweep(
             directory=directory,
             points=plan.grid.size,
             done=store.done,
+            not_needed=store.not_needed,
             failures=dict(store.failures),
             grid=plan.grid,
             wall_time=time.perf_counter() - began,
             marched=marched,
         )
     return replace(swept, left_out=leave_figures(directory))
+
+
+def _outcomes(
+    plan: Plan, store: Store, work: Work, scheduler: str | None, workers: int | None
+) -> Iterator[tuple[int, Outcome | None]]:
+    """March the unfinished points; yield number and outcome of each, None for a draw that is not
+    needed."""
+
+    def march(numbers: Iterable[int]) -> Iterator[tuple[int, Outcome]]:
+        points = (plan.point(number) for number in numbers)
+        return march_points(work, points, scheduler=scheduler, workers=workers)
+
+    draws, state = plan.grid.draws, store.state.copy()
+    if draws is None or draws.until is None:
+        yield from march(plan.left(state))
+        return
+    judge = Judge(draws.count, draws.until, state, store.regime)
+    for point in range(plan.grid.size // draws.count):
+        yield from judge.decided(point)
+    for number, outcome in march(judge.wanted()):
+        yield from judge.take(number, outcome)

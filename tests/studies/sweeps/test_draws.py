@@ -10,7 +10,8 @@ from small_run import small
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.sweep.dataset import open_sweep
-from bladewhirl.postprocess.sweep.probability import plot_probability, probability, wilson
+from bladewhirl.postprocess.sweep.probability import plot_probability, probability
+from bladewhirl.postprocess.sweep.shares import wilson
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.draws import parse_draws
 from bladewhirl.studies.sweeps.plan import plan_sweep, read_plan, write_plan

@@ -38,6 +38,15 @@ def test_the_number_of_workers_does_not_change_the_bits(
     assert same_bits(swept, tmp_path / "sweep")
 
 
+def test_the_number_of_workers_does_not_change_the_draws(tmp_path: Path) -> None:
+    perturb = ["contact.friction = 0.5 uniform"]
+    folders = [tmp_path / "1", tmp_path / "2"]
+    for count, folder in enumerate(folders, 1):
+        done = run_sweep(CASE, OVER, folder, draws=6, perturb=perturb, until=0.2, workers=count)
+        assert (done.done, done.not_needed) == (24, 12)
+    assert same_bits(*folders)
+
+
 def test_an_existing_scheduler_gives_the_same_bits(swept: Path, tmp_path: Path) -> None:
     with (
         LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,

@@ -1,0 +1,67 @@
+"""More draws at the points of an existing sweep; the finished draws are kept."""
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from bladewhirl.files import PREFIX
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.sweep.dataset import DONE, SWEEP_NAME
+from bladewhirl.studies.runs.folder import FAILURES_NAME
+from bladewhirl.studies.sweeps.axes import make_grid
+from bladewhirl.studies.sweeps.plan import Plan, plan_sweep, write_plan
+from bladewhirl.studies.sweeps.store import Store, create
+
+
+def add_draws(plan: Plan, directory: Path, count: int) -> Plan:
+    """Return the plan of a sweep with `count` draws at each point, and write plan and dataset with
+    these draws into the folder of the sweep.
+
+    The dataset is replaced before the plan. After a kill in between, the same call completes both.
+
+    Raises:
+        UserError: the sweep has no draws or as many already, keeps histories, which are numbered
+            by draw, or its dataset is in use, damaged or of another plan.
+    """
+    draws = plan.grid.draws
+    if draws is None or count <= draws.count or plan.histories:
+        present = 0 if draws is None else draws.count
+        raise UserError(
+            f"--resume {directory}, --draws {count}: expected a sweep with draws and without"
+            f" --histories, and more than its {present} draws"
+        )
+    grid = make_grid(plan.case, plan.grid.over, large=True, draws=replace(draws, count=count))
+    more = plan_sweep(plan.case, grid, histories=False, stop_when=plan.stop_when)
+    if not _is_dataset_of(more, directory):
+        with TemporaryDirectory(prefix=PREFIX, dir=directory) as draft:
+            _copy(plan, directory, more, Path(draft))
+            os.replace(Path(draft) / SWEEP_NAME, directory / SWEEP_NAME)
+    (directory / FAILURES_NAME).unlink(missing_ok=True)  # they are marched again
+    write_plan(more, directory)
+    return more
+
+
+def _is_dataset_of(plan: Plan, directory: Path) -> bool:
+    """Return whether the dataset in a folder is that of a plan."""
+    try:
+        with Store(directory, plan.grid, plan.digest):
+            return True
+    except UserError:
+        return False
+
+
+def _copy(plan: Plan, directory: Path, more: Plan, draft: Path) -> None:
+    """Create the dataset of the plan `more` in the folder `draft`, with all finished draws of the
+    dataset of `plan` in `directory`."""
+    assert plan.grid.draws is not None
+    assert more.grid.draws is not None
+    with Store(directory, plan.grid, plan.digest) as old:
+        layout = replace(more.layout, frequency=old.frequency)
+        create(draft, more.grid, more.coordinates, layout, more.attributes)
+        with Store(draft, more.grid, more.digest) as new:
+            for number in np.flatnonzero(old.state == DONE):
+                point, draw = divmod(int(number), plan.grid.draws.count)
+                new.write(point * more.grid.draws.count + draw, old.read(int(number)))

@@ -1,0 +1,143 @@
+"""Draws that stop when the outcome is known: the rule, the order of arrival, more draws later."""
+
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from small_run import small
+from sweep_work import same_bits
+
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, flag, open_sweep
+from bladewhirl.postprocess.sweep.probability import probability
+from bladewhirl.postprocess.sweep.shares import settled, wilson
+from bladewhirl.studies.sweeps import sweep as sweep_module
+from bladewhirl.studies.sweeps.draws import parse_draws
+from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
+from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
+from bladewhirl.studies.sweeps.until import Judge
+
+DIVERGENT, SUSTAINED = flag("regime", "divergent"), flag("regime", "sustained")
+COUNT = 30
+
+CASE = small(**{"contact.friction": 0.2, "march.duration": 2e-3})
+OVER = {"march.speed": [1.0, 1.5]}
+PERTURB = ["contact.friction = 1e-3"]
+
+
+@pytest.fixture
+def toy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let points be marched in lots, in reverse order, with outcomes of equal probability; without
+    figures."""
+    known = dict[str, Outcome]()
+
+    def march(
+        work: Work, points: Iterable[Point], *, workers: int | None, **_: object
+    ) -> Iterator[tuple[int, Outcome]]:
+        waiting = iter(points)
+        while lot := list(islice(waiting, workers or 1)):
+            for point in reversed(lot):
+                data = known["point"] = known.get("point") or march_point(work, point)
+                assert not isinstance(data, Failure)
+                regime = DIVERGENT if float(point.values["contact.friction"]) > 0.2 else SUSTAINED
+                yield point.number, {**data, "regime": np.array(regime)}
+
+    monkeypatch.setattr(sweep_module, "march_points", march)
+    figures = "bladewhirl.postprocess.sweep.figures.leave_figures"
+    monkeypatch.setattr(figures, lambda directory: {})
+
+
+def outcome(regime: int) -> Outcome:
+    return {"regime": np.array(regime)} if regime >= 0 else Failure(reason="toy")
+
+
+def carried_out(regimes: NDArray[np.int64], workers: int, seed: int) -> list[dict[int, bool]]:
+    """March toy draws that arrive in random order; return for each point its draws that were
+    written, true if needed."""
+    written: list[dict[int, bool]] = [{} for _ in regimes]
+    fresh = np.full(regimes.size, MISSING, dtype=np.int8)
+    judge = Judge(COUNT, 0.2, fresh, fresh)
+    random, wanted, flying = np.random.default_rng(seed), judge.wanted(), list[int]()
+    while True:
+        while len(flying) < 2 * workers and (number := next(wanted, None)) is not None:
+            flying.append(number)
+        if not flying:
+            return written
+        number = flying.pop(int(random.integers(len(flying))))
+        for each, result in judge.take(number, outcome(int(regimes.flat[number]))):
+            point, draw = divmod(each, COUNT)
+            written[point][draw] = result is not None
+
+
+def test_the_order_of_arrival_does_not_matter() -> None:
+    random = np.random.default_rng(0)
+    shares = np.array([0.0, 0.1, 0.5, 0.9, 1.0])[:, None]
+    regimes = np.where(random.random((5, COUNT)) < shares, DIVERGENT, SUSTAINED)
+    regimes[0, 1] = -1  # a failed draw
+    alone = carried_out(regimes, 1, 0)
+    for workers, seed in ((1, 1), (2, 2), (8, 3), (8, 4)):
+        assert carried_out(regimes, workers, seed) == alone
+    needed = [sum(draws.values()) for draws in alone]
+    assert needed[0] == 5  # four equal draws and the failed one: 4 / (4 + 1.96**2) > 1/2
+    assert needed[4] == 4
+    assert needed[2] > needed[4]
+    assert [len(draws) for draws in alone] == [COUNT] * 5
+
+
+def test_wide_intervals_settle_when_they_exclude_one_half() -> None:
+    low, high = wilson(
+        np.array([[3.0, 0.0], [4.0, 0.0], [50.0, 50.0]]), np.array([[3], [4], [100]])
+    )
+    assert settled(low, high).tolist() == [False, True, False]
+    assert settled(low, high, 0.2).tolist() == [False, True, True]  # 0.404 to 0.596
+
+
+@pytest.mark.usefixtures("toy")
+def test_the_file_depends_neither_on_workers_nor_on_when_draws_were_added(tmp_path: Path) -> None:
+    for workers, folder in ((1, "one"), (5, "five")):
+        done = run_sweep(
+            CASE, OVER, tmp_path / folder, draws=12, perturb=PERTURB, until=0.2, workers=workers
+        )
+        assert done.done + done.not_needed == 24
+        assert resume_sweep(tmp_path / folder).marched == 0
+    assert done.not_needed == 8  # the draws of one point agree soon
+    assert same_bits(tmp_path / "one", tmp_path / "five")
+    run_sweep(CASE, OVER, tmp_path / "few", draws=3, perturb=PERTURB, until=0.2)
+    resume_sweep(tmp_path / "few", draws=12, workers=3)
+    assert same_bits(tmp_path / "one", tmp_path / "few")
+    with open_sweep(tmp_path / "one") as sweep:
+        counts = (sweep["state"] == "done").sum("draw").values.tolist()
+        shares = probability(sweep)
+    assert shares["draws"].values.tolist() == [counts]
+    assert shares["uncertain"].values.tolist() == [[count == 12 for count in counts]]
+    with pytest.raises(UserError, match=r"--draws 5: expected a sweep with draws .* its 12 draws"):
+        resume_sweep(tmp_path / "few", draws=5)
+
+
+@pytest.mark.usefixtures("toy")
+def test_a_killed_addition_of_draws_is_completed(tmp_path: Path) -> None:
+    run_sweep(CASE, OVER, tmp_path / "few", draws=2, perturb=PERTURB)
+    plan = (tmp_path / "few" / "sweep.json").read_bytes()
+    resume_sweep(tmp_path / "few", draws=3)
+    bits = (tmp_path / "few" / "sweep.nc").read_bytes()
+    (tmp_path / "few" / "sweep.json").write_bytes(plan)  # as after a kill before the plan
+    assert resume_sweep(tmp_path / "few", draws=3).marched == 0
+    assert (tmp_path / "few" / "sweep.nc").read_bytes() == bits
+
+
+@pytest.mark.parametrize(
+    ("count", "until"), [(20, 0.0), (20, 1.0), (20, float("nan")), (None, 0.2)]
+)
+def test_widths_that_cannot_be(count: int | None, until: float) -> None:
+    with pytest.raises(UserError, match=f"--until {until}: expected a width between 0 and 1"):
+        parse_draws(count, PERTURB if count else [], 0, until)
+
+
+def test_a_resumed_point_needs_the_first_missing_draw() -> None:
+    state = np.array([DONE, MISSING, DONE], dtype=np.int8)
+    judge = Judge(3, 0.2, state, np.full(3, SUSTAINED, dtype=np.int8))
+    assert list(judge.wanted()) == [1]
+    assert [number for number, _ in judge.take(1, outcome(SUSTAINED))] == [1]
