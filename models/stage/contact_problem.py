@@ -166,6 +166,42 @@ class WallClosure:
 
 
 @dataclass(frozen=True, kw_only=True)
+class WallCoating:
+    """Abradable coating on the inner face of the casing: elastic-plastic rods at equal angles.
+
+    Source: Legrand, Batailly and Pierre, J. Comput. Nonlinear Dyn. 7 (2012).
+    """
+
+    strain: FloatArray  #: plastic strain of each rod at the start, (rods,)
+    footprint: FloatArray  #: arc that each tip covers [m], (tips,)
+    arc: float  #: arc length of a rod [m]
+    width: float  #: width of the coating [m]
+    thickness: float  #: thickness [m]
+    young_modulus: float  #: Young's modulus [Pa]
+    yield_stress: float  #: yield stress [Pa]
+    hardening: float  #: slope of the yield stress in plastic strain [Pa]
+    limit: float  #: largest plastic strain
+    friction: float  #: friction coefficient
+
+    @property
+    def area(self) -> float:
+        """Area of a rod [m2]."""
+        return self.arc * self.width
+
+    @property
+    def angle(self) -> FloatArray:
+        """Angle of the middle of each rod [rad], (rods,)."""
+        rods = len(self.strain)
+        return 2.0 * np.pi / rods * (np.arange(rods) + 0.5)
+
+    @property
+    def stiffness(self) -> float:
+        """Largest stiffness under a tip [N/m]."""
+        rods = np.floor(self.footprint.max() / self.arc) + 1.0
+        return float(self.young_modulus * self.area / self.thickness * rods)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Load:
     """A force pattern times cos(frequency t + phase), with a half-cosine ramp and an end."""
 
@@ -215,6 +251,7 @@ class ContactProblem:
     start: Start
     springs: CouplingSprings | None = None  #: springs between the bodies
     closure: WallClosure | None = None  #: clearance that is lost over time
+    coating: WallCoating | None = None  #: abradable coating
     restitution: float = 0.0  #: restitution coefficient e of the scheme "moreau-jean"
     penalty_stiffness: float = 1e9  #: contact stiffness of the scheme "penalty" [N/m]
     stick_speed: float = 0.01
@@ -224,6 +261,12 @@ class ContactProblem:
         """Return the clearance and its derivative by s at each node [m, 1], (nodes, 2)."""
         at_start = self.casing.clearance
         return at_start if self.closure is None else at_start - self.closure.at(time)
+
+    @property
+    def metal_recess(self) -> FloatArray:
+        """Gap of each tip to the metal at rest, in addition to the clearance [m], (tips,)."""
+        coating = self.coating
+        return self.rotor.tip_recess + (coating.limit * coating.thickness if coating else 0.0)
 
     @property
     def critical_time_step(self) -> float:

@@ -21,6 +21,8 @@ enum { CHECK_EVERY = 100 };   /* steps between checks of all but the radial tip 
 enum { W_KIND, W_SLOPE, U_KIND, U_SLOPE, PUSH, DRAG };
 /* Kinds of work; CLOSING is the part of NORMAL that stops tips as their gaps close. */
 enum { EXTERNAL, NORMAL, FRICTION, DAMPING, PARAMETRIC, CLOSING, WORKS };
+/* Sums of the coating: work of its normal forces, removed volume, dissipated and stored energy. */
+enum { COATING_WORK, REMOVED, DISSIPATED, STORED, COATING_SUMS };
 enum { STEP_CONTACTS, LCP_FAILURES, LCP_PIVOTS, CONTACT_STEPS };
 enum { LOAD_END, LOAD_RAMP, LOAD_FREQUENCY, LOAD_PHASE, LOAD_NUMBERS };
 
@@ -170,6 +172,8 @@ typedef struct {
     double elements_per_step;  /* rotation of the rotor in a step, in casing elements */
     double friction;           /* friction coefficient mu */
     double sliding;            /* sign of permanent sliding */
+    double is_signed;          /* 1 if the direction of sliding follows from velocities */
+    double wheel_speed;        /* R Omega [m/s] */
     double elements_per_metre; /* casing elements per metre of u_t; 0 if u_t does not move tips */
     double displacement_limit; /* limit of tip displacements and of w of the casing [m] */
     double gap_scale;          /* smallest reference length of the complementarity residual [m] */
@@ -184,6 +188,21 @@ typedef struct {
     double rate;   /* [1/s] */
 } Closure;
 
+/* Abradable coating of rods, numbered from the first node of the casing on. */
+typedef struct {
+    Matrix hermite;          /* (4, rods) Hermite weights at the middle of each rod: w, w', w, w' */
+    IntVector element;       /* (rods) element of the casing of each rod */
+    Vector half;             /* (tips) half of the footprint of each tip, in rods */
+    double rods_per_element; /* number of rods on an element, which need not be whole */
+    double area;             /* area of a rod [m2] */
+    double thickness;        /* thickness h [m] */
+    double young_modulus;    /* E [Pa] */
+    double yield_stress;     /* s_y [Pa] */
+    double hardening;        /* H, slope in plastic strain [Pa] */
+    double limit;            /* largest plastic strain */
+    double friction;         /* friction coefficient */
+} Coating;
+
 /* State of a march, which is advanced in place. */
 typedef struct {
     Matrix rotor;    /* (3, rotor_entries) x_{n-1}, x_n and scratch of the rotor */
@@ -197,6 +216,9 @@ typedef struct {
     Vector work;     /* (6) works since the start: EXTERNAL ... [J] */
     Vector residual; /* (1) largest complementarity residual */
     Vector counts;   /* (4) contacts at the last step, LCP failures, pivots, steps with contact */
+    Vector strain;   /* (rods) plastic strain of each rod of the coating */
+    Vector coating;  /* (coating_sums) COATING_WORK ... [J, m3] */
+    Vector coating_impulse; /* (coated_tips) part of `impulse` on the coating [N s] */
 } State;
 
 /* Rows that are written at record steps. */
@@ -213,6 +235,8 @@ typedef struct {
     Vector contacts;        /* (records) number of tips in contact */
     Vector energy;          /* (records) energy half a step before the record [J] */
     Matrix work;            /* (records, 6) works since the start */
+    Matrix coating;         /* (records, coating_sums) sums of the coating */
+    Matrix coating_impulse; /* (records, coated_tips) normal impulse on the coating */
 } Records;
 
 typedef struct {
@@ -260,24 +284,40 @@ typedef struct {
 } SpringScratch;
 
 typedef struct {
+    Vector push;     /* (coated_tips) force of the coating on each tip [N] */
+    Matrix on_nodes; /* (4, closed_coating) forces on casing nodes: w, w', u, u' */
+    Matrix rotor;    /* (2, coated_rotor) modal forces on the rotor: normal, friction */
+    Matrix casing;   /* (2, coated_casing) modal forces on the casing: normal, friction */
+} CoatingScratch;
+
+typedef struct {
     FieldScratch fields;
     ContactScratch contact;
     SpringScratch springs;
+    CoatingScratch coating;
     Vector turned;          /* (rotor_entries) modal forces on the rotor */
     Vector amplitude;       /* (patterns) factor of each load pattern */
     Vector stroke;          /* (dampers) displacement of each damper in two steps */
     Matrix damper_force;    /* (2, dampers) forces phi on rotor and casing */
 } Scratch;
 
-/* Do a number of `steps` from `step` on and record at multiples of `record_every`. NULL stands for
- * an option that a march does not have: springs, dampers, gyroscopic forces, closure. The wheel speed
- * R Omega [m/s] is NULL if sliding is permanent. Before the first step and on return, row 0 of the
- * state is x_{n-1} and row 1 is x_n. Returns RUNNING or DIVERGED; `reached` gets the number of the
- * last step and the number of records. On divergence, the last state within the displacement limit
- * is recorded, with a backward difference as its velocity. */
-int march(const Rotor *rotor, const Casing *casing, const Springs *springs, const Dampers *dampers,
-          const Gyroscopic *gyroscopic, const Closure *closure, const double *wheel_speed,
-          const Numbers *numbers, State *state, Records *records, Scratch *scratch, int64_t step,
+/* Constants of a march. NULL stands for an option that a march does not have. */
+typedef struct {
+    const Rotor *rotor;
+    const Casing *casing;
+    const Springs *springs;       /* or NULL */
+    const Dampers *dampers;       /* or NULL */
+    const Gyroscopic *gyroscopic; /* or NULL */
+    const Closure *closure;       /* or NULL */
+    const Coating *coating;       /* or NULL */
+    const Numbers *numbers;
+} Stage;
+
+/* Do a number of `steps` from `step` on and record at multiples of `record_every`. Before the first
+ * step and on return, row 0 of the state is x_{n-1} and row 1 is x_n. Returns RUNNING or DIVERGED;
+ * `reached` gets the number of the last step and the number of records. On divergence, the last
+ * state within the displacement limit is recorded, with a backward difference as its velocity. */
+int march(const Stage *stage, State *state, Records *records, Scratch *scratch, int64_t step,
           int64_t steps, int64_t record_every, int64_t *reached);
 
 /* Positions of the works, of the counts, and of the sums since the last record (dense schemes). */

@@ -31,28 +31,22 @@
  *
  * `solvers.march.reference` is the same scheme in NumPy, which follows the definitions directly.
  */
-#include "turning.h"
+#include "coating.h"
 
-/* The stage, its options (NULL if not present), and the working data of a march. */
+/* The stage and the working data of a march. */
 typedef struct {
-    const Rotor *rotor;
-    const Casing *casing;
-    const Springs *springs;
-    const Dampers *dampers;
-    const Gyroscopic *gyroscopic;
-    const Closure *closure;
-    const double *wheel_speed;
-    const Numbers *numbers;
+    Stage stage;
     State *state;
     Scratch *scratch;
     Motion x, y; /* motion of rotor and of casing */
     int loaded;  /* whether any load acts at this step */
+    int coated;  /* whether any tip touches the coating at this step */
 } March;
 
 /* Compute x_p of both bodies. */
 static inline void predict(const March *m)
 {
-    const Body *rotor = &m->rotor->body, *casing = &m->casing->body;
+    const Body *rotor = &m->stage.rotor->body, *casing = &m->stage.casing->body;
     Scratch *s = m->scratch;
     Motion x = m->x, y = m->y;
     predict_body(rotor, x);
@@ -61,21 +55,25 @@ static inline void predict(const March *m)
         add_loads(rotor, s->amplitude.at, x);
         add_loads(casing, s->amplitude.at, y);
     }
-    if (m->springs) {
+    if (m->coated) {
+        add_coating(rotor, &s->coating.rotor, x);
+        add_coating(casing, &s->coating.casing, y);
+    }
+    if (m->stage.springs) {
         const double *force = s->springs.force.at;
-        add_springs(&m->springs->rotor, force, rotor->c.at, x.new);
-        add_springs(&m->springs->casing, force + s->springs.force.columns, casing->c.at, y.new);
+        add_springs(&m->stage.springs->rotor, force, rotor->c.at, x.new);
+        add_springs(&m->stage.springs->casing, force + s->springs.force.columns, casing->c.at, y.new);
     }
-    if (m->dampers) {
+    if (m->stage.dampers) {
         double *force = s->damper_force.at;
-        if (!m->gyroscopic)
-            add_dampers(&m->dampers->rotor, rotor->c.at, x, s->stroke.at, force);
+        if (!m->stage.gyroscopic)
+            add_dampers(&m->stage.dampers->rotor, rotor->c.at, x, s->stroke.at, force);
         force += s->damper_force.columns;
-        add_dampers(&m->dampers->casing, casing->c.at, y, s->stroke.at, force);
+        add_dampers(&m->stage.dampers->casing, casing->c.at, y, s->stroke.at, force);
     }
-    if (m->gyroscopic) {
-        add_circulation(m->gyroscopic, x);
-        turn(m->rotor, m->gyroscopic, x, s->turned.at);
+    if (m->stage.gyroscopic) {
+        add_circulation(m->stage.gyroscopic, x);
+        turn(m->stage.rotor, m->stage.gyroscopic, x, s->turned.at);
     }
 }
 
@@ -85,38 +83,97 @@ static inline void correct(const March *m, int64_t size)
     FieldScratch *f = &m->scratch->fields;
     ContactScratch *c = &m->scratch->contact;
     double ratio;
-    int mixed = tip_forces(size, m->numbers->friction, m->casing->nodes, f, c, &ratio);
-    if (m->gyroscopic)
-        correct_turning_rotor(m->rotor, m->gyroscopic, size, mixed, ratio, m->x, f, c,
+    int mixed = tip_forces(size, m->stage.numbers->friction, m->stage.casing->nodes, f, c, &ratio);
+    if (m->stage.gyroscopic)
+        correct_turning_rotor(m->stage.rotor, m->stage.gyroscopic, size, mixed, ratio, m->x, f, c,
                               m->scratch->turned.at);
     else
-        correct_rotor(m->rotor, size, mixed, ratio, m->x, f, c);
-    correct_casing(m->casing, size, mixed, ratio, m->y, f, c);
+        correct_rotor(m->stage.rotor, size, mixed, ratio, m->x, f, c);
+    correct_casing(m->stage.casing, size, mixed, ratio, m->y, f, c);
+}
+
+/* Compute the gaps of x_p with the tips at their positions at the end of the step; `recess` gets the
+ * recess of the tips. Returns whether x_p is within the displacement limit. */
+static inline int find_gaps(const March *m, int64_t step, const double **recess)
+{
+    const Numbers *numbers = m->stage.numbers;
+    FieldScratch *f = &m->scratch->fields;
+    place_tips(m->stage.rotor, m->stage.casing, numbers->elements_per_metre,
+               numbers->elements_per_step * (double)(step + 1), m->x.new, f);
+    *recess = recess_at(m->stage.rotor, m->stage.closure, (double)(step + 1) * numbers->time_step, f);
+    sum_radial(m->stage.rotor, m->stage.casing, m->x.new, m->y.new, f);
+    return close_gaps(m->stage.rotor, m->stage.casing, *recess, numbers->displacement_limit, f,
+                      f->free_gap.at);
+}
+
+/* Press the tips into the coating at x_p, after `find_gaps`, and compute the modal forces. Returns
+ * whether any tip touches the coating. */
+static int press_coating(const March *m, int64_t step)
+{
+    const Numbers *numbers = m->stage.numbers;
+    const Coating *coating = m->stage.coating;
+    FieldScratch *f = &m->scratch->fields;
+    ContactScratch *c = &m->scratch->contact;
+    CoatingScratch *s = &m->scratch->coating;
+    const double *places = numbers->elements_per_metre == 0.0 ? m->stage.rotor->position.at : f->at.at;
+    double nodes = (double)m->stage.casing->nodes, rate, closed = 0.0;
+    double turned = numbers->elements_per_step * (double)(step + 1);
+    int64_t size = 0, wide = c->factor.columns;
+    if (m->stage.closure)
+        closed = closure_at(m->stage.closure, (double)(step + 1) * numbers->time_step, &rate);
+    if (m->stage.numbers->is_signed != 0.0) {
+        sliding_signs(m->stage.rotor, m->stage.casing, numbers->wheel_speed, numbers->time_step, m->x, m->y, f,
+                      c->sign.at);
+        sum_radial(m->stage.rotor, m->stage.casing, m->x.new, m->y.new, f);
+        nodal_field(m->stage.casing, &m->stage.casing->radial, f);
+    }
+    m->state->coating.at[STORED] = 0.0;
+    for (int64_t j = 0; j < s->push.size; j++) {
+        double place = places[j] + turned;
+        place -= nodes * floor(place / nodes);
+        double recess = m->stage.rotor->recess.at[j] - coating->limit * coating->thickness;
+        s->push.at[j] = press_tip(coating, m->stage.closure, closed, j, place, recess,
+                                  coating->friction * c->sign.at[j], f, m->state, &s->on_nodes);
+        if (s->push.at[j] != 0.0)
+            c->active.at[size++] = j;
+    }
+    if (size == 0)
+        return 0;
+    for (int64_t n = 0; n < size; n++) {
+        int64_t j = c->active.at[n];
+        c->factor.at[PUSH * wide + n] = -s->push.at[j];
+        c->factor.at[DRAG * wide + n] = -s->push.at[j] * coating->friction * c->sign.at[j];
+    }
+    rotor_coating_force(m->stage.rotor, size, c, &s->rotor);
+    int64_t count = gather_nodes(m->stage.casing, s, c);
+    casing_coating_force(m->stage.casing, count, c, &s->casing);
+    return 1;
 }
 
 /* Compute x_{n+1} with contact. Returns whether x_{n+1} is within the displacement limit;
  * `penetrating` gets the number of tips that are inside the casing at x_p. */
-static inline int solve_step(const March *m, int64_t step, int64_t *penetrating)
+static inline int solve_step(March *m, int64_t step, int64_t *penetrating)
 {
-    const Rotor *rotor = m->rotor;
-    const Casing *casing = m->casing;
-    const Numbers *numbers = m->numbers;
+    const Rotor *rotor = m->stage.rotor;
+    const Casing *casing = m->stage.casing;
+    const Numbers *numbers = m->stage.numbers;
     State *state = m->state;
     FieldScratch *f = &m->scratch->fields;
     ContactScratch *c = &m->scratch->contact;
     double limit = numbers->displacement_limit;
+    const double *recess;
+    m->coated = 0;
     predict(m);
-    place_tips(rotor, casing, numbers->elements_per_metre,
-               numbers->elements_per_step * (double)(step + 1), m->x.new, f);
-    const double *recess =
-        recess_at(rotor, m->closure, (double)(step + 1) * numbers->time_step, f);
-    sum_radial(rotor, casing, m->x.new, m->y.new, f);
-    int within = close_gaps(rotor, casing, recess, limit, f, f->free_gap.at);
+    int within = find_gaps(m, step, &recess);
+    if (m->stage.coating && within && (m->coated = press_coating(m, step))) {
+        predict(m);
+        within = find_gaps(m, step, &recess);
+    }
     *penetrating = propose_contacts(f->free_gap.at, &state->held);
     if (*penetrating == 0)
         return within;
-    if (m->wheel_speed)
-        sliding_signs(rotor, casing, *m->wheel_speed, numbers->time_step, m->x, m->y, f,
+    if (m->stage.numbers->is_signed != 0.0)
+        sliding_signs(rotor, casing, numbers->wheel_speed, numbers->time_step, m->x, m->y, f,
                       c->sign.at);
     for (int64_t trial = 1;; trial++) {
         if (trial > 1)
@@ -143,32 +200,34 @@ static inline void account(const March *m, int64_t step, int touching)
     double *before = state->gaps.at + (step + 1) % 2 * state->gaps.columns;
     state->counts.at[STEP_CONTACTS] = 0.0;
     if (touching) {
-        double worst = complementarity_residual(m->numbers->gap_scale, &s->fields, &s->contact);
+        double worst = complementarity_residual(m->stage.numbers->gap_scale, &s->fields, &s->contact);
         state->residual.at[0] = larger(state->residual.at[0], worst);
         work[NORMAL] += s->contact.work.at[0];
         work[FRICTION] += s->contact.work.at[1];
-        account_contact(m->numbers, state, &s->contact, gap, before);
+        account_contact(m->stage.numbers, state, &s->contact, gap, before);
     }
+    if (m->coated)
+        account_coating(m->stage.coating, m->stage.numbers, state, &s->coating, &s->contact, x, y, touching);
     for (int64_t j = 0; j < state->gap.size; j++) {
         before[j] = gap[j];
         state->gap.at[j] = smaller(state->gap.at[j], gap[j]);
     }
     if (m->loaded) {
-        work[EXTERNAL] += external_work(&m->rotor->body, s->amplitude.at, x);
-        work[EXTERNAL] += external_work(&m->casing->body, s->amplitude.at, y);
+        work[EXTERNAL] += external_work(&m->stage.rotor->body, s->amplitude.at, x);
+        work[EXTERNAL] += external_work(&m->stage.casing->body, s->amplitude.at, y);
     }
-    double lost = damping_loss(&m->casing->body, y);
-    if (m->gyroscopic) {
-        lost += turning_loss(m->rotor, m->gyroscopic, x, s->turned.at);
-        work[PARAMETRIC] += circulation_work(m->gyroscopic, x);
+    double lost = damping_loss(&m->stage.casing->body, y);
+    if (m->stage.gyroscopic) {
+        lost += turning_loss(m->stage.rotor, m->stage.gyroscopic, x, s->turned.at);
+        work[PARAMETRIC] += circulation_work(m->stage.gyroscopic, x);
     } else
-        lost += damping_loss(&m->rotor->body, x);
-    work[DAMPING] += lost / m->numbers->time_step;
-    if (m->dampers) {
+        lost += damping_loss(&m->stage.rotor->body, x);
+    work[DAMPING] += lost / m->stage.numbers->time_step;
+    if (m->stage.dampers) {
         const double *force = s->damper_force.at;
-        work[DAMPING] += damper_loss(&m->dampers->rotor, x, s->stroke.at, force);
+        work[DAMPING] += damper_loss(&m->stage.dampers->rotor, x, s->stroke.at, force);
         force += s->damper_force.columns;
-        work[DAMPING] += damper_loss(&m->dampers->casing, y, s->stroke.at, force);
+        work[DAMPING] += damper_loss(&m->stage.dampers->casing, y, s->stroke.at, force);
     }
 }
 
@@ -177,24 +236,25 @@ static void begin(const March *m, int64_t step)
 {
     ContactScratch *c = &m->scratch->contact;
     for (int64_t j = 0; j < c->sign.size; j++) {
-        c->sign.at[j] = m->numbers->sliding;
+        c->sign.at[j] = m->stage.numbers->sliding;
         c->known.at[j] = -1;
     }
-    if (m->springs) {
+    if (m->stage.springs) {
         SpringScratch *s = &m->scratch->springs;
-        int64_t waves = m->springs->factor.size, row = (step + 1) % 2 * waves;
-        spring_waves(&m->springs->rotor, m->x.old, s->rotor.at + row, waves);
-        spring_waves(&m->springs->casing, m->y.old, s->casing.at + row, waves);
+        int64_t waves = m->stage.springs->factor.size, row = (step + 1) % 2 * waves;
+        spring_waves(&m->stage.springs->rotor, m->x.old, s->rotor.at + row, waves);
+        spring_waves(&m->stage.springs->casing, m->y.old, s->casing.at + row, waves);
     }
 }
 
-int march(const Rotor *rotor, const Casing *casing, const Springs *springs, const Dampers *dampers,
-          const Gyroscopic *gyroscopic, const Closure *closure, const double *wheel_speed,
-          const Numbers *numbers, State *state, Records *records, Scratch *scratch, int64_t step,
+int march(const Stage *stage, State *state, Records *records, Scratch *scratch, int64_t step,
           int64_t steps, int64_t record_every, int64_t *reached)
 {
-    March m = {rotor, casing, springs, dampers, gyroscopic, closure, wheel_speed, numbers, state,
-               scratch, motion_of(&state->rotor), motion_of(&state->casing), 0};
+    const Numbers *numbers = stage->numbers;
+    const Springs *springs = stage->springs;
+    const Rotor *rotor = stage->rotor;
+    const Casing *casing = stage->casing;
+    March m = {*stage, state, scratch, motion_of(&state->rotor), motion_of(&state->casing), 0, 0};
     double energy[2] = {0.0, 0.0}, dt = numbers->time_step;
     int64_t end = step + steps, written = 0, penetrating;
     int status = RUNNING;

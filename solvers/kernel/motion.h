@@ -284,6 +284,12 @@ static void write_record(Records *r, int64_t row, State *state, const Rotor *rot
                   r->casing_velocity.at + row * y.entries);
     for (int64_t i = 0; i < WORKS; i++)
         r->work.at[row * WORKS + i] = state->work.at[i];
+    for (int64_t i = 0; i < state->coating.size; i++)
+        r->coating.at[row * COATING_SUMS + i] = state->coating.at[i];
+    for (int64_t j = 0; j < state->coating_impulse.size; j++) {
+        r->coating_impulse.at[first + j] = state->coating_impulse.at[j];
+        state->coating_impulse.at[j] = 0.0;
+    }
     for (int64_t j = 0; j < tips; j++) {
         r->gap.at[first + j] = state->gap.at[j];
         r->impulse.at[first + j] = state->impulse.at[j];

@@ -144,9 +144,7 @@ def aligned_copy(values: np.ndarray[Any, Any]) -> FloatArray:
 
 
 def march(
-    stage: tuple[Struct | None, ...],
-    wheel_speed: float | None,
-    numbers: Struct,
+    stage: dict[str, Struct | None],
     state: Struct,
     records: Struct,
     scratch: Struct,
@@ -157,9 +155,7 @@ def march(
     """Advance a march from ``step`` to ``step + steps``, without the interpreter lock of Python.
 
     Args:
-        stage: rotor, casing, springs, dampers, gyroscopic forces and closure.
-        wheel_speed: R Omega [m/s] if sliding is signed, None if it is permanent.
-        numbers: parameters of the march.
+        stage: fields of the struct `Stage`; None for options that the march does not have.
         state: state, which is advanced in place.
         records: arrays that get a row at multiples of ``record_every``.
         scratch: working arrays.
@@ -170,11 +166,10 @@ def march(
     Returns:
         status (RUNNING or DIVERGED), the number of the last step, and the number of records.
     """
+    parts = ffi.new("Stage *", {name: part.pointer for name, part in stage.items() if part})
     reached = ffi.new("int64_t[2]")
-    speed = ffi.NULL if wheel_speed is None else ffi.new("double *", wheel_speed)
-    pointers = [ffi.NULL if part is None else part.pointer for part in stage]
-    others = [part.pointer for part in (numbers, state, records, scratch)]
-    status = lib.march(*pointers, speed, *others, step, steps, record_every, reached)
+    pointers = [part.pointer for part in (state, records, scratch)]
+    status = lib.march(parts, *pointers, step, steps, record_every, reached)
     return status, reached[0], reached[1]
 
 

@@ -30,14 +30,11 @@
     }
 
 CHOOSE(int, march,
-       (const Rotor *rotor, const Casing *casing, const Springs *springs, const Dampers *dampers,
-        const Gyroscopic *gyroscopic, const double *wheel_speed, const Numbers *numbers,
-        State *state, Records *records, Scratch *scratch, int64_t step, int64_t steps,
-        int64_t record_every, int64_t *reached),
-       (rotor, casing, springs, dampers, gyroscopic, wheel_speed, numbers, state, records, scratch,
-        step, steps, record_every, reached))
+       (const Stage *stage, State *state, Records *records, Scratch *scratch, int64_t step,
+        int64_t steps, int64_t record_every, int64_t *reached),
+       (stage, state, records, scratch, step, steps, record_every, reached))
 CHOOSE(int64_t, dense_march,
-       (const DenseStage *stage, const DenseLaw *law, DenseState *state, DenseScratch *scratch,
-        double h, int64_t first, int64_t steps),
-       (stage, law, state, scratch, h, first, steps))
+       (const DenseStage *stage, const Closure *closure, const DenseLaw *law, DenseState *state,
+        DenseScratch *scratch, double h, int64_t first, int64_t steps),
+       (stage, closure, law, state, scratch, h, first, steps))
 #endif

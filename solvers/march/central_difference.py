@@ -18,6 +18,7 @@ from bladewhirl.solvers.kernel.structs import (
 )
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
 from bladewhirl.solvers.packing.casing import pack_casing, pack_closure
+from bladewhirl.solvers.packing.coating import pack_coating
 from bladewhirl.solvers.packing.rotor import pack_rotor
 from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs
 from bladewhirl.solvers.packing.turning import pack_gyroscopic
@@ -76,17 +77,16 @@ class CentralDifference:
         casing, self._casing = pack_casing(problem, time_step, cyclic=self.cyclic[1])
         self._arrangements = rotor, casing
         bodies = self._rotor.body, self._casing.body
-        self._stage = (
-            self._rotor,
-            self._casing,
-            pack_springs(problem, self._arrangements, time_step),
-            pack_dampers(problem, bodies, self._arrangements, time_step),
-            pack_gyroscopic(problem, self._rotor, rotor, time_step),
-            pack_closure(problem),
-        )
-        signed = problem.sliding == "signed"
-        self._wheel_speed = problem.rotor.tip_radius * problem.speed if signed else None
-        self._numbers = _numbers(problem, time_step)
+        self._stage = {
+            "rotor": self._rotor,
+            "casing": self._casing,
+            "springs": pack_springs(problem, self._arrangements, time_step),
+            "dampers": pack_dampers(problem, bodies, self._arrangements, time_step),
+            "gyroscopic": pack_gyroscopic(problem, self._rotor, rotor, time_step),
+            "closure": pack_closure(problem),
+            "coating": pack_coating(problem),
+            "numbers": _numbers(problem, time_step),
+        }
         self._scratch = Struct("Scratch", **self._working_arrays())
 
     def init(self) -> CentralDifferenceState:
@@ -124,6 +124,8 @@ class CentralDifference:
             slots.append(arrangement.pack(np.array([before, x, np.zeros_like(x)])))
         arrays = zeros("State", self._sizes())
         arrays |= {"rotor": slots[0], "casing": slots[1], "gap": initial_gap(problem)}
+        if problem.coating is not None:
+            arrays["strain"][:] = problem.coating.strain
         rotor, casing = (
             arrangement.unpack(slot[0])
             for arrangement, slot in zip(self._arrangements, slots, strict=True)
@@ -141,8 +143,6 @@ class CentralDifference:
         records = zeros("Records", self._sizes() | {"records": steps // every + 2})
         status, reached, written = march(
             self._stage,
-            self._wheel_speed,
-            self._numbers,
             Struct("State", **arrays),
             Struct("Records", **records),
             self._scratch,
@@ -157,25 +157,35 @@ class CentralDifference:
     def _sizes(self) -> dict[str, int]:
         """Return the lengths of the arrays in state and records, by their names in `kernel.h`."""
         rotor, casing = self._arrangements
+        tips, coating = len(self._problem.rotor.tip_angle), self._problem.coating
         return {
             "rotor_entries": rotor.entries,
             "casing_entries": casing.entries,
-            "tips": len(self._problem.rotor.tip_angle),
+            "tips": tips,
+            "rods": 0 if coating is None else len(coating.strain),
+            "coated_tips": 0 if coating is None else tips,
+            "coating_sums": 0 if coating is None else lib.COATING_SUMS,
         }
 
     def _working_arrays(self) -> Arrays:
         """Return the working arrays of the kernel, which every call overwrites."""
         rotor, casing = self._arrangements
-        springs, dampers = self._stage[2:4]
+        springs, dampers = self._stage["springs"], self._stage["dampers"]
         tips, wide = len(self._rotor.spread), len(self._rotor.position)
+        closed = self._casing.radial.start.shape[1]
+        # Contact forces act at two nodes a tip, forces of a coating at all nodes at most.
+        coated = 0 if self._problem.coating is None else 1
         most = [len(dampers.rotor.rows), len(dampers.casing.rows)] if dampers else [0]
         scratch = zeros(
             "Scratch",
             self._sizes()
             | {
                 "wide": wide,
-                "twice_wide": 2 * wide,
-                "closed": self._casing.radial.start.shape[1],
+                "twice_wide": max(2 * wide, coated * closed),
+                "closed": closed,
+                "closed_coating": coated * closed,
+                "coated_rotor": coated * rotor.entries,
+                "coated_casing": coated * casing.entries,
                 # All columns, a copy of the first half, and unused entries of the last register.
                 "sums": max(padded(a.columns + a.half + lib.LANES) for a in self._arrangements),
                 "entries": max(rotor.entries, casing.entries),
@@ -238,7 +248,7 @@ def initial_gap(problem: ContactProblem, time: float = 0.0) -> FloatArray:
     surface = (
         at[0] * first[:, 0] + at[1] * first[:, 1] + at[2] * second[:, 0] + at[3] * second[:, 1]
     )
-    return np.asarray(surface + rotor.tip_recess - rotor.tip_radial @ start.rotor)
+    return np.asarray(surface + problem.metal_recess - rotor.tip_radial @ start.rotor)
 
 
 def initial_spring_forces(problem: ContactProblem) -> tuple[FloatArray, FloatArray]:
@@ -259,6 +269,8 @@ def _numbers(problem: ContactProblem, dt: float) -> Struct:
         elements_per_step=problem.speed * dt * per_radian,
         friction=problem.friction,
         sliding=float(np.sign(problem.speed)),
+        is_signed=float(problem.sliding == "signed"),
+        wheel_speed=rotor.tip_radius * problem.speed,
         elements_per_metre=per_radian / rotor.tip_radius if problem.tip_rotation else 0.0,
         displacement_limit=problem.displacement_limit,
         gap_scale=float(casing.clearance[:, 0].min()),

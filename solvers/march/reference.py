@@ -271,7 +271,7 @@ class Reference:
         normal = np.hstack([-rotor.tip_radial, under(casing.nodal[:, :2])])
         tangential = np.hstack([-rotor.tip_tangential, under(casing.nodal[:, 2:])])
         clearance = under(problem.clearance(n * self._dt))
-        return normal, tangential, clearance + rotor.tip_recess
+        return normal, tangential, clearance + problem.metal_recess
 
     def _gap(self, x: FloatArray, n: int) -> FloatArray:
         """Return the gap of each tip at step n [m], (tips,)."""

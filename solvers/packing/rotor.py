@@ -70,7 +70,7 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
         shared=cyclic,
         w=by_sliding(pressed, dragged, problem.friction),
         position=lengthened(rotor.tip_angle * len(problem.casing.nodal) / (2.0 * np.pi)),
-        recess=lengthened(rotor.tip_recess),
+        recess=lengthened(problem.metal_recess),
     )
 
 
