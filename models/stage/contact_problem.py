@@ -265,8 +265,10 @@ class ContactProblem:
     @property
     def metal_recess(self) -> FloatArray:
         """Gap of each tip to the metal at rest, in addition to the clearance [m], (tips,)."""
-        coating = self.coating
-        return self.rotor.tip_recess + (coating.limit * coating.thickness if coating else 0.0)
+        recess, coating = self.rotor.tip_recess, self.coating
+        if coating is None:
+            return recess
+        return np.asarray(recess + coating.limit * coating.thickness)
 
     @property
     def critical_time_step(self) -> float:

@@ -51,9 +51,9 @@ static inline double at_rod(const Coating *coating, int64_t rod, const double *v
  * friction coefficient times the direction of sliding. */
 static inline double press_tip(const Coating *coating, const Closure *closure, double closed,
                                int64_t tip, double place, double recess, double slides,
-                               const FieldScratch *f, State *state, Matrix *on_nodes)
+                               const FieldScratch *f, double *strain, CoatingScratch *s)
 {
-    int64_t rods = coating->element.size, width = on_nodes->columns;
+    int64_t rods = coating->element.size, width = s->on_nodes.columns;
     double at = place * coating->rods_per_element, half = coating->half.at[tip], total = 0.0;
     int64_t last = (int64_t)floor(at + half - 0.5);
     for (int64_t n = (int64_t)ceil(at - half - 0.5); n <= last; n++) {
@@ -62,12 +62,12 @@ static inline double press_tip(const Coating *coating, const Closure *closure, d
         if (closure)
             room -= closed * at_rod(coating, rod, closure->share.at,
                                     closure->share.at + closure->share.columns);
-        double stress = rod_stress(coating, f->radial.at[tip] - room, state->strain.at + rod,
-                                   state->coating.at);
+        double stress =
+            rod_stress(coating, f->radial.at[tip] - room, strain + rod, s->sums.at);
         if (stress == 0.0)
             continue;
         double force = stress * coating->area, drag = slides * force;
-        double *to = on_nodes->at + coating->element.at[rod];
+        double *to = s->on_nodes.at + coating->element.at[rod];
         const double *weight = coating->hermite.at + rod;
         for (int64_t end = 0; end < 2; end++, weight += 2 * rods) {
             to[end] += force * weight[0];
@@ -169,6 +169,9 @@ static void account_coating(const Coating *coating, const Numbers *numbers, Stat
 {
     double normal = coating_work(&s->rotor, 0, x) + coating_work(&s->casing, 0, y);
     state->coating.at[COATING_WORK] += normal;
+    state->coating.at[REMOVED] += s->sums.at[REMOVED];
+    state->coating.at[DISSIPATED] += s->sums.at[DISSIPATED];
+    state->coating.at[STORED] = s->sums.at[STORED];
     state->work.at[NORMAL] += normal;
     state->work.at[FRICTION] += coating_work(&s->rotor, 1, x) + coating_work(&s->casing, 1, y);
     for (int64_t j = 0; j < s->push.size; j++) {

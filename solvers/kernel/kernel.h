@@ -285,6 +285,7 @@ typedef struct {
 
 typedef struct {
     Vector push;     /* (coated_tips) force of the coating on each tip [N] */
+    Vector sums;     /* (coating_sums) changes of the sums in this step */
     Matrix on_nodes; /* (4, closed_coating) forces on casing nodes: w, w', u, u' */
     Matrix rotor;    /* (2, coated_rotor) modal forces on the rotor: normal, friction */
     Matrix casing;   /* (2, coated_casing) modal forces on the casing: normal, friction */

@@ -127,13 +127,13 @@ static int press_coating(const March *m, int64_t step)
         sum_radial(m->stage.rotor, m->stage.casing, m->x.new, m->y.new, f);
         nodal_field(m->stage.casing, &m->stage.casing->radial, f);
     }
-    m->state->coating.at[STORED] = 0.0;
+    s->sums.at[REMOVED] = s->sums.at[DISSIPATED] = s->sums.at[STORED] = 0.0;
     for (int64_t j = 0; j < s->push.size; j++) {
         double place = places[j] + turned;
         place -= nodes * floor(place / nodes);
         double recess = m->stage.rotor->recess.at[j] - coating->limit * coating->thickness;
         s->push.at[j] = press_tip(coating, m->stage.closure, closed, j, place, recess,
-                                  coating->friction * c->sign.at[j], f, m->state, &s->on_nodes);
+                                  coating->friction * c->sign.at[j], f, m->state->strain.at, s);
         if (s->push.at[j] != 0.0)
             c->active.at[size++] = j;
     }
@@ -206,8 +206,11 @@ static inline void account(const March *m, int64_t step, int touching)
         work[FRICTION] += s->contact.work.at[1];
         account_contact(m->stage.numbers, state, &s->contact, gap, before);
     }
+    if (m->stage.coating)
+        state->coating.at[STORED] = 0.0;
     if (m->coated)
-        account_coating(m->stage.coating, m->stage.numbers, state, &s->coating, &s->contact, x, y, touching);
+        account_coating(m->stage.coating, m->stage.numbers, state, &s->coating, &s->contact, x, y,
+                        touching);
     for (int64_t j = 0; j < state->gap.size; j++) {
         before[j] = gap[j];
         state->gap.at[j] = smaller(state->gap.at[j], gap[j]);

@@ -16,7 +16,13 @@ from bladewhirl.solvers.kernel.structs import (
     padded,
     zeros,
 )
-from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
+from bladewhirl.solvers.march.march import (
+    Chunk,
+    CoatingRecords,
+    EndReason,
+    Statistics,
+    check_time_step,
+)
 from bladewhirl.solvers.packing.casing import pack_casing, pack_closure
 from bladewhirl.solvers.packing.coating import pack_coating
 from bladewhirl.solvers.packing.rotor import pack_rotor
@@ -152,7 +158,7 @@ class CentralDifference:
         )
         end = EndReason.DIVERGENT if status == lib.DIVERGED else None
         after = CentralDifferenceState(step=reached, arrays=arrays)
-        return after, self._chunk(records, written), end
+        return after, self._chunk(records, written, after), end
 
     def _sizes(self) -> dict[str, int]:
         """Return the lengths of the arrays in state and records, by their names in `kernel.h`."""
@@ -200,10 +206,20 @@ class CentralDifference:
         scratch["contact"]["others"] += 1.0 - np.eye(tips, wide)
         return scratch
 
-    def _chunk(self, records: Arrays, written: int) -> Chunk:
+    def _chunk(self, records: Arrays, written: int, after: CentralDifferenceState) -> Chunk:
         kept = {name: array[:written] for name, array in records.items()}
         rotor, casing = self._arrangements
-        work = kept["work"]
+        work, coating = kept["work"], None
+        if self._problem.coating is not None:
+            coating = CoatingRecords(
+                coating_impulse=kept["coating_impulse"],
+                coating_work=kept["coating"][:, lib.COATING_WORK],
+                wear_volume=kept["coating"][:, lib.REMOVED],
+                wear_dissipated=kept["coating"][:, lib.DISSIPATED],
+                coating_energy=kept["coating"][:, lib.STORED],
+                wear_time=np.array([after.step * self._time_step]),
+                coating_strain=after.arrays["strain"][None],
+            )
         return Chunk(
             step=kept["step"],
             time=kept["step"] * self._time_step,
@@ -223,6 +239,7 @@ class CentralDifference:
             damping_work=work[:, lib.DAMPING],
             coupling_work=work[:, lib.PARAMETRIC],
             closing_work=work[:, lib.CLOSING],
+            coating=coating,
         )
 
 

@@ -6,7 +6,7 @@ exactly."""
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -21,6 +21,20 @@ class EndReason(Enum):
     COMPLETED = "completed"
     DIVERGENT = "divergent"
     DAMPED = "damped"  #: no further contact is possible, see `FreeMotion`
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoatingRecords:
+    """Records of an abradable coating."""
+
+    coating_impulse: FloatArray
+    """Part of the normal impulse that acts on the coating [N s], (records, tips)."""
+    coating_work: FloatArray  #: work of the normal forces of the coating [J], (records,)
+    wear_volume: FloatArray  #: volume removed since the start [m3], (records,)
+    wear_dissipated: FloatArray  #: energy dissipated by the removal [J], (records,)
+    coating_energy: FloatArray  #: elastic energy of the rods under the tips [J], (records,)
+    wear_time: FloatArray  #: time of each profile [s], (profiles,)
+    coating_strain: FloatArray  #: plastic strain of each rod, (profiles, rods)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +66,7 @@ class Chunk:
     coupling_work: FloatArray
     """Work on the rotor due to its rotation relative to springs and dampers in the static frame
     [J], (records,)."""
+    coating: CoatingRecords | None = None  #: None without a coating
 
     @property
     def records(self) -> int:
@@ -63,8 +78,18 @@ def joined(chunks: Sequence[Chunk]) -> Chunk:
     """Join consecutive chunks into one chunk."""
     if len(chunks) == 1:
         return chunks[0]
-    names = vars(chunks[0])
-    return Chunk(**{name: np.concatenate([vars(c)[name] for c in chunks]) for name in names})
+    return Chunk(**_joined([vars(chunk) for chunk in chunks]))
+
+
+def _joined(records: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    both: dict[str, Any] = {
+        name: np.concatenate([one[name] for one in records])
+        for name, values in records[0].items()
+        if isinstance(values, np.ndarray)
+    }
+    if records[0].get("coating"):
+        both["coating"] = CoatingRecords(**_joined([vars(one["coating"]) for one in records]))
+    return both
 
 
 @dataclass(frozen=True, kw_only=True)

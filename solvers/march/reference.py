@@ -25,10 +25,27 @@ import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
-from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
+from bladewhirl.solvers.march.march import (
+    Chunk,
+    CoatingRecords,
+    EndReason,
+    Statistics,
+    check_time_step,
+)
 
 CHECK_EVERY = 100
 """Number of steps between checks of all displacements except radial tip displacements."""
+
+
+class Coated(NamedTuple):
+    """Coating after a step, and its forces in the step."""
+
+    strain: FloatArray  #: plastic strain of each rod, (rods,)
+    force: FloatArray  #: force on each tip [N], (tips,)
+    drag: FloatArray  #: friction force on each tip [N], (tips,)
+    pressed: FloatArray  #: modal normal forces
+    dragged: FloatArray  #: modal friction forces
+    stored: float  #: elastic energy of the rods [J]
 
 
 class Step(NamedTuple):
@@ -43,6 +60,7 @@ class Step(NamedTuple):
     dragged: FloatArray  #: modal friction forces mu B_T^T S lambda
     circulated: FloatArray  #: modal forces of dampers in the static frame due to x_n
     damped: FloatArray  #: modal forces of point dampers and Coriolis forces
+    coating: Coated  #: forces and state of the coating
     residual: float  #: complementarity residual (`CentralDifference`)
 
 
@@ -59,7 +77,11 @@ class ReferenceState:
     drag: FloatArray  #: friction impulse since the last record [N s], (tips,)
     touched: FloatArray  #: number of steps with contact since the last record, (tips,)
     contacts: int  #: number of tips in contact at the last step
-    work: FloatArray  #: external, normal, friction, damping, parametric, closing work [J], (6,)
+    work: FloatArray
+    """External, normal, friction, damping, parametric, closing and coating work [J], (7,)."""
+    strain: FloatArray  #: plastic strain of each rod of the coating, (rods,)
+    coating_impulse: FloatArray  #: normal impulse on the coating since the last record, (tips,)
+    stored: float  #: elastic energy of the coating [J]
     statistics: Statistics
 
 
@@ -116,7 +138,7 @@ class Reference:
         acceleration = force - lost - self._stiffness * x - self._spring_force(0, x)
         before = x - dt * v + 0.5 * dt**2 * acceleration
         gaps = [self._gap(before, -1), self._gap(x, 0)]
-        none = np.zeros_like(gaps[0])
+        none, coating = np.zeros_like(gaps[0]), self._problem.coating
         return ReferenceState(
             step=0,
             before=before,
@@ -127,7 +149,10 @@ class Reference:
             drag=none,
             touched=none,
             contacts=0,
-            work=np.zeros(6),
+            work=np.zeros(7),
+            strain=np.zeros(0) if coating is None else coating.strain,
+            coating_impulse=none,
+            stored=0.0,
             statistics=Statistics(),
         )
 
@@ -145,11 +170,18 @@ class Reference:
                 velocity = (later - state.before) / (interval * self._dt)
                 records.append((state, velocity, self._energy(state)))
                 none = np.zeros_like(state.gap)
-                state = replace(state, gap=none + np.inf, impulse=none, drag=none, touched=none)
+                state = replace(
+                    state,
+                    gap=none + np.inf,
+                    impulse=none,
+                    drag=none,
+                    touched=none,
+                    coating_impulse=none,
+                )
             if not within:
-                return state, self._chunk(records), EndReason.DIVERGENT
+                return state, self._chunk(records, state), EndReason.DIVERGENT
             state = self._account(state, step)
-        return state, self._chunk(records), None
+        return state, self._chunk(records, state), None
 
     def _step(self, state: ReferenceState) -> Step:
         """Return the results of one step: predict, look, solve, correct."""
@@ -159,6 +191,8 @@ class Reference:
         inertia = 2.0 / dt**2 * x + (self._damping / (2.0 * dt) - 1.0 / dt**2) * before
         drag = self._by_velocity @ before / (2.0 * dt)
         free = self._inverse @ (force + circulated - restoring + inertia + drag)
+        coating = self._press_coating(free, n + 1, x - before, state.strain)
+        free = free + self._inverse @ (coating.pressed + coating.dragged)
         normal, tangential, clearance = self._rows(free, n + 1)
         slides = self._problem.friction * self._sliding(tangential, x - before)
         free_gap = clearance + normal @ free
@@ -182,16 +216,22 @@ class Reference:
             dragged=(slides * multiplier) @ tangential,
             circulated=circulated,
             damped=damped,
+            coating=coating,
             residual=float(violated / scale) if multiplier.any() and scale > 0.0 else 0.0,
         )
 
     def _account(self, state: ReferenceState, step: Step) -> ReferenceState:
         """Return the state after a step with all displacements within the limit."""
         dt, n, before, x = self._dt, state.step, state.before, state.now
-        moved, touching = 0.5 * (step.after - before), step.multiplier > 0.0
+        coating = step.coating
+        moved, force = 0.5 * (step.after - before), step.multiplier + coating.force
+        touching = force > 0.0
         turned = self._spring_force(n, x) - self._spring_force(n - 1, x)
         lost = moved @ (self._damping * moved) / dt + moved @ step.damped
-        done = [moved @ step.force, moved @ step.pressed, moved @ step.dragged, lost]
+        on_coating = moved @ coating.pressed
+        normal = moved @ step.pressed + on_coating
+        friction = moved @ step.dragged + moved @ coating.dragged
+        done = [moved @ step.force, normal, friction, lost]
         turning = 0.5 * before @ turned + moved @ step.circulated
         closing = 0.5 * step.multiplier @ (step.gap - state.gaps[0])
         before_it = state.statistics
@@ -201,11 +241,14 @@ class Reference:
             now=step.after,
             gaps=(state.gaps[1], step.gap),
             gap=np.minimum(state.gap, step.gap),
-            impulse=state.impulse + dt * step.multiplier,
-            drag=state.drag + dt * step.friction,
+            impulse=state.impulse + dt * force,
+            drag=state.drag + dt * (step.friction + coating.drag),
             touched=state.touched + touching,
             contacts=int(touching.sum()),
-            work=state.work + np.array([*done, turning, closing]),
+            work=state.work + np.array([*done, turning, closing, on_coating]),
+            strain=coating.strain,
+            coating_impulse=state.coating_impulse + dt * coating.force,
+            stored=coating.stored,
             statistics=replace(
                 before_it,
                 steps=n + 1,
@@ -247,10 +290,19 @@ class Reference:
 
         With `tip_rotation`, the angles of the tips include their tangential displacements in ``x``.
         """
-        problem, rotor, casing = self._problem, self._problem.rotor, self._problem.casing
+        problem, rotor = self._problem, self._problem.rotor
         angle = rotor.tip_angle + problem.speed * n * self._dt
         if problem.tip_rotation:
             angle = angle + rotor.tip_tangential @ x[: self._rotor_modes] / rotor.tip_radius
+        radial, along, clearance = self._wall_rows(angle, n)
+        normal = np.hstack([-rotor.tip_radial, radial])
+        tangential = np.hstack([-rotor.tip_tangential, along])
+        return normal, tangential, clearance + problem.metal_recess
+
+    def _wall_rows(self, angle: FloatArray, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return w and u of the casing modes at angles, (angles, modes), and the clearance at step
+        n, (angles,)."""
+        casing = self._problem.casing
         nodes, length = len(casing.nodal), casing.element_length
         at = np.mod(angle * nodes / (2.0 * np.pi), nodes)
         first = np.floor(at).astype(np.int64) % nodes
@@ -268,10 +320,48 @@ class Reference:
             ends = np.concatenate([values[first], values[(first + 1) % nodes]], axis=1)
             return np.asarray(np.einsum("kt,tk...->t...", weights, ends))
 
-        normal = np.hstack([-rotor.tip_radial, under(casing.nodal[:, :2])])
-        tangential = np.hstack([-rotor.tip_tangential, under(casing.nodal[:, 2:])])
-        clearance = under(problem.clearance(n * self._dt))
-        return normal, tangential, clearance + problem.metal_recess
+        clearance = under(self._problem.clearance(n * self._dt))
+        return under(casing.nodal[:, :2]), under(casing.nodal[:, 2:]), clearance
+
+    def _press_coating(
+        self, x: FloatArray, n: int, moved: FloatArray, strain: FloatArray
+    ) -> Coated:
+        """Press the tips at displacements x at step n into the rods of the coating."""
+        problem, rotor, coating = self._problem, self._problem.rotor, self._problem.coating
+        none, tips = np.zeros(len(x)), np.zeros(len(rotor.tip_angle))
+        if coating is None:
+            return Coated(strain, tips, tips, none, none, 0.0)
+        strain = strain.copy()
+        angle = rotor.tip_angle + problem.speed * n * self._dt
+        if problem.tip_rotation:
+            angle = angle + rotor.tip_tangential @ x[: self._rotor_modes] / rotor.tip_radius
+        _, tangential, _ = self._rows(x, n)
+        signs = self._sliding(tangential, moved)
+        pressed, dragged, stored, force = none.copy(), none.copy(), 0.0, tips.copy()
+        rods = len(strain)
+        for tip, place in enumerate(np.mod(angle, 2.0 * np.pi) * rods / (2.0 * np.pi)):
+            half = coating.footprint[tip] / coating.arc / 2.0
+            first, last = np.ceil(place - half - 0.5), np.floor(place + half - 0.5)
+            under = np.arange(int(first), int(last) + 1) % rods
+            radial, along, clearance = self._wall_rows(coating.angle[under], n)
+            outward = rotor.tip_radial[tip] @ x[: self._rotor_modes] - rotor.tip_recess[tip]
+            depth = outward - clearance - radial @ x[self._rotor_modes :]
+            stress = coating.young_modulus * (depth / coating.thickness - strain[under])
+            beyond = stress - coating.yield_stress - coating.hardening * strain[under]
+            grown = np.maximum(beyond, 0.0) / (coating.young_modulus + coating.hardening)
+            after = np.minimum(strain[under] + grown, np.maximum(coating.limit, strain[under]))
+            stress = np.maximum(stress - coating.young_modulus * (after - strain[under]), 0.0)
+            strain[under] = after
+            volume, on_rods = coating.area * coating.thickness, stress * coating.area
+            stored += float(0.5 * volume * (stress**2).sum() / coating.young_modulus)
+            force[tip] = on_rods.sum()
+            on_tip = force[tip] * rotor.tip_radial[tip]
+            pressed += np.concatenate([-on_tip, on_rods @ radial])
+            slides = coating.friction * signs[tip]
+            on_tip = force[tip] * rotor.tip_tangential[tip]
+            dragged += slides * np.concatenate([-on_tip, on_rods @ along])
+        drag = coating.friction * signs * force
+        return Coated(strain, force, drag, pressed, dragged, stored)
 
     def _gap(self, x: FloatArray, n: int) -> FloatArray:
         """Return the gap of each tip at step n [m], (tips,)."""
@@ -297,7 +387,9 @@ class Reference:
             looked_at += [rotor.tip_tangential @ disk, self._problem.casing.nodal[:, 0] @ casing]
         return bool(np.all(np.abs(np.concatenate(looked_at)) <= limit))  # NaN gives False
 
-    def _chunk(self, records: list[tuple[ReferenceState, FloatArray, float]]) -> Chunk:
+    def _chunk(
+        self, records: list[tuple[ReferenceState, FloatArray, float]], after: ReferenceState
+    ) -> Chunk:
         states = [state for state, _, _ in records]
         modes, tips = len(self._stiffness), len(self._problem.rotor.tip_angle)
         step = np.array([state.step for state in states], dtype=np.int64)
@@ -307,7 +399,7 @@ class Reference:
             np.reshape([getattr(state, name) for state in states], (len(states), tips))
             for name in ("gap", "impulse", "drag", "touched")
         )
-        work = np.reshape([state.work for state in states], (len(states), 6))
+        work = np.reshape([state.work for state in states], (len(states), 7))
         return Chunk(
             step=step,
             time=np.asarray(step * self._dt, dtype=np.float64),
@@ -327,6 +419,29 @@ class Reference:
             damping_work=work[:, 3],
             coupling_work=work[:, 4],
             closing_work=work[:, 5],
+            coating=self._coating_records(states, work[:, 6], after),
+        )
+
+    def _coating_records(
+        self, states: list[ReferenceState], work: FloatArray, after: ReferenceState
+    ) -> CoatingRecords | None:
+        coating = self._problem.coating
+        if coating is None:
+            return None
+        rows = (len(states), len(coating.strain))
+        strain = np.reshape([state.strain for state in states], rows)
+        first, volume = coating.strain, coating.area * coating.thickness
+        plastic = coating.yield_stress * (strain - first)
+        plastic += 0.5 * coating.hardening * (strain**2 - first**2)
+        impulse = [state.coating_impulse for state in states]
+        return CoatingRecords(
+            coating_impulse=np.reshape(impulse, (len(states), len(after.gap))),
+            coating_work=work,
+            wear_volume=volume * (strain - first).sum(axis=1),
+            wear_dissipated=volume * plastic.sum(axis=1),
+            coating_energy=np.array([state.stored for state in states]),
+            wear_time=np.array([after.step * self._dt]),
+            coating_strain=after.strain[None],
         )
 
 
