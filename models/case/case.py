@@ -117,6 +117,13 @@ class Case(Table):
                 expected = f"{self.blades} rows, one for each blade, not {len(rows)}"
                 others = ("bladed_disk.blades", "bladed_disk.mesh.tips", "sketch")
                 yield Inconsistency(f"initial.{key}", expected, others)
+        if self.casing.coating is not None:
+            if self.march.scheme != "central-difference":
+                expected = '"central-difference", the scheme for a coating'
+                yield Inconsistency("march.scheme", expected, ("casing.coating",))
+            if not self.casing.coating.thickness < self.tip_radius:
+                expected = f"less than the radius of the tips, {self.tip_radius:.6g} m"
+                yield Inconsistency("casing.coating.thickness", expected)
         yield from self._unknown_materials()
         yield from sensor_faults(self.sensor, self.blades)
         if self.shaft.damping_frame == "static" and self.rotation.effects != "full":

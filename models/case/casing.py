@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from bladewhirl.models.case.closure import Closure
+from bladewhirl.models.case.coating import Coating
 from bladewhirl.models.case.wall_profile import ClearanceProfile
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
@@ -99,6 +100,15 @@ class Casing(Table):
     """Clearance lost over time: { amount = "0.3 mm", time_constant = "1 s" } or { table = [["0 s",
     "0 mm"], ["2 s", "0.3 mm"]] }, with lobes if it varies around the casing; by default there is
     none."""
+    coating: Coating | None = Field(
+        default=None,
+        examples=[
+            '{ thickness = "5 mm", young_modulus = "1 GPa", yield_stress = "10 MPa",'
+            ' hardening = "50 MPa" }'
+        ],
+    )
+    """Abradable coating on the inner face: { thickness = "5 mm", young_modulus = "1 GPa",
+    yield_stress = "10 MPa", hardening = "50 MPa" }; by default there is none."""
     wall: BeamSection = BeamSection()
     """Section of the wall [m] (paper, Table 1)."""
     thickness_lobes: Annotated[

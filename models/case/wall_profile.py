@@ -18,9 +18,6 @@ from bladewhirl.models.sections.wall import TURN, Lobe
 FEWEST, MOST = 8, 20_000
 """Smallest and largest number of points of a profile."""
 
-COLUMNS = {"angle": "rad", "clearance": "m"}
-"""Columns of a file and their SI units."""
-
 HEADING = re.compile(r"\s*(\w+)\s*\[([^\]]+)\]\s*")
 
 Point = tuple[fields.Angle, Annotated[float, fields.quantity("m", "any")]]
@@ -45,27 +42,35 @@ class ClearanceProfile(Table):
     @model_validator(mode="before")
     @classmethod
     def _from_file(cls, values: Any) -> Any:
-        if not isinstance(values, dict) or "file" not in values:
-            return values
-        if values.get("points"):
-            raise fields.expectation("either points or file, not both")
-        rest = {name: value for name, value in values.items() if name != "file"}
-        return rest | {"points": read_points(values["file"])}
+        return with_points_of_file(values, "clearance")
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error for too few or too many points, and for two points at one angle."""
-        if not self.points:
-            return
-        if not FEWEST <= len(self.points) <= MOST:
-            yield Inconsistency("points", f"{FEWEST} to {MOST} points, not {len(self.points)}")
-            return
-        angles = np.sort(np.mod([angle for angle, _ in self.points], TURN))
-        if np.diff(angles, append=angles[0] + TURN).min() <= fields.SMALLEST:
-            yield Inconsistency("points", "one clearance at each angle of a turn")
+        if self.points and (fault := angle_fault([angle for angle, _ in self.points])):
+            yield Inconsistency("points", fault)
 
 
-def read_points(file: Any) -> list[list[float]]:
-    """Return the points of a file, rows of angle [rad] and clearance [m].
+def angle_fault(given: list[float]) -> str:
+    """Describe valid angles of the points of a profile; empty if the angles [rad] are valid."""
+    if not FEWEST <= len(given) <= MOST:
+        return f"{FEWEST} to {MOST} points, not {len(given)}"
+    angles = np.sort(np.mod(given, TURN))
+    apart = np.diff(angles, append=angles[0] + TURN).min() > fields.SMALLEST
+    return "" if apart else "one value at each angle of a turn"
+
+
+def with_points_of_file(values: Any, column: str) -> Any:
+    """Return the values of a table with `points` in place of the name of a `file`."""
+    if not isinstance(values, dict) or "file" not in values:
+        return values
+    if values.get("points"):
+        raise fields.expectation("either points or file, not both")
+    rest = {name: value for name, value in values.items() if name != "file"}
+    return rest | {"points": read_points(values["file"], column)}
+
+
+def read_points(file: Any, column: str) -> list[list[float]]:
+    """Return the points of a file, rows of angle [rad] and of the values of a column [m].
 
     Raises:
         PydanticCustomError: the file cannot be read, or a line does not have two numbers.
@@ -79,12 +84,13 @@ def read_points(file: Any) -> list[list[float]]:
         raise fields.expectation(f"a readable file of a wall profile, {file}", error) from None
     matches = [HEADING.fullmatch(cell) for cell in lines[0]] if lines else []
     names = [match[1].lower() if match else "" for match in matches]
+    units = {"angle": "rad", column: "m"}
     try:
-        if sorted(names) != sorted(COLUMNS):
+        if sorted(names) != sorted(units):
             raise ValueError("other columns")
-        scales = [to_si(f"1 {match[2]}", COLUMNS[match[1].lower()]) for match in matches if match]
+        scales = [to_si(f"1 {match[2]}", units[match[1].lower()]) for match in matches if match]
     except ValueError as error:
-        phrase = f'"angle [deg],clearance [mm]", with any units, as the first line of {file}'
+        phrase = f'"angle [deg],{column} [mm]", with any units, as the first line of {file}'
         raise fields.expectation(phrase, error) from None
     points = []
     for number, line in enumerate(lines[1:], 2):

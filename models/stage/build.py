@@ -7,6 +7,7 @@ import numpy as np
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.stage.coating import coating_faults, wall_coating
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     ReducedCasing,
@@ -43,6 +44,7 @@ def contact_problem(stage: Stage) -> ContactProblem:
             start=initial_state(stage).take(kept.rotor, kept.casing),
             springs=kept.springs,
             closure=_closure(stage),
+            coating=wall_coating(stage),
             restitution=case.contact.restitution,
             penalty_stiffness=case.contact.penalty_stiffness,
             stick_speed=case.contact.stick_speed,
@@ -68,6 +70,7 @@ def march_faults(stage: Stage) -> Iterator[Fault]:
         expected = "modes of the bladed disk and of the casing"
         yield case_fault(stage.case, "reduction.modes", expected)
     yield from time_step_faults(stage)
+    yield from coating_faults(stage, *marched_bodies(stage))
     yield from _load_faults(stage)
     yield from _start_faults(stage)
 

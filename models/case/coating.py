@@ -1,0 +1,114 @@
+"""The `[casing.coating]` table of a case: an abradable coating on the inner face of the casing."""
+
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.wall_profile import angle_fault, with_points_of_file
+from bladewhirl.models.inputs import fields
+from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.sections.wall import TURN, Lobe
+
+Stress = Annotated[float, fields.quantity("Pa", "not negative")]
+Point = tuple[fields.Angle, fields.LengthOrZero]
+
+
+class WornProfile(Table):
+    """Depth to which a coating is worn before the march."""
+
+    points: Annotated[
+        tuple[Point, ...], fields.rows('[angle, recess], as in ["90 deg", "0.1 mm"]')
+    ] = ()
+    """Points of a worn surface, rows of [angle, recess]: angle from the x axis [rad] and removed
+    depth [m], with linear interpolation around the casing. file = "wear.csv" reads the points from
+    a file whose first line is "angle [deg],recess [mm]", with any units; a run with a coating
+    writes such a file."""
+    lobes: Annotated[
+        tuple[Lobe, ...], fields.rows('{ lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }')
+    ] = ()
+    """Waves of the removed depth that are added, each from 0 to its amplitude:
+    amplitude (1 + cos(lobes (angle - phase))) / 2."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_file(cls, values: Any) -> Any:
+        return with_points_of_file(values, "recess")
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield an error for too few or too many points, and for two points at one angle."""
+        if self.points and (fault := angle_fault([angle for angle, _ in self.points])):
+            yield Inconsistency("points", fault)
+
+    def recess(self, angle: FloatArray) -> FloatArray:
+        """Return the removed depth at angles [rad], in the same shape [m]."""
+        total = np.zeros(angle.shape)
+        if self.points:
+            total = np.interp(angle, *np.transpose(self.points), period=TURN)
+        for wave in self.lobes:
+            total += wave.amplitude * (1.0 + np.cos(wave.lobes * (angle - wave.phase))) / 2.0
+        return np.asarray(total)
+
+
+class Coating(Table):
+    """An abradable coating of elastic-plastic rods; plastic strain stands for removed material."""
+
+    thickness: fields.Length
+    """Thickness [m]. The clearance is measured to the coating before it is worn."""
+    young_modulus: fields.Modulus
+    """Young's modulus in radial compression [Pa]. Values of real coatings differ by orders of
+    magnitude and have to be measured; the example with 1 GPa, a yield stress of 10 MPa and a
+    hardening of 50 MPa is a placeholder."""
+    yield_stress: Stress
+    """Stress above which material is removed [Pa]."""
+    hardening: Stress | None = None
+    """Increase of the yield stress per plastic strain [Pa]; zero by default."""
+    tangent_modulus: Stress | None = None
+    """Slope of stress over total strain above the yield stress [Pa], in place of hardening."""
+    elements: Annotated[int, fields.count(8)] | None = None
+    """Number of rods around the casing; by default as many as make a rod shorter than a quarter of
+    the footprint."""
+    width: fields.Length | None = None
+    """Size out of the plane [m]; the width of casing.wall by default."""
+    footprint: fields.Length | None = None
+    """Arc that a tip covers [m]; the thickness of the blade at its tip by default."""
+    friction: fields.NumberOrZero | None = None
+    """Friction coefficient; contact.friction by default."""
+    limit: Annotated[float, fields.number("positive")] = 0.9
+    """Share of the thickness that may be removed. Behind it a tip touches the metal of the
+    casing."""
+    profile: WornProfile | None = Field(default=None, examples=['{ file = "wear.csv" }'])
+    """Worn surface at the start: { file = "wear.csv" }, { points = [["0 deg", "0.1 mm"], ...] } or
+    { lobes = [{ lobes = 3, amplitude = "0.1 mm" }] }; by default the coating is new."""
+
+    @property
+    def slope(self) -> float:
+        """Increase of the yield stress per plastic strain [Pa]."""
+        if self.tangent_modulus is None:
+            return self.hardening or 0.0
+        return (
+            self.young_modulus * self.tangent_modulus / (self.young_modulus - self.tangent_modulus)
+        )
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield errors for a limit above one, two descriptions of hardening, a tangent modulus that
+        is not below Young's modulus, and a profile deeper than the limit."""
+        if self.limit > 1.0:
+            yield Inconsistency("limit", "a number above 0 and up to 1")
+        if self.hardening is not None and self.tangent_modulus is not None:
+            yield Inconsistency(
+                "tangent_modulus", "either hardening or tangent_modulus", ("hardening",)
+            )
+        if self.tangent_modulus is not None and not self.tangent_modulus < self.young_modulus:
+            expected = f"less than young_modulus = {self.young_modulus:.6g} Pa"
+            yield Inconsistency("tangent_modulus", expected, ("young_modulus",))
+        if self.profile is not None:
+            deepest = self.profile.recess(np.linspace(0.0, TURN, 7200)).max()
+            if not deepest < self.limit * self.thickness:
+                expected = (
+                    f"a recess below limit * thickness = {self.limit * self.thickness:.6g} m,"
+                    f" not {deepest:.6g} m"
+                )
+                yield Inconsistency("profile", expected, ("limit", "thickness"))
