@@ -46,7 +46,8 @@ class WornProfile(Table):
         """Return the removed depth at angles [rad], in the same shape [m]."""
         total = np.zeros(angle.shape)
         if self.points:
-            total = np.interp(angle, *np.transpose(self.points), period=TURN)
+            places, depths = np.array(self.points).T
+            total = np.interp(angle, places, depths, period=TURN)
         for wave in self.lobes:
             total += wave.amplitude * (1.0 + np.cos(wave.lobes * (angle - wave.phase))) / 2.0
         return np.asarray(total)
@@ -86,11 +87,10 @@ class Coating(Table):
     @property
     def slope(self) -> float:
         """Increase of the yield stress per plastic strain [Pa]."""
-        if self.tangent_modulus is None:
+        elastic, tangent = self.young_modulus, self.tangent_modulus
+        if tangent is None:
             return self.hardening or 0.0
-        return (
-            self.young_modulus * self.tangent_modulus / (self.young_modulus - self.tangent_modulus)
-        )
+        return elastic * tangent / (elastic - tangent)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield errors for a limit above one, two descriptions of hardening, a tangent modulus that
@@ -98,9 +98,8 @@ class Coating(Table):
         if self.limit > 1.0:
             yield Inconsistency("limit", "a number above 0 and up to 1")
         if self.hardening is not None and self.tangent_modulus is not None:
-            yield Inconsistency(
-                "tangent_modulus", "either hardening or tangent_modulus", ("hardening",)
-            )
+            expected = "either hardening or tangent_modulus"
+            yield Inconsistency("tangent_modulus", expected, ("hardening",))
         if self.tangent_modulus is not None and not self.tangent_modulus < self.young_modulus:
             expected = f"less than young_modulus = {self.young_modulus:.6g} Pa"
             yield Inconsistency("tangent_modulus", expected, ("young_modulus",))

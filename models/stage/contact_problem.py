@@ -192,12 +192,12 @@ class WallCoating:
     def angle(self) -> FloatArray:
         """Angle of the middle of each rod [rad], (rods,)."""
         rods = len(self.strain)
-        return 2.0 * np.pi / rods * (np.arange(rods) + 0.5)
+        return np.asarray(2.0 * np.pi / rods * (np.arange(rods) + 0.5))
 
     @property
     def stiffness(self) -> float:
         """Largest stiffness under a tip [N/m]."""
-        rods = np.floor(self.footprint.max() / self.arc) + 1.0
+        rods = float(np.floor(self.footprint.max() / self.arc)) + 1.0
         return float(self.young_modulus * self.area / self.thickness * rods)
 
 
@@ -265,10 +265,8 @@ class ContactProblem:
     @property
     def metal_recess(self) -> FloatArray:
         """Gap of each tip to the metal at rest, in addition to the clearance [m], (tips,)."""
-        recess, coating = self.rotor.tip_recess, self.coating
-        if coating is None:
-            return recess
-        return np.asarray(recess + coating.limit * coating.thickness)
+        removable = 0.0 if self.coating is None else self.coating.limit * self.coating.thickness
+        return np.asarray(self.rotor.tip_recess + removable)
 
     @property
     def critical_time_step(self) -> float:

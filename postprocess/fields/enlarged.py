@@ -98,7 +98,7 @@ class EnlargedStage:
             self.tip_radius, largest_clearance, self.largest_displacement
         )
         self.inner_radius = self.tip_radius + self.factor * clearance
-        self._closure = kinematics.closure_at(dataset, records, self.angle)
+        self._change = kinematics.clearance_change(dataset, records, self.angle)
         self.nodes = dataset["rotor_point"].values  #: drawn nodes at rest (rotor_node, 2) [m]
         shift = self.factor * recess - kinematics.recess_at_rest(dataset)
         if shift.any():
@@ -123,7 +123,7 @@ class EnlargedStage:
     def wall(self, index: int) -> Array:
         """Return inner and outer surface (station, side, 2) [m] of the drawn casing."""
         ring = self.ring_displacement[index]
-        radius = self.inner_radius - self.factor * self._closure[index]
+        radius = self.inner_radius + self.factor * self._change[index]
         rest = radius[:, None] * directions(self.angle)
         inner = magnify(rest, ring, ring.mean(axis=0), self.factor)
         tangent = np.roll(inner, -1, axis=0) - np.roll(inner, 1, axis=0)

@@ -245,15 +245,27 @@ def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:
     return np.asarray(np.interp(angle, node, clearance, period=2 * np.pi))
 
 
-def closure_at(dataset: xr.Dataset, records: IntArray, angle: Array) -> Array:
-    """Return the clearance that `casing.closure` has taken at records, at static angles [rad],
-    (record, point) [m]."""
+def clearance_change(dataset: xr.Dataset, records: IntArray, angle: Array) -> Array:
+    """Return the change of the clearance since the start at static angles [rad], (record, point)
+    [m]: the removed depth of `casing.coating` minus `casing.closure`."""
+    time, change = dataset["time"].values[records], np.zeros((len(records), len(angle)))
     text = str(dataset.attrs.get("case", ""))
-    closure = loads(text).casing.closure if "closure" in text else None
-    if closure is None:
-        return np.zeros((len(records), len(angle)))
-    time = dataset["time"].values[records]
-    return np.asarray(closure.value(time)[:, None] * closure.around.value(angle))
+    casing = loads(text).casing if "closure" in text or "coating" in text else None
+    if casing is not None and casing.closure is not None:
+        change -= casing.closure.value(time)[:, None] * casing.closure.around.value(angle)
+    if casing is not None and casing.coating is not None:
+        change += casing.coating.thickness * coating_strain_at(dataset, records, angle)
+    return change
+
+
+def coating_strain_at(dataset: xr.Dataset, records: IntArray, angle: Array) -> Array:
+    """Return the plastic strain of the coating at records, at static angles [rad], (record, point).
+    It is the strain of the last profile that was stored before a record."""
+    time, stored = dataset["time"].values[records], dataset["wear_time"].values
+    profile = np.maximum(np.searchsorted(stored, time, side="right") - 1, 0)
+    rods = dataset.sizes["rod"]
+    rod = np.floor(np.mod(angle, 2 * np.pi) * rods / (2 * np.pi)).astype(np.int64) % rods
+    return np.asarray(dataset["coating_strain"].values[profile][:, rod])
 
 
 def record_lengths(dataset: xr.Dataset) -> Array:

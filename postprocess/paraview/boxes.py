@@ -69,11 +69,13 @@ class Boxes:
         return np.stack([first, first + 1], axis=-1).reshape(-1, 2)
 
     def on_cells(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Return values of elements (element,) as values of the cells of `lines` or `quads`."""
-        stations = self.shape[1]
+        """Return values of elements (element,), or of their pieces (element, piece), as values of
+        the cells of `lines` or `quads`."""
+        elements, stations = self.shape
+        pieces = np.broadcast_to(values.reshape(elements, -1), (elements, stations - 1))
         if not self.solid:
-            return np.repeat(values, stations - 1)
-        return np.concatenate([np.repeat(values, 4 * (stations - 1)), values, values])
+            return pieces.ravel()
+        return np.concatenate([np.repeat(pieces, 4), pieces[:, 0], pieces[:, -1]])
 
     def quads(self) -> IntArray:
         """Return faces of boxes (quad, 4): first all sides, then all ends; the corners are in

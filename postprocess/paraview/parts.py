@@ -29,6 +29,7 @@ from bladewhirl.postprocess.paraview.boxes import (
     rotor_boxes,
 )
 from bladewhirl.postprocess.pictures.symbols import StageSymbols
+from bladewhirl.postprocess.run.wear import coating_of
 
 #: kinds of symbols that are written; struts include rigid links
 HOLDERS = ("springs", "dampers", "struts")
@@ -119,6 +120,9 @@ class StageParts:
                     )
                     for number, (boxes, fields) in enumerate(zip(self._bodies, bodies, strict=True))
                 }
+                if "coating_strain" in self._dataset:
+                    remaining = self._remaining_thickness(records[[index]])
+                    grids["casing"].cell_data["remaining_thickness"] = [remaining]
                 grids["contact"] = self._contact(nodes, turns[0][index], tips, index)
                 supports = self._supports(stage, index, wall, nodes, turns)
                 if supports is not None:
@@ -211,6 +215,15 @@ class StageParts:
             "blade": blade,
             "thickness": dataset[f"{boxes.body}_thickness"].values,
         }
+
+    def _remaining_thickness(self, record: IntArray) -> Array:
+        """Return the thickness of the coating that is left on every cell of the casing [m]."""
+        dataset, boxes = self._dataset, self._bodies[1]
+        coating = coating_of(dataset)
+        station = kinematics.station_angles(dataset, boxes.shape[1] - 1)
+        middle = (station[:, 1:] + station[:, :-1]) / 2.0
+        strain = kinematics.coating_strain_at(dataset, record, middle.ravel())[0]
+        return boxes.on_cells(coating.thickness * (1.0 - strain.reshape(middle.shape)))
 
     def _tip_fields(self, records: IntArray, angle: Array) -> dict[str, Array]:
         dataset = self._dataset

@@ -50,6 +50,8 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
         "frequencies": "Frequencies",
         "energy": "Strain energy and stress",
     }
+    if "coating_strain" in dataset:
+        titles["wear"] = "Wear of the coating"
     figures = RunFigures(dataset)
     energy = strain_energies(dataset)
     regime = classify(dataset, energy["total"].values)

@@ -15,6 +15,7 @@ from bladewhirl.postprocess.run.blade_contact import contact_classes, contact_ma
 from bladewhirl.postprocess.run.casing_contact import casing_contact, with_last_turns
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.stresses import stress_history
+from bladewhirl.postprocess.run.wear import wear
 from bladewhirl.postprocess.shaft import spectra
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.poincare import state_space
@@ -130,6 +131,11 @@ class RunFigures:
     def casing_contact(self) -> xr.Dataset:
         """Contact over the angle of the casing, for all and for the last revolutions."""
         return with_last_turns(casing_contact(self._with_contact), self.result)
+
+    @cached_property
+    def wear(self) -> xr.Dataset:
+        """Wear of the coating."""
+        return wear(self.result)
 
     @property
     def classes(self) -> xr.Dataset:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, TypedDict
 
@@ -18,6 +18,7 @@ from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run import extremes
 from bladewhirl.postprocess.run.stresses import peak_stresses
+from bladewhirl.postprocess.run.wear import wear_summary
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import strongest_lines
 from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, whirl
@@ -97,10 +98,14 @@ class Summary:
     steps: int
     wall_time: float  #: [s]
     us_per_step: float  #: [µs]
+    wear: dict[str, Any] = field(default_factory=dict)
+    """Wear of the coating, see `wear_summary`; its entries are keys of `summary.json`."""
 
     def to_json(self) -> str:
         """Return the summary as a JSON document with full precision."""
-        return json.dumps(asdict(self), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+        entries = asdict(self)
+        entries |= entries.pop("wear")
+        return json.dumps(entries, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
 def summarise(
@@ -166,6 +171,7 @@ def summarise(
         contact_share=(contact_steps / max(report["steps"], 1)).tolist(),
         gap_violation_max=max(0.0, -float(dataset["gap"].min())),
         energy_residual=energy_residual(dataset),
+        wear=wear_summary(dataset),
         **report,
     )
 

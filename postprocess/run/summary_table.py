@@ -1,5 +1,7 @@
 """Summary of a run as rows of text and as a table on screen; hint about large displacements."""
 
+from typing import Any
+
 import numpy as np
 from rich.table import Table
 
@@ -56,12 +58,27 @@ def summary_rows(summary: Summary) -> dict[str, str]:
             for body, peak in summary.stress_max.items()
         },
         "blades that touched": _contact(summary.contact_share),
+        **_wear(summary.wear),
         "deepest penetration": _text(summary.gap_violation_max, "m"),
         "energy residual": f"{summary.energy_residual:.3g}",
         "complementarity residual": f"{summary.complementarity_residual:.3g}",
         "time step / critical": f"{summary.dt_over_critical:.3g}",
         "steps": f"{summary.steps}",
         "wall time": f"{summary.wall_time:.3g} s ({summary.us_per_step:.3g} µs a step)",
+    }
+
+
+def _wear(wear: dict[str, Any]) -> dict[str, str]:
+    if not wear:
+        return {}
+    metal = wear["metal_time"]
+    lobes = f"{wear['lobes']} lobes have {wear['lobes_share']:.0%} of the profile's variance"
+    return {
+        "wear of the coating": f"{1e9 * wear['wear_volume']:.4g} mm³, strain at most"
+        f" {wear['wear_strain_max']:.3g}, mean {wear['wear_strain_mean']:.3g};"
+        f" {lobes if wear['lobes'] else 'no lobes'}",
+        "energy dissipated in the coating": _text(wear["wear_dissipated"], "J"),
+        "first contact with the metal": "none" if metal is None else _text(metal, "s"),
     }
 
 

@@ -6,7 +6,7 @@ exactly."""
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -78,18 +78,20 @@ def joined(chunks: Sequence[Chunk]) -> Chunk:
     """Join consecutive chunks into one chunk."""
     if len(chunks) == 1:
         return chunks[0]
-    return Chunk(**_joined([vars(chunk) for chunk in chunks]))
+    names = [name for name in vars(chunks[0]) if name != "coating"]
+    coatings = [chunk.coating for chunk in chunks if chunk.coating is not None]
+    return Chunk(
+        coating=joined_coating(coatings) if coatings else None,
+        **{name: np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names},
+    )
 
 
-def _joined(records: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    both: dict[str, Any] = {
-        name: np.concatenate([one[name] for one in records])
-        for name, values in records[0].items()
-        if isinstance(values, np.ndarray)
-    }
-    if records[0].get("coating"):
-        both["coating"] = CoatingRecords(**_joined([vars(one["coating"]) for one in records]))
-    return both
+def joined_coating(records: Sequence[CoatingRecords]) -> CoatingRecords:
+    """Join consecutive records of a coating."""
+    names = vars(records[0])
+    return CoatingRecords(
+        **{name: np.concatenate([getattr(one, name) for one in records]) for name in names}
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,6 +154,7 @@ def march(
     timing: Timing,
     state: StateT | None = None,
     is_over: Callable[[Chunk], bool] | None = None,
+    chunk_steps: int = CHUNK_STEPS,
 ) -> Iterator[tuple[StateT, Chunk, EndReason | None]]:
     """Run a march from start to end and yield its state and records in chunks.
 
@@ -166,6 +169,7 @@ def march(
         timing: duration, time step and record step.
         state: state from which to resume; None for the start.
         is_over: function that returns true for a chunk after which the march ends.
+        chunk_steps: largest number of steps between two yields.
 
     Yields:
         the state, the records since the last yield, and the reason of the end, None if the march
@@ -173,7 +177,7 @@ def march(
     """
     if state is None:
         state = scheme.init()
-    per_chunk = max(1, CHUNK_STEPS // timing.record_every) * timing.record_every
+    per_chunk = max(1, chunk_steps // timing.record_every) * timing.record_every
     # A record at step n needs x_{n+1}, so one step follows the last record.
     last, whole = timing.steps + 1, timing.whole_steps + 1
     while state.step < last:

@@ -17,8 +17,9 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.solvers.march.march import Chunk, CoatingRecords
 from bladewhirl.solvers.march.schema import (
+    COATING,
     HISTORY,
     INDICES,
     RESULT_FORMAT,
@@ -119,6 +120,8 @@ class Recorder(AbstractContextManager["Recorder"]):
         history = {name: np.asarray(getattr(chunk, name)) for name in HISTORY}
         finite = finite_records(history)
         first, last = self.records, self.records + finite
+        if chunk.coating is not None:
+            self._write_coating(chunk.coating, first, last)
         if finite:
             for name, values in history.items():
                 # Each variable is resized by its name: h5netcdf resizes the variables in a list of
@@ -131,6 +134,28 @@ class Recorder(AbstractContextManager["Recorder"]):
         self.flush()
         if finite < chunk.records:
             raise NonFiniteError(f"record {last} is not finite")
+
+    def _write_coating(self, coating: CoatingRecords, first: int, last: int) -> None:
+        """Append the records of a coating from the first to the last number, and its profiles."""
+        tips, rods = coating.coating_impulse.shape[1], coating.coating_strain.shape[1]
+        if "rod" not in self._file.dimensions:
+            self._file.dimensions["rod"] = rods
+            self._file.dimensions["wear_time"] = None
+            for name, variable in COATING.items():
+                if name == "rod_angle":
+                    self._create(name, variable, 2.0 * np.pi / rods * (np.arange(rods) + 0.5))
+                else:
+                    self._create_history(name, variable, {"rod": rods, "blade": tips})
+        profiles = len(self._h5["wear_time"])
+        for name, variable in COATING.items():
+            values = getattr(coating, name, None)
+            if values is None:
+                continue
+            begin, end = first, last
+            if variable.dimensions[0] != TIME:
+                begin, end = profiles, profiles + len(values)
+            self._h5[name].resize(end, axis=0)
+            self._h5[name][begin:end] = values[: end - begin]
 
     def finish(self, reason: str, message: str, report: Mapping[str, Attribute]) -> None:
         """Store the reason of the end, a message and the quality measures of the march."""

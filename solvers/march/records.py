@@ -6,8 +6,8 @@ import numpy as np
 
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.solvers.march import recorder
-from bladewhirl.solvers.march.march import Chunk
-from bladewhirl.solvers.march.schema import HISTORY
+from bladewhirl.solvers.march.march import Chunk, CoatingRecords, joined_coating
+from bladewhirl.solvers.march.schema import COATING, HISTORY, TIME
 
 
 class Records:
@@ -31,6 +31,7 @@ class Records:
         self.stage, self.records, self.steps = stage, 0, 0
         self.attributes = dict(attributes)
         sizes = recorder.sizes_of(stage)
+        self._coating: list[CoatingRecords] = []
         self._room: dict[str, recorder.Values] = {} if room is None else room
         for name, variable in HISTORY.items():
             widths, stored = tuple(recorder.widths_of(variable, sizes)), self._room.get(name)
@@ -40,7 +41,16 @@ class Records:
     @property
     def histories(self) -> dict[str, recorder.Values]:
         """All records, by the names of the schema."""
-        return {name: values[: self.records] for name, values in self._room.items()}
+        histories = {name: values[: self.records] for name, values in self._room.items()}
+        if self._coating:
+            coating = vars(joined_coating(self._coating))
+            for name, variable in COATING.items():
+                if name in coating:
+                    most = self.records if variable.dimensions[0] == TIME else None
+                    histories[name] = coating[name][:most]
+            rods = coating["coating_strain"].shape[1]
+            histories["rod_angle"] = 2.0 * np.pi / rods * (np.arange(rods) + 0.5)
+        return histories
 
     def write(self, chunk: Chunk) -> None:
         """Append records.
@@ -54,6 +64,8 @@ class Records:
         for name, values in history.items():
             self._room[name][self.records : last] = values[:finite]
         self.records = last
+        if chunk.coating is not None:
+            self._coating.append(chunk.coating)
         if finite:
             self.steps = int(chunk.step[finite - 1])
         if finite < chunk.records:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 RESULT_NAME = "result.nc"
 """Name of the result file in the folder of a run."""
 
-RESULT_FORMAT = 6
+RESULT_FORMAT = 7
 """Current format of result.nc. Files of formats 1 and 2 contain no format number. A file of an
 older format lacks variables with a higher number in the column "since"; coordinates, recess and
 growth of tips, and frequencies of waves are added when such a file is opened."""
@@ -77,10 +77,13 @@ HISTORY: Mapping[str, Variable] = _read("history")
 STATIC: Mapping[str, Variable] = _read("stage")
 """Variables of result.nc that are known before the march."""
 
+COATING: Mapping[str, Variable] = _read("coating")
+"""Variables of result.nc if the casing has a coating."""
+
 INDICES: Mapping[str, Variable] = _read("index")
 """Variables of result.nc with names or numbers along a dimension."""
 
-RESULT: Mapping[str, Variable] = {**HISTORY, **STATIC, **INDICES}
+RESULT: Mapping[str, Variable] = {**HISTORY, **COATING, **STATIC, **INDICES}
 """All variables of result.nc."""
 
 SWEEP: Mapping[str, Variable] = _read("sweep")

@@ -27,6 +27,7 @@ MESH_NAME = "mesh"  #: name of the copy of a mesh file, without its suffix
 VTK_NAME = "vtk"
 ORBIT_NAME, ENERGY_NAME = "orbit.png", "energy.png"
 SENSORS_NAME = "sensors.nc"
+WEAR_NAME = "wear.csv"  #: profile of the coating at the end
 REPORT_NAME = "report.html"
 FAILURES_NAME = "failures.json"  #: file with the failed points of a sweep, and the reasons
 
@@ -171,4 +172,5 @@ def files_of_run(case: Case) -> tuple[str, ...]:
         f"{Path(name).stem}{end}" for name in (ORBIT_NAME, ENERGY_NAME) for end in (".png", ".nc")
     ]
     made = (RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, CHECKPOINT_NAME)
-    return (*case_files(case), *made, *figures, *sensor_files(case.sensor))
+    worn = () if case.casing.coating is None else (WEAR_NAME,)
+    return (*case_files(case), *made, *figures, *worn, *sensor_files(case.sensor))

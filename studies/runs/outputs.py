@@ -100,6 +100,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     from bladewhirl.postprocess.plotting.style import save_figure
     from bladewhirl.postprocess.run.summary import summarise, write_summary
     from bladewhirl.postprocess.run.summary_table import displacement_hints
+    from bladewhirl.postprocess.run.wear import write_profile
     from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
     from bladewhirl.studies.runs.sensor_files import write_sensors
 
@@ -109,6 +110,8 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
         write_summary(summary, directory / folder.SUMMARY_NAME)
         save_figure(plot_orbit(orbit), directory / folder.ORBIT_NAME, orbit, ["png"])
         save_figure(plot_energy(energies), directory / folder.ENERGY_NAME, energies, ["png"])
+        if "coating_strain" in result:
+            write_profile(result, directory / folder.WEAR_NAME)
         return Run(
             directory=directory,
             end_reason=result.attrs["end_reason"],

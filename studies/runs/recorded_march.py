@@ -6,6 +6,7 @@ import shutil
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -21,7 +22,15 @@ from bladewhirl.solvers.march.checkpoint import (
     write_checkpoint,
 )
 from bladewhirl.solvers.march.free_motion import RULE
-from bladewhirl.solvers.march.march import Chunk, EndReason, MarchState, joined, march
+from bladewhirl.solvers.march.march import (
+    CHUNK_STEPS,
+    Chunk,
+    CoatingRecords,
+    EndReason,
+    MarchState,
+    joined,
+    march,
+)
 from bladewhirl.solvers.march.recorder import (
     INTERRUPTED,
     Attribute,
@@ -48,6 +57,9 @@ a full disk."""
 FLUSH_TIME, FLUSH_RECORDS = 0.5, 4096
 """Largest time [s] and largest number of records between two writes; a killed run loses at most the
 records since the last write."""
+
+PROFILES = 200
+"""Number of profiles of a coating in a run, or more if the run is long."""
 
 Activity = Literal["marching", "writing"]
 
@@ -137,10 +149,13 @@ def _march_into(
         first, before = state_at(prepared, begin), begin.wall_time
         residual = first.statistics.complementarity_residual
         unsolved = first.statistics.lcp_failures
+    chunk_steps = CHUNK_STEPS
+    if prepared.problem.coating is not None:  # a profile of the coating at the end of each chunk
+        chunk_steps = min(CHUNK_STEPS, timing.steps // PROFILES + 1)
     began, flushed, waiting = time.perf_counter() - before, -pause, list[Chunk]()
     try:
         with asked_to_stop() as interrupted:
-            for state, chunk, end in march(prepared.scheme, timing, first, is_over):
+            for state, chunk, end in march(prepared.scheme, timing, first, is_over, chunk_steps):
                 stopping = end is None and interrupted()
                 waiting.append(chunk)
                 due = time.perf_counter() - flushed >= pause
@@ -193,11 +208,30 @@ def _recorder(
             if earlier.sizes["time"] < begin.records:
                 raise UserError(f"{path}: expected the {begin.records} records of the checkpoint")
             recorder = stack.enter_context(Recorder(draft, prepared.stage.arrays, attributes))
+            if "wear_time" in earlier:
+                reached = int(begin.state["step"]) * prepared.timing.time_step
+                kept = np.flatnonzero(earlier["wear_time"].values <= reached)
+                earlier = earlier.isel(wear_time=kept)
             for records in portions(earlier.isel(time=slice(begin.records))):
-                part = earlier.isel(time=records)
-                step = np.rint(part["time"].values / prepared.timing.time_step).astype(np.int64)
-                recorder.write(Chunk(step=step, **{name: part[name].values for name in HISTORY}))
+                chunk = _chunk(
+                    earlier.isel(time=records),
+                    prepared.timing.time_step,
+                    profiles=recorder.records == 0,
+                )
+                recorder.write(chunk)
         yield recorder
+
+
+def _chunk(records: xr.Dataset, time_step: float, *, profiles: bool) -> Chunk:
+    """Return records of a result as a chunk, with or without the profiles of its coating."""
+    values = {name: records[name].values for name in HISTORY}
+    coating = None
+    if "coating_strain" in records:
+        kept = records.isel(wear_time=slice(None if profiles else 0))
+        names = [field.name for field in fields(CoatingRecords)]
+        coating = CoatingRecords(**{name: kept[name].values for name in names})
+    step = np.rint(values["time"] / time_step).astype(np.int64)
+    return Chunk(step=step, coating=coating, **values)
 
 
 def state_at(prepared: Prepared, begin: Checkpoint) -> Any:

@@ -1,0 +1,185 @@
+"""Wear of an abradable coating: profile around the casing, its lobes, volume and forces."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladewhirl.files import write_atomically
+from bladewhirl.models.case.coating import Coating
+from bladewhirl.models.case.file import loads
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.titles import head
+
+MOST_LOBES = 60  #: largest number of lobes in the spectrum of a profile
+
+METAL_SHARE = 1e-9
+"""Share of the largest normal impulse above which the metal, and not rounding, takes a part."""
+
+
+def coating_of(dataset: xr.Dataset) -> Coating:
+    """Return the coating of the casing in the case of a result.
+
+    Raises:
+        ViewError: the casing has no coating.
+    """
+    text = str(dataset.attrs.get("case", ""))
+    coating = loads(text).casing.coating if "coating_strain" in dataset and text else None
+    if coating is None:
+        raise ViewError("this run has no casing.coating, so nothing can be worn")
+    return coating
+
+
+def wear(result: xr.Dataset) -> xr.Dataset:
+    """Compute the wear of the coating in a run.
+
+    Args:
+        result: result of a run whose casing has a coating.
+
+    Returns:
+        Dataset with `recess` [m] over (wear_time, rod), the removed depth; `lobe_share` [1] over
+        lobes, the share of each harmonic in the variance of the last profile; `wear_volume` [m3],
+        `wear_dissipated` [J] and `coating_energy` [J] over time. Attributes: `lobes`, the number of
+        lobes with the largest share, and `metal_time` [s], at which a tip first touches the metal,
+        nan if no tip does.
+
+    Raises:
+        ViewError: the casing has no coating.
+    """
+    coating = coating_of(result)
+    recess = coating.thickness * result["coating_strain"].values
+    share = lobe_shares(recess[-1])
+    lobes = int(share.argmax()) + 1 if share.any() else 0
+    return labelled(
+        result,
+        "wear of the coating",
+        {
+            "recess": (("wear_time", "rod"), recess, "m"),
+            "lobe_share": ("lobes", share, "1"),
+            **{
+                name: ("time", result[name].values, result[name].attrs["units"])
+                for name in ("wear_volume", "wear_dissipated", "coating_energy")
+            },
+        },
+        {
+            "time": result["time"].values,
+            "wear_time": result["wear_time"].values,
+            "lobes": np.arange(1, len(share) + 1),
+        },
+        lobes=lobes,
+        metal_time=_metal_time(result),
+        thickness=coating.thickness,
+    ).assign_coords(angle=("rod", result["rod_angle"].values, {"units": "rad"}))
+
+
+def lobe_shares(recess: Array) -> Array:
+    """Return the share of each harmonic, from 1 on, in the variance of a profile (rod,); zero for
+    an even profile."""
+    waves = np.abs(np.fft.rfft(recess)[1 : MOST_LOBES + 1]) ** 2
+    variance = len(recess) * float(((recess - recess.mean()) ** 2).sum()) / 2.0  # of all harmonics
+    return np.asarray(waves / variance if variance > 0.0 else np.zeros(len(waves)))
+
+
+def _metal_time(result: xr.Dataset) -> float:
+    impulse = result["contact_impulse"].values
+    metal = impulse - result["coating_impulse"].values
+    touching = (metal > METAL_SHARE * impulse.max(initial=0.0)).any(axis=1)
+    return float(result["time"].values[touching.argmax()]) if touching.any() else np.nan
+
+
+def wear_summary(result: xr.Dataset) -> dict[str, Any]:
+    """Return the key figures of the wear for `summary.json`; empty without a coating."""
+    if "coating_strain" not in result:
+        return {}
+    strain = result["coating_strain"].values[-1]
+    share = lobe_shares(strain)
+    lobes = int(share.argmax()) + 1 if share.any() else 0
+    metal = _metal_time(result)
+    return {
+        "wear_volume": float(result["wear_volume"][-1]),
+        "wear_strain_max": float(strain.max()),
+        "wear_strain_mean": float(strain.mean()),
+        "wear_dissipated": float(result["wear_dissipated"][-1]),
+        "coating_impulse": result["coating_impulse"].sum("time").values.tolist(),
+        "lobes": lobes,
+        "lobes_share": float(share[lobes - 1]) if lobes else 0.0,
+        "metal_time": metal if np.isfinite(metal) else None,
+    }
+
+
+def write_profile(result: xr.Dataset, path: Path) -> None:
+    """Write the last profile of the coating as a CSV file, which `casing.coating.profile` reads."""
+    recess = coating_of(result).thickness * result["coating_strain"].values[-1]
+    rows = zip(result["rod_angle"].values.tolist(), recess.tolist(), strict=True)
+    lines = ["angle [rad],recess [m]", *(f"{angle!r},{depth!r}" for angle, depth in rows)]
+    write_atomically(path, "\n".join(lines) + "\n")
+
+
+@styled
+def plot_wear_map(data: xr.Dataset) -> Figure:
+    """Draw the removed depth over casing angle and revolutions, from `wear`."""
+    figure = new_figure(height=0.06)
+    axes = figure.subplots()
+    turns = abs(float(data.attrs["speed"])) / (2 * np.pi)
+    picture = axes.pcolormesh(
+        (turns or 1.0) * data["wear_time"].values,
+        np.degrees(data["angle"].values),
+        1e3 * data["recess"].values.T,
+        cmap="magma_r",
+        rasterized=True,
+        shading="nearest",
+    )
+    axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=(0, 360))
+    if turns:
+        axes.set_xlabel("revolutions of the rotor")
+    else:
+        time_axis(axes)
+    figure.colorbar(picture, ax=axes, label="removed depth [mm]")
+    head(figure, data)
+    return figure
+
+
+@styled
+def plot_wear_profile(data: xr.Dataset) -> Figure:
+    """Draw the last profile of the coating, polar and over the casing angle, from `wear`."""
+    figure = new_figure(height=0.11)
+    around = figure.add_subplot(2, 1, 1, projection="polar")
+    unrolled = figure.add_subplot(2, 1, 2)
+    angle, depth = data["angle"].values, 1e3 * data["recess"].values[-1]
+    around.plot(np.append(angle, angle[0]), np.append(depth, depth[0]))
+    around.set(rlabel_position=90, ylim=(0, 1.05 * float(depth.max()) or 1.0))
+    around.set_yticks(around.get_yticks()[:: max(1, len(around.get_yticks()) // 3)])
+    unrolled.plot(np.degrees(angle), depth)
+    unrolled.set(xticks=(0, 90, 180, 270, 360), xlabel="casing angle [°]", xlim=(0, 360))
+    unrolled.set_ylabel("removed depth [mm]")
+    head(figure, data)
+    return figure
+
+
+@styled
+def plot_wear_lobes(data: xr.Dataset) -> Figure:
+    """Draw the share of each number of lobes in the variance of the last profile, from `wear`."""
+    figure = new_figure(height=0.05)
+    axes = figure.subplots()
+    axes.bar(data["lobes"].values, 100 * data["lobe_share"].values)
+    axes.set(xlabel="lobes", ylabel="share of the variance [%]", ylim=(0, 100))
+    head(figure, data)
+    return figure
+
+
+@styled
+def plot_wear_volume(data: xr.Dataset) -> Figure:
+    """Draw removed volume and dissipated energy over time, from `wear`."""
+    figure = new_figure(height=0.08)
+    upper, lower = figure.subplots(2, sharex=True)
+    upper.plot(data["time"], 1e9 * data["wear_volume"])
+    upper.set_ylabel("removed volume [mm³]")
+    lower.plot(data["time"], data["wear_dissipated"])
+    lower.set_ylabel("dissipated energy [J]")
+    time_axis(lower)
+    head(figure, data)
+    return figure
