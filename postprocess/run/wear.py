@@ -59,7 +59,7 @@ def wear(result: xr.Dataset) -> xr.Dataset:
         "wear of the coating",
         {
             "recess": (("wear_time", "rod"), recess, "m"),
-            "lobe_share": ("lobes", share, "1"),
+            "lobe_share": ("lobes", share[:MOST_LOBES], "1"),
             **{
                 name: ("time", result[name].values, result[name].attrs["units"])
                 for name in ("wear_volume", "wear_dissipated", "coating_energy")
@@ -68,7 +68,7 @@ def wear(result: xr.Dataset) -> xr.Dataset:
         {
             "time": result["time"].values,
             "wear_time": result["wear_time"].values,
-            "lobes": np.arange(1, len(share) + 1),
+            "lobes": np.arange(1, len(share) + 1)[:MOST_LOBES],
         },
         lobes=lobes,
         metal_time=_metal_time(result),
@@ -79,7 +79,7 @@ def wear(result: xr.Dataset) -> xr.Dataset:
 def lobe_shares(recess: Array) -> Array:
     """Return the share of each harmonic, from 1 on, in the variance of a profile (rod,); zero for
     an even profile."""
-    waves = np.abs(np.fft.rfft(recess)[1 : MOST_LOBES + 1]) ** 2
+    waves = np.abs(np.fft.rfft(recess)[1:]) ** 2
     variance = len(recess) * float(((recess - recess.mean()) ** 2).sum()) / 2.0  # of all harmonics
     return np.asarray(waves / variance if variance > 0.0 else np.zeros(len(waves)))
 

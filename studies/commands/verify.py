@@ -20,7 +20,7 @@ def verify(
         typer.Argument(
             metavar="SUBJECT",
             help="modes, rings, contact, schemes, march, results, stability, rotation, whirl or"
-            " forced.",
+            " forced, coating.",
             show_default=False,
         ),
     ] = None,

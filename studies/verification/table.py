@@ -21,6 +21,7 @@ SUBJECTS = {
     "whirl": "Marches with Coriolis forces",
     "forced": "Engine-order forces",
     "sensors": "Sensors",
+    "coating": "Abradable coating",
 }
 """Titles of the subjects by the name of their module, in the order of the table."""
 

@@ -2,8 +2,8 @@
 
 Half of them have no symmetry and any sizes; half are cyclic stages of a case. Options of the march
 are on and off by chance: loads, dampers, springs between the bodies and under the shaft, Coriolis
-forces, signed sliding, tips that turn, closing casings. Each has to agree to 1e-9, except where
-NumPy finds no contact forces. A stage is made from its number alone, so a finding is repeated by
+forces, signed sliding, tips that turn, closing casings and coatings. Each has to agree to 1e-9, except
+where NumPy finds no contact forces. A stage is made from its number alone, so a finding is repeated by
 `--first NUMBER --count 1`. Meant for a build with AddressSanitizer too, see `.ci/sanitize`.
 """
 
@@ -17,7 +17,7 @@ from contact_cases import assert_same, random_problem, thrown
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import ContactProblem, WallClosure
+from bladewhirl.models.stage.contact_problem import ContactProblem, WallClosure, WallCoating
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.kernel import structs
 from bladewhirl.solvers.march.central_difference import CentralDifference
@@ -94,6 +94,25 @@ def closure(given: ContactProblem, dt: float, random: np.random.Generator) -> Wa
     return WallClosure(course=Closure(table=rows), share=share)
 
 
+def coating(given: ContactProblem, random: np.random.Generator) -> WallCoating:
+    """A soft coating of any number of rods, worn by chance at the start."""
+    rods, tips = int(random.integers(8, 400)), len(given.rotor.tip_angle)
+    around = 2.0 * np.pi * given.casing.radius
+    lost = float(given.casing.clearance[:, 0].min())
+    return WallCoating(
+        strain=random.uniform(0.0, 0.1, rods),
+        footprint=random.uniform(0.5, 3.0, tips) * around / rods,
+        arc=around / rods,
+        width=0.1,
+        thickness=float(random.choice([0.3, 3.0])) * lost,
+        young_modulus=1e4,
+        yield_stress=10.0,
+        hardening=1e3,
+        limit=float(random.choice([0.2, 1.0])),
+        friction=0.2,
+    )
+
+
 def check(number: int) -> bool:
     """March the stage of a number in every way; return whether NumPy could."""
     random = np.random.default_rng([number, 33])
@@ -104,6 +123,8 @@ def check(number: int) -> bool:
     dt = min(dt, 0.5 * given.critical_time_step)
     if random.integers(2):
         given = replace(given, closure=closure(given, dt, random))
+    if random.integers(2):
+        given = replace(given, coating=coating(given, random))
     every = int(random.integers(1, 9))
     plain = Reference(given, dt, every)
     try:

@@ -1,0 +1,131 @@
+"""Abradable coating: the compiled march against the reference, convergence, and refusals."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from contact_cases import assert_same, thrown
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.coating import Coating, WornProfile
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.solvers.march.march import CoatingRecords
+from bladewhirl.solvers.march.reference import Reference
+
+STEP = 2e-6
+COATING: dict[str, Any] = {
+    "thickness": 5e-3,
+    "young_modulus": 1e9,
+    "yield_stress": 1e6,
+    "hardening": 5e7,
+}
+SMALL: dict[str, Any] = {
+    "bladed_disk": {"blades": 5},
+    "casing": {"elements": 12},
+    "reduction": {"fixed_interface_modes": 10},
+    "excitation": {"type": "none"},
+}
+KINDS: dict[str, dict[str, Any]] = {
+    "permanent sliding": {},
+    "Coriolis forces": {"rotation": {"effects": "full"}},
+    "signed sliding, tips that turn": {"contact": {"sliding": "signed", "tip_rotation": True}},
+    "dampers, backward": {"shaft": {"damping": 1e4}, "march": {"speed": -0.8}},
+    "closing": {"casing": {"elements": 12, "closure": {"amount": 0.1, "time_constant": 1e-2}}},
+}
+
+
+def problem(coating: dict[str, Any], **tables: Any) -> ContactProblem:
+    """Return a small stage with a coating, whose tips start towards the casing."""
+    case = SMALL | tables
+    case["casing"] = case["casing"] | {"coating": COATING | coating}
+    return thrown(contact_problem(build_stage(Case(**case))), 40.0, spread=0.5)
+
+
+def worn(given: ContactProblem, dt: float, time: float) -> CoatingRecords:
+    scheme = CentralDifference(given, dt, round(time / dt))
+    _, chunk, _ = scheme.advance(scheme.init(), round(time / dt) + 1)
+    assert chunk.coating is not None
+    return chunk.coating
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("cyclic", [True, False])
+@pytest.mark.parametrize("limit", [0.9, 0.1])
+def test_a_coating_is_worn_as_in_the_reference(kind: str, cyclic: bool, limit: float) -> None:
+    given = problem({"limit": limit}, **KINDS[kind])
+    fast, plain = CentralDifference(given, STEP, 1, cyclic=cyclic), Reference(given, STEP, 1)
+    _, chunk, _ = fast.advance(fast.init(), 120)
+    _, expected, _ = plain.advance(plain.init(), 120)
+    assert expected.coating is not None
+    assert expected.coating.wear_volume[-1] > 0.0
+    metal = expected.contact_impulse - expected.coating.coating_impulse
+    assert (metal.max() > 1e-3) == (limit < 0.5)
+    assert_same(chunk, expected)
+
+
+def test_a_halved_step_and_halved_rods_change_the_volume_by_less_than_a_percent() -> None:
+    coarse = worn(problem({"elements": 1260}), 1e-6, 1e-3).wear_volume[-1]
+    assert coarse > 0.0
+    assert worn(problem({"elements": 1260}), 5e-7, 1e-3).wear_volume[-1] == pytest.approx(
+        coarse, rel=0.01
+    )
+    assert worn(problem({"elements": 2520}), 1e-6, 1e-3).wear_volume[-1] == pytest.approx(
+        coarse, rel=0.01
+    )
+
+
+def test_a_march_that_continues_from_the_worn_profile_removes_little_at_the_same_depth() -> None:
+    given = problem({})
+    first = worn(given, STEP, 1e-3)
+    assert given.coating is not None
+    again = replace(given, coating=replace(given.coating, strain=first.coating_strain[-1]))
+    second = worn(again, STEP, 1e-3)
+    assert second.wear_volume[-1] < 0.1 * first.wear_volume[-1]
+
+
+def test_a_profile_of_the_rods_is_read_back_exactly() -> None:
+    angle = np.asarray(2.0 * np.pi / 100 * (np.arange(100) + 0.5))
+    depth = 1e-3 * np.random.default_rng(1).random(100)
+    profile = WornProfile(points=tuple(zip(angle.tolist(), depth.tolist(), strict=True)))
+    np.testing.assert_array_equal(profile.recess(angle), depth)
+    lobes = WornProfile.model_validate({"lobes": [{"lobes": 3, "amplitude": 1e-3}]})
+    np.testing.assert_allclose(lobes.recess(np.array([0.0, np.pi / 3])), [1e-3, 0.0], atol=1e-18)
+
+
+def test_hardening_follows_from_the_tangent_modulus() -> None:
+    plain = Coating(thickness=1e-3, young_modulus=1e9, yield_stress=1e6, tangent_modulus=2e8)
+    assert plain.slope == pytest.approx(1e9 * 2e8 / 8e8)
+
+
+@pytest.mark.parametrize(
+    ("coating", "message"),
+    [
+        ({"thickness": -1e-3}, r"coating.thickness = -0.001: expected a positive number"),
+        ({"thickness": 1.0}, "coating.thickness = .*: expected less than the radius of the tips"),
+        ({"limit": 1.2}, r"coating.limit = 1.2: expected a number above 0 and up to 1"),
+        ({"tangent_modulus": 1e6}, "tangent_modulus = .*: expected either hardening or"),
+        ({"profile": {"points": [[0, 1e-3]] * 3}}, "profile.points = .*: expected 8 to"),
+        ({"profile": {"lobes": [{"lobes": 2, "amplitude": 4.6e-3}]}}, "a recess below limit"),
+    ],
+)
+def test_a_coating_that_makes_no_sense(coating: dict[str, Any], message: str) -> None:
+    with pytest.raises(CaseError, match=message):
+        problem(coating)
+
+
+@pytest.mark.parametrize(
+    ("tables", "message"),
+    [
+        ({"march": {"scheme": "penalty"}}, 'march.scheme = .*: expected "central-difference"'),
+        ({"march": {"time_step": 2e-5}}, "march.time_step = .*: expected less than"),
+        ({"march": {"time_step": 2e-6, "speed": 9.0}}, "elements = .*: expected at most"),
+    ],
+)
+def test_a_march_that_a_coating_does_not_allow(tables: dict[str, Any], message: str) -> None:
+    with pytest.raises(CaseError, match=message):
+        problem({"elements": 4000, "young_modulus": 1e11}, **tables)
