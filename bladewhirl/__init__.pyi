@@ -28,6 +28,7 @@ from .postprocess.run.histories import tip_displacement as tip_displacement
 from .postprocess.run.sensors import sensors as sensors
 from .postprocess.run.stresses import stress_history as stress_history
 from .postprocess.run.tip_timing import tip_timing as tip_timing
+from .postprocess.run.wear import wear as wear
 from .postprocess.shaft.orbits import shaft_orbit as shaft_orbit
 from .postprocess.shaft.poincare import poincare_map as poincare_map
 from .postprocess.shaft.spectra import shaft_spectrogram as shaft_spectrogram

@@ -2,9 +2,10 @@
 
 Half of them have no symmetry and any sizes; half are cyclic stages of a case. Options of the march
 are on and off by chance: loads, dampers, springs between the bodies and under the shaft, Coriolis
-forces, signed sliding, tips that turn, closing casings and coatings. Each has to agree to 1e-9, except
-where NumPy finds no contact forces. A stage is made from its number alone, so a finding is repeated by
-`--first NUMBER --count 1`. Meant for a build with AddressSanitizer too, see `.ci/sanitize`.
+forces, signed sliding, tips that turn, closing casings and coatings. Each stage has to agree to
+1e-9, except where NumPy finds no contact forces. A stage is made from its number alone, so a
+finding is repeated by `--first NUMBER --count 1`. Meant for a build with AddressSanitizer too, see
+`.ci/sanitize`.
 """
 
 import argparse

@@ -1,0 +1,102 @@
+"""Runs with an abradable coating: files, continuation, summary and figures."""
+
+import json
+from pathlib import Path
+
+import h5py
+import meshio
+import numpy as np
+import pytest
+from small_run import small
+
+import bladewhirl as bw
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
+from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.postprocess.run.wear import lobe_shares
+from bladewhirl.solvers.march.schema import RESULT_NAME
+from bladewhirl.studies.runs.recorded_march import Activity
+
+pytestmark = pytest.mark.usefixtures("pictures_unsaved")
+
+COATING = {"thickness": 5e-3, "young_modulus": 1e8, "yield_stress": 1e5, "hardening": 1e6}
+
+
+def coated(**values: object) -> Case:
+    return small(**{"casing.coating": COATING, "march.duration": 0.04, **values})
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return bw.run(coated(), tmp_path_factory.mktemp("coated") / "run", frames=2).directory
+
+
+def test_a_run_broken_off_goes_on_to_the_same_profiles(whole: Path, tmp_path: Path) -> None:
+    def disturb(activity: Activity, done: int, total: int) -> None:
+        if done >= 9_000:
+            raise KeyError
+
+    with pytest.raises(KeyError):
+        bw.run(coated(), tmp_path / "run", frames=0, progress=disturb)
+    bw.resume(tmp_path / "run", frames=0)
+    with h5py.File(whole / RESULT_NAME) as left, h5py.File(tmp_path / "run" / RESULT_NAME) as right:
+        assert len(left["wear_time"]) >= 200
+        assert left["coating_strain"][-1].max() > 0.0
+        for name in left:
+            np.testing.assert_array_equal(left[name][()], right[name][()])
+
+
+def test_a_second_run_begins_with_the_profile_of_the_first(whole: Path, tmp_path: Path) -> None:
+    profile = {"file": str(whole / "wear.csv")}
+    case = with_values(coated(), {"casing.coating.profile": profile, "march.duration": 0.001})
+    with bw.open_result(whole) as first:
+        worn = first["coating_strain"].values[-1]
+    assert case.casing.coating is not None
+    assert case.casing.coating.profile is not None
+    bw.run(case, tmp_path / "second", frames=0)
+    with bw.open_result(tmp_path / "second") as second:
+        np.testing.assert_allclose(second["coating_strain"].values[0], worn, atol=1e-15)
+
+
+def test_the_summary_has_the_wear(whole: Path) -> None:
+    summary = json.loads((whole / "summary.json").read_text())
+    with bw.open_result(whole) as result:
+        wear = bw.wear(result)
+        strain = result["coating_strain"].values[-1]
+        assert summary["wear_strain_max"] == strain.max()
+        assert summary["wear_volume"] == wear["wear_volume"].values[-1] > 0.0
+        assert summary["metal_time"] is None
+        assert sum(summary["coating_impulse"]) == pytest.approx(summary["contact_impulse"])
+    assert summary["energy_residual"] < 1e-8
+
+
+def test_a_run_without_a_coating_has_no_wear(tmp_path: Path) -> None:
+    plain = bw.run(small(**{"march.duration": 0.002}), tmp_path / "plain", frames=0)
+    assert "wear_volume" not in json.loads(plain.summary.to_json())
+    with bw.open_result(tmp_path / "plain") as result:
+        assert "coating_strain" not in result
+        with pytest.raises(ViewError, match=r"no casing.coating"):
+            bw.wear(result)
+
+
+@pytest.mark.parametrize("name", ["wear", "wear-profile", "wear-lobes", "wear-volume"])
+def test_figures_of_the_wear(whole: Path, name: str) -> None:
+    with bw.open_result(whole) as result:
+        figure, data = RunFigures(result).draw(name)
+    assert figure.axes
+    assert data["recess"].max() > 0.0
+
+
+def test_the_series_has_the_remaining_thickness(whole: Path) -> None:
+    file = sorted((whole / "vtk" / "frames").glob("casing*"))[-1]
+    remaining = meshio.read(file).cell_data["remaining_thickness"][0]
+    assert 4e-3 < remaining.min() < remaining.max() <= 5e-3
+
+
+def test_lobes_are_counted_by_the_largest_harmonic() -> None:
+    angle = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
+    share = lobe_shares(2.0 + np.cos(7 * angle) + 0.5 * np.cos(3 * angle))
+    assert int(share.argmax()) + 1 == 7
+    assert share[6] == pytest.approx(0.8)
+    assert share.sum() == pytest.approx(1.0)
