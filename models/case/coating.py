@@ -105,9 +105,9 @@ class Coating(Table):
             yield Inconsistency("tangent_modulus", expected, ("young_modulus",))
         if self.profile is not None:
             deepest = self.profile.recess(np.linspace(0.0, TURN, 7200)).max()
-            if not deepest < self.limit * self.thickness:
+            if deepest > self.limit * self.thickness:
                 expected = (
-                    f"a recess below limit * thickness = {self.limit * self.thickness:.6g} m,"
+                    f"a recess up to limit * thickness = {self.limit * self.thickness:.6g} m,"
                     f" not {deepest:.6g} m"
                 )
                 yield Inconsistency("profile", expected, ("limit", "thickness"))

@@ -144,9 +144,14 @@ def _glance(
 
 
 def _drawn(dataset: xr.Dataset, section: str) -> list[page.ReportFigure]:
-    """Return the figures of a section, without maps of a single key and probability without
-    draws."""
-    without = {"maps": len(swept(dataset)) == 1, "probability": DRAW not in dataset.dims}
+    """Return the figures of a section, without maps of a single key, probability without
+    draws and wear without a coating."""
+    worn = "wear_volume" in dataset and bool(np.isfinite(dataset["wear_volume"]).any())
+    without = {
+        "maps": len(swept(dataset)) == 1,
+        "probability": DRAW not in dataset.dims,
+        "wear": not worn,
+    }
     kinds = [
         kind
         for kind in SWEEP_FIGURES.values()

@@ -10,6 +10,7 @@ from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.run.late_motion import late_motion
 from bladewhirl.postprocess.run.summary import energy_residual
+from bladewhirl.postprocess.run.wear import wear_summary
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Complex, spectrum
 from bladewhirl.postprocess.sweep.dataset import MODE_LINES, SECTIONS, WINDOW_SHARE, Layout, flag
@@ -54,6 +55,7 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         "contact_share": _padded(touched, layout.blades),
         "smallest_clearance": orbit.attrs["smallest_clearance"],
         **_late(dataset, orbit, layout),
+        **_wear(dataset),
         "gap_violation_max": max(0.0, -float(dataset["gap"].min())),
         "energy_residual": energy_residual(dataset),
         "complementarity_residual": report["complementarity_residual"],
@@ -105,6 +107,14 @@ def _late(dataset: xr.Dataset, orbit: xr.Dataset, layout: Layout) -> dict[str, o
         "section_y": _padded(section[:, 1], SECTIONS),
         "radius_peak": _padded(late["radius_peak"].values[-SECTIONS:], SECTIONS),
     }
+
+
+def _wear(dataset: xr.Dataset) -> dict[str, float]:
+    """Return the wear of the coating; NaN without a coating."""
+    wear = wear_summary(dataset)
+    names = ("wear_volume", "wear_strain_max", "wear_dissipated")
+    values = {name: wear.get(name, np.nan) for name in names}
+    return values | {"wear_lobes": wear.get("lobes", np.nan)}
 
 
 def _groups(energies: xr.Dataset, layout: Layout) -> Array:

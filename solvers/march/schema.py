@@ -21,7 +21,7 @@ RESULT_FORMAT = 7
 older format lacks variables with a higher number in the column "since"; coordinates, recess and
 growth of tips, and frequencies of waves are added when such a file is opened."""
 
-SWEEP_FORMAT = 5
+SWEEP_FORMAT = 6
 """Current format of sweep.nc. A file of an older format lacks variables with a higher number in the
 column "since"; formats 1 and 2 do not store swept values in the unit in which they were given. A
 sweep of an older format can be read but not resumed."""

@@ -99,17 +99,20 @@ def plot(
     folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
     formats = [format_name] if format_name else FORMATS
     with _opened(directory, start, end) as figures:
+        left_out: dict[str, list[str]] = {}
         for name in figure_names if ALL in names else dict.fromkeys(names):
             try:
                 figure, drawn = figures.draw(name)
             except ViewError as error:
                 if ALL not in names:
                     raise
-                typer.echo(f"{name} left out: {error}", err=True)
+                left_out.setdefault(str(error), []).append(name)
                 continue
             refit(figure, title=title, width=width and width / 1000)
             save_figures(folder, {name: (figure, drawn)}, overwrite=overwrite, formats=formats)
             typer.echo(f"Wrote {folder / name}.{', .'.join(formats)} and .nc.")
+        for reason, figures_without in left_out.items():
+            typer.echo(f"{', '.join(figures_without)} left out: {reason}", err=True)
 
 
 @contextmanager

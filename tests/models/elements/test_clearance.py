@@ -111,7 +111,7 @@ def test_a_measured_ellipse_is_two_lobes(tmp_path: Path) -> None:
     [
         ("angle,clearance", [[0.0, 1.0]], r'expected "angle \[deg\],clearance \[mm\]"'),
         ("angle [deg],clearance [kg]", [[0.0, 1.0]], "kilogram is"),
-        ("angle [deg],clearance [mm]", [[0.0, 1.0]] * 9, "one clearance at each angle"),
+        ("angle [deg],clearance [mm]", [[0.0, 1.0]] * 9, "one value at each angle"),
         ("angle [deg],clearance [mm]", [[0.0, 1.0]], "8 to 20000 points, not 1"),
         ("angle [rad],clearance [mm]", [[k, -1.0] for k in range(6)] + [[6, 1], [7, 1]], "a gap"),
     ],

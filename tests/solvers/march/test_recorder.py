@@ -16,9 +16,9 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.fields.result import check_result, open_result
-from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.solvers.march.march import Chunk, CoatingRecords
 from bladewhirl.solvers.march.recorder import Attribute, NonFiniteError, Recorder, result_bytes
-from bladewhirl.solvers.march.schema import HISTORY, INDICES, RESULT, STATIC
+from bladewhirl.solvers.march.schema import COATING, HISTORY, INDICES, RESULT, STATIC
 
 SMALL = {
     "bladed_disk.blades": 5,
@@ -73,7 +73,8 @@ def made_up(stage: StageArrays, first: int, count: int) -> Chunk:
 
 def test_the_layout_covers_everything_there_is() -> None:
     assert [*STATIC] == [field.name for field in fields(StageArrays)]
-    assert {*HISTORY} == {field.name for field in fields(Chunk)} - {"step"}
+    assert {*HISTORY} == {field.name for field in fields(Chunk)} - {"step", "coating"}
+    assert {*COATING} - {"rod_angle"} == {field.name for field in fields(CoatingRecords)}
 
 
 def test_what_a_stage_has_none_of_is_left_out(tmp_path: Path) -> None:
@@ -97,8 +98,8 @@ def test_a_result_grows_and_reads_back_to_the_last_bit(tmp_path: Path) -> None:
         recorder.finish("completed", "", {"wall_time": 0.5})
     whole = made_up(stage, 0, 208)
     with xr.open_dataset(tmp_path / "result.nc") as found:
-        assert {*found.variables} == {*RESULT}
-        for name, variable in RESULT.items():
+        assert {*found.variables} == {*RESULT} - {*COATING}
+        for name, variable in (HISTORY | STATIC | INDICES).items():
             assert found[name].dims == variable.dimensions
             assert found[name].attrs["units"] == variable.units
             assert found[name].attrs["long_name"] == variable.long_name

@@ -75,7 +75,8 @@ def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) ->
     still = made(tmp_path / "still", 0.0)
     result = answer("plot", still, "all")
     assert result.stderr.startswith("state-space left out: a Poincaré map needs one revolution")
-    assert len(list((still / "plots").iterdir())) == 3 * (len(RUN_FIGURES) - 2) + 1
+    assert "wear, wear-profile, wear-lobes, wear-volume left out: this run has no" in result.stderr
+    assert len(list((still / "plots").iterdir())) == 3 * (len(RUN_FIGURES) - 6) + 1
     refusal("plot", still, "state-space")
 
 

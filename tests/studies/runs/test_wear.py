@@ -17,10 +17,11 @@ from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.wear import lobe_shares
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.recorded_march import Activity
+from bladewhirl.studies.runs.run import resume
 
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
 
-COATING = {"thickness": 5e-3, "young_modulus": 1e8, "yield_stress": 1e5, "hardening": 1e6}
+COATING = {"thickness": 5e-3, "young_modulus": 1e9, "yield_stress": 1e7, "hardening": 5e7}
 
 
 def coated(**values: object) -> Case:
@@ -39,7 +40,7 @@ def test_a_run_broken_off_goes_on_to_the_same_profiles(whole: Path, tmp_path: Pa
 
     with pytest.raises(KeyError):
         bw.run(coated(), tmp_path / "run", frames=0, progress=disturb)
-    bw.resume(tmp_path / "run", frames=0)
+    resume(tmp_path / "run", frames=0)
     with h5py.File(whole / RESULT_NAME) as left, h5py.File(tmp_path / "run" / RESULT_NAME) as right:
         assert len(left["wear_time"]) >= 200
         assert left["coating_strain"][-1].max() > 0.0
@@ -91,7 +92,7 @@ def test_figures_of_the_wear(whole: Path, name: str) -> None:
 def test_the_series_has_the_remaining_thickness(whole: Path) -> None:
     file = sorted((whole / "vtk" / "frames").glob("casing*"))[-1]
     remaining = meshio.read(file).cell_data["remaining_thickness"][0]
-    assert 4e-3 < remaining.min() < remaining.max() <= 5e-3
+    assert 0.0 < remaining.min() < remaining.max() <= 5e-3
 
 
 def test_lobes_are_counted_by_the_largest_harmonic() -> None:
