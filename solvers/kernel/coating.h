@@ -15,69 +15,140 @@
 
 #include "turning.h"
 
-/* Return the stress of a rod at a depth, and update its plastic strain and the sums. */
-static inline double rod_stress(const Coating *coating, double depth, double *strain, double *sums)
+/* Sums over the rods of one element under a tip, in four lanes each. */
+typedef struct {
+    Half value, slope, next_value, next_slope; /* stress times the Hermite weights of the rod */
+    Half stress, removed, dissipated, stored;  /* stress; sums over volume and strain */
+} RodSums;
+
+/* Number that closes the lanes beyond the last rod: four open lanes, then four closed ones. */
+static const double CLOSED_LANES[2 * HALF] = {0.0, 0.0, 0.0, 0.0, 1e200, 1e200, 1e200, 1e200};
+
+/* Return the value of a nodal Hermite field at HALF rods of an element. */
+static inline Half at_rods(const Matrix *hermite, int64_t rod, int64_t element,
+                           const double *value, const double *slope)
 {
-    double p = *strain, energy = coating->area * coating->thickness;
-    double stress = coating->young_modulus * (depth / coating->thickness - p);
-    if (!(stress > 0.0))
-        return 0.0;
-    double excess = stress - (coating->yield_stress + coating->hardening * p);
-    if (excess > 0.0) {
-        double after = p + excess / (coating->young_modulus + coating->hardening);
-        after = smaller(after, larger(coating->limit, p));
-        stress -= coating->young_modulus * (after - p);
-        sums[REMOVED] += energy * (after - p);
-        sums[DISSIPATED] += energy * (coating->yield_stress * (after - p)
-                                      + 0.5 * coating->hardening * (after * after - p * p));
-        *strain = after;
-    }
-    sums[STORED] += 0.5 * energy * stress * stress / coating->young_modulus;
-    return stress;
+    int64_t wide = hermite->columns;
+    const double *weight = hermite->at + rod;
+    Half out = half_mul(half_load(weight), half_splat(value[element]));
+    out = half_muladd(half_load(weight + wide), half_splat(slope[element]), out);
+    out = half_muladd(half_load(weight + 2 * wide), half_splat(value[element + 1]), out);
+    return half_muladd(half_load(weight + 3 * wide), half_splat(slope[element + 1]), out);
 }
 
-/* Return the value of a nodal Hermite field at a rod. */
-static inline double at_rod(const Coating *coating, int64_t rod, const double *value,
-                            const double *slope)
+/* Compress HALF rods by depths, update their plastic strain, and add to the sums. */
+static inline void compress_rods(const Coating *coating, int64_t rod, Half depth, double *strain,
+                                 RodSums *sums)
 {
-    int64_t rods = coating->element.size, e = coating->element.at[rod];
+    double young = coating->young_modulus;
+    int64_t wide = coating->hermite.columns;
     const double *weight = coating->hermite.at + rod;
-    return weight[0] * value[e] + weight[rods] * slope[e] + weight[2 * rods] * value[e + 1]
-           + weight[3 * rods] * slope[e + 1];
+    Half p = half_load(strain), none = half_splat(0.0), h = half_splat(coating->hardening);
+    Half stress = half_mul(depth, half_splat(young / coating->thickness));
+    stress = half_larger(half_sub(stress, half_mul(half_splat(young), p)), none);
+    Half yield = half_muladd(h, p, half_splat(coating->yield_stress));
+    Half grown = half_larger(half_sub(stress, yield), none);
+    grown = half_mul(grown, half_splat(1.0 / (young + coating->hardening)));
+    Half left = half_larger(half_sub(half_splat(coating->limit), p), none);
+    grown = half_sub(grown, half_larger(half_sub(grown, left), none)); /* the smaller of both */
+    stress = half_sub(stress, half_mul(half_splat(young), grown));
+    Half after = half_add(p, grown), twice = half_add(after, p);
+    Half loss = half_muladd(half_mul(half_splat(0.5), h), twice, half_splat(coating->yield_stress));
+    half_store(strain, after);
+    sums->value = half_muladd(stress, half_load(weight), sums->value);
+    sums->slope = half_muladd(stress, half_load(weight + wide), sums->slope);
+    sums->next_value = half_muladd(stress, half_load(weight + 2 * wide), sums->next_value);
+    sums->next_slope = half_muladd(stress, half_load(weight + 3 * wide), sums->next_slope);
+    sums->stress = half_add(sums->stress, stress);
+    sums->removed = half_add(sums->removed, grown);
+    sums->dissipated = half_muladd(loss, grown, sums->dissipated);
+    sums->stored = half_muladd(stress, stress, sums->stored);
+}
+
+/* Add the sums of the rods of an element to the forces on its nodes and to the sums of the step.
+ * Returns the force on the tip [N]. */
+static inline double add_rods(const Coating *coating, const RodSums *sums, int64_t element,
+                              double slides, CoatingScratch *s)
+{
+    double on[HALF], of[HALF], area = coating->area, volume = area * coating->thickness;
+    half_store(of, half_totals(sums->stress, sums->removed, sums->dissipated, sums->stored));
+    if (of[0] == 0.0)
+        return 0.0;
+    half_store(on, half_totals(sums->value, sums->slope, sums->next_value, sums->next_slope));
+    double *to = s->on_nodes.at + element;
+    int64_t width = s->on_nodes.columns;
+    for (int64_t end = 0; end < 2; end++) {
+        to[end] += area * on[2 * end];
+        to[width + end] += area * on[2 * end + 1];
+        to[2 * width + end] += slides * area * on[2 * end];
+        to[3 * width + end] += slides * area * on[2 * end + 1];
+    }
+    s->sums.at[REMOVED] += volume * of[1];
+    s->sums.at[DISSIPATED] += volume * of[2];
+    s->sums.at[STORED] += 0.5 * volume * of[3] / coating->young_modulus;
+    return area * of[0];
+}
+
+/* Return an upper bound of the slope of a nodal Hermite field on the element of a rod. */
+static inline double steepest(const Casing *casing, int64_t element, const double *value,
+                              const double *slope)
+{
+    double chord = fabs(value[element + 1] - value[element]) / casing->element_length;
+    return 1.5 * chord + fabs(slope[element]) + fabs(slope[element + 1]);
 }
 
 /* Press a tip into the rods under its footprint. Adds the forces of the rods on the casing to
- * `on_nodes` (w, w', u and u' by node), and returns the force on the tip [N]. `slides` is the
+ * `on_nodes` (w, w', u and u' by node), and returns the force on the tip [N]. `place` is the
+ * position of the tip in elements, `room` the gap to the virgin surface there, and `slides` the
  * friction coefficient times the direction of sliding. */
-static inline double press_tip(const Coating *coating, const Closure *closure, double closed,
-                               int64_t tip, double place, double recess, double slides,
-                               const FieldScratch *f, double *strain, CoatingScratch *s)
+static inline double press_tip(const Coating *coating, const Casing *casing, const Closure *closure,
+                               double closed, int64_t tip, double place, double room,
+                               double recess, double slides, const FieldScratch *f,
+                               double *strain, CoatingScratch *s)
 {
-    int64_t rods = coating->element.size, width = s->on_nodes.columns;
-    double at = place * coating->rods_per_element, half = coating->half.at[tip], total = 0.0;
-    int64_t last = (int64_t)floor(at + half - 0.5);
-    for (int64_t n = (int64_t)ceil(at - half - 0.5); n <= last; n++) {
-        int64_t rod = n < 0 ? n + rods : n < rods ? n : n - rods;
-        double room = at_rod(coating, rod, f->nodal.at, f->nodal_slope.at) + recess;
-        if (closure)
-            room -= closed * at_rod(coating, rod, closure->share.at,
-                                    closure->share.at + closure->share.columns);
-        double stress =
-            rod_stress(coating, f->radial.at[tip] - room, strain + rod, s->sums.at);
-        if (stress == 0.0)
-            continue;
-        double force = stress * coating->area, drag = slides * force;
-        double *to = s->on_nodes.at + coating->element.at[rod];
-        const double *weight = coating->hermite.at + rod;
-        for (int64_t end = 0; end < 2; end++, weight += 2 * rods) {
-            to[end] += force * weight[0];
-            to[width + end] += force * weight[rods];
-            to[2 * width + end] += drag * weight[0];
-            to[3 * width + end] += drag * weight[rods];
+    const double *value = f->nodal.at, *slope = f->nodal_slope.at;
+    const double *share = closure ? closure->share.at : 0;
+    int64_t rods = coating->element.size;
+    double at = place * coating->rods_per_element, half = coating->half.at[tip], force = 0.0;
+    int64_t first = (int64_t)ceil(at - half - 0.5), last = (int64_t)floor(at + half - 0.5);
+    if (room > 0.0) { /* no rod is touched if the wall is not steep enough */
+        double reach = (half + 0.5) / coating->rods_per_element * casing->element_length;
+        double most = 0.0;
+        for (int64_t n = first; n <= last;) {
+            int64_t rod = n < 0 ? n + rods : n < rods ? n : n - rods, e = coating->element.at[rod];
+            double here = steepest(casing, e, value, slope);
+            if (closure)
+                here += fabs(closed)
+                        * steepest(casing, e, share, share + closure->share.columns);
+            most = larger(most, here);
+            n += coating->until.at[rod] - rod;
         }
-        total += force;
+        if (room > most * reach)
+            return 0.0;
     }
-    return total;
+    double outward = f->radial.at[tip] - recess;
+    for (int64_t n = first; n <= last;) {
+        int64_t rod = n < 0 ? n + rods : n < rods ? n : n - rods, e = coating->element.at[rod];
+        int64_t count = coating->until.at[rod] - rod;
+        count = count < last - n + 1 ? count : last - n + 1;
+        Half none = half_splat(0.0);
+        RodSums sums = {none, none, none, none, none, none, none, none};
+        for (int64_t k = 0; k < count; k += HALF) {
+            int64_t open = count - k < HALF ? count - k : HALF;
+            Half wall = at_rods(&coating->hermite, rod + k, e, value, slope);
+            if (closure) {
+                Half lost = at_rods(&coating->hermite, rod + k, e, share,
+                                    share + closure->share.columns);
+                wall = half_sub(wall, half_mul(half_splat(closed), lost));
+            }
+            wall = half_add(wall, half_load(CLOSED_LANES + HALF - open));
+            compress_rods(coating, rod + k, half_sub(half_splat(outward), wall), strain + rod + k,
+                          &sums);
+        }
+        force += add_rods(coating, &sums, e, slides, s);
+        n += count;
+    }
+    return force;
 }
 
 /* Move the forces on the casing nodes that are not zero to `factor`. Returns their number. */
@@ -104,42 +175,48 @@ static int64_t gather_nodes(const Casing *casing, CoatingScratch *s, ContactScra
 }
 
 /* Compute the modal forces on the rotor from the forces on tips: normal, then friction. */
-static void rotor_coating_force(const Rotor *rotor, int64_t size, ContactScratch *c, Matrix *force)
+static void rotor_coating_force(const Rotor *rotor, int64_t size, int mixed, double ratio,
+                                ContactScratch *c, Matrix *force)
 {
-    spread(&rotor->spread, c->active.at, c, PUSH, size, rotor->half);
-    spread(&rotor->drag_spread, c->active.at, c, DRAG, size, rotor->half);
+    Friction friction = rotor_columns(rotor, size, mixed, ratio, c);
     int64_t rows = rotor->radial.rows, columns = rotor->radial.columns;
     const double *push = c->columns.at + PUSH * c->columns.columns;
-    const double *drag = c->columns.at + DRAG * c->columns.columns;
-    for (int64_t h = 0; h < columns; h += LANES)
+    const double *drag = c->columns.at + friction.drag * c->columns.columns;
+    Lanes slides = splat(friction.ratio);
+    for (int64_t h = 0; h < columns; h += LANES) {
+        Lanes normal = load(push + h), along = mul(slides, load(drag + h));
+        Lanes across = mul(slides, load(drag + rotor->half + h));
         for (int64_t i = h; i < rows * columns; i += columns) {
-            Lanes shear = mul(load(drag + rotor->half + h), load(rotor->crossed.at + i));
-            shear = muladd(load(drag + h), load(rotor->tangential.at + i), shear);
-            store(force->at + i, mul(load(push + h), load(rotor->radial.at + i)));
+            Lanes shear = mul(across, load(rotor->crossed.at + i));
+            shear = muladd(along, load(rotor->tangential.at + i), shear);
+            store(force->at + i, mul(normal, load(rotor->radial.at + i)));
             store(force->at + force->columns + i, shear);
         }
+    }
 }
 
 /* Compute the modal forces on the casing from the forces on nodes: normal, then friction. */
-static void casing_coating_force(const Casing *casing, int64_t count, ContactScratch *c,
-                                 Matrix *force)
+static void casing_coating_force(const Casing *casing, int64_t count, int mixed, double ratio,
+                                 ContactScratch *c, Matrix *force)
 {
+    Friction friction = casing_columns(casing, count, mixed, ratio, c);
     const NodalField *radial = &casing->radial, *tangential = &casing->tangential;
     int64_t half = casing->half, wide = c->columns.columns;
-    const Matrix *spreads[4] = {&radial->spread, &radial->slope_spread, &tangential->spread,
-                                &tangential->slope_spread};
-    for (int64_t row = 0; row < 4; row++)
-        spread(spreads[row], c->rows.at, c, W_KIND + row, count, half);
     int64_t rows = radial->weight.rows, columns = radial->weight.columns;
-    const double *on = c->columns.at + W_KIND * wide;
-    for (int64_t h = 0; h < columns; h += LANES)
+    const double *push = c->columns.at + W_KIND * wide;
+    const double *drag = c->columns.at + friction.drag * wide;
+    Lanes slides = splat(friction.ratio);
+    for (int64_t h = 0; h < columns; h += LANES) {
+        Lanes w = load(push + h), w_slope = load(push + wide + half + h);
+        Lanes u = mul(slides, load(drag + half + h)), u_slope = mul(slides, load(drag + wide + h));
         for (int64_t i = h; i < rows * columns; i += columns) {
-            Lanes slope = mul(load(on + wide + half + h), load(radial->slope_weight.at + i));
-            Lanes turn = mul(load(on + 3 * wide + h), load(tangential->slope_weight.at + i));
-            store(force->at + i, muladd(load(on + h), load(radial->weight.at + i), slope));
+            Lanes slope = mul(w_slope, load(radial->slope_weight.at + i));
+            Lanes turn = mul(u_slope, load(tangential->slope_weight.at + i));
+            store(force->at + i, muladd(w, load(radial->weight.at + i), slope));
             store(force->at + force->columns + i,
-                  muladd(load(on + 2 * wide + half + h), load(tangential->weight.at + i), turn));
+                  muladd(u, load(tangential->weight.at + i), turn));
         }
+    }
 }
 
 /* Add the response to the forces of the coating to x_p of a body. */

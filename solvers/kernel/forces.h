@@ -103,13 +103,13 @@ static inline Friction rotor_columns(const Rotor *rotor, int64_t size, int mixed
     return (Friction){DRAG, 1.0};
 }
 
-/* Sum the forces on the casing nodes by column. */
-static inline Friction casing_columns(const Casing *casing, int64_t size, int mixed, double ratio,
+/* Sum a number of forces on the casing nodes by column. */
+static inline Friction casing_columns(const Casing *casing, int64_t count, int mixed, double ratio,
                                       ContactScratch *c)
 {
     const NodalField *radial = &casing->radial, *tangential = &casing->tangential;
     const int64_t *rows = c->rows.at;
-    int64_t half = casing->half, count = 2 * size;
+    int64_t half = casing->half;
     if (casing->shared) {
         spread_two(&radial->spread, rows, c, W_KIND, count, half);
         if (!mixed)
@@ -159,7 +159,7 @@ static void correct_rotor(const Rotor *rotor, int64_t size, int mixed, double ra
 static void correct_casing(const Casing *casing, int64_t size, int mixed, double ratio, Motion y,
                            FieldScratch *f, ContactScratch *c)
 {
-    Friction friction = casing_columns(casing, size, mixed, ratio, c);
+    Friction friction = casing_columns(casing, 2 * size, mixed, ratio, c);
     const NodalField *radial = &casing->radial, *tangential = &casing->tangential;
     int64_t rows = radial->weight.rows, columns = radial->weight.columns, half = casing->half;
     int64_t wide = c->columns.columns;

@@ -190,8 +190,10 @@ typedef struct {
 
 /* Abradable coating of rods, numbered from the first node of the casing on. */
 typedef struct {
-    Matrix hermite;          /* (4, rods) Hermite weights at the middle of each rod: w, w', w, w' */
+    Matrix hermite;          /* (4, rods_wide) Hermite weights at the middle of each rod: w, w', w,
+                              * w' */
     IntVector element;       /* (rods) element of the casing of each rod */
+    IntVector until;         /* (rods) first rod of the next element */
     Vector half;             /* (tips) half of the footprint of each tip, in rods */
     double rods_per_element; /* number of rods on an element, which need not be whole */
     double area;             /* area of a rod [m2] */
@@ -216,7 +218,7 @@ typedef struct {
     Vector work;     /* (6) works since the start: EXTERNAL ... [J] */
     Vector residual; /* (1) largest complementarity residual */
     Vector counts;   /* (4) contacts at the last step, LCP failures, pivots, steps with contact */
-    Vector strain;   /* (rods) plastic strain of each rod of the coating */
+    Vector strain;   /* (rods_wide) plastic strain of each rod of the coating */
     Vector coating;  /* (coating_sums) COATING_WORK ... [J, m3] */
     Vector coating_impulse; /* (coated_tips) part of `impulse` on the coating [N s] */
 } State;

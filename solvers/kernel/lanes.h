@@ -80,6 +80,17 @@
 DEFINE_LANES(Lanes, , LANES, WIDTH)
 DEFINE_LANES(Half, half_, HALF, HALF_WIDTH)
 
+/* Return the larger number of each lane. */
+static inline Half half_larger(Half a, Half b)
+{
+    typedef int64_t Mask __attribute__((vector_size(8 * HALF_WIDTH)));
+    for (int k = 0; k < HALF / HALF_WIDTH; k++) {
+        Mask first = a.v[k] > b.v[k];
+        a.v[k] = (HalfVector)((first & (Mask)a.v[k]) | (~first & (Mask)b.v[k]));
+    }
+    return a;
+}
+
 /* Sum of the lanes. */
 static inline double total(Lanes a)
 {

@@ -117,6 +117,7 @@ static int press_coating(const March *m, int64_t step)
     CoatingScratch *s = &m->scratch->coating;
     const double *places = numbers->elements_per_metre == 0.0 ? m->stage.rotor->position.at : f->at.at;
     double nodes = (double)m->stage.casing->nodes, rate, closed = 0.0;
+    double removable = coating->limit * coating->thickness;
     double turned = numbers->elements_per_step * (double)(step + 1);
     int64_t size = 0, wide = c->factor.columns;
     if (m->stage.closure)
@@ -131,22 +132,27 @@ static int press_coating(const March *m, int64_t step)
     for (int64_t j = 0; j < s->push.size; j++) {
         double place = places[j] + turned;
         place -= nodes * floor(place / nodes);
-        double recess = m->stage.rotor->recess.at[j] - coating->limit * coating->thickness;
-        s->push.at[j] = press_tip(coating, m->stage.closure, closed, j, place, recess,
+        double recess = m->stage.rotor->recess.at[j] - removable;
+        s->push.at[j] = press_tip(coating, m->stage.casing, m->stage.closure, closed, j, place,
+                                  f->free_gap.at[j] - removable, recess,
                                   coating->friction * c->sign.at[j], f, m->state->strain.at, s);
         if (s->push.at[j] != 0.0)
             c->active.at[size++] = j;
     }
     if (size == 0)
         return 0;
+    int mixed = 0;
+    double ratio = coating->friction * c->sign.at[c->active.at[0]];
     for (int64_t n = 0; n < size; n++) {
         int64_t j = c->active.at[n];
+        double slides = coating->friction * c->sign.at[j];
+        mixed |= slides != ratio;
         c->factor.at[PUSH * wide + n] = -s->push.at[j];
-        c->factor.at[DRAG * wide + n] = -s->push.at[j] * coating->friction * c->sign.at[j];
+        c->factor.at[DRAG * wide + n] = -s->push.at[j] * slides;
     }
-    rotor_coating_force(m->stage.rotor, size, c, &s->rotor);
+    rotor_coating_force(m->stage.rotor, size, mixed, ratio, c, &s->rotor);
     int64_t count = gather_nodes(m->stage.casing, s, c);
-    casing_coating_force(m->stage.casing, count, c, &s->casing);
+    casing_coating_force(m->stage.casing, count, mixed, ratio, c, &s->casing);
     return 1;
 }
 
@@ -166,7 +172,12 @@ static inline int solve_step(March *m, int64_t step, int64_t *penetrating)
     predict(m);
     int within = find_gaps(m, step, &recess);
     if (m->stage.coating && within && (m->coated = press_coating(m, step))) {
-        predict(m);
+        if (m->stage.gyroscopic || m->stage.dampers)
+            predict(m); /* which also includes the forces of the coating */
+        else {
+            add_coating(&rotor->body, &m->scratch->coating.rotor, m->x);
+            add_coating(&casing->body, &m->scratch->coating.casing, m->y);
+        }
         within = find_gaps(m, step, &recess);
     }
     *penetrating = propose_contacts(f->free_gap.at, &state->held);

@@ -131,7 +131,7 @@ class CentralDifference:
         arrays = zeros("State", self._sizes())
         arrays |= {"rotor": slots[0], "casing": slots[1], "gap": initial_gap(problem)}
         if problem.coating is not None:
-            arrays["strain"][:] = problem.coating.strain
+            arrays["strain"][: len(problem.coating.strain)] = problem.coating.strain
         rotor, casing = (
             arrangement.unpack(slot[0])
             for arrangement, slot in zip(self._arrangements, slots, strict=True)
@@ -168,7 +168,7 @@ class CentralDifference:
             "rotor_entries": rotor.entries,
             "casing_entries": casing.entries,
             "tips": tips,
-            "rods": 0 if coating is None else len(coating.strain),
+            "rods_wide": 0 if coating is None else len(coating.strain) + lib.HALF,
             "coated_tips": 0 if coating is None else tips,
             "coating_sums": 0 if coating is None else lib.COATING_SUMS,
         }
@@ -218,7 +218,7 @@ class CentralDifference:
                 wear_dissipated=kept["coating"][:, lib.DISSIPATED],
                 coating_energy=kept["coating"][:, lib.STORED],
                 wear_time=np.array([after.step * self._time_step]),
-                coating_strain=after.arrays["strain"][None],
+                coating_strain=after.arrays["strain"][None, : -lib.HALF],
             )
         return Chunk(
             step=kept["step"],

@@ -4,7 +4,7 @@ import numpy as np
 
 from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.solvers.kernel.structs import Struct, aligned_copy
+from bladewhirl.solvers.kernel.structs import Struct, aligned, lib
 
 
 def pack_coating(problem: ContactProblem) -> Struct | None:
@@ -12,13 +12,17 @@ def pack_coating(problem: ContactProblem) -> Struct | None:
     coating, casing = problem.coating, problem.casing
     if coating is None:
         return None
-    per_element = len(coating.strain) / len(casing.nodal)
-    at = (np.arange(len(coating.strain)) + 0.5) / per_element
+    rods = len(coating.strain)
+    per_element = rods / len(casing.nodal)
+    at = (np.arange(rods) + 0.5) / per_element
     element = np.floor(at).astype(np.int64)
+    hermite = aligned((4, rods + lib.HALF))  # registers extend beyond the last rod
+    hermite[:, :rods] = cubic_weights(at - element, casing.element_length)
     return Struct(
         "Coating",
-        hermite=aligned_copy(cubic_weights(at - element, casing.element_length)),
+        hermite=hermite,
         element=element,
+        until=np.searchsorted(element, element, side="right"),
         half=coating.footprint / coating.arc / 2.0,
         rods_per_element=per_element,
         area=coating.area,

@@ -99,7 +99,7 @@ def test_a_result_grows_and_reads_back_to_the_last_bit(tmp_path: Path) -> None:
     whole = made_up(stage, 0, 208)
     with xr.open_dataset(tmp_path / "result.nc") as found:
         assert {*found.variables} == {*RESULT} - {*COATING}
-        for name, variable in (HISTORY | STATIC | INDICES).items():
+        for name, variable in {**HISTORY, **STATIC, **INDICES}.items():
             assert found[name].dims == variable.dimensions
             assert found[name].attrs["units"] == variable.units
             assert found[name].attrs["long_name"] == variable.long_name
