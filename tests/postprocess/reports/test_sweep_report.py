@@ -46,7 +46,7 @@ def page(folder: Path) -> Parsed:
 def test_it_stands_alone_with_its_figures(page: Parsed) -> None:
     assert page.references
     assert page.outside() == []
-    assert set(page.pictures) == set(SWEEP_FIGURES) - {"maps", "probability"}
+    assert set(page.pictures) == set(SWEEP_FIGURES) - {"maps", "probability", "wear"}
 
 
 def test_the_verdict_counts_points(page: Parsed) -> None:

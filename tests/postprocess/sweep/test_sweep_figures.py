@@ -221,7 +221,7 @@ def test_all_figures_come_with_their_data(one: Path, tmp_path: Path) -> None:
     result = answer("plot", one, "all", "-o", tmp_path)
     told = {line.split(" left out")[0] for line in result.stderr.splitlines()}
     drawn = set(SWEEP_FIGURES) - told
-    assert told == {"maps", "probability"}
+    assert told == {"maps", "probability", "wear"}
     files = {f"{name}.{kind}" for name in drawn for kind in ("png", "pdf", "nc")}
     assert {path.name for path in tmp_path.iterdir()} == {*files, "manifest.json"}
     for name in drawn:
