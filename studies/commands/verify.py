@@ -19,8 +19,8 @@ def verify(
         list[str] | None,
         typer.Argument(
             metavar="SUBJECT",
-            help="modes, rings, contact, schemes, march, results, stability, rotation, whirl or"
-            " forced, coating.",
+            help="modes, rings, contact, schemes, march, results, stability, rotation, whirl,"
+            " forced, sensors or coating.",
             show_default=False,
         ),
     ] = None,

@@ -12,6 +12,8 @@ from small_run import small
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.wear import lobe_shares
@@ -48,16 +50,15 @@ def test_a_run_broken_off_goes_on_to_the_same_profiles(whole: Path, tmp_path: Pa
             np.testing.assert_array_equal(left[name][()], right[name][()])
 
 
-def test_a_second_run_begins_with_the_profile_of_the_first(whole: Path, tmp_path: Path) -> None:
+def test_a_second_run_begins_with_the_profile_of_the_first(whole: Path) -> None:
     profile = {"file": str(whole / "wear.csv")}
-    case = with_values(coated(), {"casing.coating.profile": profile, "march.duration": 0.001})
+    case = with_values(coated(), {"casing.coating.profile": profile})
     with bw.open_result(whole) as first:
         worn = first["coating_strain"].values[-1]
-    assert case.casing.coating is not None
-    assert case.casing.coating.profile is not None
-    bw.run(case, tmp_path / "second", frames=0)
-    with bw.open_result(tmp_path / "second") as second:
-        np.testing.assert_allclose(second["coating_strain"].values[0], worn, atol=1e-15)
+    second = contact_problem(build_stage(case)).coating
+    assert second is not None
+    assert worn.max() > 0.0
+    np.testing.assert_allclose(second.strain, worn, rtol=0.0, atol=1e-15)
 
 
 def test_the_summary_has_the_wear(whole: Path) -> None:
