@@ -75,10 +75,11 @@ def decades(top: float, number: float) -> LogNorm:
 class Labels:
     """Labels in a panel; a label that would cover another label or leave the panel is left out."""
 
-    def __init__(self, axes: Axes) -> None:
-        """Lay out the figure of a panel; the figure must be complete except for its labels."""
+    def __init__(self, axes: Axes, *, laid_out: bool = False) -> None:
+        """Lay out the figure of a panel, unless it is laid out; the figure must be complete except
+        for its labels."""
         figure = axes.get_figure(root=True)
-        layout = figure.get_layout_engine() if figure else None
+        layout = figure.get_layout_engine() if figure and not laid_out else None
         if figure and layout:
             layout.execute(figure)
         self._axes = axes

@@ -14,6 +14,8 @@ from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.run.blade_contact import contact_classes, contact_maps
 from bladewhirl.postprocess.run.casing_contact import casing_contact, with_last_turns
 from bladewhirl.postprocess.run.contact_side import contact_phase
+from bladewhirl.postprocess.run.sensor_figures import all_blades, sensor_orders, sensor_spectra
+from bladewhirl.postprocess.run.sensors import sensors_of, signals
 from bladewhirl.postprocess.run.stresses import stress_history
 from bladewhirl.postprocess.run.wear import wear
 from bladewhirl.postprocess.shaft import spectra
@@ -147,6 +149,27 @@ class RunFigures:
         """Directions of shaft and contact, and the contact scenario after the onset."""
         since = float(self._after_onset(self.result)["time"][0])
         return contact_phase(self._with_contact, self.orbit, since=since)
+
+    @cached_property
+    def sensors(self) -> xr.Dataset:
+        """Signals of the sensors of the case."""
+        return signals(self.result, sensors_of(self.result))
+
+    @property
+    def sensor_spectra(self) -> xr.Dataset:
+        """Amplitudes of the signals over frequency after the onset."""
+        late = self._after_onset(self.result)
+        return sensor_spectra(signals(late, sensors_of(late)), self.result)
+
+    @property
+    def sensor_orders(self) -> xr.Dataset:
+        """Amplitudes of the signals over engine order and time."""
+        return sensor_orders(self.sensors, self.result)
+
+    @property
+    def all_blades(self) -> xr.Dataset:
+        """Vibration of all blades over revolutions."""
+        return all_blades(self.sensors)
 
     def _after_onset(self, dataset: xr.Dataset) -> xr.Dataset:
         return late_part(dataset) if self._is_run else dataset

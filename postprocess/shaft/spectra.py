@@ -17,14 +17,14 @@ from matplotlib.figure import Figure
 from numpy.lib.stride_tricks import sliding_window_view
 
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION
-from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import evenly_spaced, window_label
 from bladewhirl.postprocess.plotting.axes import decades, draw_map
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
-from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Frame, phasor, spectrum
+from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Complex, Frame, phasor, spectrum
 
 SHARE, PERIODS, MOST = 1.0 / 5.0, 5.0, 0.5
 """Length of a slice of the spectrogram: the share `SHARE` of the time or, if longer, `PERIODS`
@@ -116,7 +116,7 @@ def shaft_spectrum(
     """
     even, step = evenly_spaced(shaft_orbit(result, start=start, end=end), FEWEST_RECORDS)
     records = even.sizes["time"]
-    window = _blackman_harris(records)
+    window = blackman_harris(records)
     frequency, amplitude = spectrum(phasor(even, frame), step, window, padding=PADDING)
     return labelled(
         even,
@@ -154,15 +154,8 @@ def shaft_spectrogram(
         ViewError: there are too few records, or the records are not equally spaced.
     """
     even, step = evenly_spaced(shaft_orbit(result, start=start, end=end), FEWEST_RECORDS)
-    records = even.sizes["time"]
-    if length is None:
-        period = 2 * np.pi / even.attrs["reference_frequency"]
-        length = min(max(SHARE * records * step, PERIODS * period), MOST * records * step)
-    size = int(np.clip(round(length / step), FEWEST_RECORDS // 2, records))
-    first = np.arange(0, records - size + 1, max((records - size) // SLICES, 1))
-    pieces = sliding_window_view(phasor(even, frame), size)[first]
-    window = _blackman_harris(size)
-    frequency, amplitude = spectrum(pieces, step, window, padding=SLICE_PADDING)
+    period = 2 * np.pi / even.attrs["reference_frequency"]
+    frequency, amplitude, first, size = slices(phasor(even, frame), step, period, length)
     return labelled(
         even,
         "spectrogram of the shaft",
@@ -172,6 +165,31 @@ def shaft_spectrogram(
         resolution=2 * np.pi / (size * step),
         slice=size * step,
     )
+
+
+def slices(
+    motion: Complex, step: float, period: float, length: float | None = None
+) -> tuple[Array, Complex, IntArray, int]:
+    """Return the spectra of overlapping slices of a motion.
+
+    Args:
+        motion: equally spaced samples, (samples,).
+        step: time between samples [s].
+        period: period of the reference frequency [s].
+        length: length of a slice [s]; by the rule of `shaft_spectrogram` when None.
+
+    Returns:
+        Ascending frequencies [Hz], (frequencies,); amplitudes in the unit of the motion, (slices,
+        frequencies); the first sample of each slice, (slices,); the number of samples in a slice.
+    """
+    samples = len(motion)
+    if length is None:
+        length = min(max(SHARE * samples * step, PERIODS * period), MOST * samples * step)
+    size = int(np.clip(round(length / step), FEWEST_RECORDS // 2, samples))
+    first = np.arange(0, samples - size + 1, max((samples - size) // SLICES, 1))
+    pieces = sliding_window_view(motion, size)[first]
+    frequency, amplitude = spectrum(pieces, step, blackman_harris(size), padding=SLICE_PADDING)
+    return frequency, amplitude, first, size
 
 
 def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
@@ -266,7 +284,8 @@ def _hertz(frequency: Array | float) -> Array:
     return np.asarray(frequency) / (2 * np.pi)
 
 
-def _blackman_harris(records: int) -> Array:
+def blackman_harris(records: int) -> Array:
+    """Return the weights of the Blackman-Harris window, (records,)."""
     from scipy.signal.windows import blackmanharris  # slow to import
 
     return np.asarray(blackmanharris(records, sym=False))

@@ -1,0 +1,365 @@
+"""Figures of the signals of sensors: over time, over frequency, over engine order, and of all
+blades."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.fields.labelled import ABOUT
+from bladewhirl.postprocess.fields.windows import evenly_spaced, span_starts
+from bladewhirl.postprocess.plotting.axes import Labels, decades, draw_map
+from bladewhirl.postprocess.plotting.style import (
+    COLOURS,
+    FULL_WIDTH,
+    new_figure,
+    styled,
+    time_axis,
+)
+from bladewhirl.postprocess.plotting.titles import head
+from bladewhirl.postprocess.run.sensors import shown_unit
+from bladewhirl.postprocess.shaft.spectra import (
+    DECADES,
+    MARGIN,
+    ORDER,
+    WITH_K,
+    blackman_harris,
+    modal_lines,
+    slices,
+)
+from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, spectrum
+
+MOST_PANELS = 6  #: largest number of sensors in a figure
+COLUMNS = 1000  #: largest number of spans of a curve; the extremes of each span are drawn
+FAMILIES, DIAMETERS = 3, 7
+"""Largest numbers of blade families and of nodal diameters whose frequencies are drawn."""
+
+ORDERS = 10.0  #: engine order up to which a spectrum is drawn at least
+WHOLE = 0.9  #: share of the samples of a revolution with which the revolution is drawn
+PALE = "#B0B0B0"
+LABEL = "#1F6E9C"  #: colour of the names of modes, a darker tone of their lines
+WORDS = {"m/m": "strain", "m": "displacement", "m/s": "velocity", "m/s2": "acceleration"}
+
+
+def sensor_spectra(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
+    """Compute the amplitude of each signal over frequency, with the frequencies of modes.
+
+    Of a strain of all blades, the blade with the largest mean square is taken. Tip timing has no
+    spectrum, because it has few samples in a revolution.
+
+    Args:
+        signals: signals from `sensors`.
+        result: result of the same run.
+
+    Returns:
+        For each sensor NAME: the amplitude NAME (NAME_frequency,), in the unit of the signal, at
+        frequencies in Hz, and NAME_mode (NAME_line, end), the lowest and the highest frequency of
+        each line of modes [Hz], with the coordinate NAME_line of their names.
+
+    Raises:
+        ViewError: there is no signal over time, or a signal is too short.
+    """
+    turns = abs(float(signals.attrs["speed"])) / (2.0 * np.pi)
+    spectra = xr.Dataset(attrs={name: signals.attrs[name] for name in (*ABOUT, "case_title")})
+    chosen = [*_over_time(signals)]
+    modes = [_modes(result, signal.attrs["type"]) for _, signal, _ in chosen]
+    top = max([ORDERS * turns, *(high for lines in modes for _, _, high in lines)])
+    for (name, signal, step), lines in zip(chosen, modes, strict=True):
+        edge = min(0.5 / step, MARGIN * top)
+        values = signal.values - signal.values.mean()
+        window = blackman_harris(len(values))
+        frequency, amplitude = spectrum(values.astype(complex), step, window, padding=4)
+        shown = (frequency >= 0.0) & (frequency <= edge)
+        along = f"{name}_frequency"
+        spectra[name] = (along, 2.0 * np.abs(amplitude[shown]), signal.attrs)
+        spectra.coords[along] = (along, frequency[shown], {"units": "Hz"})
+        ends = np.array([line[1:] for line in lines]).reshape(-1, 2)
+        spectra[f"{name}_mode"] = ((f"{name}_line", "end"), ends, {"units": "Hz"})
+        spectra.coords[f"{name}_line"] = (f"{name}_line", [line[0] for line in lines])
+    return spectra
+
+
+def sensor_orders(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
+    """Compute the amplitude of each signal over engine order and time, in overlapping slices.
+
+    Args:
+        signals: signals from `sensors`; strains of all blades and tip timing as in
+            `sensor_spectra`.
+        result: result of the same run.
+
+    Returns:
+        For each sensor NAME the amplitude NAME (NAME_order, NAME_time), in the unit of the signal;
+        the order is the frequency over that of the rotation, the time the middle of a slice [s].
+
+    Raises:
+        ViewError: the rotor does not turn, there is no signal over time, or a signal is too short.
+    """
+    turns = abs(float(signals.attrs["speed"])) / (2.0 * np.pi)
+    if turns == 0.0:
+        raise ViewError("order tracking: expected a rotor that turns")
+    orders = xr.Dataset(attrs={name: signals.attrs[name] for name in (*ABOUT, "case_title")})
+    for name, signal, step in _over_time(signals):
+        top = max([ORDERS * turns, *(high for _, _, high in _modes(result, "strain"))])
+        period = 2.0 * np.pi / float(signals.attrs["reference_frequency"])
+        values = (signal.values - signal.values.mean()).astype(complex)
+        frequency, amplitude, first, size = slices(values, step, period)
+        shown = (frequency >= 0.0) & (frequency <= MARGIN * top)
+        over = (f"{name}_order", f"{name}_time")
+        orders[name] = (over, 2.0 * np.abs(amplitude[:, shown]).T, signal.attrs)
+        orders.coords[over[0]] = (over[0], frequency[shown] / turns, {"units": "1"})
+        middle = signal["time"].values[first] + 0.5 * size * step
+        orders.coords[over[1]] = (over[1], middle, {"units": "s"})
+    return orders
+
+
+def all_blades(signals: xr.Dataset) -> xr.Dataset:
+    """Compute the vibration of every blade in every revolution, from gauges on all blades and from
+    tip timing.
+
+    Returns:
+        For each such sensor NAME: NAME (blade, NAME_turn), half of the range of the strain in each
+        revolution, or the deflection at the first probe; NAME_low and NAME_high (blade,), the
+        extremes of the signal.
+
+    Raises:
+        ViewError: no sensor records all blades, or the rotor does not turn.
+    """
+    turns = abs(float(signals.attrs["speed"])) / (2.0 * np.pi)
+    chosen = [name for name, signal in signals.items() if "type" in signal.attrs]
+    chosen = [name for name in chosen if "blade" in signals[name].dims][:MOST_PANELS]
+    if not chosen or turns == 0.0:
+        raise ViewError("all blades: expected a turning rotor, and a gauge with blade = all")
+    blades = xr.Dataset(attrs={name: signals.attrs[name] for name in (*ABOUT, "case_title")})
+    for name in chosen:
+        signal = signals[name]
+        if signal.attrs["type"] == "tip-timing":
+            moved, number = signal.values[0], signal[f"{name}_revolution"].values
+        else:
+            passed = np.floor(turns * signal[signal.dims[0]].values + 1e-9)
+            number, starts, count = np.unique(passed, return_index=True, return_counts=True)
+            high = np.maximum.reduceat(signal.values, starts, axis=0)
+            moved = 0.5 * (high - np.minimum.reduceat(signal.values, starts, axis=0)).T
+            complete = count > WHOLE * count.max()  # the first and the last may be cut
+            number, moved = number[complete], moved[:, complete]
+        rest = [dimension for dimension in signal.dims if dimension != "blade"]
+        blades[str(name)] = (("blade", f"{name}_turn"), moved, signal.attrs)
+        blades.coords[f"{name}_turn"] = (f"{name}_turn", number)
+        blades[f"{name}_low"] = ("blade", signal.min(rest).values, signal.attrs)
+        blades[f"{name}_high"] = ("blade", signal.max(rest).values, signal.attrs)
+    return blades
+
+
+def _over_time(signals: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, float]]:
+    """Yield name, signal over the coordinate `time`, and time between samples [s] of the sensors
+    that sample in time; of all blades the one that vibrates most.
+
+    Raises:
+        ViewError: there is no such sensor, or a signal is too short.
+    """
+    names = [
+        str(name)
+        for name, signal in signals.items()
+        if signal.attrs.get("type", "tip-timing") != "tip-timing"
+    ]
+    if not names:
+        raise ViewError("expected a sensor that samples in time, not only tip timing")
+    for name in names[:MOST_PANELS]:
+        signal = _worst_blade(signals[name])
+        over = signal.dims[0]
+        alone = signal.to_dataset(name=name).rename({over: "time"} if over != "time" else {})
+        even, step = evenly_spaced(alone, FEWEST_RECORDS)
+        yield name, even[name], step
+
+
+def _worst_blade(signal: xr.DataArray) -> xr.DataArray:
+    """Return the signal of the blade with the largest standard deviation over time; a signal
+    without blades is returned as it is."""
+    if "blade" not in signal.dims:
+        return signal
+    rest = [dimension for dimension in signal.dims if dimension != "blade"]
+    blade = int(np.argmax(signal.std(rest).fillna(0.0).values))
+    return signal.isel(blade=blade).assign_attrs(blade=blade)
+
+
+def _modes(result: xr.Dataset, kind: str) -> list[tuple[str, float, float]]:
+    """Return names, lowest and highest frequencies [Hz] of groups of modes that a sensor of a type
+    sees: families of the bladed disk for strain, the lowest mode of each nodal diameter of the
+    casing for the wall, modes that move the shaft in the static frame for the centre."""
+    if kind == "centre":
+        lines = modal_lines(result, "static")
+        names = [WITH_K.get(str(name), str(name)) for name in lines["mode"].values]
+        found = [(name, abs(at), abs(at)) for name, at in zip(names, lines.values, strict=True)]
+        found = [line for line in dict.fromkeys(found) if line[0] != ORDER]
+    else:
+        strain = kind == "strain"
+        group = result["rotor_family" if strain else "casing_nodal_diameter"].values
+        frequency = result["rotor_frequency" if strain else "casing_frequency"].values
+        members = {one: frequency[group == one] for one in np.unique(group)}
+        found = [
+            (str(one) if strain else f"k = {one}", each.min(), each.max() if strain else each.min())
+            for one, each in members.items()
+        ]
+    ordered = sorted(found, key=lambda line: line[1])[: FAMILIES if kind == "strain" else DIAMETERS]
+    return [(name, low / (2.0 * np.pi), high / (2.0 * np.pi)) for name, low, high in ordered]
+
+
+@styled
+def plot_sensors(signals: xr.Dataset) -> Figure:
+    """Draw the signals of sensors from `sensors` over time: black the blade that vibrates most,
+    grey all blades."""
+    names = [str(name) for name, signal in signals.items() if "type" in signal.attrs]
+    figure, panels = _panels(names, 0.03)
+    for axes, name in zip(panels, names, strict=False):
+        signal = signals[name]
+        unit, scale = shown_unit(signal)
+        worst = _worst_blade(signal)
+        if signal.attrs["type"] == "tip-timing":
+            arrival = signals[f"{name}_arrival"]
+            at = arrival.sel(blade=worst.attrs["blade"])
+            for x, y, colour in ((arrival, signal, PALE), (at, worst, COLOURS["rotor"])):
+                axes.plot(x.values.ravel(), scale * y.values.ravel(), ".", color=colour, ms=2.5)
+        else:
+            time = signal[signal.dims[0]].values
+            if "blade" in signal.dims:
+                starts = span_starts(time, COLUMNS)
+                low = np.minimum.reduceat(signal.min("blade").values, starts)
+                high = np.maximum.reduceat(signal.max("blade").values, starts)
+                axes.fill_between(time[starts], scale * low, scale * high, color=PALE, linewidth=0)
+            axes.plot(*_thinned(time, scale * worst.values), color=COLOURS["rotor"], linewidth=0.6)
+        axes.set_title(_title(name, worst), loc="left")
+        axes.set_ylabel(f"{_word(signal)} [{unit}]")
+    time_axis(*panels)
+    head(figure, signals, _count(signals))
+    figure.align_ylabels(panels)
+    return figure
+
+
+@styled
+def plot_sensor_spectra(spectra: xr.Dataset) -> Figure:
+    """Draw amplitudes over frequency from `sensor_spectra`, with the frequencies of modes, and with
+    dotted lines at engine orders."""
+    names = [str(name) for name, amplitude in spectra.items() if "type" in amplitude.attrs]
+    turns = abs(float(spectra.attrs["speed"])) / (2.0 * np.pi)
+    edge = max(float(spectra[f"{name}_frequency"][-1]) for name in names)
+    figure, panels = _panels(names, 0.034)
+    for axes, name in zip(panels, names, strict=True):
+        unit, scale = shown_unit(spectra[name])
+        amplitude = scale * spectra[name].values
+        top = float(amplitude.max()) or 1.0
+        floor = top * 10**-DECADES
+        along = spectra[f"{name}_frequency"]
+        axes.semilogy(along, np.maximum(amplitude, floor), color=COLOURS["rotor"])
+        axes.set(xlim=(0.0, edge), ylim=(floor, 30.0 * top))
+        axes.set_title(_title(name, spectra[name]), loc="left")
+        axes.set_ylabel(f"{_word(spectra[name])} [{unit}]")
+        axes.grid(axis="x", visible=False)
+        for low, high in spectra[f"{name}_mode"].values:
+            least = 0.5 * max(high - low, 2e-3 * edge)
+            middle = 0.5 * (low + high)
+            axes.axvspan(middle - least, middle + least, color=COLOURS["casing"], alpha=0.5)
+        for order in np.arange(1.0, edge / turns) if turns else []:
+            axes.axvline(order * turns, color=COLOURS["rest"], linestyle=":", linewidth=0.8)
+    if turns:
+        functions = (lambda x: np.asarray(x) / turns, lambda x: np.asarray(x) * turns)
+        panels[0].secondary_xaxis("top", functions=functions)
+        panels[0].set_title("engine order", loc="right")
+    panels[-1].set_xlabel("frequency [Hz]")
+    head(figure, spectra, _count(spectra))
+    figure.align_ylabels(panels)
+    for axes, name in zip(panels, names, strict=True):
+        labels = Labels(axes, laid_out=axes is not panels[0])
+        heights = float(axes.get_ylim()[1]) / np.array([2.5, 15.0, 90.0])
+        modes = spectra[f"{name}_line"].values
+        for mode, ends in zip(modes, spectra[f"{name}_mode"].values, strict=True):
+            labels.add(np.full(len(heights), ends.mean()), heights, str(mode), LABEL)
+    return figure
+
+
+@styled
+def plot_sensor_orders(orders: xr.Dataset) -> Figure:
+    """Draw amplitudes over engine order and time from `sensor_orders`, with logarithmic colours."""
+    names = [str(name) for name, amplitude in orders.items() if "type" in amplitude.attrs]
+    figure, panels = _panels(names, 0.045)
+    for axes, name in zip(panels, names, strict=True):
+        unit, scale = shown_unit(orders[name])
+        amplitude = scale * orders[name].values
+        top = float(amplitude.max()) or 1.0
+        shown, norm = np.maximum(amplitude, top * 10**-DECADES), decades(top, DECADES)
+        order, time = (orders[f"{name}_{along}"] for along in ("order", "time"))
+        picture = draw_map(axes, time, order, shown, norm=norm, shading="nearest")
+        figure.colorbar(picture, ax=axes, label=f"{_word(orders[name])} [{unit}]")
+        axes.set_title(_title(name, orders[name]), loc="left")
+        axes.set_ylabel("engine order")
+    time_axis(*panels)
+    head(figure, orders, _count(orders))
+    return figure
+
+
+@styled
+def plot_all_blades(blades: xr.Dataset) -> Figure:
+    """Draw the vibration of all blades over revolutions from `all_blades`, and the extremes of each
+    blade."""
+    names = [str(name) for name, moved in blades.items() if f"{name}_low" in blades]
+    figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(names))
+    rows = figure.subplots(len(names), 2, squeeze=False, width_ratios=[3, 1])
+    for (over_turns, extremes), name in zip(rows, names, strict=True):
+        unit, scale = shown_unit(blades[name])
+        moved, signed = scale * blades[name].values, blades[name].attrs["type"] == "tip-timing"
+        reach = float(np.nanmax(np.abs(moved))) or 1.0
+        look: dict[str, Any] = {"vmin": 0.0, "vmax": reach}
+        if signed:
+            look |= {"vmin": -reach, "cmap": "RdBu_r"}
+        number, blade = blades[f"{name}_turn"].values, blades["blade"].values
+        masked = np.ma.masked_invalid(moved)
+        picture = draw_map(over_turns, number, blade, masked, shading="nearest", **look)
+        word = "deflection" if signed else "half of the range"
+        figure.colorbar(picture, ax=over_turns, label=f"{word} [{unit}]")
+        over_turns.set(ylabel="blade")
+        over_turns.set_title(name, loc="left")
+        low, high = (scale * blades[f"{name}_{end}"].values for end in ("low", "high"))
+        extremes.use_sticky_edges = False
+        extremes.bar(blade, high - low, 0.8, low, color=COLOURS["rest"])
+        extremes.axhline(0.0, color="black", linewidth=0.6)
+        extremes.set(ylabel=f"extremes [{unit}]")
+        over_turns.locator_params(integer=True, nbins=8)
+        extremes.locator_params(axis="x", integer=True, nbins=6)
+        extremes.grid(axis="x", visible=False)
+    rows[-1][0].set_xlabel("revolution")
+    rows[-1][1].set_xlabel("blade")
+    head(figure, blades)
+    return figure
+
+
+def _panels(names: list[str], height: float, *, sharex: bool = True) -> tuple[Figure, list[Axes]]:
+    """Return a figure of the full width with a panel of a height [m] for each of the first
+    sensors."""
+    count = min(len(names), MOST_PANELS)
+    figure = new_figure(width=FULL_WIDTH, height=0.02 + height * count)
+    return figure, [*figure.subplots(count, 1, squeeze=False, sharex=True)[:, 0]]
+
+
+def _thinned(time: Array, values: Array) -> tuple[Array, Array]:
+    """Return a curve, or the extremes in each of `COLUMNS` spans of a longer curve."""
+    if len(time) <= 2 * COLUMNS:
+        return time, values
+    starts = span_starts(time, COLUMNS)
+    extremes = [ufunc.reduceat(values, starts) for ufunc in (np.minimum, np.maximum)]
+    return np.repeat(time[starts], 2), np.stack(extremes, axis=1).ravel()
+
+
+def _title(name: str, signal: xr.DataArray) -> str:
+    blade = signal.attrs.get("blade", "all")
+    return f"{name}, blade {blade}" if blade != "all" else name
+
+
+def _word(signal: xr.DataArray) -> str:
+    return "deflection" if signal.attrs["type"] == "tip-timing" else WORDS[signal.attrs["units"]]
+
+
+def _count(data: xr.Dataset) -> str:
+    count = len([name for name, signal in data.items() if "type" in signal.attrs])
+    return f"the first {MOST_PANELS} sensors" if count > MOST_PANELS else "sensors"
