@@ -50,6 +50,10 @@ MARCH_REPORT: Mapping[str, type[float]] = {
 """Key figures of the march that the histories in a result do not contain, with their types."""
 
 
+ROUNDING = 1e-9
+"""Displacement of the shaft, as a share of that of the tips, below which it is only rounding."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Summary:
     """Key figures of a run; the fields are the keys of `summary.json`."""
@@ -141,6 +145,7 @@ def summarise(
     report: dict[str, Any] = {key: kind(march_report[key]) for key, kind in MARCH_REPORT.items()}
     casing = dataset["casing_frequency"].values * dataset["casing_displacement"][-1].values
     contact_steps = dataset["contact_steps"].sum("time").values
+    tips = _largest_tip_displacement(dataset)
     return Summary(
         regime=regime.name,
         regime_criterion=f"{CRITERION_TEXT}. Here: {regime.reason}.",
@@ -154,8 +159,8 @@ def summarise(
         end_time=float(dataset["time"][-1]),
         shaft_radius_max=float(radius.max()),
         shaft_radius_final=float(radius[-1]),
-        **_whirl_figures(orbit),
-        tip_displacement_max=_largest_tip_displacement(dataset),
+        **_whirl_figures(orbit, moves=bool(radius.max() > ROUNDING * tips)),
+        tip_displacement_max=tips,
         strain_energy_max=float(energies["total"].max()),
         strain_energy_final=_holders(energies.isel(time=-1)),
         strain_energy_rest=_rest(dataset),
@@ -203,18 +208,20 @@ def write_summary(summary: Summary, path: str | Path) -> Path:
     return path
 
 
-def _whirl_figures(orbit: xr.Dataset) -> dict[str, Any]:
+def _whirl_figures(orbit: xr.Dataset, *, moves: bool) -> dict[str, Any]:
+    """Return the whirl and the ripple of the shaft in the last third; no frequencies and lines if
+    the motion of the shaft is only rounding."""
     late = late_part(orbit)
     rotating, static = (whirl(late, frame) for frame in FRAMES)
     size, about = ripple(late, "rotating")
     return {
-        "whirl_frequency_rotating": rotating.frequency,
-        "whirl_frequency_static": static.frequency,
-        "whirl_frequency_error": _finite(rotating.error / (2 * np.pi)),
-        "whirl_lines": _lines(late),
+        "whirl_frequency_rotating": rotating.frequency if moves else None,
+        "whirl_frequency_static": static.frequency if moves else None,
+        "whirl_frequency_error": _finite(rotating.error / (2 * np.pi)) if moves else None,
+        "whirl_lines": _lines(late) if moves else [],
         "ripple_rms": size,
-        "ripple_frequency": whirl(about, "rotating").frequency,
-        "ripple_lines": _lines(about),
+        "ripple_frequency": whirl(about, "rotating").frequency if moves else None,
+        "ripple_lines": _lines(about) if moves else [],
     }
 
 

@@ -72,7 +72,8 @@ def _wear(wear: dict[str, Any]) -> dict[str, str]:
     if not wear:
         return {}
     metal = wear["metal_time"]
-    lobes = f"{wear['lobes']} lobes have {wear['lobes_share']:.0%} of the profile's variance"
+    count = "1 lobe has" if wear["lobes"] == 1 else f"{wear['lobes']} lobes have"
+    lobes = f"{count} {wear['lobes_share']:.0%} of the profile's variance"
     return {
         "wear of the coating": f"{1e9 * wear['wear_volume']:.4g} mm³, strain at most"
         f" {wear['wear_strain_max']:.3g}, mean {wear['wear_strain_mean']:.3g};"

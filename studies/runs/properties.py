@@ -12,6 +12,7 @@ from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.stage.build import marched_bodies
+from bladewhirl.models.stage.coating import wall_coating
 from bladewhirl.models.stage.contact_problem import critical_time_step
 from bladewhirl.models.stage.loads import closing_unbalance, imbalance_force, radial_mode, unbalance
 from bladewhirl.models.stage.stage import Stage
@@ -77,7 +78,23 @@ def stage_properties(stage: Stage) -> dict[str, Any]:
             "result_bytes": result_bytes(stage.arrays, records),
             "imbalance": _imbalance(stage),
             "distortion": _distortion(stage),
+            "coating": _coating(stage),
         }
+
+
+def _coating(stage: Stage) -> dict[str, float] | None:
+    """Return number and arc length of the rods of the coating, the arc that a tip covers, and the
+    force at which the coating under a tip gives way; None without a coating."""
+    coating = wall_coating(stage)
+    if coating is None:
+        return None
+    footprint = float(coating.footprint.min())
+    return {
+        "rods": len(coating.strain),
+        "arc": coating.arc,  # m
+        "footprint": footprint,  # of the narrowest tip [m]
+        "yield_force": coating.yield_stress * coating.width * footprint,  # N
+    }
 
 
 def _reduction(stage: Stage) -> dict[str, Any]:
