@@ -15,10 +15,10 @@ from bladewhirl.postprocess.reports.sweep_explorer import frequency_explorer, po
 from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, key_heading
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_label
-from bladewhirl.postprocess.sweep.dataset import DRAW, swept
+from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, swept, swept_keys
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
-from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key, other_keys
+from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key, other_keys, table_keys
 
 WINDOWED = ("frequency-map", "energy-families")
 """Figures of spectra and mean energies; the attribute `window` of a sweep states their time window.
@@ -50,7 +50,7 @@ def sweep_report(
     points = _points(dataset) if done else None
     counts = _counts(points)
     verdict, tone = _verdict(counts, wanted, done, failed)
-    keys = [str(dataset[key].attrs["long_name"]) for key in swept(dataset)]
+    keys = [str(dataset[key].attrs["long_name"]) for key in _keys(dataset)]
     blocks: dict[str, list[page.Block]] = {
         name: [*_drawn(dataset, name)] for name in ("regimes", "frequencies", "motion", "points")
     }
@@ -60,9 +60,10 @@ def sweep_report(
         blocks["points"].append(table)
     if points is not None:
         blocks["regimes"].insert(0, points_explorer(points))
-        explorer = frequency_explorer(frequency_map(dataset, main_key(dataset)))
-        windowed = replace(explorer, caption=_windowed(dataset, explorer.caption))
-        blocks["frequencies"].insert(0, windowed)
+        if POINT not in dataset.dims:
+            explorer = frequency_explorer(frequency_map(dataset, main_key(dataset)))
+            windowed = replace(explorer, caption=_windowed(dataset, explorer.caption))
+            blocks["frequencies"].insert(0, windowed)
         blocks["points"].append(_point_table(points))
     blocks["regimes"].append(criterion_table())
     titles = ("Regimes", "Frequencies", "Motion and contact", "Points")
@@ -81,6 +82,11 @@ def sweep_report(
         figures=_glance(dataset, points, counts, done),
         sections=[*sections, _case_section(dataset, provenance)],
     )
+
+
+def _keys(dataset: xr.Dataset) -> list[str]:
+    """Return the names of the swept keys, and of the draws if there are draws."""
+    return swept_keys(dataset) + [DRAW] * (DRAW in dataset.dims)
 
 
 def _points(dataset: xr.Dataset) -> xr.Dataset:
@@ -129,8 +135,8 @@ def _glance(
     remark = f"{left} draws not needed" if left else ""
     rows = [("points done", f"{done} of {dataset['state'].size}", remark)]
     attributes = {} if points is None else points.attrs
-    keys = in_handy_units(dataset[swept(dataset)].assign_attrs(attributes))
-    for key in (keys[name] for name in swept(dataset)):
+    keys = in_handy_units(dataset[_keys(dataset)].assign_attrs(attributes))
+    for key in (keys[name] for name in _keys(dataset)):
         first, last, unit = key.values.min(), key.values.max(), str(key.attrs["units"])
         remark = f"{key.size} values" + ("" if unit == "1" else f", {unit}")
         if key_label(key) == SPEED and "reference_hz" in attributes:
@@ -172,11 +178,13 @@ def _windowed(dataset: xr.Dataset, caption: str) -> str:
 
 
 def _point_table(points: xr.Dataset) -> page.Table:
-    key, others = points[str(points.attrs["along"])], other_keys(points)
+    key = points[str(points.attrs["along"])]
+    listed, others = table_keys(points), other_keys(points)
     column = {str(name): points[name].values for name in points.data_vars}
     rows = [
         (
             f"{at:.6g}",
+            *(f"{values[n]:.6g}" for values in listed),
             *(f"{other.values[line]:.6g}" for other in others),
             str(column["regime" if column["state"][line, n] == "done" else "state"][line, n]),
             _number(MILLI * column["shaft_radius_max"][line, n]),
@@ -194,7 +202,7 @@ def _point_table(points: xr.Dataset) -> page.Table:
         caption=f"Growth rates ± {CERTAINTY:g} standard errors."
         + (f" First {MOST_POINTS} points; all are in the dataset." if left_out > 0 else ""),
         head=(
-            *map(key_heading, (key, *others)),
+            *map(key_heading, (key, *listed, *others)),
             "regime",
             "largest shaft displacement [mm]",
             "growth rate [1/s]",
@@ -209,7 +217,8 @@ def _point_table(points: xr.Dataset) -> page.Table:
 
 def _case_section(dataset: xr.Dataset, provenance: Provenance) -> page.Section:
     """Return the resolved case, with the swept keys in the caption."""
-    settings = " ".join(f"--set {dataset[key].attrs['long_name']}=VALUE" for key in swept(dataset))
+    keys = swept_keys(dataset)
+    settings = " ".join(f"--set {dataset[key].attrs['long_name']}=VALUE" for key in keys)
     caption = (
         "All keys of the case with their values in SI units; the values of swept keys "
         "differ from point to point. Save these lines as a case file; bladewhirl run with this "

@@ -12,9 +12,10 @@ from bladewhirl.postprocess.reports.interactive import COLOUR_SCALE, buttons, co
 from bladewhirl.postprocess.reports.page import Explorer
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.sweep.axes import in_handy_units, is_wide, key_label
+from bladewhirl.postprocess.sweep.dataset import POINT
 from bladewhirl.postprocess.sweep.drawing import REGIME_COLOURS, line_label
 from bladewhirl.postprocess.sweep.frequency_map import DECADES, LINES
-from bladewhirl.postprocess.sweep.quantities import LINE, cell_edges
+from bladewhirl.postprocess.sweep.quantities import LINE, cell_edges, table_keys
 
 MOST_ROWS, MOST_COLUMNS = 500, 500
 """Largest number of frequencies and largest number of points in a map. If a spectrum has more,
@@ -183,6 +184,10 @@ def _texts(points: xr.Dataset) -> Any:
     key = points[str(points.attrs["along"])]
     names = [line_label(points.isel({LINE: number})) for number in range(points.sizes[LINE])]
     unit = "" if key.attrs["units"] == "1" else f" {key.attrs['units']}"
+    listed = [
+        line_label(points[[str(values.name) for values in table_keys(points)]].isel({POINT: n}))
+        for n in range(points.sizes.get(POINT, 0))
+    ]
     texts = np.empty(points["regime"].shape, dtype=object)
     for at in np.ndindex(texts.shape):
         point = points.isel({LINE: at[0], str(points.attrs["along"]): at[1]})
@@ -190,6 +195,7 @@ def _texts(points: xr.Dataset) -> Any:
         lines = [
             f"<b>{point['regime' if done else 'state'].values}</b>",
             f"{key.attrs['long_name']} = {key.values[at[1]]:.6g}{unit}",
+            listed[at[1]] if listed else "",
             names[at[0]],
         ]
         if done:

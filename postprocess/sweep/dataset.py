@@ -6,6 +6,7 @@ their meanings (CF conventions), so that each point has a fixed size and can be 
 `open_sweep` turns the codes into text.
 """
 
+import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from math import prod
@@ -23,6 +24,7 @@ from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT, index_values
 SWEEP_NAME = "sweep.nc"  #: name of the dataset's file in the folder of a sweep
 MISSING, DONE, FAILED, NOT_NEEDED = range(4)  #: codes of the variable `state` of a point
 DRAW = "draw"  #: name of the dimension of the draws of each point
+POINT = "point"  #: name of the dimension of the points of a table
 #: size of a dataset [bytes] up to which all checksums are verified when the dataset is opened
 CHECKED_BYTES = 2**28
 BLOCK = 64  #: number of points whose checksums are verified together
@@ -196,9 +198,18 @@ def _fault(dataset: xr.Dataset) -> str:
         # Only codes are checked now; numbers are checked when they are read.
         if variable.labels and (expected := netcdf.expectation(dataset[name].values, variable)):
             return f"with {name!r} as {expected}"
-    for name in (*swept(dataset), "frequency"):
+    try:
+        coordinates = stored_coordinates(dataset)
+    except (ValueError, AttributeError, TypeError):
+        return "with the keys of its table as JSON"
+    for name in coordinates:
         values = dataset[name].values if name in dataset else np.zeros(0)
-        if values.dtype.kind != "f" or not values.size or not np.isfinite(values).all():
+        if (
+            values.ndim != 1
+            or values.dtype.kind != "f"
+            or not values.size
+            or not np.isfinite(values).all()
+        ):
             return f"with finite numbers along {name!r}"
     for name, labels in ((LINE, [*MODE_LINES]), (GROUP, groups_of(dataset.sizes[GROUP] - 2))):
         if name not in dataset or dataset[name].values.tolist() != [*labels]:
@@ -211,7 +222,7 @@ def _fault(dataset: xr.Dataset) -> str:
 def _changed(dataset: xr.Dataset, made_by: int) -> str:
     if made_by < SWEEP["checksum"].since or dataset.nbytes > CHECKED_BYTES:
         return ""
-    coordinates = [dataset[name].values for name in (*swept(dataset), "frequency")]
+    coordinates = [dataset[name].values for name in stored_coordinates(dataset)]
     point = changed_point(
         lambda name, rows: dataset[name][rows].values, dataset["state"].shape, coordinates
     )
@@ -221,3 +232,16 @@ def _changed(dataset: xr.Dataset, made_by: int) -> str:
 def swept(dataset: xr.Dataset) -> list[str]:
     """Return the dimensions of the swept keys, in the order of the sweep."""
     return [str(dimension) for dimension in dataset["state"].dims]
+
+
+def swept_keys(dataset: xr.Dataset) -> list[str]:
+    """Return the names of the swept keys as coordinates, in the order of the sweep, without the
+    draws. The keys of a table are coordinates along the dimension `point`."""
+    keys = json.loads(dataset.attrs.get("table", "{}"))
+    names = [key.replace(".", "_") for key in keys]
+    return names or [name for name in swept(dataset) if name != DRAW]
+
+
+def stored_coordinates(dataset: xr.Dataset) -> list[str]:
+    """Return the names of the coordinates that the checksums of the points include."""
+    return [*dict.fromkeys((*swept(dataset), *swept_keys(dataset))), "frequency"]

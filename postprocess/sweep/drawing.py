@@ -18,6 +18,7 @@ from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL
 from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.postprocess.sweep.axes import key_words, rpm_on_top
+from bladewhirl.postprocess.sweep.dataset import POINT
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
 
 MOST_LINES = 8  #: largest number of lines in a figure; more lines cannot be distinguished
@@ -66,12 +67,13 @@ class Line(NamedTuple):
 
 def lines_of(data: xr.Dataset) -> list[Line]:
     """Return the lines of a figure, each with its own colour, dashes and mark. Of more than
-    `MOST_LINES` lines an even selection is returned.
+    `MOST_LINES` lines an even selection is returned. Points of a table are not joined by lines.
     """
     shown, labels = chosen(data.sizes[LINE], MOST_LINES), line_values(data)
     shades = matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 0.8, len(shown)))
+    joined = data.attrs["along"] != POINT
     return [
-        Line(data.isel({LINE: number}), shade, labels[number], dash, mark)
+        Line(data.isel({LINE: number}), shade, labels[number], dash if joined else "none", mark)
         for number, shade, dash, mark in zip(shown, shades, DASHES, MARKS, strict=False)
     ]
 

@@ -18,7 +18,7 @@ from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.spectra import LINE_DASHES
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges, rpm_on_top
 from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, line_values, title_figure
-from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
+from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges, need_a_grid
 
 #: largest number of columns of a map; if there are more points, neighbours share a column
 MOST_COLUMNS = 1000
@@ -60,8 +60,9 @@ def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
         largest amplitudes.
 
     Raises:
-        ViewError: no point is finished.
+        ViewError: no point is finished, or the sweep is over a table of points.
     """
+    need_a_grid(dataset)
     names = ["rotation_speed", "reference_frequency", "mode_frequency", "mode_forward_frequency"]
     points = along(dataset, key, names)
     with_points = np.flatnonzero((points["state"] == "done").any(key).values)

@@ -27,7 +27,7 @@ from bladewhirl.postprocess.sweep.axes import (
 )
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, line_values, title_figure
-from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, in_order
+from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, in_order, need_a_grid
 from bladewhirl.postprocess.sweep.regimes import HATCH, NOT_JUDGED, draw_regimes, regime_entries
 
 DIVERGING = "PuOr_r"  #: colour map of signed values, distinct for colour-blind readers
@@ -50,8 +50,9 @@ def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
         attributes `along`, the horizontal key, and `across`, the vertical key.
 
     Raises:
-        ViewError: only one key is swept, or no point is finished.
+        ViewError: only one key is swept, no point is finished, or there is a table of points.
     """
+    need_a_grid(dataset)
     others = [name for name in swept(dataset) if name != key]
     if not others:
         raise ViewError("maps need two swept keys, but this sweep has only one")

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
-from bladewhirl.postprocess.sweep.dataset import swept
+from bladewhirl.postprocess.sweep.dataset import POINT, swept, swept_keys
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 
 LINE = "line"  #: name of the dimension `line`, see the module docstring
@@ -36,6 +36,25 @@ def other_keys(data: xr.Dataset) -> list[xr.DataArray]:
         for values in data.coords.values()
         if values.dims == (LINE,) and "long_name" in values.attrs
     ]
+
+
+def table_keys(data: xr.Dataset) -> list[xr.DataArray]:
+    """Return the values of each key of a table of points, along the dimension of the points."""
+    return [
+        values
+        for name, values in data.coords.items()
+        if values.dims == (POINT,) and name != POINT and "long_name" in values.attrs
+    ]
+
+
+def need_a_grid(dataset: xr.Dataset) -> None:
+    """Refuse a sweep over a table of points.
+
+    Raises:
+        ViewError: the sweep has a table.
+    """
+    if POINT in dataset.dims:
+        raise ViewError("expected a sweep over a grid of values (--over), not over a table")
 
 
 def along(dataset: xr.Dataset, key: str, names: Sequence[str]) -> xr.Dataset:
@@ -74,7 +93,10 @@ def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
         )
     if not (dataset["state"] == "done").any():
         raise ViewError("no point of the sweep is done: there is nothing to draw")
-    chosen = dataset[[*names, "state"]].reset_coords(drop=True).compute().sortby(swept(dataset))
+    keys = [*swept(dataset), *swept_keys(dataset)]
+    chosen = dataset[[*names, "state"]]
+    dropped = [name for name in chosen.coords if name not in (*chosen.dims, *keys)]
+    chosen = chosen.drop_vars(dropped).compute().sortby(swept(dataset))
     done = chosen["state"] == "done"
     for name in names:
         if chosen[name].dtype.kind == "f":

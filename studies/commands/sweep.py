@@ -36,6 +36,14 @@ def sweep(
             ' case file, "casing.clearance=0.5 mm,1 mm". Several --over: all combinations.',
         ),
     ] = None,
+    table: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="CSV file of points, in place of --over: keys in the first line, with units as in"
+            ' "march.speed,casing.clearance [mm]", and a point in every other line.',
+        ),
+    ] = None,
     output: Annotated[Path | None, options.output("Folder to make.", "DIR")] = None,
     overrides: options.Changes = None,
     scheduler: options.Scheduler = None,
@@ -96,6 +104,7 @@ def sweep(
     from bladewhirl.models.case.file import read_case
     from bladewhirl.studies.sweeps.axes import parse_over
     from bladewhirl.studies.sweeps.sweep import Watch, resume_sweep, run_sweep
+    from bladewhirl.studies.sweeps.table import point_table
 
     options.refuse_both(scheduler, workers)
     remedy = f"bladewhirl sweep --resume {resume or output} finishes it"
@@ -107,6 +116,7 @@ def sweep(
         watch = Watch(planned=_print_plan, progress=progress)
         if resume is not None:
             new_sweep: dict[str, object] = {"CASE": case, "--over": over, "--output": output}
+            new_sweep |= {"--table": table}
             new_sweep |= {"--perturb": perturb, "--seed": seed, "--until": until}
             new_sweep |= {"--set": overrides, "--histories": histories, "--stop-when": stop_when}
             unused = ", ".join(name for name, value in new_sweep.items() if value)
@@ -115,18 +125,21 @@ def sweep(
             result = resume_sweep(
                 resume, scheduler=scheduler, workers=workers, draws=draws, watch=watch
             )
-        elif case is None or not over or output is None:
+        elif case is None or not (over or table) or output is None:
             raise UserError("sweep: expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR")
         else:
-            values = parse_over(over)
+            values = parse_over(over or [])
+            keys = values if table is None else point_table(table).values
+            option = "--over" if table is None else "--table"
             for override in overrides or []:
                 key = override.partition("=")[0].strip()
-                if key in values:
-                    raise UserError(f"--over {key}, --set {override}: expected only one of them")
+                if key in keys:
+                    raise UserError(f"{option} {key}, --set {override}: expected only one of them")
             result = run_sweep(
                 read_case(case, overrides or []),
                 values,
                 output,
+                table=table,
                 scheduler=scheduler,
                 workers=workers,
                 histories=histories,

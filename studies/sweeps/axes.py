@@ -18,13 +18,13 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError, shown
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
-from bladewhirl.postprocess.sweep.dataset import DRAW
+from bladewhirl.postprocess.sweep.dataset import DRAW, POINT
 from bladewhirl.studies.sweeps.draws import PERTURB, Draws
 
 Value = int | float | str
 """Value as in a case file: a number, or text with a unit."""
 
-OVER = "--over"
+OVER, TABLE = "--over", "--table"
 
 ASKED_POINTS = 100_000
 """Largest number of points of a sweep without confirmation."""
@@ -35,7 +35,7 @@ MOST_POINTS = 10_000_000
 ON_GRID = Decimal("1e-6")
 """Tolerance for including the stop of a range, relative to the step."""
 
-_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*", re.ASCII)
+NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*", re.ASCII)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,14 +63,27 @@ class Axis:
 
 
 @dataclass(frozen=True, kw_only=True)
+class PointTable:
+    """Points of a sweep in any number and order."""
+
+    values: Mapping[str, tuple[Value, ...]]  #: values of each key, in the form of the case file
+    head: str = TABLE  #: name of the place of the keys for messages, "points.csv, line 1,"
+    #: name of each point for messages, "points.csv, line 2,"; by default none
+    rows: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
 class Grid:
     """Points of a sweep: all combinations of values of its axes; the last axis varies fastest. If
-    the sweep has draws, the last axis is the number of the draw."""
+    the sweep has draws, the last axis is the number of the draw. If the sweep has a table of
+    points, the first axis is the number of the point."""
 
     axes: tuple[Axis, ...]
     draws: Draws | None = None
     nominal: Mapping[str, tuple[float, ...]] = dataclasses.field(default_factory=dict)
     """Values of each perturbed key along its axis, or a single value if the key is not swept."""
+    table: tuple[Axis, ...] = ()  #: keys with their values at each point of a table
+    rows: tuple[str, ...] = dataclasses.field(default=(), compare=False)  #: see `PointTable`
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -79,8 +92,13 @@ class Grid:
 
     @property
     def over(self) -> dict[str, tuple[Value, ...]]:
-        """Values of each swept key, without the draws."""
-        return {axis.key: axis.values for axis in self.axes if axis.key != DRAW}
+        """Values of each swept key, without the draws; empty if there is a table."""
+        return {axis.key: axis.values for axis in self.axes if axis.key not in (DRAW, POINT)}
+
+    @property
+    def listed(self) -> dict[str, tuple[Value, ...]]:
+        """Values of each key of the table."""
+        return {axis.key: axis.values for axis in self.table}
 
     @property
     def size(self) -> int:
@@ -91,7 +109,9 @@ class Grid:
         """Values of the swept keys at a point, and those of the perturbed keys."""
         position = np.unravel_index(point, self.shape)
         places = {axis.key: int(i) for axis, i in zip(self.axes, position, strict=True)}
-        values: dict[str, Value] = {key: self.over[key][places[key]] for key in self.over}
+        places |= {axis.key: places[POINT] for axis in self.table}
+        swept = {**self.over, **self.listed}
+        values: dict[str, Value] = {key: swept[key][places[key]] for key in swept}
         if self.draws is not None:
             stream = self.draws.stream(point // self.draws.count, places[DRAW])
             for perturbation in self.draws.perturbations:
@@ -132,7 +152,10 @@ class Grid:
         try:
             yield
         except UserError as error:
-            raise UserError(f"{OVER}, point {self.label(point)}: {error.lines[0]}") from None
+            row = int(np.unravel_index(point, self.shape)[0])
+            option = TABLE if self.table else OVER
+            place = self.rows[row] if self.rows else f"{option}, point"
+            raise UserError(f"{place} {self.label(point)}: {error.lines[0]}") from None
 
 
 def make_grid(
@@ -141,6 +164,7 @@ def make_grid(
     *,
     large: bool,
     draws: Draws | None = None,
+    table: PointTable | None = None,
 ) -> Grid:
     """Return the points of a sweep of a case over values of keys.
 
@@ -149,29 +173,36 @@ def make_grid(
         over: values of each swept key.
         large: whether to allow more than 100,000 points.
         draws: random draws at each point; None for one march without random changes.
+        table: points in place of all combinations of the values `over`.
 
     Raises:
         UserError: nothing to sweep, a key that is unknown or does not take a number, fewer than two
             values, a value given twice, or too many points.
     """
-    if not over:
+    given = over if table is None else table.values
+    if not given:
         raise UserError(f"{OVER}: expected at least one key, such as march.speed=0.95:2:0.005")
-    for key in over:
-        check_key(case, key)
-    axes = [Axis(key=key, values=tuple(values)) for key, values in over.items()]
+    for key in given:
+        check_key(case, key, OVER if table is None else table.head)
+    axes = [Axis(key=key, values=tuple(values)) for key, values in given.items()]
+    columns = () if table is None else tuple(axes)
+    if columns:
+        axes = [Axis(key=POINT, values=tuple(range(len(columns[0].values))))]
     nominal = {}
     if draws is not None:
-        nominal = {each.key: _nominal(case, each.key, over) for each in draws.perturbations}
+        nominal = {each.key: _nominal(case, each.key, given) for each in draws.perturbations}
         axes.append(Axis(key=DRAW, values=tuple(range(draws.count))))
-    grid = Grid(axes=tuple(axes), draws=draws, nominal=nominal)
-    for axis in grid.axes:
+    rows = () if table is None else table.rows
+    grid = Grid(axes=tuple(axes), draws=draws, nominal=nominal, table=columns, rows=rows)
+    for axis in grid.axes if table is None else ():
         if len(axis.values) < 2 or len(set(axis.values)) < len(axis.values):
             raise UserError(
                 f"{OVER} {axis.key}: expected two or more different values; --set sets one value"
             )
     if grid.size > ASKED_POINTS and not large:
+        option = OVER if table is None else TABLE
         raise UserError(
-            f"{OVER}: {grid.size} points are more than {ASKED_POINTS}; --yes runs them all"
+            f"{option}: {grid.size} points are more than {ASKED_POINTS}; --yes runs them all"
         )
     return grid
 
@@ -215,13 +246,13 @@ def parse_over(options: Sequence[str]) -> dict[str, tuple[Value, ...]]:
             raise UserError(f"{OVER} {key}: expected each key once")
         is_range = ":" in text
         parts = text.split(":") if is_range else text.removesuffix(",").split(",")
-        matches = [match for match in map(_NUMBER.fullmatch, parts) if match is not None]
+        matches = [match for match in map(NUMBER.fullmatch, parts) if match is not None]
         units = {match[2] or "" for match in matches}
         if len(matches) < len(parts) or len(units) > 1:
             raise UserError(f"{OVER} {option}: expected numbers, all with the same unit or none")
         numbers, unit = [Decimal(match[1]) for match in matches], units.pop()
         numbers = _range(option, numbers) if is_range else numbers
-        over[key] = tuple(_value(number, unit) for number in numbers)
+        over[key] = tuple(case_value(number, unit) for number in numbers)
     return over
 
 
@@ -253,8 +284,8 @@ def value_at(case: Case, key: str) -> Any:
     return value
 
 
-def check_key(case: Case, key: str) -> None:
-    """Check that the value of a key of the case is a number.
+def check_key(case: Case, key: str, place: str = OVER) -> None:
+    """Check that the value of a key of the case is a number; `place` is where the key is given.
 
     Raises:
         UserError: the key does not take a number; the message names the most similar numeric key.
@@ -265,7 +296,7 @@ def check_key(case: Case, key: str) -> None:
         nearest = [name for name in keys if name.rpartition(".")[2] == last]
         nearest = nearest or get_close_matches(key, keys, n=1, cutoff=0.0)
         raise UserError(
-            f"{OVER} {key}: expected a key of the case that holds a number; the nearest is"
+            f"{place} {key}: expected a key of the case that holds a number; the nearest is"
             f" {' or '.join(nearest)}"
         )
 
@@ -311,7 +342,7 @@ def _range(option: str, numbers: Sequence[Decimal]) -> list[Decimal]:
     return grid
 
 
-def _value(number: Decimal, unit: str) -> Value:
+def case_value(number: Decimal, unit: str) -> Value:
     """Return a number in the form of the case file."""
     whole = number == number.to_integral_value() and abs(number) < 2**53
     plain: int | float = int(number) if whole else float(number)

@@ -11,7 +11,7 @@ from bladewhirl.files import PREFIX
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import DONE, SWEEP_NAME
 from bladewhirl.studies.runs.folder import FAILURES_NAME
-from bladewhirl.studies.sweeps.axes import make_grid
+from bladewhirl.studies.sweeps.axes import PointTable, make_grid
 from bladewhirl.studies.sweeps.plan import Plan, plan_sweep, write_plan
 from bladewhirl.studies.sweeps.store import Store, create
 
@@ -33,15 +33,17 @@ def add_draws(plan: Plan, directory: Path, count: int) -> Plan:
             f"--resume {directory}, --draws {count}: expected a sweep with draws and without"
             f" --histories, and more than its {present} draws"
         )
-    grid = make_grid(plan.case, plan.grid.over, large=True, draws=replace(draws, count=count))
-    more = plan_sweep(plan.case, grid, histories=False, stop_when=plan.stop_when)
-    if not _is_dataset_of(more, directory):
+    table = PointTable(values=plan.grid.listed) if plan.grid.table else None
+    more = replace(draws, count=count)
+    grid = make_grid(plan.case, plan.grid.over, large=True, draws=more, table=table)
+    wider = plan_sweep(plan.case, grid, histories=False, stop_when=plan.stop_when)
+    if not _is_dataset_of(wider, directory):
         with TemporaryDirectory(prefix=PREFIX, dir=directory) as draft:
-            _copy(plan, directory, more, Path(draft))
+            _copy(plan, directory, wider, Path(draft))
             os.replace(Path(draft) / SWEEP_NAME, directory / SWEEP_NAME)
     (directory / FAILURES_NAME).unlink(missing_ok=True)  # they are marched again
-    write_plan(more, directory)
-    return more
+    write_plan(wider, directory)
+    return wider
 
 
 def _is_dataset_of(plan: Plan, directory: Path) -> bool:

@@ -16,11 +16,19 @@ from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.stage.build import contact_problem, march_faults
-from bladewhirl.postprocess.sweep.dataset import DONE, DRAW, Layout
+from bladewhirl.postprocess.sweep.dataset import DONE, DRAW, POINT, Layout
 from bladewhirl.solvers.march.free_motion import RULE, STOPS, FreeMotion, StopWhen
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 from bladewhirl.studies.runs import folder
-from bladewhirl.studies.sweeps.axes import OVER, Grid, coordinate, make_grid, unit_of, value_at
+from bladewhirl.studies.sweeps.axes import (
+    OVER,
+    Grid,
+    PointTable,
+    coordinate,
+    make_grid,
+    unit_of,
+    value_at,
+)
 from bladewhirl.studies.sweeps.draws import Draws, parse_draws
 from bladewhirl.studies.sweeps.layout import history_bytes, make_layout, march_extent
 from bladewhirl.studies.sweeps.points import Point, stage_at
@@ -61,7 +69,9 @@ class Plan:
     @property
     def digest(self) -> str:
         """Digest of the input of the points, see `plan_digest`."""
-        return plan_digest(self.case, self.grid.over, self.stop_when, self.grid.draws)
+        return plan_digest(
+            self.case, self.grid.over, self.stop_when, self.grid.draws, self.grid.listed
+        )
 
     @property
     def attributes(self) -> dict[str, str]:
@@ -155,12 +165,14 @@ def plan_digest(
     over: Mapping[str, Any],
     stop_when: StopWhen | None,
     draws: Draws | None = None,
+    table: Mapping[str, Any] | None = None,
 ) -> str:
     """Return the SHA-256 digest of all input of the points, which plan and dataset contain."""
     # The last entry, 1, is the number of points marched together.
     made_by = [folder.version(), SWEEP_FORMAT, dict(over), 1]
     made_by += [] if stop_when is None else [stop_when]
     made_by += [] if draws is None else [_described(draws)]
+    made_by += [dict(table)] if table else []
     whole = sha256(json.dumps(made_by).encode())
     for name, content in folder.case_files(case).items():
         whole.update(name.encode() + content)
@@ -179,6 +191,8 @@ def write_plan(plan: Plan, directory: Path) -> None:
         "histories": plan.histories,
         "stop_when": plan.stop_when,
     }
+    if plan.grid.table:
+        document["table"] = plan.grid.listed
     if plan.grid.draws is not None:
         document["draws"] = _described(plan.grid.draws)
     text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
@@ -197,7 +211,10 @@ def read_plan(directory: Path) -> Plan:
     try:
         document: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         made_by, text = str(document[folder.PACKAGE]), str(document["case"])
-        over = {str(key): tuple(values) for key, values in dict(document["over"]).items()}
+        over, table = (
+            {str(key): tuple(values) for key, values in dict(given).items()}
+            for given in (document["over"], document.get("table", {}))
+        )
         histories = bool(document["histories"])
         stop_rule = document.get("stop_when")
         stop_when = None if stop_rule is None else STOPS[STOPS.index(stop_rule)]
@@ -211,7 +228,7 @@ def read_plan(directory: Path) -> Plan:
         raise UserError(f"{path}: expected the plan of a sweep ({error!r})") from None
     case = loads(text, file=str(path))
     try:
-        digest = plan_digest(case, over, stop_when, draws)
+        digest = plan_digest(case, over, stop_when, draws, table)
     except OSError as error:  # raised for the mesh file
         raise UserError(f"{error.filename}: expected a readable file ({error.strerror})") from None
     if document.get("digest") != digest:
@@ -220,17 +237,22 @@ def read_plan(directory: Path) -> Plan:
             f" was changed, or written by {made_by} in format {document.get('format', 1)}, so that"
             " points marched before would not agree with new points"
         )
-    grid = make_grid(case, over, large=True, draws=draws)
+    points = PointTable(values=table) if table else None
+    grid = make_grid(case, over, large=True, draws=draws, table=points)
     return plan_sweep(case, grid, histories=histories, stop_when=stop_when)
 
 
 def _coordinates(case: Case, grid: Grid) -> Coordinates:
     coordinates = {}
-    for axis in grid.axes:
-        if axis.key == DRAW:
-            coordinates[DRAW] = axis.numbers, "1"
+    for axis in (*grid.axes, *grid.table):
+        if axis.key in (DRAW, POINT):
+            coordinates[axis.key] = axis.numbers, "1"
             continue
-        along = (with_values(case, {**grid.values(0), axis.key: value}) for value in axis.values)
+        each = grid.size // len(axis.values) if axis in grid.table else 0  # points in a row
+        along = (
+            with_values(case, {**grid.values(each * number), axis.key: value})
+            for number, value in enumerate(axis.values)
+        )
         values, unit = coordinate([value_at(each, axis.key) for each in along])
         coordinates[axis.key] = (values, unit or unit_of(case, axis.key))
     return coordinates

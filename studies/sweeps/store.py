@@ -52,6 +52,9 @@ def create(
                 as_given.append(re.sub(r"\W+", "_", f"{axis.name} {axis.unit}"))
                 label = f"{axis.key}, as given"
                 along.append((as_given[-1], axis.name, axis.numbers, axis.unit, label))
+        for axis in grid.table:
+            along.append((axis.name, dataset.POINT, *coordinates[axis.key], axis.key))
+            as_given.append(axis.name)
         label = "frequency in the rotating frame, forward positive"
         along.append(("frequency", "frequency", layout.frequency, "Hz", label))
         for name, dimension, values, unit, label in along:
@@ -75,6 +78,8 @@ def create(
                 made.attrs["flag_meanings"] = " ".join(labels)
         file.attrs["coordinates"] = " ".join(as_given)
         file.attrs["over"] = json.dumps(grid.over)
+        if grid.table:
+            file.attrs["table"] = json.dumps(grid.listed)
         file.attrs["format"] = SWEEP_FORMAT
         file.attrs["criterion"] = CRITERION_TEXT
         file.attrs["window"] = (
@@ -117,7 +122,7 @@ class Store(AbstractContextManager["Store"]):
             raise UserError(
                 f"{path}: expected the dataset of the plan in this folder, not of another plan"
             )
-        names = (*(axis.name for axis in grid.axes), "frequency")
+        names = (*(axis.name for axis in (*grid.axes, *grid.table)), "frequency")
         self._coordinates = [self._h5[name][()] for name in names]
         changed = dataset.changed_point(
             lambda name, rows: np.asarray(self._h5[name][rows]), grid.shape, self._coordinates

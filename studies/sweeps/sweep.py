@@ -16,12 +16,13 @@ from bladewhirl.models.inputs.errors import Hint, UserError
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.solvers.march.free_motion import StopWhen
 from bladewhirl.studies.runs import folder
-from bladewhirl.studies.sweeps.axes import Grid, Value, make_grid
+from bladewhirl.studies.sweeps.axes import OVER, TABLE, Grid, Value, make_grid
 from bladewhirl.studies.sweeps.draws import parse_draws
 from bladewhirl.studies.sweeps.more_draws import add_draws
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, Plan, plan_sweep, read_plan, write_plan
 from bladewhirl.studies.sweeps.points import Outcome, Work
 from bladewhirl.studies.sweeps.store import Store, create
+from bladewhirl.studies.sweeps.table import Columns, point_table
 from bladewhirl.studies.sweeps.until import Judge
 from bladewhirl.studies.sweeps.workers import march_points
 
@@ -60,9 +61,10 @@ class Sweep:
 
 def run_sweep(
     case: Case,
-    over: Mapping[str, Sequence[Value]],
-    directory: str | Path,
+    over: Mapping[str, Sequence[Value]] | None = None,
+    directory: str | Path = "sweep",
     *,
+    table: str | Path | Columns | None = None,
     scheduler: str | None = None,
     workers: int | None = None,
     histories: bool = False,
@@ -74,7 +76,8 @@ def run_sweep(
     until: float | None = None,
     watch: Watch | None = None,
 ) -> Sweep:
-    """March a case at every combination of values and collect the results in a dataset.
+    """March a case at every combination of values, or at the points of a table, and collect the
+    results in a dataset.
 
     These are written into the folder: sweep.json (the plan), provenance.json, sweep.nc (open it
     with `open_sweep`), failures.json if points failed, figures, and histories/ if requested.
@@ -87,6 +90,8 @@ def run_sweep(
         case: case that the sweep varies.
         over: values of each swept key, in the form of the case file.
         directory: folder to make.
+        table: points in place of `over`: a DataFrame, a mapping of columns, or the path of a CSV
+            file, see `table.point_table`. The dataset then has the dimension `point`.
         scheduler: address of a dask scheduler; if None, processes of this machine march.
         workers: number of processes of this machine; one per core when None.
         histories: whether to keep the full histories of every point; with a scheduler, all workers
@@ -108,7 +113,8 @@ def run_sweep(
         Hint: an implausible value at the first or the last point.
 
     Raises:
-        UserError: as for `make_grid` and `plan_sweep`; or the folder exists or cannot be written,
+        UserError: as for `make_grid`, `point_table` and `plan_sweep`; both or none of `over` and
+            `table` are given; or the folder exists or cannot be written,
             or the scheduler does not answer.
     """
     directory = Path(directory)
@@ -116,7 +122,15 @@ def run_sweep(
         resumable = (directory / PLAN_NAME).exists()
         hint = "; --resume finishes the sweep in it" if resumable else ""
         raise UserError(f"{directory}: expected a new or an empty folder{hint}")
-    grid = make_grid(case, over, large=large, draws=parse_draws(draws, perturb, seed, until))
+    if over and table is not None:
+        raise UserError(f"{OVER}, {TABLE}: expected only one of them")
+    grid = make_grid(
+        case,
+        over or {},
+        large=large,
+        draws=parse_draws(draws, perturb, seed, until),
+        table=None if table is None else point_table(table),
+    )
     plan = plan_sweep(case, grid, histories=histories, large=large, stop_when=stop_when)
     for hint in plan.hints:
         warnings.warn(hint, Hint, stacklevel=2)
