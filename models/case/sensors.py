@@ -18,15 +18,15 @@ Quantity = Literal["displacement", "velocity", "acceleration"]
 MOTION_UNITS: dict[str, str] = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
 """SI unit of each quantity of a moving point."""
 
-RESERVED = ("time", "blade")
-"""Names of coordinates of the recorded signals, which a sensor must not have."""
+RESERVED = ("time", "blade", "wear")
+"""Names that a sensor must not have: coordinates of the signals, and wear.csv of a coating."""
 
 
 def _name(value: Any) -> str:
     fits = isinstance(value, str) and re.fullmatch(r"(?:[A-Za-z0-9][A-Za-z0-9.-]{0,59})?", value)
-    if not fits or value in RESERVED:
+    if not fits or value.lower() in RESERVED:
         phrase = "up to 60 letters, digits, dots and hyphens, as the name of a file, other than"
-        raise fields.expectation(f'{phrase} "time" and "blade"')
+        raise fields.expectation(f"{phrase} {', '.join(RESERVED)}")
     return str(value)
 
 

@@ -69,6 +69,7 @@ def test_a_case_without_sensors_has_no_key_of_sensors() -> None:
         (GAUGE | {"blade": -1}, 'blade = -1: expected "all" or the number of a blade, from 0'),
         (GAUGE | {"name": "a/b"}, 'name = "a/b": expected up to 60 letters'),
         (GAUGE | {"name": "time"}, 'name = "time": expected up to 60 letters'),
+        (GAUGE | {"name": "Wear"}, 'name = "Wear": expected up to 60 letters'),
         (GAUGE | {"sampling_rate": 0}, "sampling_rate = 0: expected a positive number in Hz"),
         (GAUGE | {"angle": 0}, 'angle = 0: expected a key of sensor.type = "strain"; this key'),
         (GAUGE | {"spam": 0}, "spam = 0: expected a known key; the nearest is sensor[0].span"),
