@@ -16,14 +16,17 @@ from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, key
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_label
 from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, swept, swept_keys
+from bladewhirl.postprocess.sweep.drawing import line_label
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
+from bladewhirl.postprocess.sweep.probability import probability
 from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key, other_keys, table_keys
 
 WINDOWED = ("frequency-map", "energy-families")
 """Figures of spectra and mean energies; the attribute `window` of a sweep states their time window.
 All other figures describe the last third of the time."""
 
+MOST_NAMED = 10  #: largest number of points with an uncertain outcome that are named
 MOST_POINTS = 2000  #: largest number of points in the table; more points make a page slow
 
 
@@ -77,7 +80,13 @@ def sweep_report(
         subject=subject(dataset, provenance, name),
         verdict=verdict,
         tone=tone,
-        reason=f"Swept: {', '.join(keys)}. {REGIMES[next(iter(counts))].meaning if counts else ''}",
+        reason=" ".join(
+            [
+                f"Swept: {', '.join(keys)}.",
+                REGIMES[next(iter(counts))].meaning if counts else "",
+                _certainty(dataset) if done and DRAW in dataset.dims else "",
+            ]
+        ),
         warnings=_warnings(wanted, done, failed),
         figures=_glance(dataset, points, counts, done),
         sections=[*sections, _case_section(dataset, provenance)],
@@ -115,6 +124,23 @@ def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> 
     where = f"{counts[worst]} of {done} points" if counts[worst] < done else f"all {done} points"
     so_far = " so far" if done + failed < points else ""
     return f"{REGIMES[worst].name} at {where}{so_far}", REGIMES[worst].tone
+
+
+def _certainty(dataset: xr.Dataset) -> str:
+    """Return a sentence on the points of a sweep with draws whose outcome is uncertain."""
+    shares = in_handy_units(probability(dataset))
+    interval = "the 95 % interval of the share of"
+    if not shares["uncertain"].any():
+        return f"The outcome is certain at every point: {interval} each regime excludes one half."
+    places = [
+        line_label(shares.isel({LINE: line, str(shares.attrs["along"]): number}))
+        for line, number in np.argwhere(shares["uncertain"].values)
+    ]
+    named = "; ".join(places[:MOST_NAMED]) + ("; ..." if len(places) > MOST_NAMED else "")
+    return (
+        f"The outcome is uncertain at {len(places)} of {shares['uncertain'].size} points, where"
+        f" {interval} a regime includes one half: {named}."
+    )
 
 
 def _warnings(points: int, done: int, failed: int) -> list[str]:

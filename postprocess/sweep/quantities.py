@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
-from bladewhirl.postprocess.sweep.dataset import POINT, swept, swept_keys
+from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, swept, swept_keys
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 
 LINE = "line"  #: name of the dimension `line`, see the module docstring
@@ -213,9 +213,11 @@ def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
         Dataset over (line, key, section) [m]: `section_x` and `section_y`, the position whenever
         blade 0 lies on +x, which is therefore the same in both frames; `section_radius`, the
         distance of this position from the origin; `radius_peak`, the local maxima. Elements without
-        a value are NaN.
+        a value are NaN. The sections of all draws of a point follow one another.
     """
     data = along(dataset, key, ["section_x", "section_y", "radius_peak"])
+    if DRAW in dataset.dims:
+        data = _draws_together(data.drop_vars("state"), dataset.sizes[DRAW])
     radius = ((data["section_x"] ** 2 + data["section_y"] ** 2) ** 0.5).assign_attrs(units="m")
     return data.assign(section_radius=radius).assign_attrs(
         title="bifurcation diagram: the shaft in the last third of each march"
@@ -242,3 +244,15 @@ _MOVING = ["late_radius", "smallest_clearance"]
 def _moves(data: xr.Dataset) -> xr.DataArray:
     """Return true where the shaft moves enough to evaluate whirl and contact side, see `MOTION`."""
     return data["late_radius"] >= MOTION * data["smallest_clearance"]
+
+
+def _draws_together(data: xr.Dataset, count: int) -> xr.Dataset:
+    """Return data over (line, key, section) with the sections of `count` draws in one line; the
+    draw varies fastest along the lines."""
+    joined = data.isel({LINE: slice(None, None, count)}).drop_vars([DRAW, *data.data_vars])
+    for name, values in data.items():
+        lines, places, sections = values.shape
+        apart = values.values.reshape(lines // count, count, places, sections)
+        together = apart.transpose(0, 2, 1, 3).reshape(-1, places, count * sections)
+        joined[name] = (values.dims, together, values.attrs)
+    return joined

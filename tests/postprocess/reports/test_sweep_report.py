@@ -112,3 +112,23 @@ def test_a_sweep_without_a_point_done(tmp_path: Path) -> None:
     assert "2 of 2 points failed" in page.words
     assert "Not drawn: no point of the sweep is done" in page.words
     assert page.plots == []
+
+
+@pytest.mark.parametrize(("radii", "named"), [((0.4e-3, 1.3e-3), ["1"]), ((0.4e-3, 0.4e-3), [])])
+def test_the_report_names_points_with_an_uncertain_outcome(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, radii: tuple[float, float], named: list[str]
+) -> None:
+    """Eight draws at two speeds; at the first speed every second draw touches or none."""
+    monkeypatch.setattr(report_page, "report_figures", lambda draw, kinds: [])
+    motions = [{"speed": REFERENCE, "shaft_radius": radii[n % 2]} for n in range(8)]
+    motions += [{"speed": 1.2 * REFERENCE, "shaft_radius": 1.3e-3}] * 8
+    over = {"march.speed": (1.0, 1.2), "draw": tuple(range(8))}
+    folder = synthetic_sweep(tmp_path / "draws", over, motions)
+    words = re.sub(r"\s+", " ", Parsed(bw.report(folder).read_text(encoding="utf-8")).words)
+    if named:
+        assert (
+            "uncertain at 1 of 2 points, where the 95 % interval of the share of a regime" in words
+        )
+        assert "includes one half: march speed = 1." in words
+    else:
+        assert "The outcome is certain at every point: the 95 % interval" in words

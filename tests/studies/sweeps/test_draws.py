@@ -11,6 +11,7 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.probability import plot_probability, probability
+from bladewhirl.postprocess.sweep.quantities import bifurcation
 from bladewhirl.postprocess.sweep.shares import wilson
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.draws import parse_draws
@@ -88,6 +89,10 @@ def test_a_sweep_has_a_dimension_of_draws(tmp_path: Path) -> None:
         np.testing.assert_array_equal(shares["share"].sum("regime"), 1.0)
         assert shares["uncertain"].values.all()  # two draws say little
         assert plot_probability(shares).axes
+        sections = bifurcation(sweep, "march_speed")
+        peaks = sweep["radius_peak"].values
+    assert dict(sections["radius_peak"].sizes) == {"line": 1, "march_speed": 2, "section": 128}
+    np.testing.assert_array_equal(sections["radius_peak"].values[0], peaks.reshape(2, -1))
     draws = parse_draws(2, perturb, 3)
     plan = plan_sweep(CASE, make_grid(CASE, OVER, large=False, draws=draws), histories=False)
     (tmp_path / "plan").mkdir()
