@@ -1,5 +1,6 @@
 """Signals of sensors against motions in closed form."""
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -75,6 +76,15 @@ def test_wall_sensors_move_as_the_waves_of_the_ring(result: xr.Dataset) -> None:
     np.testing.assert_allclose(along, expected[:, 0], atol=1e-18)
 
 
+def test_fewer_samples_than_records_are_taken_without_a_hint(result: xr.Dataset) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", Hint)
+        few = bw.sensors(result, [WALL | {"sampling_rate": 500}])["wall"]
+        bw.sensors(result, [TIMING | {"sampling_rate": "80 MHz"}])
+    every = bw.sensors(result, [WALL])["wall"]
+    np.testing.assert_allclose(few, every[::2], rtol=0, atol=1e-15)
+
+
 def test_the_centre_is_seen_in_the_static_frame(result: xr.Dataset) -> None:
     """A whirl at -70 rad/s in axes that turn at 80 rad/s is one at 10 rad/s."""
     for order, quantity in enumerate(("displacement", "velocity", "acceleration")):
@@ -98,6 +108,7 @@ def test_noise_of_arrivals_is_noise_of_deflections(result: xr.Dataset) -> None:
     noisy = bw.sensors(result, [TIMING | {"noise": "2 us"}])
     late = (noisy["btt_arrival"] - exact["btt_arrival"]).values
     assert np.nanstd(late) == pytest.approx(2e-6, rel=0.15)
+    assert len(np.unique(late[np.isfinite(late)])) == np.isfinite(late).sum()  # each its own
     moved = (noisy["btt"] - exact["btt"]).values
     np.testing.assert_allclose(moved, -synthetic.TIP_RADIUS * synthetic.SPEED * late, atol=1e-15)
     part = bw.sensors(result, [TIMING | {"noise": "2 us"}], start=0.1, end=0.3)
