@@ -72,7 +72,7 @@ def create(
             made.attrs.update(variable.attributes)
             labels = variable.labels
             if name == "state" and (grid.draws is None or grid.draws.until is None):
-                labels = labels[: dataset.NOT_NEEDED]  # the same file as before there was --until
+                labels = labels[: dataset.NOT_NEEDED]  # only --until leaves draws out
             if labels:
                 made.attrs["flag_values"] = np.arange(len(labels), dtype="i1")
                 made.attrs["flag_meanings"] = " ".join(labels)

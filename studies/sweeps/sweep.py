@@ -202,10 +202,11 @@ def _carry_out(
             if outcome is None:
                 store.leave_out(number)
                 (histories / (plan.point(number).history or "none")).unlink(missing_ok=True)
-                continue
-            store.write(number, outcome)
-            marched += 1
-            watch.progress(store.done, len(store.failures), plan.grid.size - store.not_needed)
+            else:
+                store.write(number, outcome)
+                marched += 1
+            wanted = plan.grid.size - store.not_needed
+            watch.progress(store.done, len(store.failures), wanted)
         swept = Sweep(
             directory=directory,
             points=plan.grid.size,

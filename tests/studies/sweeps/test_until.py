@@ -95,25 +95,38 @@ def test_wide_intervals_settle_when_they_exclude_one_half() -> None:
     assert settled(low, high, 0.2).tolist() == [False, True, True]  # 0.404 to 0.596
 
 
+@pytest.mark.parametrize(("share", "covered"), [(0.2, 0.98), (0.4, 0.94), (0.5, 0.65)])
+def test_how_often_the_interval_of_a_stopped_point_holds_the_share(
+    share: float, covered: float
+) -> None:
+    """The figures of the tutorial, for up to 100 draws of a regime of known probability."""
+    points, most = 2000, np.arange(1.0, 101.0)
+    hits = np.cumsum(np.random.default_rng(1).random((points, 100)) < share, axis=1)
+    low, high = wilson(np.stack([hits, most - hits], axis=-1), most[:, None])
+    enough = settled(low, high, 0.2)
+    at = np.arange(points), np.where(enough.any(axis=1), enough.argmax(axis=1), 99), 0
+    assert np.mean((low[at] <= share) & (share <= high[at])) == pytest.approx(covered, abs=0.025)
+
+
 @pytest.mark.usefixtures("toy")
 def test_the_file_depends_neither_on_workers_nor_on_when_draws_were_added(tmp_path: Path) -> None:
     for workers, folder in ((1, "one"), (5, "five")):
         done = run_sweep(
-            CASE, OVER, tmp_path / folder, draws=12, perturb=PERTURB, until=0.2, workers=workers
+            CASE, OVER, tmp_path / folder, draws=8, perturb=PERTURB, until=0.2, workers=workers
         )
-        assert done.done + done.not_needed == 24
+        assert done.done + done.not_needed == 16
         assert resume_sweep(tmp_path / folder).marched == 0
-    assert done.not_needed == 8  # the draws of one point agree soon
+    assert done.not_needed == 4  # the draws of one point agree soon
     assert same_bits(tmp_path / "one", tmp_path / "five")
     run_sweep(CASE, OVER, tmp_path / "few", draws=3, perturb=PERTURB, until=0.2)
-    resume_sweep(tmp_path / "few", draws=12, workers=3)
+    resume_sweep(tmp_path / "few", draws=8, workers=3)
     assert same_bits(tmp_path / "one", tmp_path / "few")
     with open_sweep(tmp_path / "one") as sweep:
         counts = (sweep["state"] == "done").sum("draw").values.tolist()
         shares = probability(sweep)
     assert shares["draws"].values.tolist() == [counts]
-    assert shares["uncertain"].values.tolist() == [[count == 12 for count in counts]]
-    with pytest.raises(UserError, match=r"--draws 5: expected a sweep with draws .* its 12 draws"):
+    assert shares["uncertain"].values.tolist() == [[count == 8 for count in counts]]
+    with pytest.raises(UserError, match=r"--draws 5: expected a sweep with draws .* its 8 draws"):
         resume_sweep(tmp_path / "few", draws=5)
 
 
