@@ -201,7 +201,8 @@ def _carry_out(
         for number, outcome in _outcomes(plan, store, work, scheduler, workers):
             if outcome is None:
                 store.leave_out(number)
-                (histories / (plan.point(number).history or "none")).unlink(missing_ok=True)
+                if plan.histories:
+                    (histories / str(plan.point(number).history)).unlink(missing_ok=True)
             else:
                 store.write(number, outcome)
                 marched += 1
