@@ -30,14 +30,15 @@ def processor_seconds() -> float:
 
 
 def slowness() -> float:
-    """Return how much longer than `PACE` the reference loop takes now, at least 1.5 for scatter."""
+    """Return how much longer than `PACE` the reference loop takes now, at least 1.5, and 30 % more
+    because other processes slow memory more than they slow the loop."""
 
     def seconds() -> float:
         start = time.process_time()
         sum(i * i % 7 for i in range(300_000))
         return time.process_time() - start
 
-    return max(1.5, median(seconds() for _ in range(5)) / PACE)
+    return 1.3 * max(1.5, median(seconds() for _ in range(5)) / PACE)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -25,6 +25,7 @@ from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.summary import Summary, energy_residual, summarise, write_summary
 from bladewhirl.postprocess.run.summary_table import displacement_hints, summary_rows, summary_table
+from bladewhirl.postprocess.run.wear import wear_summary
 
 Array = NDArray[np.float64]
 
@@ -400,6 +401,18 @@ class TestRegimes:
         assert f"{growth.end_rate:.3g} ±" in growth.sentence
 
 
+WORN = xr.Dataset(
+    {
+        "coating_strain": (("wear_time", "rod"), np.array([[0.0, 0.1]])),
+        **{name: ("time", np.ones(1)) for name in ("wear_volume", "wear_dissipated")},
+        "coating_impulse": (("time", "blade"), np.ones((1, 2))),
+        "contact_impulse": (("time", "blade"), np.ones((1, 2))),
+    },
+    coords={"time": [0.0]},
+)
+"""Variables of a result with a coating that its summary needs."""
+
+
 class TestWriting:
     def test_json_has_the_keys_at_full_precision(self, result: xr.Dataset, tmp_path: Path) -> None:
         summary = summarise(result, REPORT)
@@ -426,7 +439,8 @@ class TestWriting:
         page = (ROOT / "docs" / "reference" / "summary.md").read_text(encoding="utf-8")
         rows = [line.split("|")[1:-1:2] for line in page.splitlines() if line.startswith("|")]
         labels = "; ".join(label.strip() for label, _ in rows)
-        assert set(re.findall(r"`(\w+)", "".join(keys for _, keys in rows[2:]))) == KEYS
+        told = set(re.findall(r"`(\w+)", "".join(keys for _, keys in rows[2:])))
+        assert told == KEYS | wear_summary(WORN).keys()
         printed = summary_rows(summarise(result, REPORT))
         assert [
             name for name in printed if name.strip().removesuffix(", largest") not in labels
