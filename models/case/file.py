@@ -1,4 +1,4 @@
-"""Reading of case files, and values that replace some of their keys."""
+"""Read case files, with other values for some of the keys."""
 
 import errno
 import os

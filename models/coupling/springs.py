@@ -222,7 +222,9 @@ class CoupledEntries:
         """
         for name in SIX_NAMES:
             if name not in self.modes.name:
-                raise ValueError(f"the stage has no {name.split()[0]} pair with one nodal diameter")
+                raise ValueError(
+                    f"the stage has no pair of {name.split()[0]} modes with one nodal diameter"
+                )
         return self.take([self.modes.name.index(name) for name in SIX_NAMES])
 
 

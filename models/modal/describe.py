@@ -1,6 +1,7 @@
-"""Make the arrays of a stage in a result from the finite element models and their modes.
+"""Compute, from finite element models and modes, the arrays that describe a stage in a result.
 
-Solvers import `stage_arrays` without finite elements; this module is therefore separate.
+The class of these arrays is in `stage_arrays`, so that solvers can import it without
+finite elements.
 """
 
 import numpy as np

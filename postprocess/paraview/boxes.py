@@ -109,7 +109,8 @@ class Boxes:
         return self.strain_rows.at(history(dataset, f"{self.body}_displacement", records))
 
     def _beside(self) -> Array:
-        """Return vectors from the axis to the corners (element, station, 4 or 1, 2) [m]."""
+        """Return vectors from the axis of each beam to the corners of its cross-section [m],
+        (element, station, 4, 2); (element, station, 1, 2) with zeros for a line."""
         if not self.solid:
             return np.zeros((*self.shape, 1, 2))
         return np.asarray(self.offset[:, :, SIDES, None] * self.normal[:, :, None])

@@ -59,7 +59,7 @@ class RunFigures:
         if name not in RUN_FIGURES:
             raise ViewError(f"figure {name!r}: expected one of {', '.join(RUN_FIGURES)}")
         if name not in AT_REST and not self.result["energy"].any():
-            raise ViewError(f"nothing moves from {window_label(self.result)}")
+            raise ViewError(f"no motion in the time window from {window_label(self.result)}")
         return RUN_FIGURES[name].draw(self)
 
     @cached_property

@@ -109,7 +109,8 @@ def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
 
 
 def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
-    """Draw the numbers of blades, stacked; a point without a result leaves a gap."""
+    """Draw stacked bars: how many blades are in each contact class at each point. A point without
+    a result has no bar."""
     edges = key_edges(one)
     below = np.zeros(len(edges) - 1)
     for name, colour in blade_contact.CLASS_COLOURS.items():

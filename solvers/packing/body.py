@@ -70,7 +70,8 @@ def lengthened(values: FloatArray) -> FloatArray:
 
 
 def _registers_in_use(patterns: FloatArray) -> IntArray:
-    """Return the positions of the nonzero registers of each load pattern, padded with -1."""
+    """Return where each load pattern is not zero: the first entry of each group of LANES entries
+    with a nonzero number, padded with -1, (patterns, groups)."""
     used = [lib.LANES * np.flatnonzero(p.reshape(-1, lib.LANES).any(axis=1)) for p in patterns]
     places = np.full((len(patterns), max(map(len, used), default=0) + 1), -1)
     for row, place in zip(places, used, strict=True):

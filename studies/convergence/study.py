@@ -131,7 +131,7 @@ def default_time_steps(case: Case) -> list[float]:
 
 
 def default_modes(case: Case) -> list[int]:
-    """Return the default numbers of fixed-interface modes, ascending, from `SECTORS`.
+    """Return how many fixed-interface modes the study keeps by default, in ascending order.
 
     Raises:
         CaseError: the bladed disk has too few degrees of freedom for at least two of these numbers.

@@ -78,7 +78,7 @@ class EvenSystem(System):
 
     @property
     def six(self) -> CouplingModes:
-        """Six modes of the paper, with physical or unit amplitudes like the chosen modes."""
+        """Six modes of the paper; their amplitudes are physical or unit, as in `modes`."""
         six = self.all_modes.six_modes()
         return (six if self.physical else six.with_unit_amplitudes()).modes
 

@@ -51,7 +51,7 @@ class Score:
 
     @property
     def why(self) -> str:
-        """Reason in one sentence, with the differences between repeats."""
+        """Reason for the verdict in one sentence, and how the repeats differ."""
         counts = Counter(finding.verdict for finding in self.findings)
         if len(counts) == 1:
             return self.findings[0].why

@@ -73,7 +73,7 @@ def taking_place(directory: Path) -> Iterator[Path]:
     directory = directory.resolve()
     new, old = (directory.with_name(directory.name + suffix) for suffix in (NEW, OLD))
     if old.exists():
-        raise UserError(f"{old}: expected no such folder; it has files of an earlier run")
+        raise UserError(f"{old}: this folder exists and has files of an earlier run; move it away")
     with locked(directory), locked(new):
         for path in [*owned(new)]:
             path.unlink()

@@ -89,8 +89,9 @@ def bars_that_meet(name: str) -> Pairs:
 def bouncing_bar() -> Pairs:
     """Compare a bar that falls on a rigid wall and bounces with a published solution.
 
-    The first contact begins after the time of free fall. Its end has a tolerance of 1 % of its
-    duration. The force rises linearly in the first contact, and falls linearly in the second.
+    The first contact begins after the time of free fall; the end of this contact has a tolerance of
+    1 % of the duration of the contact. The force rises linearly in the first contact, and falls
+    linearly in the second.
     """
     known = reference("published")["bouncing_bar"]
     shape = {key: known[key] for key in ("length", "young_modulus", "density")}

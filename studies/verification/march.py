@@ -188,7 +188,7 @@ def closing_wall_ledger(kind: str) -> Pair:
 
 @verifies()
 def gaps_of_the_papers_stage() -> Pair:
-    """Compare the gaps of two marches of the paper's stage, the kernel and `dense_march`."""
+    """Compare the gaps of the paper's stage in the kernel with the gaps in `dense_march`."""
     strike = {"casing.support": 7.975e6, **STRIKE}
     given = contact_problem(build_stage(with_values(Case(), strike)))
     return dense_march(given, 1e-6, 30_000)[0], marched(given, 1e-6, 30_000).gap

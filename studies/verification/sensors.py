@@ -94,8 +94,9 @@ def strain_of_a_tip_load(side: str) -> Pair:
 
 @verifies()
 def order_of_tip_timing() -> Pair:
-    """Compare the order of convergence of arrival times in the record step with four; the error is
-    the root mean square of all arrivals of a blade at 40 probes."""
+    """Check that arrival times converge with order four as the record step decreases.
+
+    The error is the root mean square of all arrivals of a blade at 40 probes."""
     rotor = stage().rotor
     mode = int(np.argmax(np.abs(rotor.tip_tangential[BLADE])))
     probes, errors = np.linspace(0.0, 6.2, 40), []

@@ -137,7 +137,7 @@ def cases(subjects: Iterable[str] = (), *, full: bool = False) -> list[Verificat
     expected = list(subjects) or list(SUBJECTS)
     for subject in expected:
         if subject not in SUBJECTS:
-            raise UserError(f"{subject}: expected a subject, {', '.join(SUBJECTS)}")
+            raise UserError(f"{subject}: expected one of the subjects {', '.join(SUBJECTS)}")
     for subject in SUBJECTS:
         if subject in expected:
             import_module(f"bladewhirl.studies.verification.{subject}")

@@ -112,5 +112,5 @@ def test_physical_amplitudes_weaken_the_coupling() -> None:
 
 
 def test_clamped_centre_has_no_suspension_modes() -> None:
-    with pytest.raises(ValueError, match="the stage has no suspension pair"):
+    with pytest.raises(ValueError, match="the stage has no pair of suspension modes"):
         stage(clamped=True).six_modes()

@@ -104,7 +104,7 @@ def test_a_run_that_overwrites_and_is_broken_off_leaves_the_old_one(tmp_path: Pa
     broken_off(long(title="new"), out, 20_000, overwrite=True)
     assert (out / "result.nc").read_bytes() == before
     old.mkdir()
-    with pytest.raises(UserError, match=rf"^{old}: expected no such folder; it has files of an ea"):
+    with pytest.raises(UserError, match=rf"^{old}: this folder exists and has files of an ea"):
         bw.run(long(title="new", **short), out, frames=0, overwrite=True)
     old.rmdir()
     bw.run(long(title="new", **short), out, frames=0, overwrite=True)

@@ -127,7 +127,7 @@ def test_shapes_must_agree() -> None:
     [
         (["--json", "--markdown"], "expected one of them"),
         (["--html", "table.txt"], ".html"),
-        (["bearings"], "bearings: expected a subject, modes, rings"),
+        (["bearings"], "bearings: expected one of the subjects modes, rings"),
     ],
 )
 def test_requests_that_make_no_sense(options: list[str], expected: str) -> None:
