@@ -99,8 +99,8 @@ def _keys(dataset: xr.Dataset) -> list[str]:
 
 
 def _points(dataset: xr.Dataset) -> xr.Dataset:
-    """Return the quantities of every point over (line, key), see `sweep.quantities`; the swept keys
-    are in convenient units."""
+    """Return the quantities of every point, with dimensions as in `sweep.quantities`; the swept
+    keys are in convenient units."""
     names = ["regime", "shaft_radius_max", "growth_rate", "growth_error", "end_time"]
     points = in_handy_units(along(dataset, main_key(dataset), [*names, "contact_share"]))
     touched = (points["contact_share"] > 0).sum("blade")

@@ -40,7 +40,8 @@ def shaft_orbit(
     """Compute displacement and velocity of the shaft's centre in both frames.
 
     Args:
-        result: result of a run, or an orbit from this function, of which the window is returned.
+        result: result of a run; or an orbit that this function returned, which is then cut to the
+            time window.
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:

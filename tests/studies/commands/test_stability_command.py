@@ -150,7 +150,7 @@ def test_damping_takes_energy_as_a_growing_circle_does(tmp_path: Path) -> None:
             ["--modes", "casing:1F:1"],
             "expected modes that can be coupled by springs, from six, all, casing, 1F",
         ),
-        (["--set", "shaft.clamped=true"], "--modes six: the stage has no suspension pair"),
+        (["--set", "shaft.clamped=true"], "--modes six: the stage has no pair of suspension modes"),
         (
             ["--damped", "--set", "shaft.damping=10"],
             "but --damped includes dampers at points; --speed and --kappa compute",
