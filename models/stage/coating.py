@@ -6,7 +6,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import case_fault
-from bladewhirl.models.inputs.errors import Fault
+from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor, WallCoating
 from bladewhirl.models.stage.stage import Stage
 
@@ -15,13 +15,20 @@ PER_FOOTPRINT = 4
 
 
 def wall_coating(stage: Stage) -> WallCoating | None:
-    """Return the coating of the casing; None if there is none."""
+    """Return the coating of the casing; None if there is none.
+
+    Raises:
+        CaseError: the case has no footprint, and no beam ends at a tip.
+    """
     case, coating, radius = stage.case, stage.case.casing.coating, stage.casing.mesh.radius
     if coating is None:
         return None
     footprint = _tip_thickness(stage)
     if coating.footprint is not None:
         footprint = np.full_like(footprint, coating.footprint)
+    elif not np.isfinite(footprint).all():
+        expected = "a length, because the tips are not ends of beams"
+        raise CaseError([case_fault(case, "casing.coating.footprint", expected)])
     around = 2.0 * np.pi * radius
     rods = coating.elements or int(PER_FOOTPRINT * around / footprint.min()) + 1
     made = WallCoating(

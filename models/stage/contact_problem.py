@@ -191,14 +191,18 @@ class WallCoating:
     @property
     def angle(self) -> FloatArray:
         """Angle of the middle of each rod [rad], (rods,)."""
-        rods = len(self.strain)
-        return np.asarray(2.0 * np.pi / rods * (np.arange(rods) + 0.5))
+        return rod_angles(len(self.strain))
 
     @property
     def stiffness(self) -> float:
         """Largest stiffness under a tip [N/m]."""
         rods = float(np.floor(self.footprint.max() / self.arc)) + 1.0
         return float(self.young_modulus * self.area / self.thickness * rods)
+
+
+def rod_angles(rods: int) -> FloatArray:
+    """Return the angle of the middle of each rod of a coating [rad], (rods,)."""
+    return np.asarray(2.0 * np.pi / rods * (np.arange(rods) + 0.5))
 
 
 @dataclass(frozen=True, kw_only=True)

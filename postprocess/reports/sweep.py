@@ -49,10 +49,10 @@ def sweep_report(
     """
     state = dataset["state"].values
     done, failed = int((state == "done").sum()), int((state == "failed").sum())
-    wanted = state.size - int((state == "not-needed").sum())
+    needed = state.size - int((state == "not-needed").sum())
     points = _points(dataset) if done else None
     counts = _counts(points)
-    verdict, tone = _verdict(counts, wanted, done, failed)
+    verdict, tone = _verdict(counts, needed, done, failed)
     keys = [str(dataset[key].attrs["long_name"]) for key in _keys(dataset)]
     blocks: dict[str, list[page.Block]] = {
         name: [*_drawn(dataset, name)] for name in ("regimes", "frequencies", "motion", "points")
@@ -87,7 +87,7 @@ def sweep_report(
                 _certainty(dataset) if done and DRAW in dataset.dims else "",
             ]
         ),
-        warnings=_warnings(wanted, done, failed),
+        warnings=_warnings(needed, done, failed),
         figures=_glance(dataset, points, counts, done),
         sections=[*sections, _case_section(dataset, provenance)],
     )

@@ -192,18 +192,18 @@ def _modes(result: xr.Dataset, kind: str) -> list[tuple[str, float, float]]:
     if kind == "centre":
         lines = modal_lines(result, "static")
         names = [WITH_K.get(str(name), str(name)) for name in lines["mode"].values]
-        found = [(name, abs(at), abs(at)) for name, at in zip(names, lines.values, strict=True)]
-        found = [line for line in dict.fromkeys(found) if line[0] != ORDER]
+        near = [(name, abs(at), abs(at)) for name, at in zip(names, lines.values, strict=True)]
+        near = [line for line in dict.fromkeys(near) if line[0] != ORDER]
     else:
         strain = kind == "strain"
         group = result["rotor_family" if strain else "casing_nodal_diameter"].values
         frequency = result["rotor_frequency" if strain else "casing_frequency"].values
         members = {one: frequency[group == one] for one in np.unique(group)}
-        found = [
+        near = [
             (str(one) if strain else f"k = {one}", each.min(), each.max() if strain else each.min())
             for one, each in members.items()
         ]
-    ordered = sorted(found, key=lambda line: line[1])[: FAMILIES if kind == "strain" else DIAMETERS]
+    ordered = sorted(near, key=lambda line: line[1])[: FAMILIES if kind == "strain" else DIAMETERS]
     return [(name, low / (2.0 * np.pi), high / (2.0 * np.pi)) for name, low, high in ordered]
 
 

@@ -53,7 +53,6 @@ def wear(result: xr.Dataset) -> xr.Dataset:
     coating = coating_of(result)
     recess = coating.thickness * result["coating_strain"].values
     share = lobe_shares(recess[-1])
-    lobes = int(share.argmax()) + 1 if share.any() else 0
     return labelled(
         result,
         "wear of the coating",
@@ -70,7 +69,7 @@ def wear(result: xr.Dataset) -> xr.Dataset:
             "wear_time": result["wear_time"].values,
             "lobes": np.arange(1, len(share) + 1)[:MOST_LOBES],
         },
-        lobes=lobes,
+        lobes=_lobes(share),
         metal_time=_metal_time(result),
         thickness=coating.thickness,
     ).assign_coords(angle=("rod", result["rod_angle"].values, {"units": "rad"}))
@@ -82,6 +81,11 @@ def lobe_shares(recess: Array) -> Array:
     waves = np.abs(np.fft.rfft(recess)[1:]) ** 2
     variance = len(recess) * float(((recess - recess.mean()) ** 2).sum()) / 2.0  # of all harmonics
     return np.asarray(waves / variance if variance > 0.0 else np.zeros(len(waves)))
+
+
+def _lobes(share: Array) -> int:
+    """Return the number of lobes with the largest share; 0 for an even profile."""
+    return int(share.argmax()) + 1 if share.any() else 0
 
 
 def _metal_time(result: xr.Dataset) -> float:
@@ -97,7 +101,7 @@ def wear_summary(result: xr.Dataset) -> dict[str, Any]:
         return {}
     strain = result["coating_strain"].values[-1]
     share = lobe_shares(strain)
-    lobes = int(share.argmax()) + 1 if share.any() else 0
+    lobes = _lobes(share)
     metal = _metal_time(result)
     return {
         "wear_volume": float(result["wear_volume"][-1]),

@@ -17,6 +17,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.stage.contact_problem import rod_angles
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords
 from bladewhirl.solvers.march.schema import (
     COATING,
@@ -143,7 +144,7 @@ class Recorder(AbstractContextManager["Recorder"]):
             self._file.dimensions["wear_time"] = None
             for name, variable in COATING.items():
                 if name == "rod_angle":
-                    self._create(name, variable, 2.0 * np.pi / rods * (np.arange(rods) + 0.5))
+                    self._create(name, variable, rod_angles(rods))
                 else:
                     self._create_history(name, variable, {"rod": rods, "blade": tips})
         profiles = len(self._h5["wear_time"])

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.stage.contact_problem import rod_angles
 from bladewhirl.solvers.march import recorder
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords, joined_coating
 from bladewhirl.solvers.march.schema import COATING, HISTORY, TIME
@@ -48,8 +49,7 @@ class Records:
                 if name in coating:
                     most = self.records if variable.dimensions[0] == TIME else None
                     histories[name] = coating[name][:most]
-            rods = coating["coating_strain"].shape[1]
-            histories["rod_angle"] = 2.0 * np.pi / rods * (np.arange(rods) + 0.5)
+            histories["rod_angle"] = rod_angles(coating["coating_strain"].shape[1])
         return histories
 
     def write(self, chunk: Chunk) -> None:

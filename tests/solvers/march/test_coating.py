@@ -129,3 +129,11 @@ def test_a_coating_that_makes_no_sense(coating: dict[str, Any], message: str) ->
 def test_a_march_that_a_coating_does_not_allow(tables: dict[str, Any], message: str) -> None:
     with pytest.raises(CaseError, match=message):
         problem({"elements": 4000, "young_modulus": 1e11}, **tables)
+
+
+def test_tips_that_end_no_beam_need_a_footprint(monkeypatch: pytest.MonkeyPatch) -> None:
+    place = "bladewhirl.models.stage.coating._tip_thickness"
+    monkeypatch.setattr(place, lambda stage: np.full(5, np.inf))
+    with pytest.raises(CaseError, match=r"coating.footprint.*: expected a length, because"):
+        problem({})
+    assert problem({"footprint": 0.01}).coating is not None
