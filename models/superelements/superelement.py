@@ -1,0 +1,213 @@
+"""A superelement: the matrices of a blade, a sector or a wheel, with its contact nodes."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.inputs.errors import UserError
+
+Matrix: TypeAlias = FloatArray | sp.csr_array
+"""A dense or a sparse matrix."""
+
+SYMMETRIC = 1e-8
+"""Largest difference between a matrix and its transpose, as a share of the largest entry."""
+
+FIXED = -1
+"""Number in place of a degree of freedom that does not exist because its displacement is zero."""
+
+
+class SuperelementError(UserError):
+    """Error in a superelement; each argument is a fault in one line."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Superelement:
+    """Matrices of a blade clamped at its root, of a sector or of a wheel, in SI units.
+
+    The axis of rotation is z, and the structure rotates counter-clockwise. Coordinates that are
+    not displacements of nodes are amplitudes of modes.
+
+    Raises:
+        SuperelementError: the arrays do not describe a structure; the error lists all faults.
+    """
+
+    mass: Matrix  #: mass matrix [kg], (n, n), symmetric
+    stiffness: Matrix  #: stiffness matrix [N/m], (n, n), symmetric
+    contact_position: FloatArray  #: undeformed contact nodes [m], (c, 3)
+    contact_dofs: IntArray
+    """Numbers of the x, y and z displacement of each contact node, (c, 3); -1 for a component that
+    is always zero."""
+    damping: Matrix | None = None  #: damping matrix [N s/m], (n, n), symmetric
+    gyroscopic: Matrix | None = None
+    """Skew matrix of the Coriolis forces, for a speed of 1 rad/s [kg], (n, n)."""
+    centre_dofs: IntArray | None = None
+    """Numbers of the x and y displacement of the centre of a wheel, (2,)."""
+    points: FloatArray | None = None  #: undeformed points of pictures [m], (p, 3)
+    recovery: Matrix | None = None
+    """Matrix from the coordinates to the x, y and z displacements of the points, (3p, n)."""
+    triangles: IntArray | None = None  #: points of each surface triangle, (t, 3)
+    left_dofs: IntArray | None = None
+    """Numbers of the x, y and z displacements of the nodes on the clockwise face of a sector,
+    (l, 3)."""
+    right_dofs: IntArray | None = None
+    """Numbers of the x, y and z displacements of the matching nodes on the counter-clockwise face,
+    which is the clockwise face turned by one pitch, (l, 3)."""
+    name: str = "superelement"  #: name, free text
+    source: str = ""  #: origin of the matrices, free text
+
+    def __post_init__(self) -> None:
+        faults = list(_faults(self))
+        if faults:
+            raise SuperelementError(*faults)
+
+    def __repr__(self) -> str:
+        """Return the name, and the numbers of coordinates, contact nodes and points."""
+        points = 0 if self.points is None else len(self.points)
+        return (
+            f'Superelement "{self.name}": {self.size} coordinates, {self.contacts} contact nodes,'
+            f" {points} points"
+        )
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return int(self.mass.shape[0])
+
+    @property
+    def contacts(self) -> int:
+        """Number of contact nodes."""
+        return len(self.contact_position)
+
+    @property
+    def contact_radius(self) -> FloatArray:
+        """Radius of each contact node [m], (c,)."""
+        return np.asarray(np.hypot(self.contact_position[:, 0], self.contact_position[:, 1]))
+
+    @property
+    def contact_angle(self) -> FloatArray:
+        """Angle of each contact node from +x [rad], (c,)."""
+        return np.asarray(np.arctan2(self.contact_position[:, 1], self.contact_position[:, 0]))
+
+    @property
+    def contact_rows(self) -> sp.csr_array:
+        """Matrix from the coordinates to the radial, tangential and axial displacements of the
+        contact nodes, (3c, n), a row for each displacement: first those of node 0."""
+        c, s = np.cos(self.contact_angle), np.sin(self.contact_angle)
+        rows, columns, values = [], [], []
+        for node, (x, y, z) in enumerate(self.contact_dofs.tolist()):
+            for row, column, value in (
+                *((0, x, c[node]), (0, y, s[node])),
+                *((1, x, -s[node]), (1, y, c[node])),
+                (2, z, 1.0),
+            ):
+                if column != FIXED:
+                    rows.append(3 * node + row)
+                    columns.append(column)
+                    values.append(value)
+        shape = (3 * self.contacts, self.size)
+        return sp.csr_array((values, (rows, columns)), shape=shape)
+
+
+def _faults(part: Superelement) -> Iterator[str]:
+    """Yield the faults of the arrays of a superelement, each as "KEY: expected ..."."""
+    n = part.size
+    for key in ("mass", "stiffness", "damping", "gyroscopic"):
+        matrix = getattr(part, key)
+        if matrix is None:
+            continue
+        if matrix.ndim != 2 or matrix.shape != (n, n) or n == 0:
+            yield f"{key}: expected a square matrix of the size of mass, got {_shape(matrix)}"
+            return
+        values = matrix.data if sp.issparse(matrix) else matrix
+        if not np.isfinite(values).all():
+            yield f"{key}: expected finite numbers"
+            return
+        sign, word = (1.0, "skew") if key == "gyroscopic" else (-1.0, "symmetric")
+        largest = abs(values).max() if values.size else 0.0
+        if abs(matrix + sign * matrix.T).max() > SYMMETRIC * largest:
+            yield f"{key}: expected a {word} matrix"
+    if not np.all(diagonal(part.mass) >= 0.0) or not diagonal(part.mass).any():
+        yield "mass: expected a positive diagonal, a negative mass cannot be"
+    if not np.all(diagonal(part.stiffness) >= 0.0):
+        yield "stiffness: expected a diagonal that is not negative"
+    c = part.contact_position.shape[0] if part.contact_position.ndim == 2 else 0
+    if part.contact_position.shape != (c, 3) or c == 0:
+        yield f"contact_position: expected (nodes, 3), got {_shape(part.contact_position)}"
+        return
+    if not np.isfinite(part.contact_position).all():
+        yield "contact_position: expected finite numbers"
+    elif not part.contact_radius.min() > 0.0:
+        node = int(part.contact_radius.argmin())
+        yield f"contact_position: expected nodes away from the axis z; node {node} is on it"
+    yield from _dof_faults(part, "contact_dofs", (c, 3), fixed=True)
+    if part.centre_dofs is not None:
+        yield from _dof_faults(part, "centre_dofs", (2,))
+    yield from _picture_faults(part)
+    if (part.left_dofs is None) != (part.right_dofs is None):
+        yield "left_dofs: expected together with right_dofs"
+    elif part.left_dofs is not None and part.right_dofs is not None:
+        shape = part.left_dofs.shape
+        if len(shape) != 2 or shape[1] != 3:
+            yield f"left_dofs: expected (nodes, 3), got {_shape(part.left_dofs)}"
+        else:
+            yield from _dof_faults(part, "left_dofs", shape, fixed=True)
+            yield from _dof_faults(part, "right_dofs", shape, fixed=True)
+
+
+def _dof_faults(
+    part: Superelement, key: str, shape: tuple[int, ...], *, fixed: bool = False
+) -> Iterator[str]:
+    dofs = getattr(part, key)
+    if dofs.shape != shape or dofs.dtype.kind not in "iu":
+        yield f"{key}: expected whole numbers {shape}, got {dofs.dtype} {_shape(dofs)}"
+        return
+    given = dofs[dofs != FIXED] if fixed else dofs.ravel()
+    if given.size and not (given.min() >= 0 and given.max() < part.size):
+        yield f"{key}: expected numbers from 0 to {part.size - 1}, got {_extreme(given, part.size)}"
+    elif len(np.unique(given)) < given.size:
+        yield f"{key}: expected each degree of freedom once"
+
+
+def _picture_faults(part: Superelement) -> Iterator[str]:
+    if part.points is None:
+        for key in ("recovery", "triangles"):
+            if getattr(part, key) is not None:
+                yield f"{key}: expected together with points"
+        return
+    p = len(part.points)
+    if part.points.shape != (p, 3) or not np.isfinite(part.points).all():
+        yield f"points: expected finite numbers (points, 3), got {_shape(part.points)}"
+    if part.recovery is None:
+        yield "recovery: expected together with points"
+    elif part.recovery.shape != (3 * p, part.size):
+        yield f"recovery: expected {(3 * p, part.size)}, got {_shape(part.recovery)}"
+    if part.triangles is not None and not (
+        part.triangles.ndim == 2
+        and part.triangles.shape[1] == 3
+        and part.triangles.size
+        and part.triangles.min() >= 0
+        and part.triangles.max() < p
+    ):
+        yield f"triangles: expected numbers of points from 0 to {p - 1}, (triangles, 3)"
+
+
+def diagonal(matrix: Matrix) -> FloatArray:
+    """Return the diagonal of a dense or sparse matrix."""
+    return np.asarray(matrix.diagonal())
+
+
+def dense(matrix: Any) -> FloatArray:
+    """Return a dense or sparse matrix as a dense array."""
+    return np.asarray(matrix.toarray() if sp.issparse(matrix) else matrix, dtype=np.float64)
+
+
+def _shape(array: Any) -> str:
+    return f"({', '.join(map(str, array.shape))})"
+
+
+def _extreme(given: IntArray, size: int) -> int:
+    return int(given.max() if given.max() >= size else given.min())

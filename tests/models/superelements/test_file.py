@@ -1,0 +1,95 @@
+"""Files of superelements."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.io as sio
+import scipy.sparse as sp
+
+from bladewhirl.models.superelements.file import read_superelement, write_superelement
+from bladewhirl.models.superelements.superelement import SuperelementError
+
+CHAIN: dict[str, Any] = {
+    "mass": np.diag([1.0, 2.0, 3.0, 4.0]),
+    "stiffness": 2.0 * np.eye(4) - np.eye(4, k=1) - np.eye(4, k=-1),
+    "contact_position": np.array([[300.0, 400.0, 20.0]]),
+    "contact_dofs": np.array([[0, 1, 2]]),
+}
+
+
+def test_a_written_superelement_is_read_with_its_sparse_matrices(tmp_path: Path) -> None:
+    rows = sp.csr_array(np.arange(24.0).reshape(6, 4))
+    np.savez(
+        tmp_path / "a.npz",
+        **CHAIN | {"points": np.ones((2, 3)), "name": "chain", "stiffness": CHAIN["stiffness"]},
+        recovery_data=rows.data,
+        recovery_indices=rows.indices,
+        recovery_indptr=rows.indptr,
+        recovery_shape=rows.shape,
+    )
+    part = read_superelement(tmp_path / "a.npz")
+    write_superelement(tmp_path / "b.npz", part)
+    again = read_superelement(tmp_path / "b.npz")
+    assert again.name == "chain"
+    assert np.array_equal(again.mass, part.mass)
+    assert sp.issparse(again.recovery)
+    assert np.array_equal(again.recovery.toarray(), np.arange(24.0).reshape(6, 4))
+
+
+def test_units_are_converted_and_matlab_files_are_read(tmp_path: Path) -> None:
+    content = CHAIN | {"length_unit": "mm", "mass_unit": "t"}
+    content["stiffness"] = sp.csc_matrix(content["stiffness"])
+    sio.savemat(tmp_path / "a.mat", content)
+    part = read_superelement(tmp_path / "a.mat")
+    assert part.mass.diagonal() == pytest.approx([1e3, 2e3, 3e3, 4e3])  # t in kg
+    assert part.stiffness.diagonal() == pytest.approx([2e3] * 4)  # N/mm in N/m
+    assert part.contact_radius == pytest.approx([0.5])
+
+
+def test_rows_of_contacts_are_radial_tangential_and_axial(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", **CHAIN)
+    rows = read_superelement(tmp_path / "a.npz").contact_rows.toarray()
+    assert rows @ [0.6, 0.8, 0.0, 9.0] == pytest.approx([1.0, 0.0, 0.0])
+    assert rows @ [-0.8, 0.6, 0.5, 9.0] == pytest.approx([0.0, 1.0, 0.5])
+
+
+@pytest.mark.parametrize(
+    ("changed", "expected"),
+    [
+        ({"contact_dofs": [[0, 1, 4]]}, "contact_dofs: expected numbers from 0 to 3, got 4"),
+        ({"contact_dofs": [[0, 1, 0.5]]}, "contact_dofs: expected whole numbers"),
+        ({"contact_position": [[0.0, 0.0, 1.0]]}, "away from the axis z; node 0 is on it"),
+        ({"mass": np.triu(np.ones((4, 4)))}, "mass: expected a symmetric matrix"),
+        ({"mass": -np.eye(4)}, "mass: expected a positive diagonal"),
+        ({"stiffness": np.eye(3)}, "stiffness: expected a square matrix of the size of mass"),
+        ({"length_unit": "kg"}, "length_unit: expected a unit such as"),
+        ({"recovry": 1.0}, "recovry: unknown key; did you mean recovery?"),
+        ({"points": np.ones((2, 3))}, "recovery: expected together with points"),
+        ({"gyroscopic": np.eye(4)}, "gyroscopic: expected a skew matrix"),
+        ({"left_dofs": [[0, 1, 2]]}, "left_dofs: expected together with right_dofs"),
+    ],
+)
+def test_a_file_that_cannot_be_right_is_refused(
+    tmp_path: Path, changed: dict[str, Any], expected: str
+) -> None:
+    np.savez(tmp_path / "a.npz", **CHAIN | changed)
+    with pytest.raises(SuperelementError) as caught:
+        read_superelement(tmp_path / "a.npz")
+    assert expected in str(caught.value)
+    assert str(caught.value).startswith(str(tmp_path / "a.npz"))
+
+
+def test_files_that_are_no_superelements_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.npz").write_text("nothing")
+    np.savez(tmp_path / "b.npz", mass=np.eye(2))
+    for name, expected in (
+        ("a.npz", "expected a file of NumPy or MATLAB"),
+        ("b.npz", "expected stiffness, contact_position, contact_dofs"),
+        ("c.npz", "expected a readable file (No such file"),
+        ("d.csv", "expected a .npz file of NumPy or a .mat file of MATLAB"),
+    ):
+        with pytest.raises(SuperelementError, match=name) as caught:
+            read_superelement(tmp_path / name)
+        assert expected in str(caught.value)
