@@ -54,9 +54,9 @@ def _page(example: Path, case: bw.Case) -> Iterator[str]:
         yield _console(f"bladewhirl campbell {file} -o campbell")
         yield _picture("campbell/campbell-static.png", f"{case.title}: Campbell diagram")
     duration = case.march.duration  # a motion that grows without a load needs the whole duration
-    if case.excitation.type != "none":
+    if case.excitation != bw.Case().excitation:
         duration = min(duration, LONGEST)
-    moves = case.excitation.type != "none" or case.casing.closure is not None
+    moves = case.excitation != bw.Case().excitation or case.casing.closure is not None
     if moves or case.initial.model_fields_set:
         march = f"bladewhirl run {file} --set march.duration={duration:g} -o run --frames 0"
         yield f"## The first {duration:.3g} s"

@@ -6,7 +6,7 @@ its source. Numbers are in SI units; text includes a unit, "1 mm". New kinds of 
 as optional tables.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from pydantic import (
@@ -23,6 +23,7 @@ from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.excitation import (
     CasingDistortion,
     EngineOrder,
+    Excitation,
     ExcitationTable,
     Harmonic,
     Imbalance,
@@ -55,6 +56,7 @@ class Case(Table):
     damping: Damping = Damping()
     contact: Contact = Contact()
     excitation: ExcitationTable = NoExcitation()
+    """One table [excitation], or several tables [[excitation]] whose loads act together."""
     initial: Initial = Initial()
     sketch: SketchTable | None = Field(
         default=None, examples=["{ sectors = 22, nodes = [...], members = [...], sets = [...] }"]
@@ -78,7 +80,11 @@ class Case(Table):
     def __repr__(self) -> str:
         """Return the title, and a line for each table with the keys that differ from defaults."""
         changed = self.model_dump(exclude_defaults=True, exclude_none=True)
-        changed["excitation"] = {"type": self.excitation.type, **changed.get("excitation", {})}
+        loads = [
+            {"type": load.type, **load.model_dump(exclude_defaults=True, exclude_none=True)}
+            for load in self.excitations.values()
+        ]
+        changed["excitation"] = loads if isinstance(self.excitation, tuple) else loads[0]
         rows = [f"{name:<13}{shown(table)}" for name, table in changed.items() if name != "title"]
         return "\n  ".join([f'Case "{self.title}", other keys at their defaults', *rows])
 
@@ -98,15 +104,16 @@ class Case(Table):
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield contradictions between values of different tables."""
-        load, elements = self.excitation, self.casing.elements
-        if isinstance(load, CasingDistortion) and 2 * load.nodal_diameter > elements:
-            expected = f"at most half of casing.elements = {elements}"
-            yield Inconsistency("excitation.nodal_diameter", expected, ("casing.elements",))
-        if self.shaft.clamped and isinstance(load, Imbalance | Harmonic):
-            expected = "a load that is not at the centre, or shaft.clamped = false"
-            yield Inconsistency("excitation.type", expected, ("shaft.clamped",))
-        if isinstance(load, EngineOrder):
-            yield from load.faults(self.blades)
+        elements = self.casing.elements
+        for key, load in self.excitations.items():
+            if isinstance(load, CasingDistortion) and 2 * load.nodal_diameter > elements:
+                expected = f"at most half of casing.elements = {elements}"
+                yield Inconsistency(f"{key}.nodal_diameter", expected, ("casing.elements",))
+            if self.shaft.clamped and isinstance(load, Imbalance | Harmonic):
+                expected = "a load that is not at the centre, or shaft.clamped = false"
+                yield Inconsistency(f"{key}.type", expected, ("shaft.clamped",))
+            if isinstance(load, EngineOrder):
+                yield from load.faults(key, self.blades)
         for key in ("centre_velocity", "centre_displacement"):
             if self.shaft.clamped and any(getattr(self.initial, key)):
                 expected = "zero, or shaft.clamped = false"
@@ -155,6 +162,19 @@ class Case(Table):
                     expected = f'materials of material.named ({known}), not "{section.material}"'
                     yield Inconsistency(key, expected, ("material.named",))
                     break
+
+    @property
+    def excitations(self) -> Mapping[str, Excitation]:
+        """Excitations by dotted key: "excitation", or "excitation.0", "excitation.1", ... if there
+        is a list of them."""
+        loads = self.excitation
+        if isinstance(loads, tuple):
+            return {f"excitation.{row}": load for row, load in enumerate(loads)}
+        return {"excitation": loads}
+
+    def key_of(self, load: Excitation) -> str:
+        """Return the dotted key of one of the `excitations`."""
+        return next(key for key, each in self.excitations.items() if each == load)
 
     @property
     def blades(self) -> int:

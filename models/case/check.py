@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.excitation import EXCITATIONS
+from bladewhirl.models.case.excitation import EXCITATIONS, ONE, SEVERAL
 from bladewhirl.models.case.sensors import SENSORS, Sensor, SensorList, sensor_faults
 from bladewhirl.models.inputs.errors import CaseError, Fault, toml_key
 from bladewhirl.models.inputs.fields import EXPECTED
@@ -87,7 +87,7 @@ def _expected(details: ErrorDetails, path: Path) -> str:
     if kind in (EXPECTED, INCONSISTENT):
         return str(context["expected"])
     if kind == "extra_forbidden":
-        return _known_key(details["loc"], path)
+        return _known_key(_location(details), path)
     if kind in TAG_ERRORS:
         return " or ".join(f'"{name}"' for name in KINDS[str(path[0])])
     if kind == "literal_error":
@@ -101,11 +101,18 @@ def _expected(details: ErrorDetails, path: Path) -> str:
 
 def _path(details: ErrorDetails) -> Path:
     """Return the path to a fault, without the type of the table that pydantic inserts."""
-    location = details["loc"]
+    location = _location(details)
     if details["type"] in TAG_ERRORS:
         return (*location, "type")
     at = _place_of_type(location)
     return (*location[:at], *location[at + 1 :]) if at else location
+
+
+def _location(details: ErrorDetails) -> Path:
+    """Return the path to a fault, without the names `ONE` and `SEVERAL`."""
+    location = details["loc"]
+    tagged = location[0] == "excitation" and location[1:2] in ((ONE,), (SEVERAL,))
+    return (location[0], *location[2:]) if tagged else location
 
 
 def _place_of_type(location: Path) -> int:

@@ -1,9 +1,16 @@
-"""The `[excitation]` table of a case: the load on a stage, with one class for each type."""
+"""The `[excitation]` table of a case: loads on a stage, with one class for each type."""
 
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationInfo,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from bladewhirl.models.inputs.fields import (
@@ -195,17 +202,26 @@ class EngineOrder(Table):
         if isinstance(self.phase, tuple) and 0 in self.order:
             yield Inconsistency("phase", "one number with the engine order 0", ("order",))
 
-    def faults(self, blades: int) -> Iterator[Inconsistency]:
-        """Yield the lists that do not have one number for each blade."""
+    def faults(self, key: str, blades: int) -> Iterator[Inconsistency]:
+        """Yield the lists that do not have one number for each blade; `key` is the dotted key of
+        the excitation."""
         for name in ("phase", "factors"):
             values = getattr(self, name)
             if isinstance(values, tuple) and values and len(values) != blades:
                 expected = f"{blades} numbers, one for each blade, not {len(values)}"
-                yield Inconsistency(f"excitation.{name}", expected, ("bladed_disk.blades",))
+                yield Inconsistency(f"{key}.{name}", expected, ("bladed_disk.blades",))
+
+
+ONE, SEVERAL = "one", "several"
+"""Names by which pydantic tells a single excitation from a list of excitations."""
 
 
 def _empty_is_none(value: object) -> object:
-    return {"type": "none"} if value == {} else value
+    return {"type": "none"} if value in ({}, [], ()) else value
+
+
+def _number_of_tables(value: object) -> str:
+    return SEVERAL if isinstance(value, list | tuple) else ONE
 
 
 EXCITATIONS: dict[str, type[Table]] = {
@@ -221,4 +237,9 @@ Excitation = Annotated[
     CasingDistortion | Imbalance | Harmonic | EngineOrder | NoExcitation,
     Field(discriminator="type"),
 ]
-ExcitationTable = Annotated[Excitation, BeforeValidator(_empty_is_none)]
+ExcitationTable = Annotated[
+    Annotated[Excitation, Tag(ONE)] | Annotated[tuple[Excitation, ...], Tag(SEVERAL)],
+    Discriminator(_number_of_tables),
+    BeforeValidator(_empty_is_none),
+]
+"""One excitation, or several that act together."""

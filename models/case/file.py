@@ -25,7 +25,7 @@ square of the number of parts."""
 SET = "--set"
 """Name used in place of the file in faults of overridden keys."""
 
-LOAD_TYPE = "excitation.type"
+LOAD_TYPE = re.compile(r"excitation(\.[0-9]+)?\.type")
 
 SPRINGS = ("shaft.stiffness", "shaft.suspension_frequency")
 """Two keys that exclude each other: setting one of them removes the other."""
@@ -66,7 +66,8 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
         overrides: texts "KEY=VALUE" with a dotted key, which may lead into inline tables, and a
             TOML value. A value that is not TOML and does not start with a quote or a bracket is
             taken as a string. A value that is a table replaces the entire table:
-            ``excitation={type="none"}``. A new excitation.type removes the keys of other types.
+            ``excitation={type="none"}``. A number leads into the row of a list, from 0:
+            "excitation.1.amplitude=2". A new excitation.type removes the keys of other types.
 
     Raises:
         CaseError: the text is not TOML, or the case is invalid; the error lists all faults.
@@ -145,9 +146,11 @@ def case_fault(case: Case, key: str, expected: str) -> Fault:
     The caller adds the name of the file, with `faults_in` or `faults_from`.
     """
     value: Any = case.model_dump()
+    shown = ""
     for part in key.split("."):
-        value = value[part]
-    return Fault(key=key, value=value, expected=expected)
+        value = value[int(part) if part.isdigit() else part]
+        shown += f"[{part}]" if part.isdigit() else f".{part}"
+    return Fault(key=shown.removeprefix("."), value=value, expected=expected)
 
 
 def _find_beside(tables: dict[str, Any], folder: str) -> None:
@@ -170,7 +173,7 @@ def _placed(fault: Fault, file: str, overridden: list[str]) -> Fault:
 
 def _replace(tables: dict[str, Any], values: Mapping[str, Any]) -> None:
     """Set values in tables by dotted key; excitation.type first, because it removes other keys."""
-    for key in sorted(values, key=LOAD_TYPE.__ne__):
+    for key in sorted(values, key=lambda key: LOAD_TYPE.fullmatch(key) is None):
         _set(tables, key, values[key])
     for key, other in (SPRINGS, SPRINGS[::-1]):
         if key in values and other not in values:
@@ -180,15 +183,27 @@ def _replace(tables: dict[str, Any], values: Mapping[str, Any]) -> None:
 def _set(tables: dict[str, Any], key: str, value: Any) -> None:
     *parents, name = key.split(".")
     table: Any = tables
-    for parent in parents:
-        table = table.setdefault(parent, {})
+    place: Any
+    for number, parent in enumerate(parents):
+        outer, place = table, parent
+        if isinstance(outer, list):
+            place = int(parent)
+        else:
+            outer.setdefault(place, {})
+        table = outer[place]
+        expected = f"a key of a table; {parent} is not a table"
+        if isinstance(table, list | tuple) and len(table) and isinstance(table[0], dict):
+            table = outer[place] = list(table)
+            row = parents[number + 1] if number + 1 < len(parents) else ""
+            expected = f"a key of one of its rows, {parent}.0 to {parent}.{len(table) - 1}"
+            if row.isdigit() and int(row) < len(table):
+                continue
         if not isinstance(table, dict):
-            expected = f"a key of a table; {parent} is not a table"
             raise CaseError([Fault(key=key, value=value, expected=expected)])
     if value is None:
         table.pop(name, None)
     else:
         table[name] = value
-    if key == LOAD_TYPE and isinstance(value, str) and value in EXCITATIONS:
-        keys = EXCITATIONS[value].model_fields
-        tables[parents[0]] = {each: given for each, given in table.items() if each in keys}
+    if LOAD_TYPE.fullmatch(key) and isinstance(value, str) and value in EXCITATIONS:
+        for other in set(table) - set(EXCITATIONS[value].model_fields):
+            del table[other]

@@ -70,10 +70,11 @@ def case_hints(case: Case) -> tuple[str, ...]:
         ' a value may be text with a unit, such as "10 mm"'
         for fault in unusual_values(case)
     ]
-    load, duration = case.excitation, case.march.duration
-    if isinstance(load, Imbalance) and 0.0 < duration < load.ramp < math.inf:
-        hints.append(
-            f"excitation.ramp = {load.ramp!r} s exceeds march.duration = {duration!r} s: the load"
-            " does not reach its full size"
-        )
+    duration = case.march.duration
+    for key, load in case.excitations.items():
+        if isinstance(load, Imbalance) and 0.0 < duration < load.ramp < math.inf:
+            hints.append(
+                f"{key}.ramp = {load.ramp!r} s exceeds march.duration = {duration!r} s: the load"
+                " does not reach its full size"
+            )
     return tuple(hints)

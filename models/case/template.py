@@ -40,6 +40,8 @@ def _document(case: Case, *, commented: bool) -> str:
             parts.append(f"{summary}[{name}]\n{keys}")
             if commented and name == "excitation":
                 parts += [_alternative(kind()) for kind in EXCITATIONS.values()]
+    for load in case.excitation if isinstance(case.excitation, tuple) else ():
+        parts.append(f"[[excitation]]\n{''.join(_keys(load, commented=False))}")
     for sensor in case.sensor:
         parts.append(f"[[sensor]]\n{''.join(_keys(sensor, commented=False))}")
     if commented:
@@ -56,8 +58,8 @@ def _keys(table: Table, *, commented: bool) -> Iterator[str]:
             continue
         if isinstance(table, Case) and isinstance(value, Table):
             continue  # has its own heading; nested tables are written inline
-        if isinstance(table, Case) and name == "sensor":
-            continue  # each sensor has its own heading, at the end
+        if isinstance(table, Case) and name in ("excitation", "sensor"):
+            continue  # each row has its own heading, at the end
         if commented:
             yield _comment(descriptions[name])
         if value is not None:

@@ -1,8 +1,7 @@
 """Base class of the tables of a case: immutable, without unknown keys, checked for consistency."""
 
 from collections.abc import Iterator
-from operator import attrgetter
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
@@ -51,10 +50,17 @@ class Table(BaseModel):
             InitErrorDetails(
                 type=PydanticCustomError(INCONSISTENT, "expected {expected}", fault._asdict()),
                 loc=fault.path,
-                input=self if fault.value or fault.place else attrgetter(fault.key)(self),
+                input=self if fault.value or fault.place else _value_at(self, fault.path),
             )
             for fault in self.inconsistencies()
         ]
         if errors:
             raise ValidationError.from_exception_data(type(self).__name__, errors)
         return self
+
+
+def _value_at(table: Table, path: tuple[str | int, ...]) -> Any:
+    value: Any = table
+    for part in path:
+        value = value[part] if isinstance(part, int) else getattr(value, part)
+    return value

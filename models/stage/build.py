@@ -120,7 +120,8 @@ def _load_faults(stage: Stage) -> Iterator[Fault]:
     felt = [load.take(kept.rotor, kept.casing) for load in loads]
     if loads and not any(load.rotor.any() or load.casing.any() for load in felt):
         expected = f"a load on modes kept by reduction.modes = {case.reduction.modes!r}"
-        yield case_fault(case, "excitation.type", expected)
+        key = "excitation" if isinstance(case.excitation, tuple) else "excitation.type"
+        yield case_fault(case, key, expected)
 
 
 def _start_faults(stage: Stage) -> Iterator[Fault]:

@@ -63,10 +63,10 @@ def unit_forces(case: Case, disk: BladedDiskModel, load: EngineOrder) -> FloatAr
     if load.position == "tip":
         return _at_nodes(disk, model.tips, load)
     if isinstance(load.position, str):
-        return _at_nodes(disk, _one_per_blade(case, disk, load.position), load)
+        return _at_nodes(disk, _one_per_blade(case, disk, load), load)
     places = [(load.position, 1.0)] if isinstance(load.position, float) else []
     forces = np.zeros((len(model.tips), COMPONENTS * len(model.mesh.points)))
-    for blade, lines in enumerate(blade_lines(case, disk)):
+    for blade, lines in enumerate(blade_lines(case, disk, load)):
         ends = np.concatenate([[0.0], np.cumsum(model.mesh.lengths[np.abs(lines) - 1])])
         if isinstance(load.position, tuple):
             places = _gauss_points(ends, *load.position)
@@ -81,7 +81,7 @@ def unit_forces(case: Case, disk: BladedDiskModel, load: EngineOrder) -> FloatAr
     return np.asarray(forces @ disk.expansion)
 
 
-def blade_lines(case: Case, disk: BladedDiskModel) -> list[IntArray]:
+def blade_lines(case: Case, disk: BladedDiskModel, load: EngineOrder) -> list[IntArray]:
     """Return the lines of each blade from root to tip, numbered from 1 and negative if a line runs
     from the tip to the root.
 
@@ -107,15 +107,15 @@ def blade_lines(case: Case, disk: BladedDiskModel) -> list[IntArray]:
             expected = (
                 f'"tip" or a node set: the lines of "{BLADES}" do not form one chain per blade'
             )
-            raise CaseError([case_fault(case, "excitation.position", expected)])
+            raise CaseError([case_fault(case, f"{case.key_of(load)}.position", expected)])
         chains.append(np.array(chain[::-1]))
     return chains
 
 
-def _one_per_blade(case: Case, disk: BladedDiskModel, name: str) -> IntArray:
-    """Return for each blade the node of a set that is nearest in angle to the tip."""
+def _one_per_blade(case: Case, disk: BladedDiskModel, load: EngineOrder) -> IntArray:
+    """Return for each blade the node of the set of a load that is nearest in angle to the tip."""
+    name, blades = str(load.position), len(disk.model.tips)
     nodes = disk.mesh.node_sets.get(name)
-    blades = len(disk.model.tips)
     if nodes is None or len(nodes) != blades:
         has = f"{len(nodes)} nodes" if nodes is not None else "no nodes"
         sets = ", ".join(sorted(disk.mesh.node_sets))
@@ -123,7 +123,7 @@ def _one_per_blade(case: Case, disk: BladedDiskModel, name: str) -> IntArray:
             f"a node set with one node on each of the {blades} blades; {name} has {has}"
             f" (sets: {sets})"
         )
-        raise CaseError([case_fault(case, "excitation.position", expected)])
+        raise CaseError([case_fault(case, f"{case.key_of(load)}.position", expected)])
     x, y = disk.mesh.points[nodes].T
     apart = np.exp(1j * np.arctan2(y, x)) * np.exp(-1j * disk.tip_angles)[:, None]
     nearest = np.abs(np.angle(apart)).argmin(axis=1)

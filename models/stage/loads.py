@@ -8,7 +8,13 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import U, W
-from bladewhirl.models.case.excitation import CasingDistortion, EngineOrder, Harmonic, Imbalance
+from bladewhirl.models.case.excitation import (
+    CasingDistortion,
+    EngineOrder,
+    Excitation,
+    Harmonic,
+    Imbalance,
+)
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.coupling.stage_modes import is_radial
 from bladewhirl.models.inputs.errors import CaseError
@@ -22,16 +28,20 @@ X, Y = range(2)
 
 
 def excitation_loads(stage: Stage) -> tuple[Load, ...]:
-    """Return the loads of the excitation of a case; none if the excitation is zero.
+    """Return the loads of all excitations of a case; none if they are zero.
 
     Raises:
         CaseError: the casing has no radial mode of the required nodal diameter.
     """
-    load = stage.case.excitation
+    return tuple(load for each in stage.case.excitations.values() for load in _loads(stage, each))
+
+
+def _loads(stage: Stage, load: Excitation) -> tuple[Load, ...]:
     if isinstance(load, CasingDistortion):
         return _distortion(stage, load)
     if isinstance(load, Imbalance):
-        return (_at_centre(stage, X, imbalance_force(stage), ramp=load.ramp),)
+        force = _unbalance(stage, load) * stage.speed**2
+        return (_at_centre(stage, X, force, ramp=load.ramp),)
     if isinstance(load, Harmonic):
         return _harmonic(stage, load)
     if isinstance(load, EngineOrder):
@@ -39,8 +49,9 @@ def excitation_loads(stage: Stage) -> tuple[Load, ...]:
     return ()
 
 
-def radial_mode(stage: Stage, k: int) -> int:
-    """Return the number of the lowest radial casing mode w = +cos k theta.
+def radial_mode(stage: Stage, k: int, key: str = "excitation") -> int:
+    """Return the number of the lowest radial casing mode w = +cos k theta; `key` is the dotted key
+    of the excitation that needs the mode.
 
     Raises:
         CaseError: there is no such mode.
@@ -55,12 +66,12 @@ def radial_mode(stage: Stage, k: int) -> int:
     )
     if not positions.size:
         expected = "a nodal diameter for which the casing has a radial mode"
-        raise CaseError([case_fault(stage.case, "excitation.nodal_diameter", expected)])
+        raise CaseError([case_fault(stage.case, f"{key}.nodal_diameter", expected)])
     return int(positions[0])
 
 
 def unbalance(stage: Stage) -> float:
-    """Return the unbalance m e of an imbalance [kg m].
+    """Return the unbalance m e of an imbalance [kg m], or the sum if there are several.
 
     If ``clearance_speed`` is given, the unbalance is such that the static response to m e Omega^2
     at that speed just brings a tip to the casing where the clearance is smallest. With two equal
@@ -68,11 +79,15 @@ def unbalance(stage: Stage) -> float:
     clearance at rest. With rotation effects, blades also bend, and the stiffness at speed is used.
 
     Raises:
-        ValueError: the excitation of the case is not an imbalance.
+        ValueError: the case has no imbalance.
     """
-    load = stage.case.excitation
-    if not isinstance(load, Imbalance):
-        raise ValueError(f'expected excitation.type = "imbalance"; got "{load.type}"')
+    loads = [load for load in stage.case.excitations.values() if isinstance(load, Imbalance)]
+    if not loads:
+        raise ValueError('expected excitation.type = "imbalance"')
+    return sum(_unbalance(stage, load) for load in loads)
+
+
+def _unbalance(stage: Stage, load: Imbalance) -> float:
     if load.unbalance is not None:
         return load.unbalance
     assert load.clearance_speed is not None  # a case has unbalance or clearance_speed
@@ -151,7 +166,8 @@ def _static_shape(rotor: ReducedRotor, values: FloatArray) -> FloatArray:
 
 def _distortion(stage: Stage, load: CasingDistortion) -> tuple[Load, ...]:
     pattern = np.zeros(len(stage.reduced_casing.frequency))
-    pattern[radial_mode(stage, load.nodal_diameter)] = load.modal_force
+    mode = radial_mode(stage, load.nodal_diameter, stage.case.key_of(load))
+    pattern[mode] = load.modal_force
     still = np.zeros(len(stage.rotor.frequency))
     if load.duration == 0.0:
         return ()

@@ -38,10 +38,11 @@ def response(
 
     The equations are those of the time integration: modes, damping and rotation effects of the case
     at each speed. They are solved for the complex amplitude X of X exp(i r Omega t) of each engine
-    order r; nothing is integrated in time.
+    order r; nothing is integrated in time. If the case has several excitations, those of engine
+    order count; motion of the same order adds up.
 
     Args:
-        case_or_stage: a case with excitation.type = "engine-order", or its stage.
+        case_or_stage: a case with an excitation of the type "engine-order", or its stage.
         speeds: speeds of rotation, each a multiple of the reference frequency or text such as "2500
             rpm"; by default the speed of the case.
         progress: called with the numbers of speeds done and in total.
@@ -54,13 +55,15 @@ def response(
 
     Raises:
         CaseError: the case cannot be built at one of the speeds.
-        UserError: the excitation is not of engine order; the case selects modes; or the equations
+        UserError: no excitation is of engine order; the case selects modes; or the equations
             depend on time because of unequal shaft springs or springs to the casing.
     """
     stage = build_stage(case_or_stage) if isinstance(case_or_stage, Case) else case_or_stage
-    load = stage.case.excitation
-    if not isinstance(load, EngineOrder):
-        raise UserError(f'excitation.type = "{load.type}": expected "engine-order" for a response')
+    given_loads = stage.case.excitations
+    loads = [load for load in given_loads.values() if isinstance(load, EngineOrder)]
+    if not loads:
+        types = ", ".join(f'{key}.type = "{load.type}"' for key, load in given_loads.items())
+        raise UserError(f'{types}: expected "engine-order" for a response')
     if stage.rotor.anisotropy or stage.kept.springs is not None:
         raise UserError("response: expected equal shaft springs and no springs to the casing")
     if stage.case.reduction.modes != ALL:
@@ -70,9 +73,11 @@ def response(
         speed_of(each, f"response: speeds {each!r}").multiple(stage.reference_frequency)
         for each in given
     ]
-    unit, answers = unit_forces(stage.case, stage.disk, load), []
+    orders = list(dict.fromkeys(order for load in loads for order in load.order))
+    units = [(load, unit_forces(stage.case, stage.disk, load)) for load in loads]
+    answers = []
     for done, multiple in enumerate(multiples, 1):
-        answers.append(_answers(stage, load, unit, multiple * stage.reference_frequency))
+        answers.append(_answers(stage, orders, units, multiple * stage.reference_frequency))
         if progress is not None:
             progress(done, len(multiples))
     blades = len(stage.rotor.tip_angle)
@@ -90,7 +95,7 @@ def response(
             "centre": quantity(("order", "speed", "axis"), centre, "m", "centre, rotating frame"),
         },
         coords={
-            "order": ("order", list(load.order)),
+            "order": ("order", orders),
             "speed": quantity("speed", np.array(multiples), "1", "normalised speed"),
             "rpm": quantity("speed", rpm, "rpm", "speed"),
             "blade": ("blade", np.arange(blades)),
@@ -103,24 +108,31 @@ def response(
             "rotation_effects": stage.case.rotation.effects,
         },
     )
-    return data if len(load.order) > 1 else data.isel(order=0)
+    return data if len(orders) > 1 else data.isel(order=0)
 
 
 def _answers(
-    stage: Stage, load: EngineOrder, unit: FloatArray, omega: float
+    stage: Stage,
+    orders: Sequence[int],
+    loads: Sequence[tuple[EngineOrder, FloatArray]],
+    omega: float,
 ) -> list[tuple[ComplexArray, ...]]:
     """Return for each engine order the complex tangential and radial displacements of the tips, and
     the displacement of the centre [m], at the speed of rotation omega [rad/s].
 
-    `unit` contains the forces from `unit_forces`, (blades, size).
+    `loads` contains each excitation with the forces from `unit_forces`, (blades, size).
     """
     rotor, shapes = rotor_at(stage, omega)
-    modal = unit @ shapes
+    modal = [(load, unit @ shapes) for load, unit in loads]
     stiffness = np.diag(rotor.stiffness) + rotor.circulation_stiffness
     answers: list[tuple[ComplexArray, ...]] = []
-    for order in load.order:
+    for order in orders:
         w = order * omega
-        force = load.amplitude * complex_factors(stage.disk, load, order) @ modal
+        force = sum(
+            load.amplitude * complex_factors(stage.disk, load, order) @ unit
+            for load, unit in modal
+            if order in load.order
+        )
         dynamic = stiffness - w**2 * np.eye(len(stiffness)) + 1j * w * rotor.damping
         answer = np.linalg.solve(dynamic, force)
         parts = rotor.tip_tangential, rotor.tip_radial, rotor.centre

@@ -13,6 +13,7 @@ from typing import Any, Literal, cast
 import xarray as xr
 
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.case.file import override_values, with_values
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.postprocess.fields.result import open_result
@@ -68,7 +69,8 @@ def changed(scenario: str, changes: Mapping[str, Any]) -> Case:
         CaseError: all faults of the new case.
     """
     case = CASES[scenario]
-    keys = type(case.excitation).model_fields
+    [load] = case.excitations.values()
+    keys = type(load).model_fields
     prefix = "excitation."
     values = {
         key: value
@@ -245,11 +247,13 @@ def perturbed(case: Case, repeat: int) -> Case:
         return case
     factor = 1.0 + repeat * PERTURBATION
     load = case.excitation
-    if load.type == "casing-distortion":
+    if isinstance(load, CasingDistortion):
         return with_values(case, {"excitation.modal_force": factor * load.modal_force})
-    if load.type == "imbalance" and load.unbalance is not None:
+    if not isinstance(load, Imbalance):
+        return case
+    if load.unbalance is not None:
         return with_values(case, {"excitation.unbalance": factor * load.unbalance})
-    if load.type == "imbalance" and load.clearance_speed is not None:
+    if load.clearance_speed is not None:
         # The force is proportional to the inverse square of this speed.
         speed = load.clearance_speed.value * factor**-0.5
         given = speed if load.clearance_speed.kind == "normalised" else f"{speed!r} rad/s"

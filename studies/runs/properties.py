@@ -153,7 +153,8 @@ def _mode(stage: Stage, k: int, frequency: float, purity: float) -> Mode:
 
 def _imbalance(stage: Stage) -> dict[str, float] | None:
     """Return size, force and effect of the imbalance at the speed of the case, if any."""
-    if not isinstance(stage.case.excitation, Imbalance):
+    loads = stage.case.excitations.values()
+    if not any(isinstance(load, Imbalance) for load in loads):
         return None
     size = unbalance(stage)
     return {
@@ -166,11 +167,13 @@ def _imbalance(stage: Stage) -> dict[str, float] | None:
 
 def _distortion(stage: Stage) -> dict[str, Any] | None:
     """Return the frequency of the loaded casing mode and its largest radial displacement under the
-    static load [m]; None without a casing distortion, or if the mode has no stiffness."""
-    load = stage.case.excitation
-    if not isinstance(load, CasingDistortion):
+    static load [m], for the first casing distortion; None without a casing distortion, or if the
+    mode has no stiffness."""
+    loads = stage.case.excitations.values()
+    load = next((load for load in loads if isinstance(load, CasingDistortion)), None)
+    if load is None:
         return None
-    number = radial_mode(stage, load.nodal_diameter)
+    number = radial_mode(stage, load.nodal_diameter, stage.case.key_of(load))
     frequency = stage.casing_modes.frequency[number]
     if frequency == 0.0:
         return None

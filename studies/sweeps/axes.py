@@ -3,7 +3,7 @@
 import dataclasses
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from decimal import Decimal
@@ -280,7 +280,10 @@ def value_at(case: Case, key: str) -> Any:
     """Return the value at a dotted key of a case."""
     value: Any = case
     for part in key.split("."):
-        value = value[part] if isinstance(value, Mapping) else getattr(value, part)
+        if isinstance(value, tuple):
+            value = value[int(part)]
+        else:
+            value = value[part] if isinstance(value, Mapping) else getattr(value, part)
     return value
 
 
@@ -313,7 +316,12 @@ def _numeric_keys(table: Table) -> Iterator[tuple[str, str]]:
     descriptions = type(table).descriptions()
     for name, field in type(table).model_fields.items():
         value = getattr(table, name)
-        for key, row in value.items() if isinstance(value, Mapping) else ():
+        rows: Iterable[tuple[object, Table]] = ()
+        if isinstance(value, Mapping):
+            rows = value.items()
+        elif isinstance(value, tuple):
+            rows = ((number, row) for number, row in enumerate(value) if isinstance(row, Table))
+        for key, row in rows:
             yield from ((f"{name}.{key}.{inner}", text) for inner, text in _numeric_keys(row))
         if isinstance(value, Table):
             yield from ((f"{name}.{inner}", text) for inner, text in _numeric_keys(value))

@@ -339,10 +339,60 @@ def test_another_type_of_load_drops_the_keys_of_the_one_before() -> None:
     text = '[excitation]\ntype = "casing-distortion"\nmodal_force = 1e4\nduration = 0.01'
     changes = ["excitation.unbalance=0.5", "excitation.type=imbalance"]
     case = loads(text, overrides=changes)
-    assert case.excitation.type == "imbalance"
+    assert isinstance(case.excitation, Imbalance)
     assert case.excitation.unbalance == 0.5
     assert case == with_values(
         loads(text), {"excitation.unbalance": 0.5, "excitation.type": "imbalance"}
     )
     with pytest.raises(CaseError, match="unbalance"):
         loads(text, overrides=["excitation.type=none", "excitation.unbalance=0.5"])
+
+
+LISTED = """
+[[excitation]]
+type = "casing-distortion"
+modal_force = "20 kN/kg^0.5"
+
+[[excitation]]
+type = "engine-order"
+order = 3
+"""
+
+
+def test_a_list_of_excitations_is_read_written_and_changed() -> None:
+    case = loads(LISTED)
+    assert loads(dumps_case(case)) == case
+    changed = loads(LISTED, overrides=["excitation.1.type=imbalance", "excitation.0.modal_force=1"])
+    assert changed.excitation == (CasingDistortion(modal_force=1.0), Imbalance())
+    assert with_values(case, {"excitation.0.modal_force": 1.0}).excitation == (
+        CasingDistortion(modal_force=1.0),
+        *case.excitation[1:],  # type: ignore[index]
+    )
+    assert with_values(case, {"excitation": []}).excitation == Case().excitation
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ('order = "x"', 'excitation[1].order = "x": expected an engine order'),
+        (
+            "nodal_diameter = 2",
+            "excitation[1].nodal_diameter = 2: expected a key of excitation.type",
+        ),
+        (
+            "factors = [1.0]",
+            "excitation[1].factors = [1.0]: expected 22 numbers, one for each blade",
+        ),
+        ('[[excitation]]\ntype = "x"', 'excitation[2].type = "x": expected "casing-distortion" or'),
+    ],
+)
+def test_faults_name_the_excitation_of_a_list(text: str, line: str) -> None:
+    lines = LISTED.replace("order = 3", text) if text.startswith("order") else LISTED + text
+    assert line in fault(loads, lines)
+
+
+def test_a_row_that_is_not_there_cannot_be_set() -> None:
+    with pytest.raises(CaseError, match=r"one of its rows, excitation.0 to excitation.1"):
+        loads(LISTED, overrides=["excitation.2.order=1"])
+    with pytest.raises(CaseError, match=r"one of its rows, excitation.0 to excitation.1"):
+        loads(LISTED, overrides=["excitation.type=imbalance"])

@@ -166,6 +166,25 @@ def marched(given: Stage) -> tuple[FloatArray, FloatArray]:
     return chunk.time, chunk.rotor_displacement @ given.rotor.centre.T
 
 
+def test_excitations_of_a_list_act_together_and_a_list_of_one_changes_nothing() -> None:
+    tables = [
+        '{type = "casing-distortion"}',
+        '{type = "engine-order", order = 4}',
+        '{type = "imbalance", unbalance = 0.2}',
+        '{type = "imbalance", unbalance = 0.3}',
+    ]
+    together = on_support(f"excitation=[{','.join(tables)}]")
+    alone = [excitation_loads(on_support(f"excitation=[{table}]")) for table in tables]
+    singles = [excitation_loads(on_support(f"excitation={table}")) for table in tables]
+    for loads in (alone, singles):
+        each = [load for part in loads for load in part]
+        for load, other in zip(excitation_loads(together), each, strict=True):
+            np.testing.assert_array_equal(load.rotor, other.rotor)
+            np.testing.assert_array_equal(load.casing, other.casing)
+            assert (load.end, load.ramp, load.frequency) == (other.end, other.ramp, other.frequency)
+    assert unbalance(together) == 0.5
+
+
 def test_a_rigid_rotor_under_a_static_harmonic_force() -> None:
     """m x'' + k x = F cos(omega t) R(-Omega t) e_x from rest, solved by hand."""
     given = on_support(*RIGID, HARMONIC)

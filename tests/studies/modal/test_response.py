@@ -73,6 +73,17 @@ def test_the_response_is_that_of_the_full_model() -> None:
     np.testing.assert_allclose(data["centre"], expected[disk.centre], rtol=1e-6)
 
 
+def test_excitations_of_a_list_add_up() -> None:
+    """Motion is linear without contact; other excitations have other frequencies."""
+    one, other = case([2, 3]).excitation, case(3, position=0.5, phase=0.4).excitation
+    both = response(with_values(case(), {"excitation": [one, {"type": "imbalance"}, other]}))
+    alone = [response(with_values(case(), {"excitation": each})) for each in (one, other)]
+    assert both["order"].values.tolist() == [2, 3]
+    for name in ("tip_tangential", "tip_radial", "centre"):
+        apart = [alone[0][name].sel(order=2), alone[0][name].sel(order=3) + alone[1][name]]
+        np.testing.assert_allclose(both[name], apart, rtol=1e-12)
+
+
 def radial_work(own: Case, field: FloatArray) -> FloatArray:
     stage = build_stage(own)
     assert isinstance(own.excitation, EngineOrder)
