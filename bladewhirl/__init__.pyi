@@ -9,6 +9,7 @@ from .models.inputs.errors import CaseError as CaseError
 from .models.inputs.errors import UserError as UserError
 from .models.sections.rectangular import Material as Material
 from .models.sections.rectangular import Section as Section
+from .models.solids.blade import mesh3d as mesh3d
 from .models.stage.stage import build_stage as build_stage
 from .postprocess.energy.growth import amplitude_growth as amplitude_growth
 from .postprocess.energy.strain import family_energies as family_energies

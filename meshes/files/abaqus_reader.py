@@ -42,7 +42,7 @@ MOST_MEMBERS = 1_000_000
 
 
 @dataclass
-class _Card:
+class Card:
     """A keyword with its parameters and the data lines after it."""
 
     keyword: str
@@ -84,7 +84,7 @@ def read_inp(path: Path) -> GroupedLines:
     except ValueError as error:
         raise MeshFileError(f"an .inp file in plain text ({error})") from None
     content = _Content()
-    for card in _cards(text):
+    for card in cards(text):
         try:
             _read(card, content)
         except MeshFileError:
@@ -94,8 +94,8 @@ def read_inp(path: Path) -> GroupedLines:
     return _grouped(content)
 
 
-def _cards(text: str) -> Iterator[_Card]:
-    card: _Card | None = None
+def cards(text: str) -> Iterator[Card]:
+    card: Card | None = None
     lines = iter(line for line in text.splitlines() if line.strip() and not line.startswith("**"))
     for line in lines:
         if not line.startswith("*"):
@@ -115,13 +115,13 @@ def _cards(text: str) -> Iterator[_Card]:
         keyword, *parameters = (part.strip() for part in line[1:].split(","))
         pairs = (parameter.partition("=") for parameter in parameters if parameter)
         values = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
-        card = _Card(" ".join(keyword.upper().split()), values)
+        card = Card(" ".join(keyword.upper().split()), values)
     if card is None:
         raise MeshFileError("an .inp file, with keywords such as *NODE")
     yield card
 
 
-def _read(card: _Card, content: _Content) -> None:
+def _read(card: Card, content: _Content) -> None:
     """Add the data of a keyword to the contents; irrelevant keywords are skipped."""
     match card.keyword:
         case "NODE":
@@ -132,7 +132,7 @@ def _read(card: _Card, content: _Content) -> None:
             _read_node_set(card, content)
         case "ELSET":
             sets = content.element_sets
-            _extend(sets, card.needs("ELSET"), _members(card, sets))
+            extend(sets, card.needs("ELSET"), members_of(card, sets))
         case "BEAM SECTION" if card.parameters.get("SECTION", "").upper() == "RECT":
             _read_section(card, content)
         case "MATERIAL":
@@ -154,7 +154,7 @@ def _read(card: _Card, content: _Content) -> None:
             )
 
 
-def _read_nodes(card: _Card, content: _Content) -> None:
+def _read_nodes(card: Card, content: _Content) -> None:
     if card.parameters.get("SYSTEM", "R").upper() != "R":
         raise MeshFileError("nodes in Cartesian coordinates, *NODE without SYSTEM")
     for number, *coordinates in card.rows:
@@ -165,10 +165,10 @@ def _read_nodes(card: _Card, content: _Content) -> None:
             )
         xyz = [float(value or 0.0) for value in coordinates[:3]]
         content.points[int(number)] = xyz + [0.0] * (3 - len(xyz))
-    _extend(content.node_sets, card.parameters.get("NSET"), [int(row[0]) for row in card.rows])
+    extend(content.node_sets, card.parameters.get("NSET"), [int(row[0]) for row in card.rows])
 
 
-def _read_elements(card: _Card, content: _Content) -> None:
+def _read_elements(card: Card, content: _Content) -> None:
     kind = card.needs("TYPE").upper()
     rows = [[int(value) for value in row] for row in card.rows]
     if CURVED.fullmatch(kind):
@@ -185,19 +185,19 @@ def _read_elements(card: _Card, content: _Content) -> None:
             content.lines[number] = [first, second]
     else:
         raise MeshFileError(f"lines only, found {len(rows)} cells of type {kind}")
-    _extend(content.element_sets, card.parameters.get("ELSET"), [row[0] for row in rows])
+    extend(content.element_sets, card.parameters.get("ELSET"), [row[0] for row in rows])
 
 
-def _read_node_set(card: _Card, content: _Content) -> None:
+def _read_node_set(card: Card, content: _Content) -> None:
     if "ELSET" in card.parameters:
         elements = content.element_sets.get(card.parameters["ELSET"], [])
         nodes = [node for element in elements for node in content.lines.get(element, [])]
-        _extend(content.node_sets, card.needs("NSET"), list(dict.fromkeys(nodes)))
+        extend(content.node_sets, card.needs("NSET"), list(dict.fromkeys(nodes)))
         return
-    _extend(content.node_sets, card.needs("NSET"), _members(card, content.node_sets))
+    extend(content.node_sets, card.needs("NSET"), members_of(card, content.node_sets))
 
 
-def _read_section(card: _Card, content: _Content) -> None:
+def _read_section(card: Card, content: _Content) -> None:
     first, second = (float(value) for value in card.rows[0][:2])
     axis = [float(value) for value in card.rows[1]] if len(card.rows) > 1 else [0.0, 0.0, -1.0]
     out_of_plane = abs(axis[2]) > max(abs(axis[0]), abs(axis[1]))
@@ -205,12 +205,12 @@ def _read_section(card: _Card, content: _Content) -> None:
     content.sections.append((card.needs("ELSET"), card.needs("MATERIAL"), width, thickness))
 
 
-def _extend(sets: dict[str, list[int]], name: str | None, members: list[int]) -> None:
+def extend(sets: dict[str, list[int]], name: str | None, members: list[int]) -> None:
     if name is not None:
         sets[name] = list(dict.fromkeys([*sets.get(name, []), *members]))
 
 
-def _members(card: _Card, sets: Mapping[str, list[int]]) -> list[int]:
+def members_of(card: Card, sets: Mapping[str, list[int]]) -> list[int]:
     if "GENERATE" in card.parameters:
         ranges = [[int(value) for value in row] for row in card.rows]
         runs = [range(first, last + 1, *step[:1]) for first, last, *step in ranges]

@@ -49,9 +49,7 @@ def read_msh(path: Path) -> GroupedLines:
         MeshFileError: the file is not a valid .msh file, has other cells than lines and points, or
             has two physical groups with the same name, of which meshio would lose one.
     """
-    _check_head(path)
-    with readable(path):
-        mesh = _read(path)
+    mesh = gmsh_mesh(path)
     blocks = line_blocks(mesh)
     lines = stacked([mesh.cells[block].data for block in blocks]).astype(np.int64)
     homes = _homes(lines, *(_tags(mesh, blocks, name) for name in (ENTITY, TAG)))
@@ -60,13 +58,13 @@ def read_msh(path: Path) -> GroupedLines:
     for name, (tag, dimension) in mesh.field_data.items():
         if dimension == 0:
             nodes = [
-                block.data[_is_member(mesh, number, name, tag)].ravel().astype(np.int64)
+                block.data[is_member(mesh, number, name, tag)].ravel().astype(np.int64)
                 for number, block in enumerate(mesh.cells)
                 if block.type == POINT and len(block.data)
             ]
             node_groups[name] = stacked(nodes)
         elif dimension == 1:
-            member = stacked([_is_member(mesh, block, name, tag) for block in blocks])
+            member = stacked([is_member(mesh, block, name, tag) for block in blocks])
             line_groups[name] = np.unique(number[np.flatnonzero(member)])
     return GroupedLines(
         points=in_plane(mesh.points),
@@ -78,15 +76,22 @@ def read_msh(path: Path) -> GroupedLines:
     )
 
 
-def _read(path: Path) -> meshio.Mesh:
-    try:
-        return meshio.gmsh.read(str(path))
-    except ValueError as error:
-        if f"Incompatible cell data '{TAG}'" in str(error):
-            raise MeshFileError(
-                "a .msh file with all its elements in physical groups (Mesh.SaveAll = 0)"
-            ) from None
-        raise
+def gmsh_mesh(path: Path) -> meshio.Mesh:
+    """Return the contents of a .msh file as meshio reads them.
+
+    Raises:
+        MeshFileError: the file is not a .msh file that meshio can read.
+    """
+    _check_head(path)
+    with readable(path):
+        try:
+            return meshio.gmsh.read(str(path))
+        except ValueError as error:
+            if f"Incompatible cell data '{TAG}'" in str(error):
+                raise MeshFileError(
+                    "a .msh file with all its elements in physical groups (Mesh.SaveAll = 0)"
+                ) from None
+            raise
 
 
 def _check_head(path: Path) -> None:
@@ -131,7 +136,7 @@ def _check_numbers(line: bytes) -> None:
         raise MeshFileError(f"node and element numbers of at most {LARGEST_NUMBER}")
 
 
-def _is_member(mesh: meshio.Mesh, block: int, name: str, tag: int) -> Any:
+def is_member(mesh: meshio.Mesh, block: int, name: str, tag: int) -> Any:
     """Return a mask of the cells of a block that are in a physical group. Files of version 4.1 have
     sets of cells, files of version 2.2 have tags."""
     size = len(mesh.cells[block].data)

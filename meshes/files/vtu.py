@@ -38,8 +38,8 @@ def read_vtu(path: Path) -> GroupedLines:
     return GroupedLines(
         points=in_plane(mesh.points),
         lines=stacked([mesh.cells[block].data for block in blocks]),
-        node_groups=dict(_groups(mesh.point_data)),
-        line_groups=dict(_groups(cell_arrays)),
+        node_groups=dict(integer_groups(mesh.point_data)),
+        line_groups=dict(integer_groups(cell_arrays)),
         node_data=dict(_data(mesh.point_data)),
         line_data=dict(_data(cell_arrays)),
     )
@@ -68,7 +68,8 @@ def _mark(size: int, chosen: IntArray) -> IntArray:
     return marks
 
 
-def _groups(arrays: Mapping[str, NDArray[Any]]) -> Iterator[tuple[str, IntArray]]:
+def integer_groups(arrays: Mapping[str, NDArray[Any]]) -> Iterator[tuple[str, IntArray]]:
+    """Yield the names and members of the groups that arrays of integers define."""
     for name, values in arrays.items():
         if values.ndim != 1 or values.dtype.kind not in "iub":
             continue

@@ -1,0 +1,1 @@
+"""Finite elements of solids, from which superelements are made."""

@@ -1,0 +1,186 @@
+"""Superelements of blades and sectors from meshes of solids: `bladewhirl.mesh3d`."""
+
+from dataclasses import replace
+from os import PathLike
+from typing import Any, Literal
+
+import meshio
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.volumes import VolumeMesh, read_volume_mesh
+from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.models.inputs.fields import positive
+from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation, to_si
+from bladewhirl.models.solids.assembly import Elasticity, Solid
+from bladewhirl.models.solids.groups import contact_nodes, group_nodes, invalid, matching_faces
+from bladewhirl.models.solids.rotating import rotating_stiffness
+from bladewhirl.models.solids.surface import surface_triangles
+from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.superelement import FIXED, Superelement
+
+MOST_NODES = 150_000
+"""Largest number of nodes. A factor of the stiffness of a larger mesh takes too much memory."""
+
+AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
+"""Coordinates of the mesh that become x, y and z, by the axis of rotation of the mesh."""
+
+
+def mesh3d(
+    mesh: meshio.Mesh | str | PathLike[str],
+    *,
+    young_modulus: float | str,
+    poisson_ratio: float,
+    density: float | str,
+    clamped: str | None = "root",
+    contact: str = "tip",
+    contacts: int | None = None,
+    left: str | None = None,
+    right: str | None = None,
+    copies: int | None = None,
+    unit: str = "m",
+    axis: str = "z",
+    speed: float | str = 0.0,
+    mass_quadrature: Literal["full", "reduced"] = "full",
+    name: str = "",
+) -> Superelement:
+    """Make a superelement of a blade or a sector from a mesh of tetrahedra or hexahedra.
+
+    The material is isotropic and linearly elastic, the mass is consistent. Elements have the shape
+    that all their nodes describe, and the usual quadratures: 1 and 4 points for the stiffness of
+    tetrahedra of first and second order, 2 x 2 x 2 and 3 x 3 x 3 for that of hexahedra. Hexahedra
+    of first order are too stiff in bending.
+
+    With a speed, the stiffness is that for small motions about the rotating structure, in a
+    rotating frame: K_u + K_s - speed^2 M_xy. The static displacement is that of K u = speed^2 M_xy
+    X; K_u is the elastic stiffness on the displaced nodes, K_s the geometric stiffness of the
+    stress, and M_xy the mass in the plane of rotation. Coriolis forces are not included.
+
+    Args:
+        mesh: mesh of meshio, or path of a .msh file of Gmsh with physical groups, a .vtu file, or
+            an .inp file of Abaqus or CalculiX with sets of nodes or elements. The position of the
+            blade relative to the axis counts.
+        young_modulus: Young's modulus [Pa], or text such as "210 GPa".
+        poisson_ratio: Poisson's ratio, from 0 to less than 0.5.
+        density: density [kg/m3], or text such as "7.8 g/cm3".
+        clamped: group of the nodes that do not move; None for a free part.
+        contact: group of the contact nodes.
+        contacts: number of contact nodes, evenly spaced along the chord of the group and in the
+            middle of its thickness; all nodes of the group by default.
+        left, right: groups of the clockwise and of the counter-clockwise face of a sector, whose
+            nodes match after a rotation by one pitch. Both or none are given.
+        copies: number of sectors in the wheel; required with left and right.
+        unit: unit of length of the mesh, such as "mm".
+        axis: axis of rotation of the mesh, "x", "y" or "z". The axis of the superelement is z:
+            axes x, y and z of the mesh become z, x and y, or y, z and x.
+        speed: speed of rotation [rad/s], or text such as "12000 rpm".
+        mass_quadrature: "full", exact for cells with plane faces and evenly spaced nodes, or
+            "reduced", with the points of the stiffness. Reduced is the mass of CalculiX, whose
+            frequencies of coarse meshes of tetrahedra are higher.
+        name: name of the superelement; by default that of the file.
+
+    Returns:
+        the superelement, with sparse matrices on the displacements of the nodes that are not
+        clamped, in ascending order of the nodes of the mesh, and with its surface for pictures.
+
+    Raises:
+        CaseError: an argument is invalid, the file cannot be read, a group is missing, nodes of the
+            faces do not match, or contact nodes are clamped.
+    """
+    material = Elasticity(positive("young_modulus", young_modulus, "Pa"), _ratio(poisson_ratio))
+    rho, omega = positive("density", density, "kg/m3"), _speed(speed)
+    if mass_quadrature not in ("full", "reduced"):
+        raise invalid("mass_quadrature", mass_quadrature, '"full" or "reduced"')
+    volumes = _scaled(mesh, unit, axis)
+    fixed = np.zeros(0, int) if clamped is None else group_nodes(volumes, "clamped", clamped)
+    touching = contact_nodes(volumes, contact, contacts, fixed)
+    faces = _faces(volumes, left, right, copies, fixed)
+    try:
+        solid = Solid(volumes)
+    except MeshFileError as error:
+        raise invalid("mesh", volumes.name, str(error)) from None
+    dofs = _numbers(solid.nodes, fixed)
+    select = sp.eye_array(dofs.size, format="csr")[:, np.flatnonzero(dofs.ravel() != FIXED)]
+    mass = solid.mass(rho, reduced=mass_quadrature == "reduced")
+    shown, triangles = surface_triangles(volumes)
+    content: dict[str, Any] = {
+        "mass": sp.csr_array(select.T @ sp.kron(mass, np.eye(3), format="csr") @ select),
+        "contact_position": volumes.points[touching],
+        "contact_dofs": dofs[touching],
+        "points": volumes.points[shown],
+        "triangles": triangles,
+        "recovery": sp.csr_array(select[(3 * shown[:, None] + np.arange(3)).ravel()]),
+        "name": name or volumes.name,
+        "source": f"mesh3d: {volumes.name}, {len(volumes.cells)} cells of type"
+        f" {volumes.cell_type}, {rho:g} kg/m3, {material}, {omega:g} rad/s",
+        **{key: dofs[nodes] for key, nodes in faces.items()},
+    }
+    part = Superelement(
+        stiffness=sp.csr_array(select.T @ solid.stiffness(material) @ select), **content
+    )
+    if omega == 0.0:
+        return part
+    if not len(fixed):
+        raise invalid("speed", speed, "clamped nodes; a free part does not resist rotation")
+    tie = select if copies is None else select @ cyclic_reduction(part, copies, 0).transformation
+    stiffness = rotating_stiffness(solid, mass, tie, material, omega)
+    return Superelement(stiffness=sp.csr_array(select.T @ stiffness @ select), **content)
+
+
+def _ratio(value: float) -> float:
+    try:
+        ratio = finite(value)
+    except (TypeError, ValueError):
+        ratio = -1.0
+    if not 0.0 <= ratio < 0.5:
+        raise invalid("poisson_ratio", value, "a number from 0 to less than 0.5")
+    return ratio
+
+
+def _speed(value: float | str) -> float:
+    try:
+        return rotation(value, RAD_PER_S) if isinstance(value, str) else finite(value)
+    except (TypeError, ValueError) as error:
+        expected = f'a number in rad/s, or text such as "12000 rpm" ({error})'
+        raise invalid("speed", value, expected) from None
+
+
+def _scaled(mesh: Any, unit: str, axis: str) -> VolumeMesh:
+    """Return a mesh in m that rotates about z."""
+    try:
+        scale = to_si(f"1 {unit}", "m")
+    except ValueError as error:
+        raise invalid("unit", unit, f'a unit of length such as "mm" ({error})') from None
+    if axis not in AXES:
+        raise invalid("axis", axis, '"x", "y" or "z"')
+    try:
+        volumes = read_volume_mesh(mesh)
+    except MeshFileError as error:
+        shown = None if isinstance(mesh, meshio.Mesh) else str(mesh)
+        raise invalid("mesh", shown, str(error)) from None
+    if len(volumes.points) > MOST_NODES:
+        expected = f"at most {MOST_NODES} nodes; the mesh has {len(volumes.points)}"
+        raise invalid("mesh", volumes.name, expected)
+    return replace(volumes, points=scale * volumes.points[:, AXES[axis]])
+
+
+def _faces(
+    mesh: VolumeMesh, left: str | None, right: str | None, copies: int | None, fixed: IntArray
+) -> dict[str, IntArray]:
+    given = {"left": left, "right": right, "copies": copies}
+    absent = [key for key, value in given.items() if value is None]
+    if left is None or right is None or copies is None:
+        if len(absent) < len(given):
+            raise invalid(absent[0], None, "left, right and copies together, or none of them")
+        return {}
+    if isinstance(copies, bool) or not isinstance(copies, int) or copies < 2:
+        raise invalid("copies", copies, "a whole number of sectors, 2 or more")
+    return matching_faces(mesh, left, right, copies, fixed)
+
+
+def _numbers(nodes: int, fixed: IntArray) -> IntArray:
+    """Return the number of each displacement among those that are free, (nodes, 3)."""
+    free = np.ones((nodes, 3), dtype=np.bool_)
+    free[fixed] = False
+    return np.where(free, np.cumsum(free).reshape(-1, 3) - 1, FIXED)

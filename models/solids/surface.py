@@ -1,0 +1,44 @@
+"""Surface of a solid for pictures, and nodes along the chord of a blade tip."""
+
+import numpy as np
+
+from bladewhirl.meshes.files.volumes import VolumeMesh
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.solids.cells import CELL_TYPES
+
+
+def surface_triangles(mesh: VolumeMesh) -> tuple[IntArray, IntArray]:
+    """Return the nodes on the surface, (p,), and triangles between them, (t, 3), by their place
+    among these nodes; triangles are counter-clockwise when seen from outside."""
+    kind = CELL_TYPES[mesh.cell_type]
+    corners = np.array(kind.faces)
+    keys = np.sort(mesh.cells[:, corners].reshape(-1, corners.shape[1]), axis=1)
+    _, first, count = np.unique(keys, axis=0, return_index=True, return_counts=True)
+    cell, face = np.divmod(np.sort(first[count == 1]), len(corners))
+    triangles = mesh.cells[cell[:, None, None], np.array(kind.triangles)[face]].reshape(-1, 3)
+    shown, numbers = np.unique(triangles, return_inverse=True)
+    return shown, numbers.reshape(-1, 3)
+
+
+def evenly_along_chord(points: FloatArray, nodes: IntArray, count: int) -> IntArray:
+    """Return nodes that are evenly spaced along a chord, in the middle of the thickness.
+
+    The chord is the direction in which the nodes spread most. The middle line is a parabola
+    through the nodes; the nearest node to each of its evenly spaced points is chosen, once.
+
+    Args:
+        points: positions of all nodes [m], (n, 3).
+        nodes: nodes among which to choose, at least `count`.
+        count: number of nodes to choose.
+    """
+    place = points[nodes] - points[nodes].mean(axis=0)
+    _, _, directions = np.linalg.svd(place, full_matrices=False)
+    along, across = place @ directions[0], place @ directions[1]
+    degree = min(2, len(np.unique(along.round(12))) - 1)
+    middle = np.polynomial.Polynomial.fit(along, across, degree)
+    chosen: list[int] = []
+    for station in np.linspace(along.min(), along.max(), count):
+        distance = np.hypot(along - station, across - middle(station))
+        distance[chosen] = np.inf
+        chosen.append(int(distance.argmin()))
+    return np.asarray(nodes[chosen])

@@ -1,0 +1,59 @@
+"""Natural frequencies of large sparse matrices, and their signs."""
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spl
+from scipy.linalg import eigh
+
+from bladewhirl.models.superelements.superelement import Matrix, diagonal
+
+SMALL = 600
+"""Largest number of unknowns for which all eigenvalues are computed."""
+
+SHIFT = 1e-11
+"""Shift of the eigenvalues, as a share of the largest one, that makes a structure with rigid modes
+positive definite."""
+
+
+def lowest_frequencies(mass: Matrix, stiffness: Matrix, count: int) -> np.ndarray[Any, Any]:
+    """Return the lowest natural frequencies [Hz], (count,) or fewer, in ascending order.
+
+    Matrices may be complex and Hermitian. Negative eigenvalues give negative frequencies.
+
+    Args:
+        mass: mass [kg], (n, n), positive definite.
+        stiffness: stiffness [N/m], (n, n), positive semidefinite.
+        count: number of frequencies.
+    """
+    n = mass.shape[0]
+    if n <= SMALL or count >= n - 1:
+        squares = eigh(_full(stiffness), _full(mass), eigvals_only=True)[:count]
+    else:
+        shift = SHIFT * float(np.max(diagonal(stiffness).real / diagonal(mass).real))
+        shifted = spl.splu(sp.csc_array(stiffness + shift * mass), **SYMMETRIC_ORDER)
+        inverse = spl.LinearOperator((n, n), shifted.solve, dtype=stiffness.dtype)
+        start = np.array(np.random.default_rng(0).standard_normal(n), dtype=stiffness.dtype)
+        squares = np.sort(
+            spl.eigsh(
+                *(sp.csc_array(stiffness), count, sp.csc_array(mass)),
+                sigma=-shift,
+                OPinv=inverse,
+                v0=start,
+                return_eigenvectors=False,
+            )
+        )
+    return np.asarray(np.sign(squares) * np.sqrt(abs(squares)) / (2.0 * np.pi))
+
+
+SYMMETRIC_ORDER: dict[str, Any] = {
+    "permc_spec": "MMD_AT_PLUS_A",
+    "diag_pivot_thresh": 0.0,
+    "options": {"SymmetricMode": True},
+}
+"""Options of SuperLU for symmetric matrices."""
+
+
+def _full(matrix: Any) -> Any:
+    return matrix.toarray() if sp.issparse(matrix) else matrix

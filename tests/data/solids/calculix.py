@@ -1,0 +1,105 @@
+"""Compute natural frequencies of a blade and a bladed disk with CalculiX; write calculix.json.
+
+Run in the root of the repository, with CalculiX (Debian package calculix-ccx; 2.20 was used):
+PYTHONPATH=tests/support python tests/data/solids/calculix.py
+"""
+
+import json
+import subprocess
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from solid_meshes import SECTORS, bladed_sector, cantilever
+
+SPEED = 1500.0
+"""Speed of rotation [rad/s]."""
+
+MATERIAL = """*MATERIAL, NAME=steel
+*ELASTIC
+210e9, 0.3
+*DENSITY
+7800.0
+*SOLID SECTION, ELSET=all, MATERIAL=steel
+"""
+TYPES = {"tetra": "C3D4", "tetra10": "C3D10", "hexahedron20": "C3D20"}
+FACES = {
+    "tetra10": ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
+    "hexahedron20": (
+        *((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1)),
+        *((1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)),
+    ),
+}
+"""Corners of the faces S1, S2 and so on of the elements of CalculiX."""
+
+
+def rows(numbers) -> str:
+    """Return a row of numbers, continued on further lines after ten numbers."""
+    parts = [numbers[at : at + 10] for at in range(0, len(numbers), 10)]
+    return ",\n".join(", ".join(map(str, part)) for part in parts) + "\n"
+
+
+def node_set(name, nodes) -> str:
+    return f"*NSET, NSET={name}\n" + "".join(f"{node + 1},\n" for node in nodes)
+
+
+def mesh_text(mesh) -> str:
+    """Return nodes, elements, sets of nodes and the material."""
+    block = mesh.cells[0]
+    text = "*NODE, NSET=every\n"
+    for number, (x, y, z) in enumerate(mesh.points.tolist(), 1):
+        text += f"{number}, {x:.13f}, {y:.13f}, {z:.13f}\n"
+    text += f"*ELEMENT, TYPE={TYPES[block.type]}, ELSET=all\n"
+    for number, nodes in enumerate((block.data + 1).tolist(), 1):
+        text += rows([number, *nodes])
+    return text + "".join(node_set(*one) for one in mesh.point_sets.items()) + MATERIAL
+
+
+def sector_text(mesh) -> str:
+    """Return a mesh with cyclic symmetry; the right face depends on the left one."""
+    left, right = (set(mesh.point_sets[name].tolist()) for name in ("left", "right"))
+    text = mesh_text(mesh)
+    text += node_set("held", sorted(set(mesh.point_sets["root"].tolist()) - right))
+    text += "*SURFACE, NAME=Sright, TYPE=NODE\nright,\n*SURFACE, NAME=Sleft\n"
+    for number, cell in enumerate(mesh.cells[0].data.tolist(), 1):
+        for face, corners in enumerate(FACES[mesh.cells[0].type], 1):
+            if {cell[corner] for corner in corners} <= left:
+                text += f"{number}, S{face}\n"
+    text += "*TIE, NAME=faces, CYCLIC SYMMETRY, POSITION TOLERANCE=1e-5\nSright, Sleft\n"
+    text += f"*CYCLIC SYMMETRY MODEL, N={SECTORS}, NGRAPH=1, TIE=faces\n0, 0, 0, 0, 0, 1\n"
+    return text + "*BOUNDARY\nheld, 1, 3\n"
+
+
+def frequencies(model: str, modes: str, speed: float) -> list[tuple[int, float]]:
+    """Return the first numbers and the frequencies [Hz] of the table of eigenvalues."""
+    step = f"*FREQUENCY\n{modes}*END STEP\n"
+    load = f"*DLOAD\nall, CENTRIF, {speed**2!r}, 0, 0, 0, 0, 0, 1\n"
+    if speed:
+        step = f"*STEP\n*STATIC\n{load}*END STEP\n*STEP, PERTURBATION\n{step}"
+    else:
+        step = f"*STEP\n{step}"
+    with TemporaryDirectory() as folder:
+        (Path(folder) / "job.inp").write_text(model + step)
+        subprocess.run(["ccx", "job"], cwd=folder, check=True, capture_output=True)
+        table = (Path(folder) / "job.dat").read_text().split("P A R T I C I P A T I O N")
+    words = [line.split() for part in table for line in part.splitlines()]
+    found = [one for one in words if len(one) in (5, 6) and one[0].isdigit() and one[-5].isdigit()]
+    return [(int(one[0]), float(one[-2])) for one in found]
+
+
+content: dict = {"speed": SPEED, "sectors": SECTORS}
+for kind in TYPES:
+    model = mesh_text(cantilever(kind)) + "*BOUNDARY\nroot, 1, 3\n"
+    for key, speed in (("blade", 0.0), ("rotating blade", SPEED)):
+        found = [value for _, value in frequencies(model, "10\n", speed)]
+        content.setdefault(key, {})[kind] = found
+for kind in FACES:
+    model = sector_text(bladed_sector(kind))
+    select = "20\n*SELECT CYCLIC SYMMETRY MODES, NMIN=0, NMAX=6\n"
+    for key, speed in (("sector", 0.0), ("rotating sector", SPEED)):
+        found = frequencies(model, select, speed)
+        # Each wave appears twice, also where there is only one.
+        content.setdefault(key, {})[kind] = [
+            [value for number, value in found if number == k][::2] for k in range(7)
+        ]
+target = Path(__file__).parent / "calculix.json"
+target.write_text(json.dumps(content, indent=1) + "\n")

@@ -1,0 +1,170 @@
+"""Superelements from meshes of solids, against CalculiX and closed forms."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+from places import ROOT
+from solid_meshes import SECTORS, bladed_sector, cantilever
+
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.solids.blade import mesh3d
+from bladewhirl.models.solids.cells import CELL_TYPES
+from bladewhirl.models.superelements.cyclic import wheel_frequencies
+from bladewhirl.models.superelements.frequencies import lowest_frequencies
+
+STEEL: dict[str, Any] = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": 7800.0}
+TIE: dict[str, Any] = {"left": "left", "right": "right", "copies": SECTORS}
+CALCULIX = json.loads((ROOT / "tests" / "data" / "solids" / "calculix.json").read_text())
+"""Natural frequencies [Hz], printed with seven digits by CalculiX; calculix.py made the file."""
+
+BLADE = ROOT / "tests" / "data" / "solids" / "blade.msh"
+"""A blade in mm; blade.py made the file with Gmsh."""
+
+
+@pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron20"])
+def test_frequencies_of_a_blade_are_those_of_calculix(kind: str) -> None:
+    part = mesh3d(cantilever(kind), **STEEL, mass_quadrature="reduced")
+    found = lowest_frequencies(part.mass, part.stiffness, 10)
+    assert found == pytest.approx(CALCULIX["blade"][kind], rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20"])
+def test_frequencies_of_a_rotating_blade_are_those_of_calculix(kind: str) -> None:
+    speed = CALCULIX["speed"]
+    part = mesh3d(cantilever(kind), **STEEL, mass_quadrature="reduced", speed=speed)
+    found = lowest_frequencies(part.mass, part.stiffness, 10)
+    assert found == pytest.approx(CALCULIX["rotating blade"][kind], rel=1e-6)
+    assert found[0] > 1.4 * CALCULIX["blade"][kind][0]  # else the comparison would say little
+
+
+@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20"])
+@pytest.mark.parametrize("speed", [0.0, CALCULIX["speed"]])
+def test_frequencies_of_a_wheel_are_those_of_calculix(kind: str, speed: float) -> None:
+    part = mesh3d(bladed_sector(kind), **STEEL, **TIE, mass_quadrature="reduced", speed=speed)
+    expected = np.array(CALCULIX["rotating sector" if speed else "sector"][kind])
+    found = wheel_frequencies(part, SECTORS, 10)
+    assert found == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", CELL_TYPES)
+def test_solids_resist_no_rigid_motion_and_have_the_energy_of_uniform_strain(kind: str) -> None:
+    noise = np.random.default_rng(0)
+    mesh = cantilever(kind, (2, 1, 1))
+    mesh.points += 2e-4 * noise.standard_normal(mesh.points.shape)
+    part = mesh3d(mesh, **STEEL, clamped=None)
+    x = mesh.points
+    rigid = [np.cross(axis, x).ravel() for axis in np.eye(3)]
+    assert np.array(rigid) @ part.stiffness == pytest.approx(0.0, abs=1e-12 * 2.1e11)
+    gradient = noise.standard_normal((3, 3))
+    moved, strain = (x @ gradient.T).ravel(), 0.5 * (gradient + gradient.T)
+    shear, lame = 2.1e11 / 2.6, 2.1e11 * 0.3 / (1.3 * 0.4)
+    density = 2.0 * shear * (strain**2).sum() + lame * np.trace(strain) ** 2
+    along = np.tile([1.0, 0.0, 0.0], len(x))
+    volume = along @ mesh3d(mesh, **STEEL, clamped=None).mass @ along / 7800.0
+    close = 1e-3 if kind == "tetra10" else 1e-12  # four points for a curved cell
+    assert moved @ part.stiffness @ moved == pytest.approx(volume * density, rel=close)
+
+
+def test_the_surface_is_closed_and_recovered() -> None:
+    for kind in CELL_TYPES:
+        part = mesh3d(bladed_sector(kind), **STEEL)
+        assert part.points is not None
+        assert part.triangles is not None
+        corners = part.points[part.triangles]
+        areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
+        assert areas.sum(axis=0) == pytest.approx(0.0, abs=1e-15)
+        assert np.einsum("ti,ti", areas, corners[:, 0]) > 0.0  # normals point outward
+    assert part.recovery is not None
+    tip = part.recovery @ np.eye(part.size)[part.contact_dofs[0, 1]]
+    assert np.count_nonzero(tip) == 1
+    assert part.points is not None
+    assert part.points[tip.argmax() // 3] == pytest.approx(part.contact_position[0])
+
+
+def test_chosen_contact_nodes_are_spread_along_the_chord() -> None:
+    part = mesh3d(cantilever("tetra10"), **STEEL, contacts=5)
+    steps = np.linalg.norm(np.diff(part.contact_position, axis=0), axis=1)
+    assert steps == pytest.approx(0.03 / 4)
+
+
+def test_units_axes_and_files_give_the_same_blade(tmp_path: Path) -> None:
+    mesh = cantilever("tetra10")
+    part = mesh3d(mesh, **STEEL, speed="100 rad/s")
+    turned = meshio.Mesh(1e3 * mesh.points[:, [2, 0, 1]], mesh.cells)
+    for name, nodes in mesh.point_sets.items():
+        turned.point_data[name] = np.isin(np.arange(len(mesh.points)), nodes).astype(np.int64)
+    turned.write(tmp_path / "blade.vtu")
+    again = mesh3d(tmp_path / "blade.vtu", **STEEL, unit="mm", axis="x", speed=100.0)
+    assert again.contact_position == pytest.approx(part.contact_position)
+    assert abs(again.stiffness - part.stiffness).max() < 1e-9 * abs(part.stiffness).max()
+    assert abs(again.mass - part.mass).max() < 1e-12 * abs(part.mass).max()
+
+
+def test_a_mesh_of_gmsh_and_one_of_calculix_are_read(tmp_path: Path) -> None:
+    gmsh = mesh3d(BLADE, **STEEL, unit="mm")
+    whole = mesh3d(BLADE, **STEEL, unit="mm", clamped=None)
+    along = np.tile([1.0, 0.0, 0.0], whole.size // 3)
+    assert along @ whole.mass @ along == pytest.approx(7800.0 * 0.1 * 0.03 * 0.005)
+    first = lowest_frequencies(gmsh.mass, gmsh.stiffness, 1)
+    beam = 1.8751**2 / (2.0 * np.pi * 0.1**2) * 0.005 * np.sqrt(2.1e11 / (12.0 * 7800.0))
+    assert first == pytest.approx(beam, rel=0.05)  # a plate of 30 mm is stiffer than a beam
+    mesh = meshio.read(BLADE)
+    cells = mesh.cells_dict["tetra10"]
+    lines = ["*NODE"]
+    lines += [f"{n}, {x!r}, {y!r}, {z!r}" for n, (x, y, z) in enumerate(mesh.points.tolist(), 11)]
+    lines.append("*ELEMENT, TYPE=C3D10, ELSET=Volume")
+    for number, row in enumerate((cells + 11).tolist(), 1):
+        lines += [", ".join(map(str, [number, *row[:6]])) + ",", ", ".join(map(str, row[6:]))]
+    for name, place in (("Nroot", 200.0), ("Ntip", 300.0)):
+        chosen = np.flatnonzero(abs(mesh.points[:, 0] - place) < 1e-9) + 11
+        lines += [f"*NSET, NSET={name}", *(f"{node}," for node in chosen)]
+    (tmp_path / "blade.inp").write_text("\n".join(lines))
+    part = mesh3d(tmp_path / "blade.inp", **STEEL, unit="mm", clamped="NROOT", contact="NTIP")
+    assert part.size == gmsh.size
+    assert lowest_frequencies(part.mass, part.stiffness, 1) == pytest.approx(first)
+
+
+def _without(kind: str) -> meshio.Mesh:
+    mesh = cantilever("tetra")
+    return meshio.Mesh(mesh.points, [(kind, mesh.cells[0].data[:, :3])])
+
+
+def _turned_inside_out() -> meshio.Mesh:
+    mesh = cantilever("hexahedron")
+    cells = mesh.cells[0].data
+    cells[0, [0, 1]] = cells[0, [1, 0]]
+    return mesh
+
+
+@pytest.mark.parametrize(
+    ("mesh", "changed", "expected"),
+    [
+        (cantilever("tetra"), {"contact": "top"}, "a group of nodes of the mesh: root, tip"),
+        (cantilever("tetra"), {"contact": "root"}, "nodes that are not clamped; 6 of 6 are"),
+        (cantilever("tetra"), {"contacts": 7}, "contacts = 7: expected a whole number from 1 to 6"),
+        (cantilever("tetra"), {"poisson_ratio": 0.5}, "from 0 to less than 0.5"),
+        (cantilever("tetra"), {"unit": "kg"}, "a unit of length"),
+        (cantilever("tetra"), {"speed": "3 Pa"}, 'text such as "12000 rpm"'),
+        (cantilever("tetra"), {"left": "root"}, "left, right and copies together"),
+        (cantilever("tetra"), {"clamped": None, "speed": 9.0}, "does not resist rotation"),
+        (bladed_sector("tetra"), TIE | {"copies": 11}, "are there 11 copies?"),
+        (
+            bladed_sector("tetra"),
+            TIE | {"left": "right", "right": "left"},
+            "left and right are interchanged",
+        ),
+        (bladed_sector("tetra"), TIE | {"left": "tip"}, "one node for each node of"),
+        (_without("triangle"), {}, "cells of one of the types tetra, tetra10, hexahedron"),
+        (_turned_inside_out(), {}, "1 of 12 are, such as that around (0.208333, "),
+        ("missing.msh", {}, "missing.msh"),
+        ("blade.stl", {}, "a mesh file, .msh, .vtu, .inp"),
+    ],
+)
+def test_what_cannot_be_right_is_refused(mesh: Any, changed: Any, expected: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        mesh3d(mesh, **STEEL | changed)
+    assert expected in str(caught.value)
