@@ -5,6 +5,7 @@ from .models.case.file import read_case as read_case
 from .models.case.file import with_values as with_values
 from .models.case.template import dumps_case as dumps_case
 from .models.geometry.sketch import Sketch as Sketch
+from .models.imports.importing import import_superelement as import_superelement
 from .models.inputs.errors import CaseError as CaseError
 from .models.inputs.errors import UserError as UserError
 from .models.sections.rectangular import Material as Material

@@ -31,6 +31,8 @@ class VolumeMesh:
     cells: IntArray  #: nodes of each cell in the order of VTK, (cells, nodes of a cell)
     groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> numbers of nodes
     name: str = ""  #: name of the file, without its folder
+    rows: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """Place of each node among the points of the source, (nodes,)."""
 
 
 def read_volume_mesh(mesh: meshio.Mesh | str | PathLike[str]) -> VolumeMesh:
@@ -95,6 +97,7 @@ def _volumes(mesh: meshio.Mesh, name: str) -> VolumeMesh:
         cells=numbers.reshape(cells.shape),
         groups={key: nodes[nodes >= 0] for key, nodes in groups.items()},
         name=name,
+        rows=used,
     )
 
 

@@ -14,7 +14,13 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.fields import positive
 from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation, to_si
 from bladewhirl.models.solids.assembly import Elasticity, Solid
-from bladewhirl.models.solids.groups import contact_nodes, group_nodes, invalid, matching_faces
+from bladewhirl.models.solids.groups import (
+    contact_nodes,
+    group_nodes,
+    invalid,
+    matching_faces,
+    sector_faces,
+)
 from bladewhirl.models.solids.rotating import rotating_stiffness
 from bladewhirl.models.solids.surface import surface_triangles
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
@@ -94,8 +100,13 @@ def mesh3d(
         raise invalid("mass_quadrature", mass_quadrature, '"full" or "reduced"')
     volumes = _scaled(mesh, unit, axis)
     fixed = np.zeros(0, int) if clamped is None else group_nodes(volumes, "clamped", clamped)
-    touching = contact_nodes(volumes, contact, contacts, fixed)
-    faces = _faces(volumes, left, right, copies, fixed)
+    group = group_nodes(volumes, "contact", contact)
+    touching = contact_nodes(volumes.points, group, contacts, fixed)
+    faces: dict[str, IntArray] = {}
+    if (sides := sector_faces(left, right, copies)) is not None:
+        first = group_nodes(volumes, "left", sides[0])
+        second = group_nodes(volumes, "right", sides[1])
+        faces = matching_faces(volumes.points, first, second, sides[2], fixed)
     try:
         solid = Solid(volumes)
     except MeshFileError as error:
@@ -163,20 +174,6 @@ def _scaled(mesh: Any, unit: str, axis: str) -> VolumeMesh:
         expected = f"at most {MOST_NODES} nodes; the mesh has {len(volumes.points)}"
         raise invalid("mesh", volumes.name, expected)
     return replace(volumes, points=scale * volumes.points[:, AXES[axis]])
-
-
-def _faces(
-    mesh: VolumeMesh, left: str | None, right: str | None, copies: int | None, fixed: IntArray
-) -> dict[str, IntArray]:
-    given = {"left": left, "right": right, "copies": copies}
-    absent = [key for key, value in given.items() if value is None]
-    if left is None or right is None or copies is None:
-        if len(absent) < len(given):
-            raise invalid(absent[0], None, "left, right and copies together, or none of them")
-        return {}
-    if isinstance(copies, bool) or not isinstance(copies, int) or copies < 2:
-        raise invalid("copies", copies, "a whole number of sectors, 2 or more")
-    return matching_faces(mesh, left, right, copies, fixed)
 
 
 def _numbers(nodes: int, fixed: IntArray) -> IntArray:

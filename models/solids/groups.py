@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from bladewhirl.meshes.files.volumes import VolumeMesh
-from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.solids.surface import evenly_along_chord
 
@@ -35,61 +35,89 @@ def group_nodes(mesh: VolumeMesh, key: str, name: str) -> IntArray:
     return mesh.groups[chosen]
 
 
-def contact_nodes(mesh: VolumeMesh, name: str, count: int | None, clamped: IntArray) -> IntArray:
-    """Return the contact nodes: all nodes of a group, or some that are evenly spaced on its chord.
+def contact_nodes(
+    points: FloatArray, nodes: IntArray, count: int | None, clamped: IntArray
+) -> IntArray:
+    """Return the contact nodes: all given nodes, or some that are evenly spaced on their chord.
 
     Raises:
-        CaseError: the group is missing, is too small, or has clamped nodes.
+        CaseError: there are too few nodes, or some are clamped.
     """
-    nodes = group_nodes(mesh, "contact", name)
     both = np.intersect1d(nodes, clamped)
     if len(both):
-        where = ", ".join(f"{value:.6g}" for value in mesh.points[both[0]])
+        where = ", ".join(f"{value:.6g}" for value in points[both[0]])
         raise invalid(
-            *("contact", name),
+            *("contact", None),
             f"nodes that are not clamped; {len(both)} of {len(nodes)} are, such as that at "
             f"({where}) m",
         )
     if count is None:
         return nodes
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= len(nodes):
-        raise invalid("contacts", count, f"a whole number from 1 to {len(nodes)}, all of {name!r}")
-    return evenly_along_chord(mesh.points, nodes, count)
+        raise invalid("contacts", count, f"a whole number from 1 to {len(nodes)}, all nodes")
+    return evenly_along_chord(points, nodes, count)
+
+
+def sector_faces(
+    left: str | None, right: str | None, copies: int | None
+) -> tuple[str, str, int] | None:
+    """Return the names of the faces of a sector and the number of sectors; None for a blade.
+
+    Raises:
+        CaseError: some are missing, or copies is not a number of sectors.
+    """
+    given = {"left": left, "right": right, "copies": copies}
+    if left is None or right is None or copies is None:
+        absent = [key for key, value in given.items() if value is None]
+        if len(absent) < len(given):
+            raise invalid(absent[0], None, "left, right and copies together, or none of them")
+        return None
+    if isinstance(copies, bool) or not isinstance(copies, int) or copies < 2:
+        raise invalid("copies", copies, "a whole number of sectors, 2 or more")
+    return left, right, copies
 
 
 def matching_faces(
-    mesh: VolumeMesh, left: str, right: str, copies: int, clamped: IntArray
+    points: FloatArray, left: IntArray, right: IntArray, copies: int, clamped: IntArray
 ) -> dict[str, IntArray]:
     """Return the nodes of the two faces of a sector in the same order, without clamped nodes.
 
+    Args:
+        points: positions of all nodes [m], (n, 3).
+        left: nodes of the clockwise face.
+        right: nodes of the counter-clockwise face.
+        copies: number of sectors of the wheel.
+        clamped: nodes that do not move.
+
+    Returns:
+        nodes by the key of their degrees of freedom in a superelement.
+
     Raises:
-        CaseError: a group is missing, the left face turned counter-clockwise by one pitch is not
-            the right face, or a node is clamped on one of them only.
+        CaseError: the left face turned counter-clockwise by one pitch is not the right face, or a
+            node is clamped on one of them only.
     """
-    faces = group_nodes(mesh, "left", left), group_nodes(mesh, "right", right)
     angle = 2.0 * math.pi / copies
     c, s = math.cos(angle), math.sin(angle)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    size = float(np.ptp(mesh.points, axis=0).max())
-    tree = cKDTree(mesh.points[faces[1]])
-    distance, order = tree.query(mesh.points[faces[0]] @ turn.T)
-    if len(faces[0]) == len(faces[1]) and distance.max() > MATCHING * size:
-        backward = tree.query(mesh.points[faces[0]] @ turn)[0].max() <= MATCHING * size
+    size = float(np.ptp(points, axis=0).max())
+    tree = cKDTree(points[right])
+    distance, order = tree.query(points[left] @ turn.T)
+    if len(left) == len(right) and distance.max() > MATCHING * size:
+        backward = tree.query(points[left] @ turn)[0].max() <= MATCHING * size
         reason = (
             "left and right are interchanged"
             if backward
             else f"nodes are up to {distance.max():.3g} m away; are there {copies} copies?"
         )
         raise invalid(
-            *("right", right),
-            f"the nodes of {left!r} turned counter-clockwise about the axis by 1/{copies} of a "
-            f"turn; {reason}",
+            *("right", None),
+            "the nodes of the left face turned counter-clockwise about the axis by "
+            f"1/{copies} of a turn; {reason}",
         )
-    if len(faces[0]) != len(faces[1]) or len(np.unique(order)) < len(order):
-        numbers = f"{len(faces[0])} on the left and {len(faces[1])} on the right"
-        raise invalid("right", right, f"one node for each node of {left!r}; there are {numbers}")
-    first, second = faces[0], faces[1][order]
-    fixed = np.isin(first, clamped)
-    if np.any(fixed != np.isin(second, clamped)):
+    if len(left) != len(right) or len(np.unique(order)) < len(order):
+        numbers = f"{len(left)} on the left and {len(right)} on the right"
+        raise invalid("right", None, f"one node for each node of the left face; {numbers}")
+    fixed = np.isin(left, clamped)
+    if np.any(fixed != np.isin(right[order], clamped)):
         raise invalid("clamped", None, "the same clamped nodes on both faces of the sector")
-    return {"left_dofs": first[~fixed], "right_dofs": second[~fixed]}
+    return {"left_dofs": left[~fixed], "right_dofs": right[order][~fixed]}

@@ -43,8 +43,8 @@ def read_superelement(path: str | PathLike[str]) -> Superelement:
     file = Path(path)
     try:
         content = _content(file)
-        for key in sorted(set(content) - set(_KEYS)):
-            if meant := get_close_matches(key, _KEYS, 1, 0.8):
+        for key in sorted(set(content) - set(KEYS)):
+            if meant := get_close_matches(key, KEYS, 1, 0.8):
                 raise SuperelementError(f"{key}: unknown key; did you mean {meant[0]}?")
         return superelement_of(content)
     except SuperelementError as error:
@@ -103,7 +103,7 @@ def write_superelement(path: str | PathLike[str], part: Superelement) -> None:
 
 
 _SPARSE = ("data", "indices", "indptr", "shape")
-_KEYS = (
+KEYS = (
     *(*MATRICES, *NUMBERS, *INTEGERS, *TEXTS, *UNITS),
     *(f"{key}_{part}" for key in MATRICES for part in _SPARSE),
 )

@@ -20,6 +20,7 @@ from bladewhirl.studies.commands.convergence import convergence
 from bladewhirl.studies.commands.critical_speeds import critical_speeds
 from bladewhirl.studies.commands.exits import UserErrorGroup, robust_output
 from bladewhirl.studies.commands.export import export
+from bladewhirl.studies.commands.import_ import import_
 from bladewhirl.studies.commands.mesh import mesh
 from bladewhirl.studies.commands.modes import modes
 from bladewhirl.studies.commands.new import new
@@ -45,12 +46,13 @@ app = typer.Typer(
 
 
 for command in (
-    *(campbell, compare, convergence, critical_speeds, export, mesh, modes, new, plot, render),
-    *(report, reproduce, response, run, show, stability, sweep, veering, verify),
+    *(campbell, compare, convergence, critical_speeds, export, import_, mesh, modes, new, plot),
+    *(render, report, reproduce, response, run, show, stability, sweep, veering, verify),
 ):
     # The terminal wraps each paragraph.
     paragraphs = (command.__doc__ or "").split("\n\n")
-    app.command(help="\n\n".join(" ".join(part.split()) for part in paragraphs))(command)
+    name = command.__name__.strip("_").replace("_", "-")
+    app.command(name, help="\n\n".join(" ".join(part.split()) for part in paragraphs))(command)
 
 
 def _print_version(version: bool) -> None:

@@ -1,4 +1,5 @@
-"""Compute natural frequencies of a blade and a bladed disk with CalculiX; write calculix.json.
+"""Compute natural frequencies of a blade and a bladed disk with CalculiX; write calculix.json, and
+matrices of a small rotating blade: matrices.inp with .sti, .mas and .dof.
 
 Run in the root of the repository, with CalculiX (Debian package calculix-ccx; 2.20 was used):
 PYTHONPATH=tests/support python tests/data/solids/calculix.py
@@ -69,16 +70,18 @@ def sector_text(mesh) -> str:
     return text + "*BOUNDARY\nheld, 1, 3\n"
 
 
+def steps(step: str, speed: float) -> str:
+    """Return a step, after a static step under centrifugal forces."""
+    load = f"*DLOAD\nall, CENTRIF, {speed**2!r}, 0, 0, 0, 0, 0, 1\n"
+    if not speed:
+        return f"*STEP\n{step}*END STEP\n"
+    return f"*STEP\n*STATIC\n{load}*END STEP\n*STEP, PERTURBATION\n{step}*END STEP\n"
+
+
 def frequencies(model: str, modes: str, speed: float) -> list[tuple[int, float]]:
     """Return the first numbers and the frequencies [Hz] of the table of eigenvalues."""
-    step = f"*FREQUENCY\n{modes}*END STEP\n"
-    load = f"*DLOAD\nall, CENTRIF, {speed**2!r}, 0, 0, 0, 0, 0, 1\n"
-    if speed:
-        step = f"*STEP\n*STATIC\n{load}*END STEP\n*STEP, PERTURBATION\n{step}"
-    else:
-        step = f"*STEP\n{step}"
     with TemporaryDirectory() as folder:
-        (Path(folder) / "job.inp").write_text(model + step)
+        (Path(folder) / "job.inp").write_text(model + steps(f"*FREQUENCY\n{modes}", speed))
         subprocess.run(["ccx", "job"], cwd=folder, check=True, capture_output=True)
         table = (Path(folder) / "job.dat").read_text().split("P A R T I C I P A T I O N")
     words = [line.split() for part in table for line in part.splitlines()]
@@ -101,5 +104,12 @@ for kind in FACES:
         content.setdefault(key, {})[kind] = [
             [value for number, value in found if number == k][::2] for k in range(7)
         ]
-target = Path(__file__).parent / "calculix.json"
-target.write_text(json.dumps(content, indent=1) + "\n")
+here = Path(__file__).parent
+(here / "calculix.json").write_text(json.dumps(content, indent=1) + "\n")
+model = mesh_text(cantilever("tetra", (2, 1, 1))) + "*BOUNDARY\nroot, 1, 3\n"
+with TemporaryDirectory() as folder:
+    deck = Path(folder) / "matrices.inp"
+    deck.write_text(model + steps("*FREQUENCY, SOLVER=MATRIXSTORAGE\n", SPEED))
+    subprocess.run(["ccx", "matrices"], cwd=folder, check=True, capture_output=True)
+    for suffix in (".inp", ".sti", ".mas", ".dof"):
+        (here / "matrices").with_suffix(suffix).write_text(deck.with_suffix(suffix).read_text())

@@ -157,7 +157,11 @@ def _turned_inside_out() -> meshio.Mesh:
             TIE | {"left": "right", "right": "left"},
             "left and right are interchanged",
         ),
-        (bladed_sector("tetra"), TIE | {"left": "tip"}, "one node for each node of"),
+        (
+            bladed_sector("tetra"),
+            TIE | {"left": "tip"},
+            "left face; 4 on the left and 6",
+        ),
         (_without("triangle"), {}, "cells of one of the types tetra, tetra10, hexahedron"),
         (_turned_inside_out(), {}, "1 of 12 are, such as that around (0.208333, "),
         ("missing.msh", {}, "missing.msh"),

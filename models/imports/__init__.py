@@ -1,0 +1,1 @@
+"""Superelements from the matrices of other finite element codes."""

@@ -1,0 +1,78 @@
+"""Matrices of CalculiX: .inp with .sti, .mas and .dof.
+
+CalculiX writes them in a step with *FREQUENCY, SOLVER=MATRIXSTORAGE. Each line of .sti and .mas has
+row, column and value of one triangle; line i of .dof has node and direction of row i, such as 17.3.
+Fixed displacements are left out, and dependent ones of equations are eliminated.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from bladewhirl.meshes.files.abaqus_volumes import abaqus_mesh, read_abaqus
+from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.volumes import read_volume_mesh
+from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.models.imports.parts import ForeignPart
+from bladewhirl.models.imports.triplets import read_triplets
+from bladewhirl.models.solids.surface import surface_triangles
+from bladewhirl.models.superelements.superelement import FIXED, SuperelementError
+
+
+def read_calculix(path: Path) -> ForeignPart:
+    """Read the matrices that CalculiX wrote for an input file, with its nodes and sets.
+
+    Raises:
+        SuperelementError: a file is missing or invalid, or the files do not belong together.
+    """
+    try:
+        deck = read_abaqus(path)
+    except MeshFileError as error:
+        raise SuperelementError(f"{path}: expected {error}") from None
+    files = [path.with_suffix(suffix) for suffix in (".sti", ".mas", ".dof")]
+    missing = [file.name for file in files if not file.is_file()]
+    if missing:
+        raise SuperelementError(
+            f"{path}: expected {', '.join(missing)} in the same folder; CalculiX writes them in a"
+            " step with *FREQUENCY, SOLVER=MATRIXSTORAGE"
+        )
+    try:
+        words = files[2].read_text(encoding="utf-8").split()
+        entries = np.array([word.split(".") for word in words], dtype=np.int64).reshape(-1, 2)
+    except (OSError, ValueError):
+        raise SuperelementError(
+            f"{files[2]}: expected lines of node and direction such as 17.3"
+        ) from None
+    stiffness, mass = (read_triplets(file, len(entries)) for file in files[:2])
+    place = {number: row for row, number in enumerate(deck.points)}
+    dofs = np.full((len(place), 3), FIXED, dtype=np.int64)
+    for row, (node, direction) in enumerate(entries.tolist()):
+        if node not in place or not 1 <= direction <= 3:
+            raise SuperelementError(
+                f"{files[2]}: expected displacements 1 to 3 of the nodes of {path.name}, got"
+                f" {node}.{direction}; elements of solids only are read, not shells and beams"
+            )
+        dofs[place[node], direction - 1] = row
+    return ForeignPart(
+        source=f"{path.name} of CalculiX",
+        mass=mass,
+        stiffness=stiffness,
+        numbers=np.array([*deck.points], dtype=np.int64),
+        points=np.array([*deck.points.values()], dtype=np.float64),
+        dofs=dofs,
+        groups={
+            name: np.array(sorted({place[node] for node in nodes if node in place}), dtype=np.int64)
+            for name, nodes in deck.groups().items()
+        },
+        surface=_surface(path),
+    )
+
+
+def _surface(path: Path) -> IntArray | None:
+    """Return the nodes of the surface triangles; None for elements of several types."""
+    try:
+        mesh = read_volume_mesh(abaqus_mesh(path))
+    except MeshFileError:
+        return None
+    shown, triangles = surface_triangles(mesh)
+    return np.asarray(mesh.rows[shown][triangles])

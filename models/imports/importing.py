@@ -1,0 +1,134 @@
+"""Superelements from files of other programs: `bladewhirl.import_superelement`."""
+
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.imports.calculix import read_calculix
+from bladewhirl.models.imports.inspection import Inspection, inspect
+from bladewhirl.models.imports.parts import Choice, ForeignPart, superelement_from
+from bladewhirl.models.imports.tables import (
+    read_matlab,
+    read_matlab_superelement,
+    read_matrix_market,
+)
+from bladewhirl.models.superelements.file import read_superelement
+from bladewhirl.models.superelements.superelement import Superelement, SuperelementError, dense
+
+SMALLEST, LARGEST = 1e-3, 20.0
+"""Plausible radii of contact nodes [m]."""
+
+MATLAB, CALCULIX, SUPERELEMENT = ".mat", ".inp", ".npz"
+
+
+def import_superelement(
+    source: str | PathLike[str],
+    *,
+    mass: str | PathLike[str] | None = None,
+    nodes: str | PathLike[str] | None = None,
+    **choice: Any,
+) -> Superelement:
+    """Make a superelement from the matrices of another finite element code, and check it.
+
+    The formats are told by the name of `source`:
+
+    - .inp: input of CalculiX, beside .sti, .mas and .dof of the same name, which CalculiX writes in
+      a step with ``*FREQUENCY, SOLVER=MATRIXSTORAGE``. Groups are its sets of nodes and elements.
+    - .mat: matrices M and K, perhaps D and G, of NLvib or another program, with `nodes`; or with
+      contact nodes and all else as in the file of a superelement.
+    - .npz: a superelement.
+    - any other name: the stiffness in Matrix Market, with `mass` and `nodes`. Lines of row, column
+      and value without a head are read too.
+
+    Args:
+        source: path of the main file.
+        mass: path of the mass in Matrix Market.
+        nodes: path of a CSV file with a first line ``node,x,y,z``, the number and position of each
+            node. Columns ``row_x,row_y,row_z`` are the rows of its displacements in the matrices,
+            from 1, and 0 or nothing for fixed ones; without them each node has the same number of
+            consecutive rows, the first of which are x, y and z. A column ``group`` has the names
+            of groups, separated by blanks.
+        choice: contact (group, or numbers of nodes separated by commas), contacts, left, right,
+            copies, length_unit, mass_unit, axis and name, see `Choice`.
+
+    Returns:
+        the superelement, in SI units.
+
+    Raises:
+        SuperelementError: files are missing or invalid, or describe no structure: matrices are not
+            symmetric or indefinite, nodes are unknown, or the first frequency is implausible.
+    """
+    return imported(source, mass=mass, nodes=nodes, **choice)[0]
+
+
+def imported(
+    source: str | PathLike[str],
+    *,
+    mass: str | PathLike[str] | None = None,
+    nodes: str | PathLike[str] | None = None,
+    **choice: Any,
+) -> tuple[Superelement, Inspection, FloatArray | None]:
+    """Return a superelement, its properties, and its mass along x, y and z without fixed nodes
+    [kg], (3,); None if the coordinates have no positions. See `import_superelement`."""
+    path = Path(source)
+    given = {key: value for key, value in choice.items() if value is not None}
+    if path.suffix.lower() == SUPERELEMENT or (path.suffix.lower() == MATLAB and nodes is None):
+        if given.keys() - {"name"} or mass is not None or nodes is not None:
+            reason = "a superelement states its own contact nodes and units"
+            if path.suffix.lower() == MATLAB:
+                reason = "without a table of nodes, the file states contact nodes and units itself"
+            raise SuperelementError(f"{path}: expected a name at most; {reason}")
+        read = (
+            read_superelement if path.suffix.lower() == SUPERELEMENT else read_matlab_superelement
+        )
+        part = replace(read(path), **given)
+        return part, _inspected(path, part), None
+    foreign = _read(path, mass, nodes)
+    if "contact" not in given:
+        raise SuperelementError(f"{path}: expected contact nodes: a group or numbers of nodes")
+    try:
+        part, along = superelement_from(foreign, Choice(**given))
+    except SuperelementError as error:
+        raise SuperelementError(*(f"{path}: {line}" for line in error.lines)) from None
+    _check_radius(path, part)
+    total = dense(along @ part.mass @ along.T).diagonal()
+    return part, _inspected(path, part), total
+
+
+def _check_radius(path: Path, part: Superelement) -> None:
+    radius = float(part.contact_radius.max())
+    if not SMALLEST <= radius <= LARGEST:
+        raise SuperelementError(
+            f"{path}: expected contact nodes at a radius from {SMALLEST:g} to {LARGEST:g} m, got"
+            f" {radius:.4g} m; give the units of the program, such as mm and t for a stiffness in"
+            " N/mm"
+        )
+
+
+def _inspected(path: Path, part: Superelement) -> Inspection:
+    try:
+        return inspect(part)
+    except SuperelementError as error:
+        raise SuperelementError(*(f"{path}: {line}" for line in error.lines)) from None
+
+
+def _read(
+    path: Path, mass: str | PathLike[str] | None, nodes: str | PathLike[str] | None
+) -> ForeignPart:
+    if path.suffix.lower() == CALCULIX:
+        if mass is not None or nodes is not None:
+            raise SuperelementError(
+                f"{path}: expected neither mass nor nodes; both are found beside the input"
+            )
+        return read_calculix(path)
+    if nodes is None:
+        raise SuperelementError(
+            f"{path}: expected a table of nodes (a CSV file with node,x,y,z) beside the matrices"
+        )
+    if path.suffix.lower() == MATLAB:
+        return read_matlab(path, Path(nodes))
+    if mass is None:
+        raise SuperelementError(f"{path}: expected the mass too, in a second file of Matrix Market")
+    return read_matrix_market(path, Path(mass), Path(nodes))

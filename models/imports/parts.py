@@ -1,0 +1,144 @@
+"""Matrices and nodes of a part as another program wrote them, and the superelement made of them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.inputs.units import to_si
+from bladewhirl.models.solids.blade import AXES
+from bladewhirl.models.solids.groups import contact_nodes, matching_faces, sector_faces
+from bladewhirl.models.superelements.superelement import (
+    FIXED,
+    Matrix,
+    Superelement,
+    SuperelementError,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForeignPart:
+    """Matrices and nodes of a part, in the units and axes of their program."""
+
+    source: str  #: program and files, for messages and for the superelement
+    mass: Matrix  #: mass, (n, n)
+    stiffness: Matrix  #: stiffness, (n, n)
+    damping: Matrix | None = None  #: damping, (n, n)
+    gyroscopic: Matrix | None = None  #: matrix of the Coriolis forces at 1 rad/s, (n, n)
+    numbers: IntArray  #: number of each node in the program, (nodes,)
+    points: FloatArray  #: positions of the nodes, (nodes, 3)
+    dofs: IntArray
+    """Row of the x, y and z displacement of each node, from 0; -1 where it is fixed, (nodes, 3)."""
+    groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> rows of nodes
+    surface: IntArray | None = None  #: rows of the nodes of each surface triangle, (t, 3)
+
+    def nodes(self, key: str, given: str) -> IntArray:
+        """Return the rows of the nodes of a group, or of node numbers separated by commas.
+
+        Raises:
+            SuperelementError: the group or a node is unknown; the error names ``key``.
+        """
+        words = given.replace(",", " ").split()
+        if words and all(word.isdigit() for word in words):
+            place = {int(number): row for row, number in enumerate(self.numbers)}
+            unknown = [word for word in words if int(word) not in place]
+            if unknown:
+                raise SuperelementError(
+                    f"{key} {given}: expected nodes of {self.source}, which has no node"
+                    f" {', '.join(unknown[:5])}"
+                )
+            return np.array([place[int(word)] for word in words], dtype=np.int64)
+        alike = [name for name in self.groups if name.upper() == given.upper()]
+        if given not in self.groups and len(alike) != 1:
+            listed = ", ".join(sorted(self.groups)) or "there are none"
+            raise SuperelementError(
+                f"{key} {given}: expected numbers of nodes, or a group of {self.source}: {listed}"
+            )
+        nodes = self.groups[given if given in self.groups else alike[0]]
+        if not len(nodes):
+            raise SuperelementError(f"{key} {given}: expected a group with nodes")
+        return np.asarray(nodes)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """What becomes of a part: its contact nodes, faces, units and axis."""
+
+    contact: str  #: group, or numbers of nodes
+    contacts: int | None = None  #: number of contact nodes along the chord; all by default
+    left: str | None = None  #: group or numbers of the nodes of the clockwise face
+    right: str | None = None  #: of the counter-clockwise face
+    copies: int | None = None  #: number of sectors
+    length_unit: str = "m"  #: unit of positions and, with N, of stiffness
+    mass_unit: str = "kg"  #: unit of mass
+    axis: str = "z"  #: axis of rotation, "x", "y" or "z"
+    name: str = ""  #: name of the superelement
+
+
+def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, FloatArray]:
+    """Return a superelement, and the unit translations of its coordinates along x, y and z, (3, n).
+
+    Raises:
+        SuperelementError: groups, units or matrices are invalid.
+    """
+    length, mass = _unit(choice.length_unit, "m"), _unit(choice.mass_unit, "kg")
+    if choice.axis not in AXES:
+        raise SuperelementError(f"axis {choice.axis}: expected x, y or z")
+    order = AXES[choice.axis]
+    points, dofs = length * part.points[:, order], part.dofs[:, order]
+    size = part.mass.shape[0]
+    outside = dofs[(dofs != FIXED) & ((dofs < 0) | (dofs >= size))]
+    if len(outside):
+        raise SuperelementError(
+            f"{part.source}: expected rows of nodes up to {size}, the size of the mass,"
+            f" got {int(outside.max()) + 1}"
+        )
+    held = np.flatnonzero((dofs == FIXED).all(axis=1))
+    try:
+        group = part.nodes("contact", choice.contact)
+        touching = contact_nodes(points, group, choice.contacts, held)
+        sides = sector_faces(choice.left, choice.right, choice.copies)
+        faces: dict[str, IntArray] = {}
+        if sides is not None:
+            first, second = part.nodes("left", sides[0]), part.nodes("right", sides[1])
+            faces = matching_faces(points, first, second, sides[2], held)
+    except CaseError as error:
+        raise SuperelementError(*(f"{part.source}: {line}" for line in error.lines)) from None
+    shown = np.arange(len(points)) if part.surface is None else np.unique(part.surface)
+    made = Superelement(
+        mass=mass * part.mass,
+        stiffness=mass * part.stiffness,
+        damping=None if part.damping is None else mass * part.damping,
+        gyroscopic=None if part.gyroscopic is None else mass * part.gyroscopic,
+        contact_position=points[touching],
+        contact_dofs=dofs[touching],
+        points=points[shown],
+        recovery=_recovery(dofs[shown], size),
+        triangles=None if part.surface is None else np.searchsorted(shown, part.surface),
+        name=choice.name or part.source,
+        source=part.source,
+        **{key: dofs[nodes] for key, nodes in faces.items()},
+    )
+    along = np.zeros((3, size))
+    for axis in range(3):
+        along[axis, dofs[dofs[:, axis] != FIXED, axis]] = 1.0
+    return made, along
+
+
+def _recovery(dofs: IntArray, size: int) -> sp.csr_array:
+    row = np.flatnonzero(dofs.ravel() != FIXED)
+    entries = np.ones(len(row)), (row, dofs.ravel()[row])
+    return sp.csr_array(entries, shape=(dofs.size, size))
+
+
+def _unit(given: str, unit: str) -> float:
+    try:
+        return to_si(f"1 {given}", unit)
+    except ValueError as error:
+        kind, example = ("length", "mm") if unit == "m" else ("mass", "t")
+        raise SuperelementError(
+            f'{kind}_unit {given}: expected a unit of {kind} such as "{example}" ({error})'
+        ) from None

@@ -1,0 +1,181 @@
+"""Matrices in files of Matrix Market or MATLAB, with a table of their nodes."""
+
+import csv
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.io as sio
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.models.imports.parts import ForeignPart
+from bladewhirl.models.imports.triplets import read_matrix
+from bladewhirl.models.superelements.file import KEYS, superelement_of
+from bladewhirl.models.superelements.superelement import (
+    FIXED,
+    Matrix,
+    Superelement,
+    SuperelementError,
+)
+
+POSITION, ROWS, GROUP = ("x", "y", "z"), ("row_x", "row_y", "row_z"), "group"
+
+MOST_ROWS = 7
+"""Largest number of degrees of freedom of a node."""
+
+NAMES = {
+    "mass": ("mass", "M", "MM", "Maa", "Mred"),
+    "stiffness": ("stiffness", "K", "KK", "Kaa", "Kred"),
+    "damping": ("damping", "D", "C"),
+    "gyroscopic": ("gyroscopic", "G"),
+}
+"""Names of matrices in MATLAB files, of which the first that is present is taken."""
+
+
+def read_matrix_market(stiffness: Path, mass: Path, nodes: Path) -> ForeignPart:
+    """Read stiffness and mass from two files of Matrix Market, and their nodes from a table.
+
+    Raises:
+        SuperelementError: a file is missing or invalid, or the matrices differ in size.
+    """
+    matrices = {"stiffness": read_matrix(stiffness), "mass": read_matrix(mass)}
+    return _with_nodes(matrices, nodes, f"{stiffness.name} and {mass.name}")
+
+
+def read_matlab(path: Path, nodes: Path) -> ForeignPart:
+    """Read the matrices M and K of a .mat file of NLvib or another program, and a table of nodes.
+
+    The matrices may be fields of a structure. D or C is damping, and G the matrix of the Coriolis
+    forces at 1 rad/s.
+
+    Raises:
+        SuperelementError: a file is missing or invalid, or there are no matrices M and K.
+    """
+    return _with_nodes(dict(_matrices(_variables(path))), nodes, path.name)
+
+
+def read_matlab_superelement(path: Path) -> Superelement:
+    """Read a superelement from a .mat file whose matrices may be named as in `read_matlab`.
+
+    Raises:
+        SuperelementError: the file is missing or invalid, or describes no structure.
+    """
+    variables = _variables(path)
+    content = {key: value for key, value in variables.items() if key in KEYS}
+    try:
+        return superelement_of(content | dict(_matrices(variables)))
+    except SuperelementError as error:
+        raise SuperelementError(*(f"{path}: {line}" for line in error.args)) from None
+
+
+def _variables(path: Path) -> dict[str, Any]:
+    """Return the variables of a .mat file that contains a mass and a stiffness."""
+    try:
+        content = sio.loadmat(path, struct_as_record=False, squeeze_me=False, appendmat=False)
+    except OSError as error:
+        reason = error.strerror or error
+        raise SuperelementError(f"{path}: expected a readable file ({reason})") from None
+    except (ValueError, TypeError, NotImplementedError, KeyError) as error:
+        reason = f"a .mat file before version 7.3 ({error})"
+        raise SuperelementError(f"{path}: expected {reason}") from None
+    missing = {"mass", "stiffness"} - {key for key, _ in _matrices(content)}
+    if missing:
+        expected = " and ".join(sorted(NAMES[key][1] for key in missing))
+        raise SuperelementError(
+            f"{path}: expected matrices {expected}, as variables or in a structure"
+        )
+    return dict(content)
+
+
+def _matrices(content: dict[str, Any]) -> Iterator[tuple[str, Matrix]]:
+    """Yield matrices by key; those of structures first, so that variables replace them."""
+    for value in content.values():
+        for one in value.flat if getattr(value, "dtype", None) == np.object_ else ():
+            if isinstance(one, sio.matlab.mat_struct):
+                yield from _matrices(dict(vars(one)))
+    for key, names in NAMES.items():
+        given = next((content[name] for name in names if np.ndim(content.get(name, 0)) == 2), None)
+        if given is not None:
+            sparse = sp.issparse(given)
+            yield key, sp.csr_array(given) if sparse else np.array(given, dtype=np.float64)
+
+
+def _with_nodes(matrices: dict[str, Any], table: Path, source: str) -> ForeignPart:
+    size = matrices["mass"].shape[0]
+    for key, matrix in matrices.items():
+        if matrix.shape != (size, size):
+            shapes = f"{matrix.shape[0]} x {matrix.shape[1]}, and the mass {size} rows"
+            raise SuperelementError(f"{source}: expected matrices of one size; {key} has {shapes}")
+    rows = _read_table(table)
+    numbers = _column(table, rows, "node", int)
+    points = np.array([_column(table, rows, key, float) for key in POSITION]).T
+    if len(set(numbers)) < len(numbers):
+        twice = next(number for number in numbers if numbers.count(number) > 1)
+        raise SuperelementError(f"{table}: expected each node once; node {twice} occurs again")
+    groups: dict[str, list[int]] = {}
+    for place, row in enumerate(rows):
+        for name in (row.get(GROUP) or "").split():
+            groups.setdefault(name, []).append(place)
+    return ForeignPart(
+        source=source,
+        numbers=np.array(numbers, dtype=np.int64),
+        points=points,
+        dofs=_dofs(table, rows, size),
+        groups={name: np.array(places) for name, places in groups.items()},
+        **matrices,
+    )
+
+
+def _dofs(table: Path, rows: list[dict[str, str]], size: int) -> IntArray:
+    """Return the rows of the displacements, as in the table or in the order of its nodes."""
+    if any(key in rows[0] for key in ROWS):
+        columns = [_column(table, rows, key, int, empty=0) for key in ROWS]
+        dofs = np.array(columns, dtype=np.int64).T - 1
+        if dofs.min() < FIXED or dofs.max() >= size:
+            raise SuperelementError(
+                f"{table}: expected rows from 1 to {size}, the size of the matrices, or 0 for fixed"
+                f" displacements; they go from {dofs.min() + 1} to {dofs.max() + 1}"
+            )
+        return dofs
+    each, rest = divmod(size, len(rows))
+    if rest or not 3 <= each <= MOST_ROWS:
+        raise SuperelementError(
+            f"{table}: expected columns {', '.join(ROWS)}: {size} rows of the matrices are not the"
+            f" displacements of {len(rows)} nodes in order"
+        )
+    return np.asarray(each * np.arange(len(rows))[:, None] + np.arange(3))
+
+
+def _read_table(path: Path) -> list[dict[str, str]]:
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as stream:
+            reader = csv.DictReader(stream, skipinitialspace=True)
+            rows = [{(k or "").strip().lower(): v for k, v in row.items()} for row in reader]
+    except (OSError, ValueError, csv.Error) as error:
+        raise SuperelementError(f"{path}: expected a readable CSV file ({error})") from None
+    if not rows or not {"node", *POSITION} <= set(rows[0]):
+        raise SuperelementError(
+            f"{path}: expected a first line node,x,y,z and a line for each node"
+        )
+    return rows
+
+
+def _column(
+    path: Path, rows: list[dict[str, str]], key: str, kind: type[Any], *, empty: Any = None
+) -> list[Any]:
+    values = []
+    for line, row in enumerate(rows, 2):
+        text = (row.get(key) or "").strip()
+        try:
+            value = empty if not text and empty is not None else kind(text)
+            if not np.isfinite(value):
+                raise ValueError
+        except (ValueError, OverflowError):
+            noun = "a whole number" if kind is int else "a finite number"
+            raise SuperelementError(
+                f"{path}: line {line}: {key}: expected {noun}, got {text!r}"
+            ) from None
+        values.append(value)
+    return values
