@@ -15,7 +15,7 @@ from bladewhirl.postprocess.reports.sweep_explorer import frequency_explorer, po
 from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, key_heading
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_label
-from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, swept, swept_keys
+from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, SCREENED, swept, swept_keys
 from bladewhirl.postprocess.sweep.drawing import line_label
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
@@ -85,6 +85,7 @@ def sweep_report(
                 f"Swept: {', '.join(keys)}.",
                 REGIMES[next(iter(counts))].meaning if counts else "",
                 _certainty(dataset) if done and DRAW in dataset.dims else "",
+                _screening(dataset) if done and SCREENED in dataset else "",
             ]
         ),
         warnings=_warnings(needed, done, failed),
@@ -102,6 +103,7 @@ def _points(dataset: xr.Dataset) -> xr.Dataset:
     """Return the quantities of every point, with dimensions as in `sweep.quantities`; the swept
     keys are in convenient units."""
     names = ["regime", "shaft_radius_max", "growth_rate", "growth_error", "end_time"]
+    names += [SCREENED] if SCREENED in dataset else []
     points = in_handy_units(along(dataset, main_key(dataset), [*names, "contact_share"]))
     touched = (points["contact_share"] > 0).sum("blade")
     regime = points["regime"].where(points["state"] == "done", "no result")
@@ -140,6 +142,17 @@ def _certainty(dataset: xr.Dataset) -> str:
     return (
         f"The outcome is uncertain at {len(places)} of {shares['uncertain'].size} points, where"
         f" {interval} a regime includes one half: {named}."
+    )
+
+
+def _screening(dataset: xr.Dataset) -> str:
+    """Return a sentence on the screened points of a sweep."""
+    done = dataset["state"] == "done"
+    screened = ((dataset[SCREENED] == "yes") & done).any(DRAW)
+    return (
+        f"{int(screened.sum())} of {int(done.any(DRAW).sum())} points were screened with scaled"
+        " masses of the casing, and are marked in the table of points; where the draws differed,"
+        " all were repeated with the time step of the case."
     )
 
 
@@ -207,12 +220,15 @@ def _point_table(points: xr.Dataset) -> page.Table:
     key = points[str(points.attrs["along"])]
     listed, others = table_keys(points), other_keys(points)
     column = {str(name): points[name].values for name in points.data_vars}
+    screened = column.get(SCREENED, np.full(column["state"].shape, "no")) == "yes"
+    screened &= column["state"] == "done"
     rows = [
         (
             f"{at:.6g}",
             *(f"{values[n]:.6g}" for values in listed),
             *(f"{other.values[line]:.6g}" for other in others),
-            str(column["regime" if column["state"][line, n] == "done" else "state"][line, n]),
+            str(column["regime" if column["state"][line, n] == "done" else "state"][line, n])
+            + (", screened" if screened[line, n] else ""),
             _number(MILLI * column["shaft_radius_max"][line, n]),
             rate_text(column["growth_rate"][line, n], column["growth_error"][line, n]),
             _number(column["touched"][line, n] if column["state"][line, n] == "done" else np.nan),

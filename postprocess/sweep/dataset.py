@@ -19,11 +19,12 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields import netcdf
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT, index_values
+from bladewhirl.solvers.march.schema import SCREENING, SWEEP, SWEEP_FORMAT, index_values
 
 SWEEP_NAME = "sweep.nc"  #: name of the dataset's file in the folder of a sweep
 MISSING, DONE, FAILED, NOT_NEEDED = range(4)  #: codes of the variable `state` of a point
 DRAW = "draw"  #: name of the dimension of the draws of each point
+SCREENED = "screened"  #: name of the variable that tells screening marches from others
 POINT = "point"  #: name of the dimension of the points of a table
 #: size of a dataset [bytes] up to which all checksums are verified when the dataset is opened
 CHECKED_BYTES = 2**28
@@ -160,7 +161,7 @@ def open_sweep(path: str | Path) -> xr.Dataset:
         raise netcdf.ResultError(f"{file}: expected a sweep of bladewhirl, {fault}")
     named: dict[str, Any] = {
         name: (dataset[name].dims, np.array(variable.labels)[dataset[name].values])
-        for name, variable in SWEEP.items()
+        for name, variable in {**SWEEP, **SCREENING}.items()
         if variable.labels and name in dataset
     }
     if "mode_forward_frequency" not in dataset and "mode_frequency" in dataset:  # before format 4
@@ -188,9 +189,9 @@ def _fault(dataset: xr.Dataset) -> str:
         return (
             f"of format {SWEEP_FORMAT} or older, found format {made_by}; a newer version reads it"
         )
-    for name, variable in SWEEP.items():
+    for name, variable in {**SWEEP, **SCREENING}.items():
         if name not in dataset:
-            if variable.since <= made_by:
+            if variable.since <= made_by and name in SWEEP:
                 return f"it has no {name!r}"
             continue
         if dataset[name].dims != (*swept(dataset), *variable.dimensions):

@@ -28,7 +28,13 @@ from bladewhirl.postprocess.sweep.axes import (
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, line_values, title_figure
 from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, in_order, need_a_grid
-from bladewhirl.postprocess.sweep.regimes import HATCH, NOT_JUDGED, draw_regimes, regime_entries
+from bladewhirl.postprocess.sweep.regimes import (
+    HATCH,
+    NOT_JUDGED,
+    draw_regimes,
+    regime_entries,
+    regime_names,
+)
 
 DIVERGING = "PuOr_r"  #: colour map of signed values, distinct for colour-blind readers
 #: ratio of the largest value to the median above which a colour scale is logarithmic
@@ -90,7 +96,7 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     columns = 1 + len(pictures)
     rows = figure.subplots(len(shown), columns, sharex=True, sharey=True, squeeze=False)
     for number, row in zip(shown, rows, strict=True):
-        draw_regimes(row[0], maps[along].values, maps[across].values, maps["regime"].values[number])
+        draw_regimes(row[0], maps[along].values, maps[across].values, regime_names(maps)[number])
         row[0].set_title(titles[number], loc="left")
         drawn = [
             _draw_cells(axes, maps, values[number], cmap=colours, norm=norm, rasterized=True)
@@ -114,7 +120,7 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
             pad=0.02 + (0.14 / len(shown) if of_speed else 0.0),  # above the axis in rpm
         )
     title_figure(figure, maps, most=MOST_ROWS)
-    entries = regime_entries(maps["regime"].values)
+    entries = regime_entries(regime_names(maps))
     if doubtful[shown].any():
         entries.append((Patch(facecolor="white", **CROSSED), DOUBTFUL))
     legends_below(figure, Group(entries, "" if len(pictures) > 1 else NOT_JUDGED))

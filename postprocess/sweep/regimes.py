@@ -22,6 +22,7 @@ NOT_JUDGED = "The marches are too short to judge growth; sustained means contact
 #: largest number of columns and of rows for which marks in the cells show the regimes
 MOST_MARKED = 24
 HATCH = "//////"  #: hatching of cells without a result
+LEFT_OUT = "not needed"  #: name shown for draws that were not needed, in white cells
 
 Names = NDArray[np.str_]
 
@@ -36,7 +37,7 @@ def plot_regimes(data: xr.Dataset) -> Figure:
     data, judged = in_handy_units(data), bool(np.isfinite(data["growth_rate"].values).any())
     lines = drawing.lines_of(data)
     strips = 0.005 * len(lines) + 0.005
-    groups = [Group(regime_entries(data["regime"].values), "" if judged else NOT_JUDGED)]
+    groups = [Group(regime_entries(regime_names(data)), "" if judged else NOT_JUDGED)]
     figure = new_figure(width=FULL_WIDTH, height=strips + (0.08 if judged else 0.035))
     heights = (strips, 0.05) if judged else (1.0,)
     panels = figure.subplots(len(heights), sharex=True, height_ratios=heights, squeeze=False)[:, 0]
@@ -55,10 +56,17 @@ def plot_regimes(data: xr.Dataset) -> Figure:
     return figure
 
 
+def regime_names(data: xr.Dataset) -> Names:
+    """Return the names of the regimes from data with `regime` and `state`; `LEFT_OUT` for draws
+    that were not needed."""
+    left_out = data["state"] == "not-needed"
+    return np.asarray(data["regime"].where(~left_out, LEFT_OUT).values.astype(str))
+
+
 def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
     """Draw cells coloured by the names of their regimes (rows, columns), with marks if there are
-    few cells; cells without a result are hatched. The cells fill the panel; their middles are at
-    `x` (columns,) and `y` (rows,)."""
+    few cells; cells without a result are hatched, draws that were not needed are white. The
+    cells fill the panel; their middles are at `x` (columns,) and `y` (rows,)."""
     codes = np.full(regime.shape, -1)
     for number, name in enumerate(drawing.REGIME_COLOURS):
         codes[regime == name] = number
@@ -72,6 +80,9 @@ def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
         vmin=-0.5,
         vmax=len(drawing.REGIME_COLOURS) - 0.5,
     )
+    if (regime == LEFT_OUT).any():
+        white = np.ma.masked_equal(regime != LEFT_OUT, True)
+        draw_map(axes, edges_of(x), edges_of(y), white, cmap=ListedColormap(["white"]))
     if max(regime.shape) > MOST_MARKED:
         return
     for name, mark in drawing.REGIME_MARKS.items():
@@ -91,14 +102,16 @@ def regime_entries(regime: Names) -> list[tuple[Patch | tuple[Patch, Line2D], st
                 [], [], color="black", marker=drawing.REGIME_MARKS[name], linestyle="none", ms=4
             )
             entries.append(((Patch(color=colour), mark), f"{name}: {count}"))
-    if rest := int(np.count_nonzero(~np.isin(regime, list(drawing.REGIME_COLOURS)))):
+    if left_out := int(np.count_nonzero(regime == LEFT_OUT)):
+        entries.append((Patch(fc="white", ec=COLOURS["rest"]), f"{LEFT_OUT}: {left_out}"))
+    if rest := int(np.count_nonzero(~np.isin(regime, [*drawing.REGIME_COLOURS, LEFT_OUT]))):
         hatched = Patch(fc="white", ec=COLOURS["rest"], hatch=HATCH)
         entries.append((hatched, f"no result: {rest}"))
     return entries
 
 
 def _draw_strips(axes: Axes, lines: list[drawing.Line]) -> None:
-    rows = np.array([line.data["regime"].values for line in lines])
+    rows = np.array([regime_names(line.data) for line in lines])
     at = np.arange(len(lines), dtype=np.float64)
     draw_regimes(axes, lines[0].place, at, rows)
     axes.set(ylim=(len(lines) - 0.5, -0.5), yticks=at)

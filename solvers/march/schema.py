@@ -89,6 +89,9 @@ RESULT: Mapping[str, Variable] = {**HISTORY, **COATING, **STATIC, **INDICES}
 SWEEP: Mapping[str, Variable] = _read("sweep")
 """Variables of sweep.nc, which are stored for every point of a sweep."""
 
+SCREENING: Mapping[str, Variable] = _read("screening")
+"""Variables of sweep.nc if points are screened."""
+
 
 def index_values(name: str, size: int) -> NDArray[np.int64] | NDArray[np.object_]:
     """Return the values of a variable of `INDICES`: names, or numbers from 0 to size - 1."""

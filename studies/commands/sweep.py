@@ -81,6 +81,14 @@ def sweep(
             " one half or is narrower than WIDTH, such as 0.2.",
         ),
     ] = None,
+    screen: Annotated[
+        bool,
+        typer.Option(
+            "--screen",
+            help="March the draws with scaled masses of the casing and longer time steps; repeat at"
+            " the time step of the case the points whose outcome is uncertain.",
+        ),
+    ] = False,
     resume: Annotated[
         Path | None,
         typer.Option(
@@ -120,6 +128,7 @@ def sweep(
             new_sweep |= {"--table": table}
             new_sweep |= {"--perturb": perturb, "--seed": seed, "--until": until}
             new_sweep |= {"--set": overrides, "--histories": histories, "--stop-when": stop_when}
+            new_sweep |= {"--screen": screen}
             unused = ", ".join(name for name, value in new_sweep.items() if value)
             if unused:
                 raise UserError(f"--resume {resume}: expected no {unused}, which the plan defines")
@@ -150,6 +159,7 @@ def sweep(
                 perturb=perturb or (),
                 seed=seed,
                 until=until,
+                screen=screen,
                 watch=watch,
             )
     document = {
@@ -158,15 +168,18 @@ def sweep(
         "done": result.done,
         "failed": result.failed,
         "not_needed": result.not_needed,
+        "screened": result.screened,
         "marched": result.marched,
         "wall_time": result.wall_time,
         "failures": result.grid.failed(result.failures),
     }
     not_needed = f", {result.not_needed} not needed" if result.not_needed else ""
+    screened = f" ({result.screened} screened)" if result.screened else ""
     names = ", ".join(sorted(path.name for path in result.directory.iterdir()))
     emit(
         document,
-        f"{result.done} of {result.points} points done, {result.failed} failed{not_needed};"
+        f"{result.done} of {result.points} points done{screened}, {result.failed} failed"
+        f"{not_needed};"
         f" {result.marched} marched in {result.wall_time:.3g} s",
         f"{result.directory}: {names}",
         json=json,
@@ -191,8 +204,9 @@ def _print_plan(plan: Plan) -> None:
     for hint in plan.hints:
         typer.echo(f"Hint: {hint}.", err=True)
     full = f", full histories {plan.history_bytes / 1e6:.3g} MB" if plan.histories else ""
+    fewer = " if all are repeated after screening" if plan.screen else ""
     typer.echo(
-        f"{plan.grid.size} points, {plan.steps:.3g} steps in all;"
+        f"{plan.grid.size} points, {plan.steps:.3g} steps in all{fewer};"
         f" sweep.nc {plan.dataset_bytes / 1e6:.3g} MB{full}",
         err=True,
     )

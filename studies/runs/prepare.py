@@ -6,10 +6,11 @@ from typing import Any
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.elements.build import numbers_within_reach
-from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.mass_scaling import screening_problem
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.solvers.march.march import Scheme
@@ -36,14 +37,21 @@ def prepare(case: Case) -> Prepared:
     return prepare_stage(build_stage(case))
 
 
-def prepare_stage(stage: Stage) -> Prepared:
+def prepare_stage(stage: Stage, *, screen: bool = False) -> Prepared:
     """Prepare the time integration of a stage: check it, and factorise the matrices.
+
+    Args:
+        stage: the stage.
+        screen: whether to scale the masses of the casing and to choose a longer time step.
 
     Raises:
         CaseError: all errors that prevent time integration.
+        UserError: the case cannot be screened.
     """
     problem, case = contact_problem(stage), stage.case
     timing = case.march.timing
+    if screen:
+        problem, timing = screened(case, problem)
     with numbers_within_reach(case):
         try:
             scheme = make_scheme(problem, timing.time_step, timing.record_every, case.march.scheme)
@@ -55,3 +63,17 @@ def prepare_stage(stage: Stage) -> Prepared:
             ) from None
         scheme.init()
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
+
+
+def screened(case: Case, problem: ContactProblem) -> tuple[ContactProblem, Timing]:
+    """Return contact problem and timing of a screening march, see `screening_problem`.
+
+    Raises:
+        UserError: the case cannot be screened.
+    """
+    try:
+        if case.march.scheme != "central-difference":
+            raise ValueError('march.scheme = "central-difference"')
+        return screening_problem(problem, case.march.timing)
+    except ValueError as error:
+        raise UserError(f"--screen: expected {error}") from None

@@ -36,7 +36,9 @@ def add_draws(plan: Plan, directory: Path, count: int) -> Plan:
     table = PointTable(values=plan.grid.listed) if plan.grid.table else None
     more = replace(draws, count=count)
     grid = make_grid(plan.case, plan.grid.over, large=True, draws=more, table=table)
-    wider = plan_sweep(plan.case, grid, histories=False, stop_when=plan.stop_when)
+    wider = plan_sweep(
+        plan.case, grid, histories=False, stop_when=plan.stop_when, screen=plan.screen
+    )
     if not _is_dataset_of(wider, directory):
         with TemporaryDirectory(prefix=PREFIX, dir=directory) as draft:
             _copy(plan, directory, wider, Path(draft))
@@ -62,8 +64,13 @@ def _copy(plan: Plan, directory: Path, more: Plan, draft: Path) -> None:
     assert more.grid.draws is not None
     with Store(directory, plan.grid, plan.digest) as old:
         layout = replace(more.layout, frequency=old.frequency)
-        create(draft, more.grid, more.coordinates, layout, more.attributes)
+        create(draft, more.grid, more.coordinates, layout, more.attributes, screen=more.screen)
+        screened = old.screened
         with Store(draft, more.grid, more.digest) as new:
             for number in np.flatnonzero(old.state == DONE):
                 point, draw = divmod(int(number), plan.grid.draws.count)
-                new.write(point * more.grid.draws.count + draw, old.read(int(number)))
+                new.write(
+                    point * more.grid.draws.count + draw,
+                    old.read(int(number)),
+                    screened=bool(screened[number]),
+                )

@@ -1,14 +1,13 @@
 """Plan of a sweep: validated points, their cost, and the layout of the results."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bladewhirl.files import write_atomically
 from bladewhirl.models.case.case import Case
@@ -16,10 +15,11 @@ from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.stage.build import contact_problem, march_faults
-from bladewhirl.postprocess.sweep.dataset import DONE, DRAW, POINT, Layout
+from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, Layout
 from bladewhirl.solvers.march.free_motion import RULE, STOPS, FreeMotion, StopWhen
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 from bladewhirl.studies.runs import folder
+from bladewhirl.studies.runs.prepare import screened
 from bladewhirl.studies.sweeps.axes import (
     OVER,
     Grid,
@@ -34,7 +34,19 @@ from bladewhirl.studies.sweeps.layout import history_bytes, make_layout, march_e
 from bladewhirl.studies.sweeps.points import Point, stage_at
 from bladewhirl.studies.sweeps.store import Coordinates
 
-STOP_WHEN = "--stop-when"
+STOP_WHEN, SCREEN = "--stop-when", "--screen"
+
+FEWEST_SCREENED = 4
+"""Smallest number of draws of a screened sweep: if fewer draws agree, the interval of their share
+includes one half."""
+
+SCREEN_RULE = (
+    "a point is screened: its draws are marched with casing modes above a cut scaled down to it,"
+    " and with a time step of at most half the critical one; where the regimes of the draws differ"
+    " or the 95 % interval of the share of a regime includes one half, all draws are repeated with"
+    " the time step of the case"
+)
+"""Text of the rule, which every screened sweep contains."""
 
 PLAN_NAME = "sweep.json"
 """Name of the file with the plan of a sweep, for resuming it."""
@@ -58,6 +70,7 @@ class Plan:
     layout: Layout
     histories: bool
     stop_when: StopWhen | None
+    screen: bool  #: whether points are screened, see `SCREEN_RULE`
     steps: int  #: number of steps of all marches together, if none ends early
     history_bytes: int  #: size of all full histories [bytes]
 
@@ -70,7 +83,12 @@ class Plan:
     def digest(self) -> str:
         """Digest of the input of the points, see `plan_digest`."""
         return plan_digest(
-            self.case, self.grid.over, self.stop_when, self.grid.draws, self.grid.listed
+            self.case,
+            self.grid.over,
+            self.stop_when,
+            self.grid.draws,
+            self.grid.listed,
+            screen=self.screen,
         )
 
     @property
@@ -78,7 +96,8 @@ class Plan:
         """Attributes of the dataset that depend on the case and on the program."""
         attributes = {"title": self.case.title, "case": folder.portable_case(self.case)}
         attributes |= {"version": folder.version(), "plan": self.digest}
-        return attributes | ({} if self.stop_when is None else {"stop_rule": RULE})
+        attributes |= {} if self.stop_when is None else {"stop_rule": RULE}
+        return attributes | ({"screen_rule": SCREEN_RULE} if self.screen else {})
 
     @property
     def hints(self) -> tuple[str, ...]:
@@ -88,16 +107,11 @@ class Plan:
             dict.fromkeys(hint for at in ends for hint in case_hints(with_values(self.case, at)))
         )
 
-    def left(self, state: NDArray[np.int8]) -> Iterator[int]:
-        """Yield the numbers of the points whose state is not "done"; `state` has an entry for every
-        point."""
-        return (number for number in range(self.grid.size) if state[number] != DONE)
-
-    def point(self, number: int) -> Point:
-        """Return a point for a worker to march."""
+    def point(self, number: int, *, screen: bool = False) -> Point:
+        """Return a point for a worker to march, with scaled masses if it is to be screened."""
         digits = len(str(self.grid.size - 1))
         name = f"point_{number:0{digits}d}.nc" if self.histories else None
-        return Point(number=number, values=self.grid.values(number), history=name)
+        return Point(number=number, values=self.grid.values(number), history=name, screen=screen)
 
 
 def plan_sweep(
@@ -107,6 +121,7 @@ def plan_sweep(
     histories: bool,
     large: bool = True,
     stop_when: StopWhen | None = None,
+    screen: bool = False,
 ) -> Plan:
     """Validate every point of a sweep and estimate its cost.
 
@@ -118,10 +133,11 @@ def plan_sweep(
         histories: whether full histories are kept.
         large: whether to allow more than a billion steps of a march, or a trillion of the sweep.
         stop_when: condition for ending a march early, see `free_motion.RULE`.
+        screen: whether points are screened, see `SCREEN_RULE`.
 
     Raises:
         UserError: the case has errors at a point, which the message names; there are more steps
-            than allowed; or the case of the first point does not permit `stop_when`.
+            than allowed; or a case does not permit `stop_when` or `screen`.
     """
     extent = march_extent(grid.cases(case))
     for steps, most, what in (
@@ -133,7 +149,12 @@ def plan_sweep(
                 f"{OVER}: {steps:.3g} {what} are more than {most:.0e}; --yes runs them all"
             )
     coordinates = _coordinates(case, grid)
-    _check_stages(case, grid)
+    _check_stages(case, grid, screen=screen)
+    if screen and (grid.draws is None or grid.draws.count < FEWEST_SCREENED or histories):
+        raise UserError(
+            f"{SCREEN}: expected --draws of at least {FEWEST_SCREENED}, and no --histories: a"
+            " screening march has no accurate stresses or spectra above its cut"
+        )
     stage = stage_at(with_values(case, grid.values(0)))
     if stop_when is not None:
         try:
@@ -148,6 +169,7 @@ def plan_sweep(
         layout=make_layout(extent, stage),
         histories=histories,
         stop_when=stop_when,
+        screen=screen,
         steps=extent.steps,
         history_bytes=history_bytes(extent, stage) if histories else 0,
     )
@@ -166,6 +188,8 @@ def plan_digest(
     stop_when: StopWhen | None,
     draws: Draws | None = None,
     table: Mapping[str, Any] | None = None,
+    *,
+    screen: bool = False,
 ) -> str:
     """Return the SHA-256 digest of all input of the points, which plan and dataset contain."""
     # The last entry, 1, is the number of points marched together.
@@ -173,6 +197,7 @@ def plan_digest(
     made_by += [] if stop_when is None else [stop_when]
     made_by += [] if draws is None else [_described(draws)]
     made_by += [dict(table)] if table else []
+    made_by += [SCREEN] if screen else []
     whole = sha256(json.dumps(made_by).encode())
     for name, content in folder.case_files(case).items():
         whole.update(name.encode() + content)
@@ -193,6 +218,8 @@ def write_plan(plan: Plan, directory: Path) -> None:
     }
     if plan.grid.table:
         document["table"] = plan.grid.listed
+    if plan.screen:
+        document["screen"] = True
     if plan.grid.draws is not None:
         document["draws"] = _described(plan.grid.draws)
     text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
@@ -218,6 +245,7 @@ def read_plan(directory: Path) -> Plan:
         histories = bool(document["histories"])
         stop_rule = document.get("stop_when")
         stop_when = None if stop_rule is None else STOPS[STOPS.index(stop_rule)]
+        screen = bool(document.get("screen", False))
         drawn = document.get("draws")
         draws = drawn and parse_draws(
             drawn["count"], drawn["perturb"], drawn["seed"], drawn.get("until")
@@ -228,7 +256,7 @@ def read_plan(directory: Path) -> Plan:
         raise UserError(f"{path}: expected the plan of a sweep ({error!r})") from None
     case = loads(text, file=str(path))
     try:
-        digest = plan_digest(case, over, stop_when, draws, table)
+        digest = plan_digest(case, over, stop_when, draws, table, screen=screen)
     except OSError as error:  # raised for the mesh file
         raise UserError(f"{error.filename}: expected a readable file ({error.strerror})") from None
     if document.get("digest") != digest:
@@ -239,7 +267,7 @@ def read_plan(directory: Path) -> Plan:
         )
     points = PointTable(values=table) if table else None
     grid = make_grid(case, over, large=True, draws=draws, table=points)
-    return plan_sweep(case, grid, histories=histories, stop_when=stop_when)
+    return plan_sweep(case, grid, histories=histories, stop_when=stop_when, screen=screen)
 
 
 def _coordinates(case: Case, grid: Grid) -> Coordinates:
@@ -258,8 +286,9 @@ def _coordinates(case: Case, grid: Grid) -> Coordinates:
     return coordinates
 
 
-def _check_stages(case: Case, grid: Grid) -> None:
-    """Build the stages of some points, including the first and the last, to detect errors.
+def _check_stages(case: Case, grid: Grid, *, screen: bool) -> None:
+    """Build the stages of some points, including the first and the last, to detect errors, also of
+    screening if points are screened.
 
     Raises:
         UserError: the first error, with its point.
@@ -270,6 +299,10 @@ def _check_stages(case: Case, grid: Grid) -> None:
         chosen = np.unique(spread.round().astype(int)).tolist()
     for point in chosen:
         with grid.naming(point):
-            faults = [*march_faults(stage_at(with_values(case, grid.values(point))))]
+            at_point = with_values(case, grid.values(point))
+            stage = stage_at(at_point)
+            faults = [*march_faults(stage)]
             if faults:
                 raise CaseError(faults)
+            if screen:
+                screened(at_point, contact_problem(stage))

@@ -48,6 +48,7 @@ class Point:
     number: int
     values: Mapping[str, Value]  #: values of the swept keys
     history: str | None = None  #: file name of the full history; None if no history is kept
+    screen: bool = False  #: whether to march with scaled masses of the casing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +78,7 @@ def march_point(work: Work, point: Point) -> Outcome:
     complete.
     """
     try:
-        return _march_point(work, with_values(loads(work.case), point.values), point.history)
+        return _march_point(work, with_values(loads(work.case), point.values), point)
     except UserError as error:
         return Failure(reason=error.lines[0])
     except Exception as error:  # any error is the failure of this point
@@ -109,8 +110,9 @@ def _body(case: Case) -> Stage:
     return build_stage(case)
 
 
-def _march_point(work: Work, case: Case, name: str | None) -> Digest:
-    prepared = prepare_stage(stage_at(case))
+def _march_point(work: Work, case: Case, point: Point) -> Digest:
+    name = point.history
+    prepared = prepare_stage(stage_at(case), screen=point.screen)
     if work.stop_when is not None:
         with suppress(ValueError):  # a march that cannot end early runs to its end
             stop = FreeMotion.of(prepared.problem, prepared.timing.time_step)

@@ -23,7 +23,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT
 from bladewhirl.postprocess.sweep import dataset
-from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT
+from bladewhirl.solvers.march.schema import SCREENING, SWEEP, SWEEP_FORMAT
 from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
 from bladewhirl.studies.sweeps.axes import Grid
 from bladewhirl.studies.sweeps.points import Failure, Outcome
@@ -33,10 +33,17 @@ Coordinates = Mapping[str, tuple[FloatArray, str]]
 
 
 def create(
-    directory: Path, grid: Grid, coordinates: Coordinates, layout: dataset.Layout, attributes: Any
+    directory: Path,
+    grid: Grid,
+    coordinates: Coordinates,
+    layout: dataset.Layout,
+    attributes: Any,
+    *,
+    screen: bool = False,
 ) -> None:
     """Create the dataset of a sweep in its folder, completely or not at all; `attributes` are added
-    to the attributes that every such dataset has."""
+    to the attributes that every such dataset has, and `SCREENING` to its variables if points are
+    screened."""
     with (
         replacing(directory / dataset.SWEEP_NAME) as draft,
         h5py.File(draft, "w") as h5,
@@ -66,7 +73,7 @@ def create(
         ):
             text = np.array(labels, dtype=object)
             file.create_variable(name, (name,), h5py.string_dtype(), data=text)
-        for name, variable in SWEEP.items():
+        for name, variable in {**SWEEP, **(SCREENING if screen else {})}.items():
             lengths = {dimension: layout.sizes[dimension] for dimension in variable.dimensions}
             made = _reserve(h5, file, name, np.dtype(variable.kind), {**sizes, **lengths})
             made.attrs.update(variable.attributes)
@@ -137,6 +144,7 @@ class Store(AbstractContextManager["Store"]):
         self._variables = {name: self._h5[name] for name in SWEEP}
         #: state of every point as written, (points,)
         self.state = np.asarray(self._h5["state"][()], dtype=np.int8).ravel()
+        self._screened = self._h5.get(dataset.SCREENED)
 
     def __exit__(self, *error: object) -> None:
         """Close the file, also after an error."""
@@ -151,6 +159,13 @@ class Store(AbstractContextManager["Store"]):
     def regime(self) -> NDArray[np.int8]:
         """Code of the regime of every point as written, (points,)."""
         return np.asarray(self._h5["regime"][()], dtype=np.int8).ravel()
+
+    @property
+    def screened(self) -> NDArray[np.bool_]:
+        """True for every point whose march as written is a screening march, (points,)."""
+        if self._screened is None:
+            return np.zeros(self.state.size, dtype=np.bool_)
+        return np.asarray(self._screened[()], dtype=np.bool_).ravel()
 
     @property
     def done(self) -> int:
@@ -168,9 +183,20 @@ class Store(AbstractContextManager["Store"]):
         names = (name for name in SWEEP if name not in ("state", "checksum"))
         return {name: np.asarray(self._variables[name][index]) for name in names}
 
-    def write(self, point: int, outcome: Outcome) -> None:
-        """Write a point: first its data, then its state."""
+    def write(self, point: int, outcome: Outcome, *, screened: bool = False) -> None:
+        """Write a point: first its data, then its state. If the point has data, they are marked as
+        missing before they are replaced.
+
+        Args:
+            point: number of the point.
+            outcome: its data, or the reason of its failure.
+            screened: whether the march is a screening march.
+        """
         index = np.unravel_index(point, self._grid.shape)
+        if self.state[point] == dataset.DONE:
+            self._write_state(point, dataset.MISSING)
+        if self._screened is not None:
+            self._screened[index] = screened
         if isinstance(outcome, Failure):
             self.failures[point] = outcome.reason
         else:

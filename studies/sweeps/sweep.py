@@ -6,24 +6,27 @@ on the case and the points, not on the number of workers, their order, or interr
 
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import Hint, UserError
-from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
+from bladewhirl.postprocess.sweep.dataset import DONE, SWEEP_NAME
 from bladewhirl.solvers.march.free_motion import StopWhen
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import OVER, TABLE, Grid, Value, make_grid
 from bladewhirl.studies.sweeps.draws import parse_draws
 from bladewhirl.studies.sweeps.more_draws import add_draws
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, Plan, plan_sweep, read_plan, write_plan
-from bladewhirl.studies.sweeps.points import Outcome, Work
+from bladewhirl.studies.sweeps.points import Work
+from bladewhirl.studies.sweeps.rounds import Rounds
 from bladewhirl.studies.sweeps.store import Store, create
 from bladewhirl.studies.sweeps.table import Columns, point_table
-from bladewhirl.studies.sweeps.until import Judge
 from bladewhirl.studies.sweeps.workers import march_points
 
 HISTORIES_NAME = "histories"
@@ -51,6 +54,7 @@ class Sweep:
     wall_time: float  #: wall time of this call [s]
     marched: int  #: number of points marched by this call
     not_needed: int = 0  #: number of draws that were not needed, see `until`
+    screened: int = 0  #: number of marches that are screening marches, see `screen`
     left_out: Mapping[str, str] = field(default_factory=dict)  #: figures not drawn, and the reasons
 
     @property
@@ -74,6 +78,7 @@ def run_sweep(
     perturb: Sequence[str] = (),
     seed: int = 0,
     until: float | None = None,
+    screen: bool = False,
     watch: Watch | None = None,
 ) -> Sweep:
     """March a case at every combination of values, or at the points of a table, and collect the
@@ -107,6 +112,9 @@ def run_sweep(
         seed: seed of the draws.
         until: stop drawing a point when the 95 % interval of the share of every regime excludes one
             half or is narrower than this. The `state` of the other draws is "not-needed".
+        screen: march the draws with scaled masses of the casing and a longer time step, and repeat
+            at the time step of the case the points whose outcome is uncertain. The variable
+            `screened` tells these marches from others; the attribute `screen_rule` is the rule.
         watch: progress callbacks.
 
     Warns:
@@ -131,7 +139,9 @@ def run_sweep(
         draws=parse_draws(draws, perturb, seed, until),
         table=None if table is None else point_table(table),
     )
-    plan = plan_sweep(case, grid, histories=histories, large=large, stop_when=stop_when)
+    plan = plan_sweep(
+        case, grid, histories=histories, large=large, stop_when=stop_when, screen=screen
+    )
     for hint in plan.hints:
         warnings.warn(hint, Hint, stacklevel=2)
     watch = watch or Watch()
@@ -186,7 +196,14 @@ def _carry_out(
     if plan.histories:
         histories.mkdir(exist_ok=True)
     if not (directory / SWEEP_NAME).exists():
-        create(directory, plan.grid, plan.coordinates, plan.layout, plan.attributes)
+        create(
+            directory,
+            plan.grid,
+            plan.coordinates,
+            plan.layout,
+            plan.attributes,
+            screen=plan.screen,
+        )
     with Store(directory, plan.grid, plan.digest) as store:
         # The data of a point must match the file, not the defaults of this machine.
         layout = replace(plan.layout, frequency=store.frequency)
@@ -198,45 +215,28 @@ def _carry_out(
         )
         marched = 0
         watch.progress(store.done, 0, plan.grid.size)
-        for number, outcome in _outcomes(plan, store, work, scheduler, workers):
+        rounds = Rounds(
+            plan, store, partial(march_points, work, scheduler=scheduler, workers=workers)
+        )
+        for number, outcome in rounds.outcomes():
             if outcome is None:
                 store.leave_out(number)
                 if plan.histories:
                     (histories / str(plan.point(number).history)).unlink(missing_ok=True)
             else:
-                store.write(number, outcome)
+                store.write(number, outcome, screened=rounds.screening)
                 marched += 1
             wanted = plan.grid.size - store.not_needed
-            watch.progress(store.done, len(store.failures), wanted)
+            watch.progress(store.done - rounds.waiting, len(store.failures), wanted)
         swept = Sweep(
             directory=directory,
             points=plan.grid.size,
             done=store.done,
             not_needed=store.not_needed,
+            screened=int(np.count_nonzero(store.screened & (store.state == DONE))),
             failures=dict(store.failures),
             grid=plan.grid,
             wall_time=time.perf_counter() - began,
             marched=marched,
         )
     return replace(swept, left_out=leave_figures(directory))
-
-
-def _outcomes(
-    plan: Plan, store: Store, work: Work, scheduler: str | None, workers: int | None
-) -> Iterator[tuple[int, Outcome | None]]:
-    """March the unfinished points; yield number and outcome of each, None for a draw that is not
-    needed."""
-
-    def march(numbers: Iterable[int]) -> Iterator[tuple[int, Outcome]]:
-        points = (plan.point(number) for number in numbers)
-        return march_points(work, points, scheduler=scheduler, workers=workers)
-
-    draws, state = plan.grid.draws, store.state.copy()
-    if draws is None or draws.until is None:
-        yield from march(plan.left(state))
-        return
-    judge = Judge(draws.count, draws.until, state, store.regime)
-    for point in range(plan.grid.size // draws.count):
-        yield from judge.decided(point)
-    for number, outcome in march(judge.wanted()):
-        yield from judge.take(number, outcome)

@@ -1,0 +1,115 @@
+"""Mass scaling of the casing: a longer critical time step, with the same static compliance.
+
+Every casing mode with a natural frequency above a cut gets the frequency of the cut. Its shape and
+its loads are divided by the same factor, frequency / cut. The modal mass of these modes grows by
+the square of the factor; their static response to any force is the same.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from bladewhirl.meshes.hermite import cubic_weights
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.ring_mesh import W_SLOPE, W
+from bladewhirl.models.inputs.timing import Timing
+from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing
+
+MASS_CHANGE = 0.03
+"""Largest relative decrease of the inverse mass that a force between a tip and the wall meets, mean
+around the casing, for the default cut."""
+
+STEP_SHARE = 0.5
+"""Largest time step of a screening march, as a share of the critical step. With longer steps,
+divergent motions can die out."""
+
+PLACES = 16
+"""Number of positions in each element at which the inverse mass of the wall is computed."""
+
+
+def screening_problem(problem: ContactProblem, timing: Timing) -> tuple[ContactProblem, Timing]:
+    """Return a contact problem with scaled masses of the casing, and the timing of its march.
+
+    The time step is the largest one that divides the record step and is at most `STEP_SHARE` of the
+    critical time step.
+
+    Raises:
+        ValueError: screening does not hold for this problem, or does not save time; the message
+            completes "expected ...".
+    """
+    if problem.coating is not None:
+        raise ValueError("a casing without a coating")
+    cut = screening_cut(problem)
+    above = problem.casing.frequency > cut
+    springs = problem.springs
+    if springs is not None and above[springs.number[springs.modes.on_casing]].any():
+        raise ValueError(
+            "springs to the casing, coupling.stiffness, that act on no casing mode above"
+            f" {cut / (2.0 * np.pi):.4g} Hz"
+        )
+    scaled = with_scaled_casing(problem, cut)
+    longest = STEP_SHARE * scaled.critical_time_step
+    step = timing.record_step / math.ceil(timing.record_step / longest)
+    if not step > timing.time_step:
+        raise ValueError(
+            f"march.time_step less than {step:.4g} s, the step of screening marches: they would"
+            " take no less time"
+        )
+    element = 2.0 * np.pi / len(problem.casing.nodal)
+    if not abs(problem.speed) * step < element:
+        raise ValueError(
+            f"a speed below {element / step:.4g} rad/s, at which a tip passes an element of the"
+            " casing in each step of a screening march"
+        )
+    return scaled, replace(timing, time_step=step)
+
+
+def screening_cut(problem: ContactProblem) -> float:
+    """Return the default cut [rad/s]: the lowest frequency at which the inverse mass changes by at
+    most `MASS_CHANGE`, and not less than the highest frequency of the rotor."""
+    rotor, casing = problem.rotor, problem.casing
+    of_tip = float((rotor.tip_radial**2).sum(axis=1).mean())
+    share, frequency = np.zeros(len(casing.frequency)), casing.frequency
+    for row in _wall_rows(casing):
+        total = of_tip + (row**2).sum(axis=1, keepdims=True)
+        share += (row**2 / total).mean(axis=0) / PLACES
+    low, high = float(rotor.frequency.max()), float(frequency.max())
+    while high - low > 1e-6 * high:
+        middle = 0.5 * (low + high)
+        lost = share @ (1.0 - np.minimum(1.0, middle / np.maximum(frequency, middle)) ** 2)
+        low, high = (middle, high) if lost > MASS_CHANGE else (low, middle)
+    return high
+
+
+def with_scaled_casing(problem: ContactProblem, cut: float) -> ContactProblem:
+    """Return a contact problem whose casing modes above a cut [rad/s] have scaled masses."""
+    casing = problem.casing
+    factor = np.maximum(1.0, casing.frequency / cut)
+    return replace(
+        problem,
+        casing=replace(
+            casing,
+            frequency=np.minimum(casing.frequency, cut),
+            nodal=casing.nodal / factor,
+            dampers=casing.dampers / factor,
+        ),
+        loads=tuple(replace(load, casing=load.casing / factor) for load in problem.loads),
+        start=replace(
+            problem.start,
+            casing=problem.start.casing * factor,
+            casing_velocity=problem.start.casing_velocity * factor,
+        ),
+    )
+
+
+def _wall_rows(casing: ReducedCasing) -> list[FloatArray]:
+    """Return the radial displacement of the wall for unit modal coordinates, at `PLACES` positions
+    in each element, (elements, modes) each."""
+    nodal, following = casing.nodal, np.roll(casing.nodal, -1, axis=0)
+    ends = (nodal[:, W], nodal[:, W_SLOPE], following[:, W], following[:, W_SLOPE])
+    at = (np.arange(PLACES) + 0.5) / PLACES
+    return [
+        np.asarray(sum(weight * end for weight, end in zip(weights, ends, strict=True)))
+        for weights in cubic_weights(at, casing.element_length).T
+    ]

@@ -1,0 +1,87 @@
+"""Mass scaling of the casing: what it keeps, what it changes, and the step it permits."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from stages import stage
+
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.mass_scaling import (
+    MASS_CHANGE,
+    screening_cut,
+    screening_problem,
+    with_scaled_casing,
+)
+
+
+def test_the_static_answer_of_the_wall_is_exact() -> None:
+    problem = contact_problem(stage("excitation={type='casing-distortion'}"))
+    scaled = with_scaled_casing(problem, 2e4)
+    assert np.count_nonzero(scaled.casing.frequency < problem.casing.frequency) > 20
+    for given, kept in ((problem, scaled),):
+        before, after = ((each.casing.nodal / each.casing.frequency**2) for each in (given, kept))
+        compliance = np.einsum("nim,kjm->nikj", before, given.casing.nodal)
+        same = np.einsum("nim,kjm->nikj", after, kept.casing.nodal)
+        np.testing.assert_allclose(same, compliance, atol=1e-12 * np.abs(compliance).max())
+        moved, still = (
+            (each.casing.nodal @ (each.loads[0].casing / each.casing.frequency**2))
+            for each in (given, kept)
+        )
+        np.testing.assert_allclose(still, moved, rtol=1e-12, atol=1e-12 * np.abs(moved).max())
+
+
+def test_displacements_of_the_start_stay() -> None:
+    problem = contact_problem(stage())
+    values = np.linspace(1.0, 2.0, len(problem.casing.frequency))
+    start = replace(problem.start, casing=values, casing_velocity=-values)
+    scaled = with_scaled_casing(replace(problem, start=start), 2e4)
+    for name in ("casing", "casing_velocity"):
+        moved = problem.casing.nodal @ getattr(start, name)
+        same = scaled.casing.nodal @ getattr(scaled.start, name)
+        np.testing.assert_allclose(same, moved, rtol=1e-12, atol=1e-12 * np.abs(moved).max())
+
+
+def test_cut_and_step_of_the_papers_stage() -> None:
+    """A cut of 15 kHz with a critical step of 21 us, marched at 10 us, was found by trial."""
+    problem, timing = contact_problem(stage()), stage().case.march.timing
+    assert screening_cut(problem) / (2.0 * np.pi) == pytest.approx(15e3, rel=1e-2)
+    scaled, longer = screening_problem(problem, timing)
+    assert scaled.critical_time_step == pytest.approx(21e-6, rel=1e-2)
+    assert longer.time_step == pytest.approx(10e-6, rel=1e-12)
+    assert longer.record_every * longer.time_step == pytest.approx(timing.record_step, rel=1e-12)
+    inverse = [  # at the nodes, where it changes least
+        (each.casing.nodal[:, 0] ** 2).sum(axis=1) for each in (problem, scaled)
+    ]
+    assert (1.0 - inverse[1] / inverse[0]).max() < MASS_CHANGE
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ("march.time_step=1e-6", None),
+        ("march.record_step=4e-6", "march.time_step less than 4e-06 s"),
+        ("march.speed=100", "a speed below"),
+    ],
+)
+def test_what_cannot_be_screened(change: str, expected: str | None) -> None:
+    built = stage("march.time_step=4e-6" if "record" in change else "march.time_step=1e-6", change)
+    problem, timing = contact_problem(built), built.case.march.timing
+    if expected is None:
+        assert screening_problem(problem, timing)[1].time_step == pytest.approx(1e-5)
+        return
+    with pytest.raises(ValueError, match=expected):
+        screening_problem(problem, timing)
+
+
+def test_springs_on_scaled_modes_are_refused() -> None:
+    built = stage("coupling.stiffness=1e3")
+    problem, timing = contact_problem(built), built.case.march.timing
+    assert problem.springs is not None
+    assert screening_problem(problem, timing)[1].time_step == pytest.approx(1e-5)
+    last = np.where(
+        problem.springs.modes.on_casing, len(problem.casing.frequency) - 1, problem.springs.number
+    )
+    moved = replace(problem, springs=replace(problem.springs, number=last))
+    with pytest.raises(ValueError, match="that act on no casing mode above"):
+        screening_problem(moved, timing)

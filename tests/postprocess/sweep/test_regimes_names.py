@@ -1,0 +1,18 @@
+"""Names of regimes for figures."""
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.sweep.regimes import regime_entries, regime_names
+
+
+def test_draws_that_were_not_needed_are_not_counted_as_without_result() -> None:
+    data = xr.Dataset(
+        {
+            "regime": ("draw", ["sustained", "unknown", "unknown", "unknown"]),
+            "state": ("draw", ["done", "not-needed", "not-needed", "failed"]),
+        }
+    )
+    entries = regime_entries(regime_names(data))
+    assert [text for _, text in entries] == ["sustained: 1", "not needed: 2", "no result: 1"]
+    assert np.unique(regime_names(data)).size == 3

@@ -1,0 +1,125 @@
+"""Screened sweeps: which draws are repeated, and that order and interruptions do not matter."""
+
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pytest
+from small_run import small
+from sweep_work import same_bits
+
+import bladewhirl.studies.sweeps.sweep as sweep_module
+from bladewhirl.models.case.template import dumps_case
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.sweep.dataset import flag, open_sweep
+from bladewhirl.studies.sweeps.layout import make_layout, march_extent
+from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point, stage_at
+from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
+
+DIVERGENT, SUSTAINED = flag("regime", "divergent"), flag("regime", "sustained")
+CASE = small(**{"contact.friction": 0.2, "march.duration": 2e-3})
+OVER = {"march.speed": [1.0, 1.2, 1.5]}
+PERTURB = ["contact.friction = 1e-3"]
+LAYOUT = make_layout(march_extent([CASE]), stage_at(CASE))
+UNSURE = 1.2
+"""The speed at which screened draws differ; marched again, they agree with those at 1.5."""
+
+
+class Killed(Exception):
+    """End of a process."""
+
+
+class Toy:
+    """March points in lots, in reverse order; die before a given number of marches."""
+
+    def __init__(self) -> None:
+        self.left, self.screened, self.known = 10**9, list[bool](), dict[float, Outcome]()
+
+    def march(
+        self, work: Work, points: Iterable[Point], *, workers: int | None, **_: object
+    ) -> Iterator[tuple[int, Outcome]]:
+        waiting = iter(points)
+        while lot := list(islice(waiting, workers or 1)):
+            for point in reversed(lot):
+                if not self.left:
+                    raise Killed
+                self.left -= 1
+                self.screened.append(point.screen)
+                speed = float(point.values["march.speed"])
+                data = self.known[0.0] = self.known.get(0.0) or march_point(work, point)
+                assert not isinstance(data, Failure)
+                high = float(point.values["contact.friction"]) > 0.2
+                grows = speed == 1.0 or (speed == UNSURE and point.screen and high)
+                regime = DIVERGENT if grows else SUSTAINED
+                steps = np.array(1 if point.screen else 2)
+                yield point.number, {**data, "regime": np.array(regime), "steps": steps}
+
+
+@pytest.fixture
+def toy(monkeypatch: pytest.MonkeyPatch) -> Toy:
+    made = Toy()
+    monkeypatch.setattr(sweep_module, "march_points", made.march)
+    monkeypatch.setattr("bladewhirl.postprocess.sweep.figures.leave_figures", lambda directory: {})
+    return made
+
+
+def test_points_whose_draws_differ_are_repeated(toy: Toy, tmp_path: Path) -> None:
+    done = run_sweep(CASE, OVER, tmp_path, draws=6, perturb=PERTURB, screen=True)
+    assert (done.done, done.screened, done.marched) == (18, 12, 24)
+    assert toy.screened == [True] * 18 + [False] * 6
+    with open_sweep(tmp_path) as sweep:
+        assert (sweep["screened"] == "yes").values.tolist() == [[True] * 6, [False] * 6, [True] * 6]
+        assert sweep["steps"].values.tolist() == [[1] * 6, [2] * 6, [1] * 6]
+        assert (sweep["regime"].sel(march_speed=UNSURE) == "sustained").all()
+        assert "are repeated with the time step of the case" in sweep.attrs["screen_rule"]
+    assert resume_sweep(tmp_path).marched == 0
+
+
+@pytest.mark.parametrize("until", [None, 0.2])
+def test_neither_workers_nor_kills_change_the_file(
+    toy: Toy, tmp_path: Path, until: float | None
+) -> None:
+    run_sweep(CASE, OVER, tmp_path / "one", draws=6, perturb=PERTURB, screen=True, until=until)
+    for left in (3, 9, 14, 17):
+        folder, toy.left = tmp_path / f"killed-{left}", left
+        with pytest.raises(Killed):
+            run_sweep(
+                CASE, OVER, folder, draws=6, perturb=PERTURB, screen=True, until=until, workers=4
+            )
+        toy.left = 10**9
+        resume_sweep(folder, workers=3)
+        assert same_bits(tmp_path / "one", folder)
+
+
+@pytest.mark.usefixtures("toy")
+def test_draws_added_later_are_those_of_a_longer_sweep(tmp_path: Path) -> None:
+    run_sweep(CASE, OVER, tmp_path / "all", draws=8, perturb=PERTURB, screen=True)
+    run_sweep(CASE, OVER, tmp_path / "few", draws=5, perturb=PERTURB, screen=True)
+    resume_sweep(tmp_path / "few", draws=8, workers=3)
+    assert same_bits(tmp_path / "all", tmp_path / "few")
+
+
+def test_a_screened_march_has_the_longer_step() -> None:
+    work = Work(case=dumps_case(CASE), layout=LAYOUT, histories="")
+    screened, whole = (
+        march_point(work, Point(number=0, values={}, screen=screen)) for screen in (True, False)
+    )
+    assert not isinstance(screened, Failure)
+    assert not isinstance(whole, Failure)
+    assert screened["dt_over_critical"] < 0.5
+    assert 2 * screened["steps"] < whole["steps"]
+    assert screened["end_time"] == pytest.approx(whole["end_time"])
+
+
+@pytest.mark.parametrize("given", [{"draws": 3}, {}, {"histories": True, "draws": 9}])
+def test_too_few_draws_and_histories_are_refused(given: dict[str, int], tmp_path: Path) -> None:
+    perturb = PERTURB if "draws" in given else []
+    with pytest.raises(UserError, match="--screen: expected --draws of at least 4, and no --hist"):
+        run_sweep(CASE, OVER, tmp_path, perturb=perturb, screen=True, **given)  # type: ignore[arg-type]
+
+
+def test_a_case_that_cannot_be_screened_is_refused(tmp_path: Path) -> None:
+    case = small(**{"march.scheme": "penalty", "march.duration": 2e-3})
+    with pytest.raises(UserError, match=r'--screen: expected march\.scheme = "central-difference"'):
+        run_sweep(case, OVER, tmp_path, draws=8, perturb=PERTURB, screen=True)
