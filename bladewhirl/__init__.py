@@ -20,7 +20,8 @@ Describe a stage and its load
 Build the model
     `build_stage` makes finite elements of bladed disk and casing, and the reduced model. `mesh3d`
     makes a superelement of a blade or a sector from a mesh of tetrahedra or hexahedra,
-    `import_superelement` from the matrices of another finite element code.
+    `import_superelement` from the matrices of another finite element code; `write_superelement`
+    and `read_superelement` store it.
 Analyse modes, before a march
     `modes` returns frequencies by family and nodal diameter, `campbell` coincidence speeds,
     `veering` frequencies and `critical_speeds` critical speeds over the stiffness of the shaft,

@@ -12,6 +12,8 @@ from .models.sections.rectangular import Material as Material
 from .models.sections.rectangular import Section as Section
 from .models.solids.blade import mesh3d as mesh3d
 from .models.stage.stage import build_stage as build_stage
+from .models.superelements.file import read_superelement as read_superelement
+from .models.superelements.file import write_superelement as write_superelement
 from .postprocess.energy.growth import amplitude_growth as amplitude_growth
 from .postprocess.energy.strain import family_energies as family_energies
 from .postprocess.energy.strain import strain_energies as strain_energies

@@ -50,8 +50,9 @@ def import_superelement(
             from 1, and 0 or nothing for fixed ones; without them each node has the same number of
             consecutive rows, the first of which are x, y and z. A column ``group`` has the names
             of groups, separated by blanks.
-        choice: contact (group, or numbers of nodes separated by commas), contacts, left, right,
-            copies, length_unit, mass_unit, axis and name, see `Choice`.
+        choice: contact and clamped (groups, or numbers of nodes separated by commas), contacts,
+            left, right, copies, length_unit, mass_unit, axis and name, see `mesh3d`. Nodes are
+            clamped here only if the matrices contain them. The unit of time is the second.
 
     Returns:
         the superelement, in SI units.

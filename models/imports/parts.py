@@ -68,6 +68,7 @@ class Choice:
     """What becomes of a part: its contact nodes, faces, units and axis."""
 
     contact: str  #: group, or numbers of nodes
+    clamped: str | None = None  #: group or numbers of nodes to hold, if the program did not
     contacts: int | None = None  #: number of contact nodes along the chord; all by default
     left: str | None = None  #: group or numbers of the nodes of the clockwise face
     right: str | None = None  #: of the counter-clockwise face
@@ -96,6 +97,12 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
             f"{part.source}: expected rows of nodes up to {size}, the size of the mass,"
             f" got {int(outside.max()) + 1}"
         )
+    free = np.arange(size)
+    if choice.clamped is not None:
+        free = np.setdiff1d(free, dofs[part.nodes("clamped", choice.clamped)])
+        place = np.full(size + 1, FIXED)  # the last entry is for displacements that are fixed
+        place[free] = np.arange(len(free))
+        dofs, size = place[dofs], len(free)
     held = np.flatnonzero((dofs == FIXED).all(axis=1))
     try:
         group = part.nodes("contact", choice.contact)
@@ -109,10 +116,10 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
         raise SuperelementError(*(f"{part.source}: {line}" for line in error.lines)) from None
     shown = np.arange(len(points)) if part.surface is None else np.unique(part.surface)
     made = Superelement(
-        mass=mass * part.mass,
-        stiffness=mass * part.stiffness,
-        damping=None if part.damping is None else mass * part.damping,
-        gyroscopic=None if part.gyroscopic is None else mass * part.gyroscopic,
+        mass=mass * part.mass[free][:, free],
+        stiffness=mass * part.stiffness[free][:, free],
+        damping=None if part.damping is None else mass * part.damping[free][:, free],
+        gyroscopic=None if part.gyroscopic is None else mass * part.gyroscopic[free][:, free],
         contact_position=points[touching],
         contact_dofs=dofs[touching],
         points=points[shown],

@@ -123,8 +123,9 @@ def mesh3d(
         "triangles": triangles,
         "recovery": sp.csr_array(select[(3 * shown[:, None] + np.arange(3)).ravel()]),
         "name": name or volumes.name,
-        "source": f"mesh3d: {volumes.name}, {len(volumes.cells)} cells of type"
-        f" {volumes.cell_type}, {rho:g} kg/m3, {material}, {omega:g} rad/s",
+        "source": f"mesh3d: {volumes.name}, {len(volumes.cells)} cells of type {volumes.cell_type},"
+        f" {material.young_modulus:g} Pa, {material.poisson_ratio:g}, {rho:g} kg/m3,"
+        f" {omega:g} rad/s",
         **{key: dofs[nodes] for key, nodes in faces.items()},
     }
     part = Superelement(

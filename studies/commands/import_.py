@@ -38,6 +38,9 @@ def import_(
         str | None,
         typer.Option(help="Contact nodes: a group, or numbers of nodes such as 12,15,18."),
     ] = None,
+    clamped: Annotated[
+        str | None, typer.Option(help="Nodes to hold, if the matrices contain them.")
+    ] = None,
     contacts: Annotated[
         int | None,
         typer.Option(min=1, help="Number of contact nodes, spread along the chord of --contact."),
@@ -89,6 +92,7 @@ def import_(
         mass=mass,
         nodes=nodes,
         contact=contact,
+        clamped=clamped,
         contacts=contacts,
         left=left,
         right=right,

@@ -99,6 +99,28 @@ def test_axes_and_node_numbers(tables: Path) -> None:
     assert np.array_equal(part.contact_dofs, expected.contact_dofs[chosen][:, [1, 2, 0]])
 
 
+def test_nodes_are_clamped_that_the_program_left_free(tmp_path: Path) -> None:
+    mesh, free = cantilever("tetra", (2, 1, 1)), "node,x,y,z"
+    part = mesh3d(mesh, **STEEL, mass_quadrature="reduced", clamped=None)
+    for name, matrix in (("k", part.stiffness), ("m", part.mass)):
+        entries = sp.coo_array(sp.tril(matrix))  # as of Abaqus: row, column and value
+        lines = zip(entries.row + 1, entries.col + 1, entries.data, strict=True)
+        (tmp_path / f"{name}.mtx").write_text("".join(f"{i}, {j}, {v:.17g}\n" for i, j, v in lines))
+    rows = [f"{node + 1},{x},{y},{z}" for node, (x, y, z) in enumerate(mesh.points)]
+    (tmp_path / "nodes.csv").write_text("\n".join([free, *rows]))
+    numbers = {key: ",".join(map(str, nodes + 1)) for key, nodes in mesh.point_sets.items()}
+    again = import_superelement(
+        *(tmp_path / "k.mtx",),
+        mass=tmp_path / "m.mtx",
+        nodes=tmp_path / "nodes.csv",
+        **{"contact": numbers["tip"], "clamped": numbers["root"]},
+    )
+    expected = blade()
+    assert abs(again.stiffness - expected.stiffness).max() < 1e-12 * abs(expected.stiffness).max()
+    assert abs(again.mass - expected.mass).max() < 1e-12 * abs(expected.mass).max()
+    assert np.array_equal(again.contact_dofs, expected.contact_dofs)
+
+
 def test_a_matlab_file_may_state_all_itself(tmp_path: Path) -> None:
     part = blade()
     content = {"contact_position": part.contact_position, "contact_dofs": part.contact_dofs}
