@@ -8,6 +8,7 @@ from typing import Any
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.imports.calculix import read_calculix
 from bladewhirl.models.imports.inspection import Inspection, inspect
+from bladewhirl.models.imports.nastran import read_nastran
 from bladewhirl.models.imports.parts import Choice, ForeignPart, superelement_from
 from bladewhirl.models.imports.tables import (
     read_matlab,
@@ -20,7 +21,9 @@ from bladewhirl.models.superelements.superelement import Superelement, Superelem
 SMALLEST, LARGEST = 1e-3, 20.0
 """Plausible radii of contact nodes [m]."""
 
-MATLAB, CALCULIX, SUPERELEMENT = ".mat", ".inp", ".npz"
+MATLAB, SUPERELEMENT = ".mat", ".npz"
+WITH_NODES = {".inp": read_calculix, ".op4": read_nastran}
+"""Readers of formats whose files contain the nodes."""
 
 
 def import_superelement(
@@ -36,6 +39,8 @@ def import_superelement(
 
     - .inp: input of CalculiX, beside .sti, .mas and .dof of the same name, which CalculiX writes in
       a step with ``*FREQUENCY, SOLVER=MATRIXSTORAGE``. Groups are its sets of nodes and elements.
+    - .op4: external superelement of Nastran, beside .asm and .pch of the same name; this needs
+      pyyeti, ``pip install 'bladewhirl[nastran]'``.
     - .mat: matrices M and K, perhaps D and G, of NLvib or another program, with `nodes`; or with
       contact nodes and all else as in the file of a superelement.
     - .npz: a superelement.
@@ -118,12 +123,12 @@ def _inspected(path: Path, part: Superelement) -> Inspection:
 def _read(
     path: Path, mass: str | PathLike[str] | None, nodes: str | PathLike[str] | None
 ) -> ForeignPart:
-    if path.suffix.lower() == CALCULIX:
+    if path.suffix.lower() in WITH_NODES:
         if mass is not None or nodes is not None:
             raise SuperelementError(
-                f"{path}: expected neither mass nor nodes; both are found beside the input"
+                f"{path}: expected neither mass nor nodes; both are found beside this file"
             )
-        return read_calculix(path)
+        return WITH_NODES[path.suffix.lower()](path)
     if nodes is None:
         raise SuperelementError(
             f"{path}: expected a table of nodes (a CSV file with node,x,y,z) beside the matrices"

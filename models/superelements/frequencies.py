@@ -12,6 +12,9 @@ from bladewhirl.models.superelements.superelement import Matrix, diagonal
 SMALL = 600
 """Largest number of unknowns for which all eigenvalues are computed."""
 
+MASSLESS = 1e-14
+"""Largest inverse eigenvalue, as a share of the largest one, of a coordinate without mass."""
+
 SHIFT = 1e-11
 """Shift of the eigenvalues, as a share of the largest one, that makes a structure with rigid modes
 positive definite."""
@@ -23,15 +26,17 @@ def lowest_frequencies(mass: Matrix, stiffness: Matrix, count: int) -> np.ndarra
     Matrices may be complex and Hermitian. Negative eigenvalues give negative frequencies.
 
     Args:
-        mass: mass [kg], (n, n), positive definite.
+        mass: mass [kg], (n, n), positive semidefinite.
         stiffness: stiffness [N/m], (n, n), positive semidefinite.
         count: number of frequencies.
     """
     n = mass.shape[0]
+    massive = diagonal(mass).real > 0.0
+    largest = np.max(diagonal(stiffness).real[massive] / diagonal(mass).real[massive])
+    shift = SHIFT * float(largest)
     if n <= SMALL or count >= n - 1:
-        squares = eigh(_full(stiffness), _full(mass), eigvals_only=True)[:count]
+        squares = _all_eigenvalues(_full(mass), _full(stiffness), shift)[:count]
     else:
-        shift = SHIFT * float(np.max(diagonal(stiffness).real / diagonal(mass).real))
         shifted = spl.splu(sp.csc_array(stiffness + shift * mass), **SYMMETRIC_ORDER)
         inverse = spl.LinearOperator((n, n), shifted.solve, dtype=stiffness.dtype)
         start = np.array(np.random.default_rng(0).standard_normal(n), dtype=stiffness.dtype)
@@ -45,6 +50,16 @@ def lowest_frequencies(mass: Matrix, stiffness: Matrix, count: int) -> np.ndarra
             )
         )
     return np.asarray(np.sign(squares) * np.sqrt(abs(squares)) / (2.0 * np.pi))
+
+
+def _all_eigenvalues(mass: Any, stiffness: Any, shift: float) -> Any:
+    """Return the finite eigenvalues; coordinates without mass have none."""
+    try:
+        return eigh(stiffness, mass, eigvals_only=True)
+    except np.linalg.LinAlgError:  # the mass is singular
+        inverse = eigh(mass, stiffness + shift * mass, eigvals_only=True)[::-1]
+        finite = inverse[inverse > MASSLESS * inverse[0]]
+        return 1.0 / finite - shift
 
 
 SYMMETRIC_ORDER: dict[str, Any] = {

@@ -31,7 +31,7 @@ def import_(
     source: Annotated[
         Path,
         typer.Argument(
-            help="Input of CalculiX (.inp), stiffness in Matrix Market, .mat of NLvib or .npz."
+            help="CalculiX .inp, Nastran .op4, stiffness in Matrix Market, .mat or .npz."
         ),
     ],
     contact: Annotated[
@@ -80,7 +80,8 @@ def import_(
     rotation is z.
 
     CalculiX writes .sti, .mas and .dof beside its input in a step with *FREQUENCY,
-    SOLVER=MATRIXSTORAGE. Matrix Market needs --mass and --nodes, .mat with M and K needs --nodes.
+    SOLVER=MATRIXSTORAGE. Matrix Market needs --mass and --nodes, .mat with M and K needs --nodes,
+    .op4 needs .asm and .pch beside it.
     """
     from bladewhirl.models.imports.importing import imported
     from bladewhirl.models.superelements.file import write_superelement

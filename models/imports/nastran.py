@@ -1,0 +1,95 @@
+"""External superelements of Nastran: .op4 with .asm and .pch, read by pyyeti.
+
+Nastran writes them for EXTSEOUT(ASMBULK,EXTBULK,EXTID=102,MATOP4=102). The matrices are reduced by
+Craig and Bampton: the displacements of the boundary nodes, in their own axes, and the amplitudes of
+modes, which Nastran calls scalar points.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.models.imports.parts import ForeignPart
+from bladewhirl.models.superelements.superelement import FIXED, SuperelementError, dense
+
+STIFFNESS, MASS, DAMPING = ("kaa", "kxx"), ("maa", "mxx"), ("baa", "bxx")
+"""Names of the matrices in files of different versions."""
+
+
+def read_nastran(path: Path) -> ForeignPart:
+    """Read an external superelement, with displacements turned into the basic axes.
+
+    Raises:
+        SuperelementError: pyyeti is not installed, or the files are missing or invalid.
+    """
+    try:
+        from pyyeti import nastran
+        from pyyeti.nastran import op4
+    except ImportError:
+        raise SuperelementError(
+            f"{path}: expected pyyeti, which reads .op4 files: pip install 'bladewhirl[nastran]'"
+        ) from None
+    table = path.with_suffix(".asm")
+    if not (path.is_file() and table.is_file()):
+        missing = table if path.is_file() else path
+        raise SuperelementError(f"{path}: expected {missing.name} in the same folder")
+    try:
+        matrices = op4.read(str(path))
+    except Exception as error:  # the reader raises exceptions of any type
+        raise SuperelementError(f"{path}: expected a file of Nastran ({error})") from None
+    try:
+        uset, _, _, kept = nastran.asm2uset(str(table), try_rdextrn="pv_only")
+        rigid = nastran.rbgeom_uset(uset)
+    except Exception as error:
+        raise SuperelementError(f"{table}: expected a file of Nastran ({error})") from None
+    size = int(np.count_nonzero(kept))
+    mass, stiffness, damping = (
+        _named(matrices, names, size) for names in (MASS, STIFFNESS, DAMPING)
+    )
+    if mass is None or stiffness is None:
+        names = " and ".join(" or ".join(names) for names in (STIFFNESS, MASS))
+        raise SuperelementError(
+            f"{path}: expected {names} with {size} rows, as many as {table.name} has displacements"
+            " and modes"
+        )
+    nodes = uset.index.get_level_values("id").to_numpy()
+    direction = uset.index.get_level_values("dof").to_numpy()
+    first = np.flatnonzero(direction == 1)
+    turned, dofs = _basic_axes(first, kept, rigid[:, :3], nodes, table)
+    return ForeignPart(
+        source=f"{path.name} of Nastran",
+        mass=turned.T @ mass @ turned,
+        stiffness=turned.T @ stiffness @ turned,
+        damping=None if damping is None else turned.T @ damping @ turned,
+        numbers=nodes[first],
+        points=uset.loc[:, ["x", "y", "z"]].to_numpy(dtype=np.float64)[first],
+        dofs=dofs,
+    )
+
+
+def _named(matrices: Any, names: tuple[str, ...], size: int) -> Any:
+    """Return the first matrix that has one of the names and the size; None if there is none."""
+    given = (matrices[name] for name in names if name in matrices)
+    return next((dense(matrix) for matrix in given if matrix.shape == (size, size)), None)
+
+
+def _basic_axes(first: Any, kept: Any, rigid: Any, nodes: Any, table: Path) -> tuple[Any, Any]:
+    """Return the matrix from coordinates in the basic axes to those of Nastran, (n, n), and the
+    rows of the displacements, (nodes, 3). Row `first` of a node is its first displacement in all
+    rows; three rows of `rigid` are its displacements under unit translations."""
+    place = np.where(kept, np.cumsum(kept) - 1, FIXED)
+    turned = sp.lil_array(sp.eye_array(int(kept.sum())))
+    dofs = place[first[:, None] + np.arange(3)]
+    for rows, own in zip(dofs, rigid[first[:, None] + np.arange(3)], strict=True):
+        if np.allclose(own, np.eye(3), atol=1e-12):
+            continue
+        if (rows == FIXED).any():
+            node = nodes[first[int(np.flatnonzero((dofs == rows).all(axis=1))[0])]]
+            raise SuperelementError(
+                f"{table}: expected all three displacements of node {node}, which has axes of its"
+                " own"
+            )
+        turned[np.ix_(rows, rows)] = own
+    return turned.tocsr(), dofs
