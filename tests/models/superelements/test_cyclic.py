@@ -1,0 +1,76 @@
+"""Cyclic symmetry; frequencies of wheels are compared with CalculiX in the tests of solids."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from solid_meshes import SECTORS, bladed_sector
+
+from bladewhirl.models.solids.blade import mesh3d
+from bladewhirl.models.superelements.cyclic import cyclic_reduction, wheel_frequencies
+from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
+
+
+@pytest.fixture(scope="module")
+def free() -> Superelement:
+    """Return a sector of a free wheel, of which every node has three displacements in order."""
+    return mesh3d(
+        bladed_sector("hexahedron"),
+        young_modulus=2.1e11,
+        poisson_ratio=0.3,
+        density=7800.0,
+        clamped=None,
+        left="left",
+        right="right",
+        copies=SECTORS,
+    )
+
+
+def test_rigid_motions_have_their_nodal_diameters_and_no_stiffness(free: Superelement) -> None:
+    """A translation (1, i, 0) of the whole wheel has nodal diameter +1, as
+    exp(i alpha) R (1, i, 0) = (1, i, 0)."""
+    assert free.right_dofs is not None
+    x = bladed_sector("hexahedron").points
+    nodes = len(x)
+    rigid = {
+        (1, "translation"): np.tile([1.0, 1j, 0.0], nodes),
+        (-1, "translation"): np.tile([1.0, -1j, 0.0], nodes),
+        (0, "translation"): np.tile([0.0, 0.0, 1.0], nodes),
+        (0, "rotation"): np.cross([0.0, 0.0, 1.0], x).ravel(),
+        (1, "rotation"): np.cross([1.0, 1j, 0.0], x).ravel(),
+    }
+    for (k, _), motion in rigid.items():
+        for diameter in (-1, 0, 1, 2):
+            reduced = cyclic_reduction(free, SECTORS, diameter)
+            tie = reduced.transformation
+            kept = np.setdiff1d(np.arange(free.size), free.right_dofs)
+            tied = np.abs(tie @ motion[kept] - motion).max() < 1e-9
+            assert tied == (diameter == k)
+            if tied:
+                force = reduced.stiffness @ motion[kept]
+                assert np.abs(force).max() < 1e-9 * abs(reduced.stiffness).max()
+                energy = (motion[kept].conj() @ reduced.mass @ motion[kept]).real
+                assert energy == pytest.approx((motion.conj() @ free.mass @ motion).real)
+
+
+def test_matrices_are_hermitian_and_real_where_waves_stand(free: Superelement) -> None:
+    for k in range(SECTORS // 2 + 1):
+        reduced = cyclic_reduction(free, SECTORS, k)
+        assert np.iscomplexobj(reduced.stiffness) == (0 < k < SECTORS // 2)
+        difference = reduced.stiffness - reduced.stiffness.conj().T
+        assert abs(difference).max() < 1e-12 * abs(reduced.stiffness).max()
+    waves = wheel_frequencies(free, SECTORS, 5, [2, -2, 2 - SECTORS])
+    assert waves[1:] == pytest.approx(waves[[0, 0]], rel=1e-9)
+
+
+def test_what_is_not_a_sector_is_refused(free: Superelement) -> None:
+    assert free.left_dofs is not None
+    changed = free.left_dofs.copy()
+    changed[0, 0] = FIXED
+    for part, expected in (
+        (replace(free, left_dofs=None, right_dofs=None), "expected a sector, with left_dofs"),
+        (replace(free, left_dofs=free.right_dofs), "expected different nodes on both faces"),
+        (replace(free, left_dofs=changed), "expected the same fixed components on both faces"),
+    ):
+        with pytest.raises(SuperelementError, match=expected):
+            cyclic_reduction(part, SECTORS, 1)
