@@ -117,11 +117,17 @@ def _groups(mesh: meshio.Mesh) -> dict[str, IntArray]:
         arrays = {key: values[number] for key, values in _named(mesh.cell_data).items()}
         for key, inside in integer_groups(arrays):
             groups.setdefault(key, []).append(block.data[inside])
+    if TAG not in mesh.cell_data:  # the field data are not groups of Gmsh
+        return _joined(groups)
     for key, (tag, dimension) in mesh.field_data.items():
         for number, block in enumerate(mesh.cells):
-            if block.dim == dimension and (TAG in mesh.cell_data or key in mesh.cell_sets):
+            if block.dim == dimension:
                 inside = is_member(mesh, number, key, tag)
                 groups.setdefault(key, []).append(block.data[inside])
+    return _joined(groups)
+
+
+def _joined(groups: Mapping[str, list[IntArray]]) -> dict[str, IntArray]:
     return {key: np.concatenate([np.ravel(one) for one in nodes]) for key, nodes in groups.items()}
 
 

@@ -26,7 +26,7 @@ from bladewhirl.models.solids.surface import surface_triangles
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.superelement import FIXED, Superelement
 
-MOST_NODES = 150_000
+MOST_NODES = 100_000
 """Largest number of nodes. A factor of the stiffness of a larger mesh takes too much memory."""
 
 AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}

@@ -97,6 +97,7 @@ def test_units_axes_and_files_give_the_same_blade(tmp_path: Path) -> None:
     turned = meshio.Mesh(1e3 * mesh.points[:, [2, 0, 1]], mesh.cells)
     for name, nodes in mesh.point_sets.items():
         turned.point_data[name] = np.isin(np.arange(len(mesh.points)), nodes).astype(np.int64)
+    turned.field_data["TimeValue"] = np.array([0.0])  # as ParaView writes
     turned.write(tmp_path / "blade.vtu")
     again = mesh3d(tmp_path / "blade.vtu", **STEEL, unit="mm", axis="x", speed=100.0)
     assert again.contact_position == pytest.approx(part.contact_position)
