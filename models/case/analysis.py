@@ -58,6 +58,12 @@ class Contact(Table):
     tip_rotation: StrictBool = False
     """Add u_t / R, with the tangential displacement u_t of a tip, to the angle of the tip on the
     casing."""
+    foreshortening: StrictBool = False
+    """Open the gap of a tip by the distance by which the tip draws back as its blade bends, to
+    second order: about 0.58 y^2 / L in the first bending mode of a blade of length L, with the
+    tangential displacement y of the tip. The distance is measured along the blade. A bent blade
+    also moves along a tangent, which brings its tip nearer to a round wall by y^2 / (2 R); this is
+    included if tip_rotation is true as well."""
     restitution: fields.NumberOrZero = 0.0
     """Ratio of the speeds of a tip after and before an impact, 0 to 1, for march.scheme =
     "moreau-jean"."""

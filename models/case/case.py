@@ -124,6 +124,9 @@ class Case(Table):
                 expected = f"{self.blades} rows, one for each blade, not {len(rows)}"
                 others = ("bladed_disk.blades", "bladed_disk.mesh.tips", "sketch")
                 yield Inconsistency(f"initial.{key}", expected, others)
+        if self.contact.foreshortening and self.march.scheme != "central-difference":
+            expected = '"central-difference", the scheme for blades that draw back'
+            yield Inconsistency("march.scheme", expected, ("contact.foreshortening",))
         if self.casing.coating is not None:
             if self.march.scheme != "central-difference":
                 expected = '"central-difference", the scheme for a coating'

@@ -15,6 +15,7 @@ from bladewhirl.models.stage.contact_problem import (
     WallClosure,
     critical_time_step,
 )
+from bladewhirl.models.stage.foreshortening import foreshortening, foreshortening_faults
 from bladewhirl.models.stage.loads import excitation_loads, initial_state
 from bladewhirl.models.stage.stage import Stage
 
@@ -45,6 +46,7 @@ def contact_problem(stage: Stage) -> ContactProblem:
             springs=kept.springs,
             closure=_closure(stage),
             coating=wall_coating(stage),
+            foreshortening=foreshortening(stage),
             restitution=case.contact.restitution,
             penalty_stiffness=case.contact.penalty_stiffness,
             stick_speed=case.contact.stick_speed,
@@ -70,6 +72,7 @@ def march_faults(stage: Stage) -> Iterator[Fault]:
         expected = "modes of the bladed disk and of the casing"
         yield case_fault(stage.case, "reduction.modes", expected)
     yield from time_step_faults(stage)
+    yield from foreshortening_faults(stage)
     yield from coating_faults(stage, *marched_bodies(stage))
     yield from _load_faults(stage)
     yield from _start_faults(stage)

@@ -200,6 +200,28 @@ class WallCoating:
         return float(self.young_modulus * self.area / self.thickness * rods)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Foreshortening:
+    """Quadratic forms of the distances by which tips draw back as their blades bend.
+
+    The gap of tip j opens by 1/2 sum_i s_ji y_ji^2 with y_j = F_j x and the modal displacements x
+    of the rotor.
+    """
+
+    rows: FloatArray  #: rows F of each tip [kg^-1/2 m^-1/2], (tips, terms, rotor modes)
+    sign: FloatArray  #: signs s, 1 or -1, or 0 for terms that a tip does not have, (tips, terms)
+    frequency: float  #: frequency of the fastest large term [rad/s]
+
+    def opening(self, displacement: FloatArray) -> FloatArray:
+        """Return the opening of each gap [m], (..., tips).
+
+        Args:
+            displacement: modal displacements of the rotor, (..., modes).
+        """
+        bent = np.einsum("jim,...m->...ji", self.rows, displacement)
+        return np.asarray(0.5 * np.einsum("ji,...ji->...j", self.sign, bent**2))
+
+
 def rod_angles(rods: int) -> FloatArray:
     """Return the angle of the middle of each rod of a coating [rad], (rods,)."""
     return np.asarray(2.0 * np.pi / rods * (np.arange(rods) + 0.5))
@@ -256,6 +278,7 @@ class ContactProblem:
     springs: CouplingSprings | None = None  #: springs between the bodies
     closure: WallClosure | None = None  #: clearance that is lost over time
     coating: WallCoating | None = None  #: abradable coating
+    foreshortening: Foreshortening | None = None  #: gaps that open as blades bend
     restitution: float = 0.0  #: restitution coefficient e of the scheme "moreau-jean"
     penalty_stiffness: float = 1e9  #: contact stiffness of the scheme "penalty" [N/m]
     stick_speed: float = 0.01

@@ -3,12 +3,16 @@
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from rich.table import Table
 
+from bladewhirl.models.case.file import loads
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY
 from bladewhirl.postprocess.energy.works import Works
+from bladewhirl.postprocess.fields.drawback import largest_drawback
 from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.run.extremes import StressPeak
 from bladewhirl.postprocess.run.summary import EnergyHolders, LineOfWhirl, Summary
 from bladewhirl.postprocess.shaft.transforms import Frame
@@ -153,13 +157,32 @@ def summary_table(summary: Summary) -> Table:
     return table
 
 
-def displacement_hints(summary: Summary, tip_radius: float) -> tuple[str, ...]:
+def displacement_hints(
+    summary: Summary, tip_radius: float, result: xr.Dataset | None = None
+) -> tuple[str, ...]:
     """Return a hint if the displacement of a blade exceeds the limit of a linear model, which is
-    `LARGE_DISPLACEMENT` times the tip radius [m]."""
+    `LARGE_DISPLACEMENT` times the tip radius [m]. With a result, the hint says by how much the tips
+    drew back."""
     limit = LARGE_DISPLACEMENT * tip_radius
     if summary.tip_displacement_max <= limit:
         return ()
-    return (
+    hint = (
         f"tips moved up to {summary.tip_displacement_max:.3g} m; above {limit:.2g} m the linear "
-        "model is off by a tenth or more: the regime is valid, the displacements are not",
+        "model is off by a tenth or more: the regime is valid, the displacements are not"
+    )
+    return (hint if result is None else f"{hint}{_drawn_back(result)}",)
+
+
+def _drawn_back(result: xr.Dataset) -> str:
+    """Return the end of the hint: the distance by which tips drew back."""
+    try:
+        drawn = _text(largest_drawback(result), "m")
+    except ViewError:  # tips that end no beam
+        return ""
+    contact = loads(str(result.attrs["case"])).contact
+    if contact.foreshortening:
+        return f"; bent blades drew back from the wall by up to {drawn}"
+    return (
+        f"; bent blades would draw back from the wall by up to {drawn}, which"
+        " contact.foreshortening = true takes into account"
     )

@@ -2,7 +2,7 @@
 #ifndef CONTACT_H
 #define CONTACT_H
 
-#include "fields.h"
+#include "foreshortening.h"
 
 enum { LAST_TRIAL = 1000000 }; /* number that means that the problem was solved for all tips */
 enum { MENDED_TOGETHER = 6 };  /* trials of the active set before tips are changed one by one */
@@ -13,7 +13,9 @@ static inline int64_t sense(double sign) { return sign > 0.0 ? 2 : sign < 0.0 ? 
 
 /* Copy the part of W due to the rotor for the active tips, unless it is there from the last
  * step. */
-static inline void take_rotor(const Cube *rotor_w, ContactScratch *c, int64_t size)
+static inline void take_rotor(const Cube *rotor_w, const Foreshortening *bending,
+                              const BendScratch *bent, double friction, ContactScratch *c,
+                              int64_t size)
 {
     int64_t tips = c->known.columns, *tip = c->known.at, *slides = c->known.at + tips;
     int same = size < tips ? tip[size] < 0 : 1;
@@ -33,6 +35,8 @@ static inline void take_rotor(const Cube *rotor_w, ContactScratch *c, int64_t si
         double *to = c->on_rotor.at + n * c->on_rotor.columns;
         for (int64_t m = 0; m < c->on_rotor.columns; m++)
             to[m] = m < size ? from[c->active.at[m]] : 0.0;
+        for (int64_t m = 0; bending && m < size; m++)
+            to[m] += bend_answer(bending, bent, j, c->active.at[m], friction * c->sign.at[j]);
     }
 }
 
@@ -281,8 +285,9 @@ static inline double complementarity_residual(double scale, const FieldScratch *
  * complementarity problem is solved for all tips. Returns the number of active tips. `trial` is
  * increased for each change of the set, and set to LAST_TRIAL if the problem was solved for all
  * tips. */
-static int64_t contact_multipliers(int64_t *trial, const Rotor *rotor, const Casing *casing,
-                                   State *state, const FieldScratch *f, ContactScratch *c)
+static int64_t contact_multipliers(int64_t *trial, const Stage *stage, State *state,
+                                   const FieldScratch *f, const BendScratch *bent,
+                                   ContactScratch *c)
 {
     int64_t tips = c->multiplier.size, released = 1, size = 0;
     int together = 0;
@@ -292,8 +297,8 @@ static int64_t contact_multipliers(int64_t *trial, const Rotor *rotor, const Cas
         for (int64_t j = 0; j < tips; j++)
             if (together || state->held.at[j] > 0.0)
                 c->active.at[size++] = j;
-        take_rotor(&rotor->w, c, size);
-        delassus(casing, f, c, size);
+        take_rotor(&stage->rotor->w, stage->foreshortening, bent, stage->numbers->friction, c, size);
+        delassus(stage->casing, f, c, size);
         if (together) {
             if (!lemke(gap, c)) {
                 state->counts.at[LCP_FAILURES] += 1.0;

@@ -205,6 +205,22 @@ typedef struct {
     double friction;         /* friction coefficient */
 } Coating;
 
+/* Quadratic forms of the distances by which tips draw back, 1/2 sum_i s_i y_i^2 with y = F x; see
+ * `foreshortening.h`. A pair is n tips + m for a force on tip n and its effect on tip m. */
+typedef struct {
+    Cube rows;      /* (tips, terms, entries) rows F of each tip */
+    Cube answers;   /* (answered, terms, entries) A^-1 F^T with Coriolis forces; otherwise empty */
+    Matrix sign;    /* (tips, term_lanes) signs s */
+    Cube by_push;   /* (tips, tips, term_lanes) F_m A^-1 n_n */
+    Cube by_drag;   /* (tips, tips, term_lanes) F_m A^-1 t_n */
+    Cube felt;      /* (tips, tips, term_lanes) n_m A^-1 F_n^T */
+    Cube crossed;   /* (pairs, terms, term_lanes) F_m A^-1 F_n^T, a row for each term of n */
+    IntVector order; /* (terms) 0, 1, 2 ... */
+    Vector near;    /* (wide) gap without foreshortening below which a tip is near the wall [m] */
+    int64_t hold;   /* number of steps with one linearisation */
+    int64_t check;  /* number of steps between checks of all openings */
+} Foreshortening;
+
 /* State of a march, which is advanced in place. */
 typedef struct {
     Matrix rotor;    /* (3, rotor_entries) x_{n-1}, x_n and scratch of the rotor */
@@ -221,6 +237,10 @@ typedef struct {
     Vector strain;   /* (rods_wide) plastic strain of each rod of the coating */
     Vector coating;  /* (coating_sums) COATING_WORK ... [J, m3] */
     Vector coating_impulse; /* (coated_tips) part of `impulse` on the coating [N s] */
+    Matrix bend;     /* (bent_tips, term_lanes) y at the linearisation of each tip [m^1/2] */
+    Vector until;    /* (bent_tips) last step of the linearisation of each tip */
+    Matrix checked;  /* (3, bent_wide) opening at the last check, and its first and second
+                      * differences between checks [m] */
 } State;
 
 /* Rows that are written at record steps. */
@@ -294,10 +314,28 @@ typedef struct {
 } CoatingScratch;
 
 typedef struct {
+    Matrix factor;   /* (bent_tips, term_lanes) z = s y of tips near the wall, zero for others */
+    Matrix gradient; /* (bent_tips, bent_entries) g = F^T z of tips near the wall */
+    Matrix answer;   /* (answered_tips, bent_entries) A^-1 g with Coriolis forces */
+    Matrix bend;     /* (2, term_lanes) scratch */
+    Vector start;    /* (bent_tips) opening of tips near the wall at x = 0 [m] */
+    Vector opened;   /* (bent_wide) opening of each tip [m] */
+    Vector along;    /* (bent_tips) scratch */
+    Vector expected; /* (bent_entries) displacement at the linearisation */
+    Vector none;     /* (bent_entries) zero */
+    Vector force;    /* (bent_entries) sum of the gradients with the contact forces */
+    IntVector near;   /* (bent_tips) 1 for tips near the wall, otherwise 0 */
+    IntVector list;  /* (bent_tips) tips near the wall */
+    IntVector count; /* (1) number of tips near the wall */
+    IntVector pushed; /* (bent_tips) tips near the wall that are in contact */
+} BendScratch;
+
+typedef struct {
     FieldScratch fields;
     ContactScratch contact;
     SpringScratch springs;
     CoatingScratch coating;
+    BendScratch bending;
     Vector turned;          /* (rotor_entries) modal forces on the rotor */
     Vector amplitude;       /* (patterns) factor of each load pattern */
     Vector stroke;          /* (dampers) displacement of each damper in two steps */
@@ -313,6 +351,7 @@ typedef struct {
     const Gyroscopic *gyroscopic; /* or NULL */
     const Closure *closure;       /* or NULL */
     const Coating *coating;       /* or NULL */
+    const Foreshortening *foreshortening; /* or NULL */
     const Numbers *numbers;
 } Stage;
 

@@ -41,6 +41,7 @@ typedef struct {
     Motion x, y; /* motion of rotor and of casing */
     int loaded;  /* whether any load acts at this step */
     int coated;  /* whether any tip touches the coating at this step */
+    int bent;    /* whether contact forces act along gradients of foreshortening at this step */
 } March;
 
 /* Compute x_p of both bodies. */
@@ -78,12 +79,15 @@ static inline void predict(const March *m)
 }
 
 /* Add the response to the contact forces of the active set to x_p. */
-static inline void correct(const March *m, int64_t size)
+static inline void correct(March *m, int64_t size)
 {
     FieldScratch *f = &m->scratch->fields;
     ContactScratch *c = &m->scratch->contact;
     double ratio;
     int mixed = tip_forces(size, m->stage.numbers->friction, m->stage.casing->nodes, f, c, &ratio);
+    if (m->stage.foreshortening)
+        m->bent = push_along(m->stage.foreshortening, c, size, m->stage.rotor->body.c.at, m->x,
+                             &m->scratch->bending);
     if (m->stage.gyroscopic)
         correct_turning_rotor(m->stage.rotor, m->stage.gyroscopic, size, mixed, ratio, m->x, f, c,
                               m->scratch->turned.at);
@@ -133,6 +137,8 @@ static int press_coating(const March *m, int64_t step)
         double place = places[j] + turned;
         place -= nodes * floor(place / nodes);
         double recess = m->stage.rotor->recess.at[j] - removable;
+        if (m->stage.foreshortening)
+            recess += m->scratch->bending.opened.at[j];
         s->push.at[j] = press_tip(coating, m->stage.casing, m->stage.closure, closed, j, place,
                                   f->free_gap.at[j] - removable, recess,
                                   coating->friction * c->sign.at[j], f, m->state->strain.at, s);
@@ -151,6 +157,8 @@ static int press_coating(const March *m, int64_t step)
         c->factor.at[DRAG * wide + n] = -s->push.at[j] * slides;
     }
     rotor_coating_force(m->stage.rotor, size, mixed, ratio, c, &s->rotor);
+    if (m->stage.foreshortening)
+        push_coating_along(&m->scratch->bending, size, c, s);
     int64_t count = gather_nodes(m->stage.casing, s, c);
     casing_coating_force(m->stage.casing, count, mixed, ratio, c, &s->casing);
     return 1;
@@ -167,10 +175,16 @@ static inline int solve_step(March *m, int64_t step, int64_t *penetrating)
     FieldScratch *f = &m->scratch->fields;
     ContactScratch *c = &m->scratch->contact;
     double limit = numbers->displacement_limit;
+    BendScratch *bending = &m->scratch->bending;
     const double *recess;
-    m->coated = 0;
+    m->coated = m->bent = 0;
     predict(m);
     int within = find_gaps(m, step, &recess);
+    if (m->stage.foreshortening && within) {
+        if (bend_tips(m->stage.foreshortening, state, f->free_gap.at, step + 1, m->x, bending))
+            c->known.at[0] = -1;
+        open_gaps(bending, m->x.new, f->free_gap.at);
+    }
     if (m->stage.coating && within && (m->coated = press_coating(m, step))) {
         if (m->stage.gyroscopic || m->stage.dampers)
             predict(m); /* which also includes the forces of the coating */
@@ -179,6 +193,8 @@ static inline int solve_step(March *m, int64_t step, int64_t *penetrating)
             add_coating(&casing->body, &m->scratch->coating.casing, m->y);
         }
         within = find_gaps(m, step, &recess);
+        if (m->stage.foreshortening && within)
+            open_gaps(bending, m->x.new, f->free_gap.at);
     }
     *penetrating = propose_contacts(f->free_gap.at, &state->held);
     if (*penetrating == 0)
@@ -189,9 +205,11 @@ static inline int solve_step(March *m, int64_t step, int64_t *penetrating)
     for (int64_t trial = 1;; trial++) {
         if (trial > 1)
             predict(m);
-        int64_t size = contact_multipliers(&trial, rotor, casing, state, f, c);
+        int64_t size = contact_multipliers(&trial, &m->stage, state, f, bending, c);
         correct(m, size);
         within = close_gaps(rotor, casing, recess, limit, f, f->gap.at);
+        if (m->stage.foreshortening && within)
+            open_gaps(bending, m->x.new, f->gap.at);
         if (trial >= LAST_TRIAL || !within)
             return within;
         if (join_contacts(f->gap.at, &state->held, trial > MENDED_TOGETHER) == 0)
@@ -215,6 +233,8 @@ static inline void account(const March *m, int64_t step, int touching)
         state->residual.at[0] = larger(state->residual.at[0], worst);
         work[NORMAL] += s->contact.work.at[0];
         work[FRICTION] += s->contact.work.at[1];
+        if (m->bent)
+            work[NORMAL] += bending_work(&s->bending, x);
         account_contact(m->stage.numbers, state, &s->contact, gap, before);
     }
     if (m->stage.coating)
@@ -253,6 +273,8 @@ static void begin(const March *m, int64_t step)
         c->sign.at[j] = m->stage.numbers->sliding;
         c->known.at[j] = -1;
     }
+    if (m->stage.foreshortening)
+        resume_bending(m->stage.foreshortening, m->state, step, &m->scratch->bending);
     if (m->stage.springs) {
         SpringScratch *s = &m->scratch->springs;
         int64_t waves = m->stage.springs->factor.size, row = (step + 1) % 2 * waves;
@@ -268,7 +290,8 @@ int march(const Stage *stage, State *state, Records *records, Scratch *scratch, 
     const Springs *springs = stage->springs;
     const Rotor *rotor = stage->rotor;
     const Casing *casing = stage->casing;
-    March m = {*stage, state, scratch, motion_of(&state->rotor), motion_of(&state->casing), 0, 0};
+    March m = {*stage, state, scratch, motion_of(&state->rotor), motion_of(&state->casing),
+               0, 0, 0};
     double energy[2] = {0.0, 0.0}, dt = numbers->time_step;
     int64_t end = step + steps, written = 0, penetrating;
     int status = RUNNING;

@@ -25,6 +25,7 @@ from bladewhirl.solvers.march.march import (
 )
 from bladewhirl.solvers.packing.casing import pack_casing, pack_closure
 from bladewhirl.solvers.packing.coating import pack_coating
+from bladewhirl.solvers.packing.foreshortening import pack_foreshortening
 from bladewhirl.solvers.packing.rotor import pack_rotor
 from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs
 from bladewhirl.solvers.packing.turning import pack_gyroscopic
@@ -91,6 +92,7 @@ class CentralDifference:
             "gyroscopic": pack_gyroscopic(problem, self._rotor, rotor, time_step),
             "closure": pack_closure(problem),
             "coating": pack_coating(problem),
+            "foreshortening": pack_foreshortening(problem, rotor, time_step),
             "numbers": _numbers(problem, time_step),
         }
         self._scratch = Struct("Scratch", **self._working_arrays())
@@ -130,6 +132,7 @@ class CentralDifference:
             slots.append(arrangement.pack(np.array([before, x, np.zeros_like(x)])))
         arrays = zeros("State", self._sizes())
         arrays |= {"rotor": slots[0], "casing": slots[1], "gap": initial_gap(problem)}
+        arrays["until"] -= 1.0
         if problem.coating is not None:
             arrays["strain"][: len(problem.coating.strain)] = problem.coating.strain
         rotor, casing = (
@@ -164,6 +167,7 @@ class CentralDifference:
         """Return the lengths of the arrays in state and records, by their names in `kernel.h`."""
         rotor, casing = self._arrangements
         tips, coating = len(self._problem.rotor.tip_angle), self._problem.coating
+        bending = self._stage["foreshortening"]
         return {
             "rotor_entries": rotor.entries,
             "casing_entries": casing.entries,
@@ -171,6 +175,9 @@ class CentralDifference:
             "rods_wide": 0 if coating is None else len(coating.strain) + lib.HALF,
             "coated_tips": 0 if coating is None else tips,
             "coating_sums": 0 if coating is None else lib.COATING_SUMS,
+            "bent_tips": 0 if bending is None else tips,
+            "bent_wide": 0 if bending is None else padded(tips),
+            "term_lanes": 0 if bending is None else bending.sign.shape[1],
         }
 
     def _working_arrays(self) -> Arrays:
@@ -181,6 +188,7 @@ class CentralDifference:
         closed = self._casing.radial.start.shape[1]
         # Contact forces act at two nodes a tip, forces of a coating at all nodes at most.
         coated = 0 if self._problem.coating is None else 1
+        bending = self._stage["foreshortening"]
         most = [len(dampers.rotor.rows), len(dampers.casing.rows)] if dampers else [0]
         scratch = zeros(
             "Scratch",
@@ -189,6 +197,8 @@ class CentralDifference:
                 "wide": wide,
                 "twice_wide": max(2 * wide, coated * closed),
                 "closed": closed,
+                "bent_entries": 0 if bending is None else rotor.entries,
+                "answered_tips": 0 if bending is None else len(bending.answers),
                 "closed_coating": coated * closed,
                 "coated_rotor": coated * rotor.entries,
                 "coated_casing": coated * casing.entries,
@@ -265,7 +275,10 @@ def initial_gap(problem: ContactProblem, time: float = 0.0) -> FloatArray:
     surface = (
         at[0] * first[:, 0] + at[1] * first[:, 1] + at[2] * second[:, 0] + at[3] * second[:, 1]
     )
-    return np.asarray(surface + problem.metal_recess - rotor.tip_radial @ start.rotor)
+    gap = surface + problem.metal_recess - rotor.tip_radial @ start.rotor
+    if problem.foreshortening is not None:
+        gap = gap + problem.foreshortening.opening(start.rotor)
+    return np.asarray(gap)
 
 
 def initial_spring_forces(problem: ContactProblem) -> tuple[FloatArray, FloatArray]:

@@ -32,6 +32,7 @@ from bladewhirl.solvers.march.march import (
     Statistics,
     check_time_step,
 )
+from bladewhirl.solvers.packing.foreshortening import CHECKED, held_steps, near_gap
 
 CHECK_EVERY = 100
 """Number of steps between checks of all displacements except radial tip displacements."""
@@ -48,6 +49,21 @@ class Coated(NamedTuple):
     stored: float  #: elastic energy of the rods [J]
 
 
+class Bent(NamedTuple):
+    """Foreshortening in a step: openings of the gaps and their gradients.
+
+    The opening of a tip near the wall is linear in the displacements, about the motion that the
+    step and the following ones are expected to have on average. The opening of other tips is
+    extrapolated from the last check.
+    """
+
+    bend: FloatArray  #: y at the linearisation, (tips, terms)
+    until: FloatArray  #: last step of the linearisation of each tip, (tips,)
+    checked: FloatArray  #: opening and differences at the last check [m], (3, tips)
+    gradient: FloatArray  #: gradient of the opening, zero for other tips, (tips, modes)
+    start: FloatArray  #: opening at zero displacement [m], (tips,)
+
+
 class Step(NamedTuple):
     """Results of a step: displacements, contact forces and modal forces, (modes,)."""
 
@@ -61,6 +77,7 @@ class Step(NamedTuple):
     circulated: FloatArray  #: modal forces of dampers in the static frame due to x_n
     damped: FloatArray  #: modal forces of point dampers and Coriolis forces
     coating: Coated  #: forces and state of the coating
+    bent: Bent  #: foreshortening
     residual: float  #: complementarity residual (`CentralDifference`)
 
 
@@ -82,6 +99,9 @@ class ReferenceState:
     strain: FloatArray  #: plastic strain of each rod of the coating, (rods,)
     coating_impulse: FloatArray  #: normal impulse on the coating since the last record, (tips,)
     stored: float  #: elastic energy of the coating [J]
+    bend: FloatArray  #: see `Bent`
+    until: FloatArray  #: see `Bent`
+    checked: FloatArray  #: see `Bent`
     statistics: Statistics
 
 
@@ -127,6 +147,7 @@ class Reference:
         inertia = np.diag(1.0 / dt**2 + self._damping / (2.0 * dt))
         self._inverse = np.linalg.inv(inertia + self._by_velocity / (2.0 * dt))
         self._compliance = np.linalg.inv(inertia + self._felt / (2.0 * dt))
+        self._near, self._held = near_gap(problem), held_steps(problem, dt)
 
     def init(self) -> ReferenceState:
         """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
@@ -139,6 +160,8 @@ class Reference:
         before = x - dt * v + 0.5 * dt**2 * acceleration
         gaps = [self._gap(before, -1), self._gap(x, 0)]
         none, coating = np.zeros_like(gaps[0]), self._problem.coating
+        bending = self._problem.foreshortening
+        terms = 0 if bending is None else bending.rows.shape[1]
         return ReferenceState(
             step=0,
             before=before,
@@ -153,6 +176,9 @@ class Reference:
             strain=np.zeros(0) if coating is None else coating.strain,
             coating_impulse=none,
             stored=0.0,
+            bend=np.zeros((len(none), terms)),
+            until=none - 1.0,
+            checked=np.zeros((3, len(none))),
             statistics=Statistics(),
         )
 
@@ -191,9 +217,11 @@ class Reference:
         inertia = 2.0 / dt**2 * x + (self._damping / (2.0 * dt) - 1.0 / dt**2) * before
         drag = self._by_velocity @ before / (2.0 * dt)
         free = self._inverse @ (force + circulated - restoring + inertia + drag)
-        coating = self._press_coating(free, n + 1, x - before, state.strain)
+        bent = self._bend(state, free)
+        coating = self._press_coating(free, n + 1, x - before, state.strain, bent)
         free = free + self._inverse @ (coating.pressed + coating.dragged)
         normal, tangential, clearance = self._rows(free, n + 1)
+        normal, clearance = normal + bent.gradient, clearance + bent.start
         slides = self._problem.friction * self._sliding(tangential, x - before)
         free_gap = clearance + normal @ free
         response = self._compliance @ (normal + slides[:, None] * tangential).T
@@ -217,6 +245,7 @@ class Reference:
             circulated=circulated,
             damped=damped,
             coating=coating,
+            bent=bent,
             residual=float(violated / scale) if multiplier.any() and scale > 0.0 else 0.0,
         )
 
@@ -249,6 +278,9 @@ class Reference:
             strain=coating.strain,
             coating_impulse=state.coating_impulse + dt * coating.force,
             stored=coating.stored,
+            bend=step.bent.bend,
+            until=step.bent.until,
+            checked=step.bent.checked,
             statistics=replace(
                 before_it,
                 steps=n + 1,
@@ -323,8 +355,38 @@ class Reference:
         clearance = under(self._problem.clearance(n * self._dt))
         return under(casing.nodal[:, :2]), under(casing.nodal[:, 2:]), clearance
 
+    def _bend(self, state: ReferenceState, x: FloatArray) -> Bent:
+        """Return the openings of the gaps by foreshortening, for predicted displacements x."""
+        n, m, tips = state.step, state.step + 1, len(state.gap)
+        bend, until, checked = state.bend.copy(), state.until.copy(), state.checked
+        gradient, bending = np.zeros((tips, len(x))), self._problem.foreshortening
+        if bending is None:
+            return Bent(bend, until, checked, gradient, np.zeros(tips))
+        rows, sign, modes = bending.rows, bending.sign, self._rotor_modes
+        moved = state.now - state.before
+        check = CHECKED * self._held
+        if n % check == 0:
+            now, later = bending.opening(state.now[:modes]), check * moved[:modes]
+            if n == 0:
+                earlier = [bending.opening(state.now[:modes] - each * later) for each in (1, 2)]
+                checked = np.array([now, now - earlier[0], now - 2.0 * earlier[0] + earlier[1]])
+            else:
+                checked = np.array([now, now - checked[0], now - checked[0] - checked[1]])
+        part = (m - n // check * check) / check
+        start = checked[0] + part * checked[1] + 0.5 * part * (part + 1.0) * checked[2]
+        start = np.maximum(start, 0.0)
+        normal, _, clearance = self._rows(x, m)
+        fresh = (clearance + normal @ x < self._near) & (until < m)
+        until[fresh] = (m // self._held + 1) * self._held - 1.0
+        for tip in np.flatnonzero(until >= m):
+            if fresh[tip]:
+                bend[tip] = rows[tip] @ (x + 0.5 * (until[tip] - m) * moved)[:modes]
+            gradient[tip, :modes] = (sign[tip] * bend[tip]) @ rows[tip]
+            start[tip] = -0.5 * (sign[tip] * bend[tip] ** 2).sum()
+        return Bent(bend, until, checked, gradient, start)
+
     def _press_coating(
-        self, x: FloatArray, n: int, moved: FloatArray, strain: FloatArray
+        self, x: FloatArray, n: int, moved: FloatArray, strain: FloatArray, bent: Bent
     ) -> Coated:
         """Press the tips at displacements x at step n into the rods of the coating."""
         problem, rotor, coating = self._problem, self._problem.rotor, self._problem.coating
@@ -345,6 +407,7 @@ class Reference:
             under = np.arange(int(first), int(last) + 1) % rods
             radial, along, clearance = self._wall_rows(coating.angle[under], n)
             outward = rotor.tip_radial[tip] @ x[: self._rotor_modes] - rotor.tip_recess[tip]
+            outward -= bent.start[tip] + bent.gradient[tip] @ x
             depth = outward - clearance - radial @ x[self._rotor_modes :]
             stress = coating.young_modulus * (depth / coating.thickness - strain[under])
             beyond = stress - coating.yield_stress - coating.hardening * strain[under]
@@ -355,7 +418,7 @@ class Reference:
             volume, on_rods = coating.area * coating.thickness, stress * coating.area
             stored += float(0.5 * volume * (stress**2).sum() / coating.young_modulus)
             force[tip] = on_rods.sum()
-            on_tip = force[tip] * rotor.tip_radial[tip]
+            on_tip = force[tip] * (rotor.tip_radial[tip] - bent.gradient[tip, : self._rotor_modes])
             pressed += np.concatenate([-on_tip, on_rods @ radial])
             slides = coating.friction * signs[tip]
             on_tip = force[tip] * rotor.tip_tangential[tip]
@@ -366,7 +429,9 @@ class Reference:
     def _gap(self, x: FloatArray, n: int) -> FloatArray:
         """Return the gap of each tip at step n [m], (tips,)."""
         normal, _, clearance = self._rows(x, n)
-        return clearance + normal @ x
+        bending = self._problem.foreshortening
+        opened = 0.0 if bending is None else bending.opening(x[: self._rotor_modes])
+        return clearance + normal @ x + opened
 
     def _sliding(self, tangential: FloatArray, moved: FloatArray) -> FloatArray:
         """Return the sign of the sliding velocity of each tip, from the motion in the last step,

@@ -119,7 +119,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
             summary=summary,
             symmetry=result.attrs["symmetry"],
             hints=(
-                *displacement_hints(summary, result.attrs["tip_radius"]),
+                *displacement_hints(summary, result.attrs["tip_radius"], result),
                 *write_sensors(result, directory),
                 *_write_series(result, directory / folder.VTK_NAME, window),
             ),

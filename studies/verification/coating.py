@@ -252,6 +252,31 @@ def lobes_of_engine_orders(pair: tuple[int, int]) -> Pair:
 
 
 @verifies()
+def rigid_limit() -> Pair:
+    """Compare a coating of 1000 GPa with a wall that recedes under the yield force: it follows a
+    prescribed motion, and it stops a mass that meets a constant force."""
+    dt, depth = 2e-7, 1e-3
+    stiff = coating(8, young_modulus=1e12, hardening=0.0)
+    motion = swinging(
+        stiff,
+        small_casing(np.ones(1), 1e-3 - depth),
+        amplitude=-1e-3,
+        frequency=2.0 * np.pi * 1e3,
+        dt=dt,
+        angle=1.1 * stiff.arc,
+    )
+    pressed = worn(marched(motion, dt, 5000, every=5000)).coating_strain.max()
+    stopping = replace(stiff, width=1e-4 / stiff.arc)  # a yield force of 1 kN
+    mass = small_rotor(
+        np.zeros(1), tip_radial=np.ones((1, 1)), tip_angle=1.1 * np.array([stiff.arc])
+    )
+    start = {"rotor_velocity": np.array([1.0])}
+    thrown = replace(problem(mass, small_casing(np.ones(1)), start=start), coating=stopping)
+    stopped = worn(marched(thrown, dt, 10_000, every=10_000)).coating_strain.max()
+    return [depth, 0.5 * 1.0**2 / (YIELD * 1e-4)], [THICKNESS * pressed, THICKNESS * stopped]
+
+
+@verifies()
 def coating_ledger() -> Pair:
     """Compare the energy of a stage that cuts its coating, minus all works, with zero."""
     changes: Mapping[str, Any] = {

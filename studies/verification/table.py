@@ -22,6 +22,7 @@ SUBJECTS = {
     "forced": "Engine-order forces",
     "sensors": "Sensors",
     "coating": "Abradable coating",
+    "foreshortening": "Blades that draw back",
 }
 """Titles of the subjects by the name of their module, in the order of the table."""
 

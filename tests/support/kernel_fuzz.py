@@ -2,7 +2,8 @@
 
 Half of them have no symmetry and any sizes; half are cyclic stages of a case. Options of the march
 are on and off by chance: loads, dampers, springs between the bodies and under the shaft, Coriolis
-forces, signed sliding, tips that turn, closing casings and coatings. Each stage has to agree to
+forces, signed sliding, tips that turn, closing casings, coatings
+and blades that shorten. Each stage has to agree to
 1e-9, except where NumPy finds no contact forces. A stage is made from its number alone, so a
 finding is repeated by `--first NUMBER --count 1`. Meant for a build with AddressSanitizer too, see
 `.ci/sanitize`.
@@ -18,7 +19,12 @@ from contact_cases import assert_same, random_problem, thrown
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import ContactProblem, WallClosure, WallCoating
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    Foreshortening,
+    WallClosure,
+    WallCoating,
+)
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.kernel import structs
 from bladewhirl.solvers.march.central_difference import CentralDifference
@@ -114,6 +120,19 @@ def coating(given: ContactProblem, random: np.random.Generator) -> WallCoating:
     )
 
 
+def shortening(given: ContactProblem, random: np.random.Generator) -> Foreshortening:
+    """Any quadratic forms that open gaps, or that also close them."""
+    tips, modes = given.rotor.tip_radial.shape
+    rows = random.normal(size=(tips, int(random.integers(1, 12)), modes))
+    sign = random.choice([[0.0, 1.0], [1.0, 1.0], [-1.0, 1.0]], axis=0)
+    frequency = float(random.choice([0.0, 1e4, 1e9]))
+    return Foreshortening(
+        rows=float(random.choice([0.3, 3.0])) * rows,
+        sign=random.choice(sign, size=rows.shape[:2]),
+        frequency=frequency,
+    )
+
+
 def check(number: int) -> bool:
     """March the stage of a number in every way; return whether NumPy could."""
     random = np.random.default_rng([number, 33])
@@ -126,6 +145,8 @@ def check(number: int) -> bool:
         given = replace(given, closure=closure(given, dt, random))
     if random.integers(2):
         given = replace(given, coating=coating(given, random))
+    if random.integers(2):
+        given = replace(given, foreshortening=shortening(given, random))
     every = int(random.integers(1, 9))
     plain = Reference(given, dt, every)
     try:

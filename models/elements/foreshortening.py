@@ -1,0 +1,151 @@
+"""Distance by which the tip of a bent blade draws back, as a quadratic form of the displacements.
+
+A blade is a chain of straight, inextensible elements from its root to its tip. Relative to axes
+that turn with the root by its rotation theta, an element turns by w' - theta, where w' is the slope
+of its displacement. To second order, the tip therefore moves towards the root by
+
+    d = 1/2 sum_e (t_e . e_r) int (w' - theta)^2 ds
+
+with the direction t_e of each element and the radial direction e_r at the tip. A rigid rotation of
+the bladed disk gives d = 0. The distance of the tip from the axis is, to second order,
+
+    |X + u| = R + u_r - d - theta^2 rho / 2 - theta v - alpha^2 X_r / 2 + u_t^2 / (2 R)
+
+with the tip at the radius R and its displacements u_r and u_t, the radial components X_r of the
+root and rho of the chord from root to tip, the tangential displacement v of the tip relative to the
+axes of the root, and the rotation alpha that carries the root around the centre, alpha X_r = u_t of
+the root minus u_t of the centre. If the disk is rigid, the last four terms are v^2 / (2 R): the tip
+of a bent blade moves along a tangent, farther from the axis.
+"""
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
+from bladewhirl.models.geometry.beam_model import BeamModel
+
+
+def blade_beams(model: BeamModel, tip: int) -> IntArray:
+    """Return the beams of a blade from tip to root, each as (end at the root, end at the tip),
+    (beams, 2).
+
+    The blade begins with the beam at the tip that points most outward, and continues with beams of
+    the same part of the mesh up to a node where this part ends or branches.
+
+    Args:
+        model: beam model.
+        tip: node of the tip.
+
+    Returns:
+        the beams; empty if no beam ends at the tip.
+    """
+    lines, parts = model.mesh.lines, np.array(model.mesh.line_parts)
+    points, node = model.mesh.points, tip
+    chain: list[tuple[int, int]] = []
+    left = np.ones(len(lines), dtype=np.bool_)
+    while True:
+        at_node = np.flatnonzero(left & (lines == node).any(axis=1))
+        if not chain and len(at_node):
+            span = points[node] - points[lines[at_node].sum(axis=1) - node]
+            cosine = span @ points[node] / np.linalg.norm(span, axis=1)
+            at_node = at_node[[np.argmax(cosine)]]
+            left &= parts == parts[at_node[0]]
+        if len(at_node) != 1:
+            return np.array(chain, dtype=np.int64).reshape(-1, 2)
+        left[at_node] = False
+        other = int(lines[at_node[0]].sum() - node)
+        chain.append((other, node))
+        node = other
+
+
+def drawback(
+    disk: BladedDiskModel, shapes: FloatArray, blade: int, *, around: bool
+) -> tuple[FloatArray, FloatArray]:
+    """Return the quadratic form of the distance by which a tip draws back, 1/2 sum_i s_i y_i^2.
+
+    Args:
+        disk: finite element model with beams at the tip.
+        shapes: fields on the free DoF for unit coordinates, (size, fields).
+        blade: number of the blade.
+        around: decrease of the distance from the axis instead of the distance d along the blade.
+
+    Returns:
+        rows of y for unit coordinates [m^1/2 by coordinate], (rows, fields), and the signs s,
+        (rows,).
+    """
+    points, tip = disk.mesh.points, disk.model.tips[blade]
+    chain, moved = blade_beams(disk.model, tip), disk.cartesian(shapes)
+    root, out = chain[-1, 0], points[tip] / np.linalg.norm(points[tip])
+    turned = moved[root, 2]
+    rows, forms = [], []
+    for first, second in chain:
+        span = points[second] - points[first]
+        length = float(np.linalg.norm(span))
+        along = span / length
+        across = np.array([-along[1], along[0]])
+        rise = across @ (moved[second, :2] - moved[first, :2]) - length * turned
+        rows.append([rise, moved[first, 2] - turned, moved[second, 2] - turned])
+        forms.append(slope_form(length) * (along @ out))
+    found = [_factors(form, np.array(row)) for form, row in zip(forms, rows, strict=True)]
+    if around:
+        found.append(_factors(*_around(disk, moved, int(root), int(tip))))
+    return np.vstack([rows for rows, _ in found]), np.concatenate([signs for _, signs in found])
+
+
+def slope_form(length: float) -> FloatArray:
+    """Return the matrix of int w'^2 ds for the rise between the ends of an element, and for the
+    slopes at both ends, (3, 3)."""
+    h = length
+    return np.array(
+        [[36.0, -3 * h, -3 * h], [-3 * h, 4 * h**2, -(h**2)], [-3 * h, -(h**2), 4 * h**2]]
+    ) / (30.0 * h)
+
+
+def _around(
+    disk: BladedDiskModel, moved: FloatArray, root: int, tip: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return the matrix (4, 4) and the rows (4, fields) of theta^2 rho + 2 theta v + alpha^2 X_r -
+    u_t^2 / R."""
+    points, centre = disk.mesh.points, disk.model.centre
+    radius = float(np.linalg.norm(points[tip]))
+    out = points[tip] / radius
+    ahead = np.array([-out[1], out[0]])
+    reach, from_axis = float(out @ (points[tip] - points[root])), float(out @ points[root])
+    turned, swept = moved[root, 2], np.tensordot(ahead, moved[[centre, root, tip], :2], (0, 1))
+    bent = swept[2] - swept[1] - reach * turned
+    carried = (swept[1] - swept[0]) / from_axis if from_axis > 0.0 else turned
+    form = np.diag([reach, 0.0, max(from_axis, 0.0), -1.0 / radius])
+    form[0, 1] = form[1, 0] = 1.0
+    return form, np.array([turned, bent, carried, swept[2]])
+
+
+def _factors(form: FloatArray, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return rows and signs that give a symmetric form of given rows."""
+    values, vectors = np.linalg.eigh(form)
+    return np.sqrt(np.abs(values))[:, None] * (vectors.T @ rows), np.sign(values)
+
+
+def fewest_terms(
+    rows: FloatArray, signs: FloatArray, weight: FloatArray, share: float
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return a quadratic form with the fewest terms, for coordinates of equal energy.
+
+    Args:
+        rows: rows y of the form 1/2 sum_i s_i y_i^2, (rows, coordinates).
+        signs: signs s, (rows,).
+        weight: square root of the stiffness of each coordinate, positive, (coordinates,).
+        share: share of the largest term below which terms are neglected.
+
+    Returns:
+        rows (terms, coordinates) and signs (terms,), the largest first, and the mean frequency of
+        the fastest term above 1e-3 of the largest, in the unit of `weight`.
+    """
+    basis, triangle = np.linalg.qr((rows / weight).T)
+    values, vectors = np.linalg.eigh(triangle @ (signs[:, None] * triangle.T))
+    order = np.argsort(-np.abs(values))
+    size = np.abs(values[order])
+    kept = order[size > share * size[0]]
+    unit = (basis @ vectors[:, kept]).T
+    large = np.abs(values[kept]) > 1e-3 * size[0]
+    fastest = float(np.sqrt((unit[large] ** 2 @ weight**2).max(initial=0.0)))
+    return np.sqrt(np.abs(values[kept]))[:, None] * unit * weight, np.sign(values[kept]), fastest

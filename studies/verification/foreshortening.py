@@ -1,0 +1,184 @@
+"""Foreshortening of bent blades: closed forms, elastica, true radii, work of contact."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+from scipy.integrate import simpson
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
+from bladewhirl.models.elements.build import case_bladed_disk
+from bladewhirl.models.elements.foreshortening import drawback
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.studies.verification.bodies import ledger_residual, marched
+from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
+
+BLADE = 3  #: blade that bends
+LENGTH = 0.45  #: length of the default blade [m]
+ROOTS = {"first": 1.875104068711961, "second": 4.694091132974175}
+"""Roots beta of cosh(beta) cos(beta) = -1 of a clamped blade."""
+
+Shape = tuple[Callable[[FloatArray], FloatArray], Callable[[FloatArray], FloatArray]]
+"""Deflection and slope over the position on the blade, from 0 at the root to 1 at the tip."""
+
+FORCE: Shape = (lambda x: (3.0 * x**2 - x**3) / 2.0, lambda x: (6.0 * x - 3.0 * x**2) / 2.0)
+MOMENT: Shape = (lambda x: x**2, lambda x: 2.0 * x)
+
+
+def mode(name: str) -> Shape:
+    """Return a bending mode of a clamped blade, 1 at the tip."""
+    beta = ROOTS[name]
+    ratio = (np.cosh(beta) + np.cos(beta)) / (np.sinh(beta) + np.sin(beta))
+
+    def deflection(x: FloatArray) -> FloatArray:
+        z = beta * x
+        return np.asarray(np.cosh(z) - np.cos(z) - ratio * (np.sinh(z) - np.sin(z)))
+
+    def slope(x: FloatArray) -> FloatArray:
+        z = beta * x
+        return np.asarray(beta * (np.sinh(z) + np.sin(z) - ratio * (np.cosh(z) - np.cos(z))))
+
+    tip = float(deflection(np.array(1.0)))
+    return lambda x: deflection(x) / tip, lambda x: slope(x) / tip
+
+
+@cache
+def bladed_disk() -> BladedDiskModel:
+    """Return the finite elements of the default bladed disk."""
+    return case_bladed_disk(Case(), clamped=False)
+
+
+def field(x: FloatArray, y: FloatArray, rotation: FloatArray) -> FloatArray:
+    """Return the free DoF of displacements x, y and rotations of all nodes, (size, 1)."""
+    disk = bladed_disk()
+    cos, sin = np.cos(disk.mesh.node_axes), np.sin(disk.mesh.node_axes)
+    local = np.stack([cos * x + sin * y, cos * y - sin * x, rotation], axis=1)
+    dofs = disk.structure.node_dofs
+    free = np.zeros((disk.structure.size, 1))
+    free[dofs[dofs >= 0], 0] = local[dofs >= 0]
+    return free
+
+
+def directions() -> tuple[FloatArray, FloatArray]:
+    """Return the radial and the tangential direction at the blade that bends, (2,) each."""
+    angle = bladed_disk().tip_angles[BLADE]
+    return np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+
+
+def bent(shape: Shape) -> FloatArray:
+    """Return the field of one bent blade with a unit tip deflection [m]; the disk is at rest."""
+    points = bladed_disk().mesh.points
+    out, ahead = directions()
+    root = bladed_disk().model.tip_radius - LENGTH
+    on = (np.abs(points @ ahead) < 1e-9) & (points @ out > root - 1e-9)
+    place = np.clip((points @ out - root) / LENGTH, 0.0, 1.0)
+    deflection, slope = shape[0](place) * on, shape[1](place) / LENGTH * on
+    return field(deflection * ahead[0], deflection * ahead[1], slope)
+
+
+def turned() -> FloatArray:
+    """Return the field of a rigid rotation by 1 rad about the centre."""
+    points = bladed_disk().mesh.points
+    return field(-points[:, 1], points[:, 0], np.ones(len(points)))
+
+
+def opening(moved: FloatArray, *, around: bool = False) -> float:
+    """Return the opening of the gap of the blade that bends [m]."""
+    rows, signs = drawback(bladed_disk(), moved, BLADE, around=around)
+    return float(0.5 * signs @ rows[:, 0] ** 2)
+
+
+@verifies("first", "second")
+def drawback_in_a_mode(name: str) -> Pair:
+    """Compare with 1/2 int w'^2 of the exact mode, while the disk rotates rigidly."""
+    place = np.linspace(0.0, 1.0, 20_001)
+    exact = simpson(mode(name)[1](place) ** 2, x=place) / 2.0
+    return exact, LENGTH * opening(bent(mode(name)) + turned())
+
+
+@verifies()
+def drawback_under_a_force() -> Pair:
+    """Compare with 0.6 y^2 / L."""
+    return 0.6, LENGTH * opening(bent(FORCE))
+
+
+@verifies()
+def drawback_of_the_elastica() -> Pair:
+    """Compare with the exact shortening of beams with tip deflections up to a fifth of the
+    length."""
+    given, exact, ours = reference("elastica"), [], []
+    for load, shape in (("tip_force", FORCE), ("end_moment", MOMENT)):
+        exact += given[load]["u"]
+        ours += [LENGTH * opening(bent(shape)) * w**2 for w in given[load]["w"]]
+    return exact, ours
+
+
+@verifies()
+def rotation_without_drawback() -> Pair:
+    """Compare the openings by a rigid rotation of 1 rad with zero."""
+    return [0.0, 0.0], [opening(turned(), around=around) for around in (False, True)]
+
+
+@verifies()
+def radius_of_a_bent_blade() -> Pair:
+    """Compare the distance of a tip from the axis with that of an inextensible curve on a rigid
+    disk which turns and moves."""
+    exact, ours = [], []
+    place, ahead = np.linspace(0.0, 1.0, 20_001), directions()[1]
+    slope, ones = mode("first")[1](place) / LENGTH, np.ones(len(bladed_disk().mesh.points))
+    radius = bladed_disk().model.tip_radius
+    for tip, rotation, centre in ((2e-4, 0.0, 0.0), (2e-4, 3e-4, 0.0), (2e-4, 3e-4, 1e-4)):
+        along = LENGTH * simpson(np.cos(tip * slope), x=place) + radius - LENGTH
+        across = LENGTH * simpson(np.sin(tip * slope), x=place)
+        cos, sin = np.cos(rotation), np.sin(rotation)
+        at = [cos * along - sin * across, sin * along + cos * across + centre]
+        exact.append(radius - np.hypot(*at))
+        shift = field(centre * ahead[0] * ones, centre * ahead[1] * ones, 0.0 * ones)
+        ours.append(opening(tip * bent(mode("first")) + rotation * turned() + shift, around=True))
+    return exact, ours
+
+
+@cache
+def rubbing(dt: float) -> tuple[ContactProblem, Chunk]:
+    """March a stage on a rigid wall, whose blades bend by up to a tenth of their length."""
+    changes = {
+        "bladed_disk.blades": 5,
+        "casing.elements": 12,
+        "reduction.fixed_interface_modes": 15,
+        "contact.foreshortening": True,
+        "initial.centre_velocity": [3.0, 1.4],
+        "initial.tip_velocity": [[0.0, 12.0 - 8.0 * (blade % 2)] for blade in range(5)],
+    }
+    made = contact_problem(build_stage(with_values(Case(), changes)))
+    rigid = replace(made.casing, nodal=np.zeros_like(made.casing.nodal))
+    made = replace(made, casing=rigid)
+    return made, marched(made, dt, round(8e-3 / dt), every=100)
+
+
+@verifies()
+def work_of_drawn_tips() -> Pairs:
+    """Compare the work of the contact forces with the forces times the motion of the gaps,
+    extrapolated to a time step of zero, and the energy minus all works with zero."""
+    made, chunk = rubbing(1e-6)
+    _, coarse = rubbing(2e-6)
+    if not chunk.contact_impulse.any():
+        raise ArithmeticError("expected contact")
+    assert made.foreshortening is not None
+    deepest = float(made.foreshortening.opening(chunk.rotor_displacement).max())
+    if not deepest > 1e-3:
+        raise ArithmeticError(f"expected tips that draw back by 1 mm, not by {deepest:.3g} m")
+    along, work = (
+        2.0 * getattr(chunk, name)[-1] - getattr(coarse, name)[-1]
+        for name in ("closing_work", "normal_work")
+    )
+    return {
+        "work_along_the_gap": (along, work),
+        "foreshortening_ledger": (0.0, ledger_residual(chunk)),
+    }

@@ -1,0 +1,61 @@
+"""Foreshortening of blades: the beams of a blade, and quadratic forms with few terms."""
+
+import numpy as np
+import pytest
+from places import EXAMPLES
+
+from bladewhirl.models.case.file import read_case
+from bladewhirl.models.elements.foreshortening import blade_beams, drawback, fewest_terms
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.stage import build_stage
+
+
+@pytest.mark.parametrize(
+    ("name", "root", "changes"),
+    [
+        ("imbalance", 0.05, []),
+        ("curved_blades", 0.05, []),
+        ("shrouded_fan", 0.08, []),
+        ("packets", 0.05, []),
+    ],
+)
+def test_a_blade_reaches_from_tip_to_root(name: str, root: float, changes: list[str]) -> None:
+    stage = build_stage(read_case(EXAMPLES / f"{name}.toml", changes))
+    model = stage.disk.model
+    for tip in model.tips:
+        beams = blade_beams(model, int(tip))
+        assert beams[0, 1] == tip
+        assert np.array_equal(beams[1:, 1], beams[:-1, 0])
+        assert np.hypot(*model.mesh.points[beams[-1, 0]]) == pytest.approx(root)
+
+
+def test_few_terms_give_the_form() -> None:
+    random = np.random.default_rng(3)
+    rows, signs = random.normal(size=(9, 30)), np.array([1.0] * 6 + [-1.0] * 3)
+    rows[4:6] = rows[:2]  # seven terms are enough
+    weight = random.uniform(1.0, 100.0, 30)
+    fewer, kept, _ = fewest_terms(rows, signs, weight, 1e-12)
+    assert fewer.shape == (7, 30)
+    np.testing.assert_allclose(
+        fewer.T @ (kept[:, None] * fewer), rows.T @ (signs[:, None] * rows), atol=1e-12 * 1e4
+    )
+
+
+def test_the_form_of_a_problem_is_the_drawback_of_its_fields() -> None:
+    case = read_case(EXAMPLES / "curved_blades.toml", ["contact.foreshortening=true"])
+    stage = build_stage(case)
+    given = contact_problem(stage).foreshortening
+    assert given is not None
+    modes = stage.reduction.modes
+    x = np.random.default_rng(0).normal(size=modes.count) / modes.frequency
+    for blade in (0, 7):
+        rows, signs = drawback(stage.disk, modes.shapes @ x[:, None], blade, around=False)
+        exact = 0.5 * signs @ rows[:, 0] ** 2
+        assert given.opening(x)[blade] == pytest.approx(exact, rel=1e-6)
+
+
+def test_other_schemes_are_refused() -> None:
+    changes = ["contact.foreshortening=true", "march.scheme=penalty"]
+    with pytest.raises(CaseError, match=r"march\.scheme.*central-difference"):
+        read_case(EXAMPLES / "imbalance.toml", changes)
