@@ -86,6 +86,7 @@ def sweep_report(
                 REGIMES[next(iter(counts))].meaning if counts else "",
                 _certainty(dataset) if done and DRAW in dataset.dims else "",
                 _screening(dataset) if done and SCREENED in dataset else "",
+                _carried(dataset),
             ]
         ),
         warnings=_warnings(needed, done, failed),
@@ -154,6 +155,13 @@ def _screening(dataset: xr.Dataset) -> str:
         " masses of the casing, and are marked in the table of points; where the draws differed,"
         " all were repeated with the time step of the case."
     )
+
+
+def _carried(dataset: xr.Dataset) -> str:
+    """Return a sentence on a sweep that carries the motion from speed to speed."""
+    ways = {"up": "rising", "down": "falling"}
+    way = ways.get(str(dataset.attrs.get("carry")))
+    return f"The motion was carried from speed to speed, with {way} speed." if way else ""
 
 
 def _warnings(points: int, done: int, failed: int) -> list[str]:

@@ -89,6 +89,14 @@ def sweep(
             " the time step of the case the points whose outcome is uncertain.",
         ),
     ] = False,
+    carry: Annotated[
+        Literal["up", "down"] | None,
+        typer.Option(
+            "--continue",
+            help="Start the march at each speed from the motion at the speed before, with rising or"
+            " with falling speed.",
+        ),
+    ] = None,
     resume: Annotated[
         Path | None,
         typer.Option(
@@ -128,7 +136,7 @@ def sweep(
             new_sweep |= {"--table": table}
             new_sweep |= {"--perturb": perturb, "--seed": seed, "--until": until}
             new_sweep |= {"--set": overrides, "--histories": histories, "--stop-when": stop_when}
-            new_sweep |= {"--screen": screen}
+            new_sweep |= {"--screen": screen, "--continue": carry}
             unused = ", ".join(name for name, value in new_sweep.items() if value)
             if unused:
                 raise UserError(f"--resume {resume}: expected no {unused}, which the plan defines")
@@ -160,6 +168,7 @@ def sweep(
                 seed=seed,
                 until=until,
                 screen=screen,
+                carry=carry,
                 watch=watch,
             )
     document = {

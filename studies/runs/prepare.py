@@ -1,5 +1,6 @@
 """Preparation of a case for time integration."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +16,9 @@ from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.solvers.march.march import Scheme
 from bladewhirl.solvers.march.scheme import make_scheme
+
+Change = Callable[[ContactProblem, Timing], tuple[ContactProblem, Timing]]
+"""Function that changes a contact problem and its timing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,21 +41,21 @@ def prepare(case: Case) -> Prepared:
     return prepare_stage(build_stage(case))
 
 
-def prepare_stage(stage: Stage, *, screen: bool = False) -> Prepared:
+def prepare_stage(stage: Stage, change: Change | None = None) -> Prepared:
     """Prepare the time integration of a stage: check it, and factorise the matrices.
 
     Args:
         stage: the stage.
-        screen: whether to scale the masses of the casing and to choose a longer time step.
+        change: function that returns another contact problem and another timing.
 
     Raises:
         CaseError: all errors that prevent time integration.
-        UserError: the case cannot be screened.
+        UserError: raised by `change`.
     """
     problem, case = contact_problem(stage), stage.case
     timing = case.march.timing
-    if screen:
-        problem, timing = screened(case, problem)
+    if change is not None:
+        problem, timing = change(problem, timing)
     with numbers_within_reach(case):
         try:
             scheme = make_scheme(problem, timing.time_step, timing.record_every, case.march.scheme)
@@ -65,7 +69,7 @@ def prepare_stage(stage: Stage, *, screen: bool = False) -> Prepared:
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
 
 
-def screened(case: Case, problem: ContactProblem) -> tuple[ContactProblem, Timing]:
+def screened(case: Case, problem: ContactProblem, timing: Timing) -> tuple[ContactProblem, Timing]:
     """Return contact problem and timing of a screening march, see `screening_problem`.
 
     Raises:
@@ -74,6 +78,6 @@ def screened(case: Case, problem: ContactProblem) -> tuple[ContactProblem, Timin
     try:
         if case.march.scheme != "central-difference":
             raise ValueError('march.scheme = "central-difference"')
-        return screening_problem(problem, case.march.timing)
+        return screening_problem(problem, timing)
     except ValueError as error:
         raise UserError(f"--screen: expected {error}") from None

@@ -3,12 +3,11 @@
 import socket
 import uuid
 from collections.abc import Iterable, Iterator
-from itertools import islice
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.runs.folder import version
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
-from bladewhirl.studies.sweeps.workers import READY
+from bladewhirl.studies.sweeps.workers import READY, ready
 
 try:
     import dask
@@ -28,7 +27,7 @@ PATIENCE = 30.0
 
 
 def march_on_cluster(
-    work: Work, points: Iterable[Point], scheduler: str
+    work: Work, points: Iterable[Point | None], scheduler: str
 ) -> Iterator[tuple[int, Outcome]]:
     """March points on the workers of a scheduler, given by its address; yield the number and the
     outcome of each point as the outcome arrives.
@@ -43,7 +42,7 @@ def march_on_cluster(
         together = "sweep-" + uuid.uuid4().hex
         while True:
             threads = max(1, sum(client.nthreads().values()))
-            for point in islice(waiting, max(0, (1 + READY) * threads - len(marching))):
+            for point in ready(waiting, max(0, (1 + READY) * threads - len(marching))):
                 key = (together, point.number)
                 future = client.submit(march_point, work, point, key=key, pure=False)
                 marching[future.key] = point

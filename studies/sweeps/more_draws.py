@@ -24,14 +24,15 @@ def add_draws(plan: Plan, directory: Path, count: int) -> Plan:
 
     Raises:
         UserError: the sweep has no draws or as many already, keeps histories, which are numbered
-            by draw, or its dataset is in use, damaged or of another plan.
+            by draw, carries motion from speed to speed, or its dataset is in use, damaged or of
+            another plan.
     """
     draws = plan.grid.draws
-    if draws is None or count <= draws.count or plan.histories:
+    if draws is None or count <= draws.count or plan.histories or plan.carry:
         present = 0 if draws is None else draws.count
         raise UserError(
             f"--resume {directory}, --draws {count}: expected a sweep with draws and without"
-            f" --histories, and more than its {present} draws"
+            f" --histories and --continue, and more than its {present} draws"
         )
     table = PointTable(values=plan.grid.listed) if plan.grid.table else None
     more = replace(draws, count=count)

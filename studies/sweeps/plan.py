@@ -29,6 +29,15 @@ from bladewhirl.studies.sweeps.axes import (
     unit_of,
     value_at,
 )
+from bladewhirl.studies.sweeps.carried import (
+    CARRIES,
+    CARRY_RULE,
+    CONTINUE,
+    FEWEST_TURNS,
+    SPEED,
+    Carry,
+    carry_fault,
+)
 from bladewhirl.studies.sweeps.draws import Draws, parse_draws
 from bladewhirl.studies.sweeps.layout import history_bytes, make_layout, march_extent
 from bladewhirl.studies.sweeps.points import Point, stage_at
@@ -71,6 +80,7 @@ class Plan:
     histories: bool
     stop_when: StopWhen | None
     screen: bool  #: whether points are screened, see `SCREEN_RULE`
+    carry: Carry | None  #: direction in which the motion is carried, see `CARRY_RULE`
     steps: int  #: number of steps of all marches together, if none ends early
     history_bytes: int  #: size of all full histories [bytes]
 
@@ -89,6 +99,7 @@ class Plan:
             self.grid.draws,
             self.grid.listed,
             screen=self.screen,
+            carry=self.carry,
         )
 
     @property
@@ -97,7 +108,10 @@ class Plan:
         attributes = {"title": self.case.title, "case": folder.portable_case(self.case)}
         attributes |= {"version": folder.version(), "plan": self.digest}
         attributes |= {} if self.stop_when is None else {"stop_rule": RULE}
-        return attributes | ({"screen_rule": SCREEN_RULE} if self.screen else {})
+        attributes |= {"screen_rule": SCREEN_RULE} if self.screen else {}
+        if self.carry is not None:
+            attributes |= {"carry": self.carry, "carry_rule": CARRY_RULE}
+        return attributes
 
     @property
     def hints(self) -> tuple[str, ...]:
@@ -107,11 +121,19 @@ class Plan:
             dict.fromkeys(hint for at in ends for hint in case_hints(with_values(self.case, at)))
         )
 
-    def point(self, number: int, *, screen: bool = False) -> Point:
-        """Return a point for a worker to march, with scaled masses if it is to be screened."""
+    def point(self, number: int, *, screen: bool = False, before: int | None = None) -> Point:
+        """Return a point for a worker to march, with scaled masses if it is to be screened, and
+        from the state at the end of the point `before`."""
         digits = len(str(self.grid.size - 1))
         name = f"point_{number:0{digits}d}.nc" if self.histories else None
-        return Point(number=number, values=self.grid.values(number), history=name, screen=screen)
+        return Point(
+            number=number,
+            values=self.grid.values(number),
+            history=name,
+            screen=screen,
+            before=None if before is None else f"point_{before}.npz",
+            after=None if self.carry is None else f"point_{number}.npz",
+        )
 
 
 def plan_sweep(
@@ -122,6 +144,7 @@ def plan_sweep(
     large: bool = True,
     stop_when: StopWhen | None = None,
     screen: bool = False,
+    carry: Carry | None = None,
 ) -> Plan:
     """Validate every point of a sweep and estimate its cost.
 
@@ -134,6 +157,7 @@ def plan_sweep(
         large: whether to allow more than a billion steps of a march, or a trillion of the sweep.
         stop_when: condition for ending a march early, see `free_motion.RULE`.
         screen: whether points are screened, see `SCREEN_RULE`.
+        carry: direction in which the motion is carried from speed to speed, see `CARRY_RULE`.
 
     Raises:
         UserError: the case has errors at a point, which the message names; there are more steps
@@ -155,6 +179,9 @@ def plan_sweep(
             f"{SCREEN}: expected --draws of at least {FEWEST_SCREENED}, and no --histories: a"
             " screening march has no accurate stresses or spectra above its cut"
         )
+    if carry is not None:
+        others = histories or screen or stop_when or (grid.draws and grid.draws.until)
+        _check_carry(case, grid, coordinates, others=bool(others))
     stage = stage_at(with_values(case, grid.values(0)))
     if stop_when is not None:
         try:
@@ -170,6 +197,7 @@ def plan_sweep(
         histories=histories,
         stop_when=stop_when,
         screen=screen,
+        carry=carry,
         steps=extent.steps,
         history_bytes=history_bytes(extent, stage) if histories else 0,
     )
@@ -190,6 +218,7 @@ def plan_digest(
     table: Mapping[str, Any] | None = None,
     *,
     screen: bool = False,
+    carry: Carry | None = None,
 ) -> str:
     """Return the SHA-256 digest of all input of the points, which plan and dataset contain."""
     # The last entry, 1, is the number of points marched together.
@@ -198,6 +227,7 @@ def plan_digest(
     made_by += [] if draws is None else [_described(draws)]
     made_by += [dict(table)] if table else []
     made_by += [SCREEN] if screen else []
+    made_by += [CONTINUE, carry] if carry else []
     whole = sha256(json.dumps(made_by).encode())
     for name, content in folder.case_files(case).items():
         whole.update(name.encode() + content)
@@ -220,6 +250,8 @@ def write_plan(plan: Plan, directory: Path) -> None:
         document["table"] = plan.grid.listed
     if plan.screen:
         document["screen"] = True
+    if plan.carry is not None:
+        document["carry"] = plan.carry
     if plan.grid.draws is not None:
         document["draws"] = _described(plan.grid.draws)
     text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
@@ -246,6 +278,8 @@ def read_plan(directory: Path) -> Plan:
         stop_rule = document.get("stop_when")
         stop_when = None if stop_rule is None else STOPS[STOPS.index(stop_rule)]
         screen = bool(document.get("screen", False))
+        direction = document.get("carry")
+        carry = None if direction is None else CARRIES[CARRIES.index(direction)]
         drawn = document.get("draws")
         draws = drawn and parse_draws(
             drawn["count"], drawn["perturb"], drawn["seed"], drawn.get("until")
@@ -256,7 +290,7 @@ def read_plan(directory: Path) -> Plan:
         raise UserError(f"{path}: expected the plan of a sweep ({error!r})") from None
     case = loads(text, file=str(path))
     try:
-        digest = plan_digest(case, over, stop_when, draws, table, screen=screen)
+        digest = plan_digest(case, over, stop_when, draws, table, screen=screen, carry=carry)
     except OSError as error:  # raised for the mesh file
         raise UserError(f"{error.filename}: expected a readable file ({error.strerror})") from None
     if document.get("digest") != digest:
@@ -267,7 +301,9 @@ def read_plan(directory: Path) -> Plan:
         )
     points = PointTable(values=table) if table else None
     grid = make_grid(case, over, large=True, draws=draws, table=points)
-    return plan_sweep(case, grid, histories=histories, stop_when=stop_when, screen=screen)
+    return plan_sweep(
+        case, grid, histories=histories, stop_when=stop_when, screen=screen, carry=carry
+    )
 
 
 def _coordinates(case: Case, grid: Grid) -> Coordinates:
@@ -284,6 +320,36 @@ def _coordinates(case: Case, grid: Grid) -> Coordinates:
         values, unit = coordinate([value_at(each, axis.key) for each in along])
         coordinates[axis.key] = (values, unit or unit_of(case, axis.key))
     return coordinates
+
+
+def _check_carry(case: Case, grid: Grid, coordinates: Coordinates, *, others: bool) -> None:
+    """Check that motion can be carried from speed to speed.
+
+    Args:
+        case: case that is varied.
+        grid: points of the sweep.
+        coordinates: values of the swept keys.
+        others: whether there are options that do not fit together with this one.
+
+    Raises:
+        UserError: it cannot; the message states the reason.
+    """
+    if SPEED not in grid.over or others:
+        raise UserError(
+            f"{CONTINUE}: expected --over {SPEED}=..., and none of --table, --screen, --until,"
+            " --stop-when and --histories"
+        )
+    for number in (0, grid.size - 1):
+        at_point = with_values(case, grid.values(number))
+        with grid.naming(number):
+            if fault := carry_fault(at_point):
+                raise UserError(f"{CONTINUE}: expected {fault}")
+            turns = abs(stage_at(at_point).speed) * at_point.march.duration / (2.0 * np.pi)
+            if not turns >= FEWEST_TURNS:
+                raise UserError(
+                    f"{CONTINUE}: expected marches of at least {FEWEST_TURNS:g} revolutions, not of"
+                    f" {turns:.3g}"
+                )
 
 
 def _check_stages(case: Case, grid: Grid, *, screen: bool) -> None:
@@ -305,4 +371,4 @@ def _check_stages(case: Case, grid: Grid, *, screen: bool) -> None:
             if faults:
                 raise CaseError(faults)
             if screen:
-                screened(at_point, contact_problem(stage))
+                screened(at_point, contact_problem(stage), at_point.march.timing)

@@ -9,9 +9,11 @@ import threading
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+import xarray as xr
 
 from bladewhirl.models.case.analysis import Contact, Initial, March
 from bladewhirl.models.case.case import Case
@@ -23,11 +25,13 @@ from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.sweep.dataset import Layout
 from bladewhirl.postprocess.sweep.digest import Digest, digest
 from bladewhirl.solvers.march.free_motion import FreeMotion, StopWhen
+from bladewhirl.solvers.march.march import EndReason
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.folder import portable_case
-from bladewhirl.studies.runs.prepare import prepare_stage
+from bladewhirl.studies.runs.prepare import Change, prepare_stage, screened
 from bladewhirl.studies.runs.recorded_march import expected_bytes, march_in_memory, march_to_file
 from bladewhirl.studies.sweeps.axes import Value
+from bladewhirl.studies.sweeps.carried import continued, late_state, read_state, write_state
 
 KEPT_STAGES = 2
 """Number of stages that a worker caches: neighbouring points of a sweep over speed have the same
@@ -49,6 +53,8 @@ class Point:
     values: Mapping[str, Value]  #: values of the swept keys
     history: str | None = None  #: file name of the full history; None if no history is kept
     screen: bool = False  #: whether to march with scaled masses of the casing
+    before: str | None = None  #: file name of the state from which the march starts
+    after: str | None = None  #: file name for the state at the end; None if it is not kept
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +75,7 @@ class Work:
     layout: Layout | None  #: layout of the data of a point; None if only histories are kept
     histories: str  #: folder of full histories
     stop_when: StopWhen | None = None  #: condition for ending a march early
+    states: str = ""  #: folder of states
 
 
 def march_point(work: Work, point: Point) -> Outcome:
@@ -112,14 +119,16 @@ def _body(case: Case) -> Stage:
 
 def _march_point(work: Work, case: Case, point: Point) -> Digest:
     name = point.history
-    prepared = prepare_stage(stage_at(case), screen=point.screen)
+    prepared = prepare_stage(stage := stage_at(case), _change(work, stage, point))
     if work.stop_when is not None:
         with suppress(ValueError):  # a march that cannot end early runs to its end
             stop = FreeMotion.of(prepared.problem, prepared.timing.time_step)
             prepared = replace(prepared, stop=stop)
     if work.layout is not None and name is None and expected_bytes(prepared) <= IN_MEMORY:
         room = _OWN.__dict__.setdefault("room", {})
-        return digest(*march_in_memory(prepared, room), work.layout)
+        result, report = march_in_memory(prepared, room)
+        _keep_state(work, stage, result, point)
+        return digest(result, report, work.layout)
     # A history to keep is written into its final folder, under another name until it is complete.
     folder = work.histories if name is not None else None
     with TemporaryDirectory(prefix=".point-", dir=folder) as scratch:
@@ -128,7 +137,24 @@ def _march_point(work: Work, case: Case, point: Point) -> Digest:
         kept: Digest = {}
         if work.layout is not None:
             with open_result(path) as result:
+                _keep_state(work, stage, result, point)
                 kept = digest(result, report, work.layout)
         if name is not None:
             os.replace(path, Path(work.histories) / name)
     return kept
+
+
+def _change(work: Work, stage: Stage, point: Point) -> Change | None:
+    """Return the change of the contact problem of a point."""
+    if point.screen:
+        return partial(screened, stage.case)
+    if point.before is None:
+        return None
+    state = read_state(Path(work.states) / point.before)
+    return lambda problem, timing: (continued(stage, problem, state), timing)
+
+
+def _keep_state(work: Work, stage: Stage, result: xr.Dataset, point: Point) -> None:
+    """Write the state that is carried to the next speed, unless the march ended early."""
+    if point.after is not None and result.attrs["end_reason"] == EndReason.COMPLETED.value:
+        write_state(Path(work.states) / point.after, late_state(stage, result))

@@ -7,12 +7,13 @@ from numpy.typing import NDArray
 
 from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, NOT_NEEDED
 from bladewhirl.postprocess.sweep.shares import settled, wilson
+from bladewhirl.studies.sweeps.carried import SPEED, Carry, Chains
 from bladewhirl.studies.sweeps.plan import Plan
-from bladewhirl.studies.sweeps.points import Outcome, Point
+from bladewhirl.studies.sweeps.points import Failure, Outcome, Point
 from bladewhirl.studies.sweeps.store import Store
 from bladewhirl.studies.sweeps.until import REGIMES, Judge
 
-March = Callable[[Iterable[Point]], Iterator[tuple[int, Outcome]]]
+March = Callable[[Iterable[Point | None]], Iterator[tuple[int, Outcome]]]
 """Function that marches points and yields number and outcome of each."""
 
 Mask = NDArray[np.bool_]
@@ -39,6 +40,9 @@ class Rounds:
     def outcomes(self) -> Iterator[tuple[int, Outcome | None]]:
         """March the unfinished points; yield number and outcome of each, None for a draw that is
         not needed."""
+        if self._plan.carry is not None:
+            yield from self._chained(self._plan.carry)
+            return
         done = self._store.state == DONE
         if not self._plan.screen:
             yield from self._round(done, np.ones(self._points, dtype=np.bool_))
@@ -50,6 +54,26 @@ class Rounds:
         known = (self._store.state == DONE) & ~(self._store.screened & self._of_draws(again))
         self.waiting = int(np.count_nonzero((self._store.state == DONE) & ~known))
         yield from self._round(known, again)
+
+    def _chained(self, carry: Carry) -> Iterator[tuple[int, Outcome]]:
+        """March points one after the other along the speed; yield number and outcome of each."""
+        plan, grid = self._plan, self._plan.grid
+        chains = Chains(
+            grid.shape,
+            [axis.key for axis in grid.axes].index(SPEED),
+            plan.coordinates[SPEED][0],
+            carry,
+            self._store.state,
+            self._store.end_reason,
+        )
+        points = (
+            each and plan.point(each[0], before=each[1])  # None if no point can be marched yet
+            for each in chains.wanted()
+        )
+        for number, outcome in self._march(points):
+            end = None if isinstance(outcome, Failure) else int(outcome["end_reason"])
+            chains.take(number, end)
+            yield number, outcome
 
     def _round(self, known: Mask, chosen: Mask) -> Iterator[tuple[int, Outcome | None]]:
         """March the draws that are not known (draws,) of the chosen points (points,)."""

@@ -161,6 +161,11 @@ class Store(AbstractContextManager["Store"]):
         return np.asarray(self._h5["regime"][()], dtype=np.int8).ravel()
 
     @property
+    def end_reason(self) -> NDArray[np.int8]:
+        """Code of the reason of the end of every march as written, (points,)."""
+        return np.asarray(self._h5["end_reason"][()], dtype=np.int8).ravel()
+
+    @property
     def screened(self) -> NDArray[np.bool_]:
         """True for every point whose march as written is a screening march, (points,)."""
         if self._screened is None:

@@ -4,6 +4,7 @@ Only the calling process writes the dataset; workers only march. The content of 
 on the case and the points, not on the number of workers, their order, or interruptions.
 """
 
+import shutil
 import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -20,6 +21,7 @@ from bladewhirl.postprocess.sweep.dataset import DONE, SWEEP_NAME
 from bladewhirl.solvers.march.free_motion import StopWhen
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import OVER, TABLE, Grid, Value, make_grid
+from bladewhirl.studies.sweeps.carried import STATES_NAME, Carry
 from bladewhirl.studies.sweeps.draws import parse_draws
 from bladewhirl.studies.sweeps.more_draws import add_draws
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, Plan, plan_sweep, read_plan, write_plan
@@ -79,6 +81,7 @@ def run_sweep(
     seed: int = 0,
     until: float | None = None,
     screen: bool = False,
+    carry: Carry | None = None,
     watch: Watch | None = None,
 ) -> Sweep:
     """March a case at every combination of values, or at the points of a table, and collect the
@@ -115,6 +118,8 @@ def run_sweep(
         screen: march the draws with scaled masses of the casing and a longer time step, and repeat
             at the time step of the case the points whose outcome is uncertain. The variable
             `screened` tells these marches from others; the attribute `screen_rule` is the rule.
+        carry: "up" or "down": start the march at each speed from the motion at the speed below or
+            above it, so that hysteresis is seen; the attribute `carry_rule` is the rule.
         watch: progress callbacks.
 
     Warns:
@@ -140,7 +145,13 @@ def run_sweep(
         table=None if table is None else point_table(table),
     )
     plan = plan_sweep(
-        case, grid, histories=histories, large=large, stop_when=stop_when, screen=screen
+        case,
+        grid,
+        histories=histories,
+        large=large,
+        stop_when=stop_when,
+        screen=screen,
+        carry=carry,
     )
     for hint in plan.hints:
         warnings.warn(hint, Hint, stacklevel=2)
@@ -193,8 +204,11 @@ def _carry_out(
 
     began = time.perf_counter()
     histories = directory.absolute() / HISTORIES_NAME
+    states = directory.absolute() / STATES_NAME
     if plan.histories:
         histories.mkdir(exist_ok=True)
+    if plan.carry is not None:
+        states.mkdir(exist_ok=True)
     if not (directory / SWEEP_NAME).exists():
         create(
             directory,
@@ -212,6 +226,7 @@ def _carry_out(
             layout=layout,
             histories=str(histories),
             stop_when=plan.stop_when,
+            states=str(states),
         )
         marched = 0
         watch.progress(store.done, 0, plan.grid.size)
@@ -239,4 +254,6 @@ def _carry_out(
             wall_time=time.perf_counter() - began,
             marched=marched,
         )
+    if swept.done == swept.points:
+        shutil.rmtree(states, ignore_errors=True)
     return replace(swept, left_out=leave_figures(directory))

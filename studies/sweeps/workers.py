@@ -26,7 +26,7 @@ the cores."""
 
 
 def march_points(
-    work: Work, points: Iterable[Point], *, scheduler: str | None, workers: int | None
+    work: Work, points: Iterable[Point | None], *, scheduler: str | None, workers: int | None
 ) -> Iterator[tuple[int, Outcome]]:
     """March points; yield the number and the outcome of each point as the outcome arrives.
 
@@ -36,7 +36,8 @@ def march_points(
 
     Args:
         work: data common to all points.
-        points: points to march.
+        points: points to march. None means that no point can be marched before the outcome of
+            another one has been yielded.
         scheduler: address of a dask scheduler, whose workers march; None for this machine.
         workers: number of processes of this machine; one per core when None.
 
@@ -48,19 +49,31 @@ def march_points(
 
         yield from march_on_cluster(work, points, scheduler)
         return
-    waiting: Iterator[Point] = iter(points)
+    waiting: Iterator[Point | None] = iter(points)
     suspects: list[Point] = []
-    while ahead := list(islice(waiting, workers or cores())):
-        waiting = chain(ahead, waiting)
-        yield from _in_flight(work, waiting, len(ahead), suspects)
-    for point in suspects:
-        dead: list[Point] = []
+    while True:
+        while ahead := ready(waiting, workers or cores()):
+            waiting = chain(ahead, waiting)
+            yield from _in_flight(work, waiting, len(ahead), suspects)
+        if not suspects:
+            return
+        point, dead = suspects.pop(0), list[Point]()
         yield from _in_flight(work, iter([point]), 1, dead)
         if dead:
             reason = (
                 "the worker died every time it marched this point, also when it had no other point"
             )
             yield point.number, Failure(reason=reason)
+
+
+def ready(points: Iterator[Point | None], most: int) -> list[Point]:
+    """Return the next points up to None, and at most `most`."""
+    found: list[Point] = []
+    for point in islice(points, most):
+        if point is None:
+            break
+        found.append(point)
+    return found
 
 
 def cores() -> int:
@@ -70,14 +83,14 @@ def cores() -> int:
 
 
 def _in_flight(
-    work: Work, waiting: Iterator[Point], workers: int, suspects: list[Point]
+    work: Work, waiting: Iterator[Point | None], workers: int, suspects: list[Point]
 ) -> Iterator[tuple[int, Outcome]]:
     """March points until all are finished or a worker dies; then the points being marched are added
     to `suspects`. Only a few points are sent to the workers at a time."""
     marching: dict[Future[Outcome], Point] = {}
     with _processes(workers) as pool:
         while True:
-            for point in islice(waiting, (1 + READY) * workers - len(marching)):
+            for point in ready(waiting, (1 + READY) * workers - len(marching)):
                 try:
                     with _starting():
                         marching[pool.submit(march_point, work, point)] = point

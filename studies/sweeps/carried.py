@@ -1,0 +1,175 @@
+"""Sweeps over the speed in which each march starts from the motion at the speed before.
+
+A jump of the response that depends on the direction in which the speed changes, hysteresis, is seen
+only in this way. Points of one chain, which differ in speed only, are marched one after the other;
+chains are marched in parallel.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal, get_args
+from zipfile import BadZipFile
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bladewhirl.files import replacing
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.contact_problem import ContactProblem, Start
+from bladewhirl.models.stage.stage import Stage
+from bladewhirl.postprocess.sweep.dataset import DONE, flag
+
+CONTINUE = "--continue"
+
+Carry = Literal["up", "down"]
+"""Direction in which the speed changes."""
+
+CARRIES: tuple[Carry, ...] = get_args(Carry)
+
+SPEED = "march.speed"
+
+STATES_NAME = "states"
+"""Name of the folder with the final state of each march, until the sweep is complete."""
+
+LATE_SHARE = 1.0 / 3.0
+"""Share of a march, at its end, from which the state is taken."""
+
+FEWEST_TURNS = 3.0
+"""Smallest number of revolutions of a march, so that the state is from its last revolutions."""
+
+CARRY_RULE = (
+    "the march at each speed starts from the displacements and velocities of the march at the"
+    " speed before, in the last third of its time, at the record at which the rotor has turned most"
+    " nearly by whole revolutions; loads that end act at the first speed only, and loads have their"
+    " ramps there; after a march that diverged or failed, motion starts anew"
+)
+"""Text of the rule, which every such sweep contains."""
+
+COMPLETED = flag("end_reason", "completed")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CarriedState:
+    """Motion that is carried to the next speed: fields on the free degrees of freedom of the bladed
+    disk, whose modes can depend on the speed, and modal coordinates of the casing."""
+
+    rotor: FloatArray  #: displacements of the bladed disk [m, rad], (size,)
+    rotor_velocity: FloatArray  #: their rates in rotating axes, (size,)
+    casing: FloatArray  #: modal displacements of the casing [kg^1/2 m], (casing modes,)
+    casing_velocity: FloatArray  #: modal velocities of the casing [kg^1/2 m/s], (casing modes,)
+
+
+def late_state(stage: Stage, result: xr.Dataset) -> CarriedState:
+    """Return the motion of a result that is carried to the next speed, see `CARRY_RULE`."""
+    time = result["time"].values
+    late = np.flatnonzero(time >= (1.0 - LATE_SHARE) * time[-1])[::-1]
+    angle = stage.speed * time[late]
+    record = int(late[np.abs(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi))).argmin()])
+    shapes = stage.reduction.modes.shapes[:, stage.kept.rotor]
+    motion = {
+        name: result[f"{body}_{kind}"][record].values
+        for body in ("rotor", "casing")
+        for name, kind in ((body, "displacement"), (f"{body}_velocity", "velocity"))
+    }
+    for name in ("rotor", "rotor_velocity"):
+        motion[name] = shapes @ motion[name]
+    return CarriedState(**motion)
+
+
+def continued(stage: Stage, problem: ContactProblem, state: CarriedState) -> ContactProblem:
+    """Return the contact problem of a march that starts from a state, without ramps of its loads,
+    and without loads that end."""
+    weighted = stage.disk.structure.mass @ stage.reduction.modes.shapes[:, stage.kept.rotor]
+    start = Start(
+        rotor=np.asarray(state.rotor @ weighted),
+        rotor_velocity=np.asarray(state.rotor_velocity @ weighted),
+        casing=state.casing,
+        casing_velocity=state.casing_velocity,
+    )
+    loads = tuple(replace(load, ramp=0.0) for load in problem.loads if np.isinf(load.end))
+    return replace(problem, start=start, loads=loads)
+
+
+def write_state(path: Path, state: CarriedState) -> None:
+    """Write a state, completely or not at all."""
+    with replacing(path) as draft, draft.open("wb") as stream:
+        np.savez(stream, **vars(state))
+
+
+def read_state(path: Path) -> CarriedState:
+    """Read a state.
+
+    Raises:
+        UserError: the file is missing or damaged.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as content:
+            return CarriedState(**{name: content[name] for name in content.files})
+    except (OSError, ValueError, KeyError, TypeError, BadZipFile, EOFError) as error:
+        raise UserError(f"{path}: expected the state at the speed before ({error})") from None
+
+
+def carry_fault(case: Case) -> str:
+    """Return the reason why the motion of a case cannot be carried from speed to speed, as a text
+    that completes "expected ..."; empty if it can."""
+    if case.casing.coating is not None or case.casing.closure is not None:
+        return "a casing without casing.coating and casing.closure, which change with time"
+    return ""
+
+
+class Chains:
+    """Order of the points of a sweep: along the speed one after the other, other keys in parallel.
+
+    Args:
+        shape: number of values of each axis.
+        axis: number of the axis of the speed.
+        speeds: speeds along this axis.
+        carry: direction in which the speed changes.
+        state: state of every point as written, (points,).
+        end_reason: code of the end of every march as written, (points,).
+    """
+
+    def __init__(
+        self,
+        shape: tuple[int, ...],
+        axis: int,
+        speeds: FloatArray,
+        carry: Carry,
+        state: NDArray[np.int8],
+        end_reason: NDArray[np.int8],
+    ) -> None:
+        order = np.argsort(speeds if carry == "up" else -speeds, kind="stable")
+        numbers = np.moveaxis(np.arange(state.size).reshape(shape), axis, 0)[order]
+        self._chains = numbers.reshape(len(order), -1).T
+        done = (state == DONE)[self._chains]
+        #: number of finished points of each chain
+        self._reached = [int(row.argmin()) if not row.all() else len(row) for row in done]
+        self._goes_on = (state == DONE) & (end_reason == COMPLETED)
+        self._chain_of = np.zeros(state.size, dtype=np.int64)
+        self._chain_of[self._chains] = np.arange(len(self._chains))[:, None]
+
+    def wanted(self) -> Iterator[tuple[int, int | None] | None]:
+        """Yield points to march, each with the point whose state it starts from, or None for a new
+        start. None instead of a point means that no point can be marched before another one is
+        finished."""
+        sent = [reached - 1 for reached in self._reached]
+        length = self._chains.shape[1]
+        while min(self._reached) < length:
+            none_ready = True
+            for chain, row in enumerate(self._chains):
+                at = self._reached[chain]
+                if at < length and sent[chain] < at:
+                    sent[chain], none_ready = at, False
+                    before = int(row[at - 1]) if at and self._goes_on[row[at - 1]] else None
+                    yield int(row[at]), before
+            if none_ready:
+                yield None
+
+    def take(self, number: int, end_reason: int | None) -> None:
+        """Take the end of the march of a point; None if it failed."""
+        self._goes_on[number] = end_reason == COMPLETED
+        self._reached[self._chain_of[number]] += 1

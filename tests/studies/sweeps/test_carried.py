@@ -1,0 +1,173 @@
+"""Sweeps that carry the motion from speed to speed: order, state, interruptions, hysteresis."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from small_run import small
+from sweep_work import same_bits
+
+import bladewhirl.studies.sweeps.sweep as sweep_module
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.contact_problem import NEVER
+from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, flag, open_sweep
+from bladewhirl.studies.runs.prepare import prepare_stage
+from bladewhirl.studies.runs.recorded_march import march_in_memory
+from bladewhirl.studies.sweeps.carried import COMPLETED, Chains, continued, late_state
+from bladewhirl.studies.sweeps.points import Outcome, Point, Work, march_point, stage_at
+from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
+
+DIVERGENT = flag("end_reason", "divergent")
+FREE = {
+    "casing.clearance": 0.2,
+    "excitation": {"type": "engine-order", "order": 2, "amplitude": 1e3},
+    "damping.ratio": 0.02,
+    "march.time_step": 4e-6,
+}
+
+
+def chains(carry: Any, state: list[int], end_reason: int = COMPLETED) -> Chains:
+    """Two chains of three speeds, which are not in order."""
+    ends = np.full(6, end_reason, dtype=np.int8)
+    return Chains((3, 2), 0, np.array([2.0, 3.0, 1.0]), carry, np.array(state, np.int8), ends)
+
+
+def test_points_of_a_chain_follow_each_other() -> None:
+    order = chains("up", [MISSING] * 6)
+    wanted = order.wanted()
+    assert [next(wanted) for _ in range(4)] == [(4, None), (5, None), None, None]
+    order.take(5, COMPLETED)
+    assert [next(wanted), next(wanted)] == [(1, 5), None]
+    order.take(1, DIVERGENT)
+    order.take(4, None)
+    assert [next(wanted) for _ in range(3)] == [(0, None), (3, None), None]
+    for number in (0, 3, 2):
+        order.take(number, COMPLETED)
+    assert list(wanted) == []
+    assert next(chains("down", [MISSING] * 6).wanted()) == (2, None)
+
+
+def test_a_resumed_chain_goes_on_behind_its_last_finished_point() -> None:
+    state = [MISSING, DONE, DONE, DONE, DONE, DONE]  # speeds 2, 3 and 1 of two chains
+    wanted = chains("up", state).wanted()
+    assert [next(wanted), next(wanted)] == [(0, 4), None]
+    assert next(chains("up", state, DIVERGENT).wanted()) == (0, None)
+
+
+@pytest.mark.parametrize("effects", ["none", "full"])
+def test_a_march_in_two_parts_is_one_march(effects: str) -> None:
+    """At the same speed the carried motion goes on: after whole revolutions the forces of an engine
+    order are those of the start."""
+    changes = {**FREE, "rotation.effects": effects, "march.record_step": 8e-6}
+    turn = 2.0 * np.pi / stage_at(small(**changes)).speed
+    stage = stage_at(small(**changes, **{"march.duration": 8e-6 * round(2.5 * turn / 8e-6)}))
+    first, _ = march_in_memory(prepare_stage(stage))
+    state = late_state(stage, first)
+    prepared = prepare_stage(
+        stage, lambda problem, timing: (continued(stage, problem, state), timing)
+    )
+    second, _ = march_in_memory(prepared)
+    record = int(np.abs(first["time"].values - 2.0 * turn).argmin())
+    for name in ("rotor_displacement", "rotor_velocity"):
+        expected, found = first[name].values[record:], second[name].values
+        scale = np.abs(expected).max()
+        np.testing.assert_allclose(found[: len(expected)], expected, rtol=0.0, atol=1e-2 * scale)
+        assert np.abs(first[name].values[: len(expected)] - expected).max() > 0.1 * scale
+
+
+def test_loads_go_on_without_ramp_and_pulses_are_over() -> None:
+    loads: Any = [{"type": "casing-distortion"}, {"type": "engine-order", "ramp": 0.3}]
+    stage = stage_at(small(excitation=loads))
+    prepared = prepare_stage(stage)
+    result, _ = march_in_memory(prepared)
+    after = continued(stage, prepared.problem, late_state(stage, result))
+    assert [load.ramp for load in after.loads] == [0.0, 0.0]
+    assert all(load.end == NEVER for load in after.loads)
+    expected = [replace(load, ramp=0.0) for load in prepared.problem.loads[1:]]
+    for load, other in zip(after.loads, expected, strict=True):
+        np.testing.assert_array_equal(load.rotor, other.rotor)
+
+
+class Killed(Exception):
+    """End of a process."""
+
+
+class InProcess:
+    """March in this process, in lots of ready points and in reverse order; die when `left` is 0."""
+
+    left = 10**9
+
+    def march(
+        self, work: Work, points: Iterable[Point | None], *, workers: int | None, **_: object
+    ) -> Iterator[tuple[int, Outcome]]:
+        waiting = iter(points)
+        while True:
+            lot = [point for point in islice(waiting, workers or 1) if point is not None]
+            if not lot:
+                return
+            for point in reversed(lot):
+                if not self.left:
+                    raise Killed
+                self.left -= 1
+                yield point.number, march_point(work, point)
+
+
+@pytest.fixture
+def process(monkeypatch: pytest.MonkeyPatch) -> InProcess:
+    made = InProcess()
+    monkeypatch.setattr(sweep_module, "march_points", made.march)
+    monkeypatch.setattr("bladewhirl.postprocess.sweep.figures.leave_figures", lambda directory: {})
+    return made
+
+
+def short() -> Case:
+    case = small(**FREE)
+    return small(**FREE, **{"march.duration": 3.4 * 2.0 * np.pi / stage_at(case).speed})
+
+
+def test_neither_workers_nor_kills_change_the_file(process: InProcess, tmp_path: Path) -> None:
+    over: Any = {"march.speed": [1.0, 1.1], "contact.friction": [0.1, 0.2]}
+    case = short()
+    run_sweep(case, over, tmp_path / "one", carry="down", workers=1)
+    process.left = 3
+    with pytest.raises(Killed):
+        run_sweep(case, over, tmp_path / "two", carry="down", workers=2)
+    process.left = 10**9
+    assert len(list((tmp_path / "two" / "states").iterdir())) == 3
+    resume_sweep(tmp_path / "two", workers=2)
+    assert same_bits(tmp_path / "one", tmp_path / "two")
+    assert not (tmp_path / "two" / "states").exists()
+    run_sweep(case, over, tmp_path / "up", carry="up", workers=2)
+    with open_sweep(tmp_path / "one") as down, open_sweep(tmp_path / "up") as up:
+        assert down.attrs["carry"] == "down"
+        same = [
+            np.array_equal(down["spectrum"].sel(march_speed=at), up["spectrum"].sel(march_speed=at))
+            for at in (1.0, 1.1)
+        ]
+    assert same == [False, False]  # each is the first speed of one of the two sweeps
+
+
+@pytest.mark.parametrize(
+    ("over", "given", "expected"),
+    [
+        ("contact.friction", {}, "expected --over march.speed"),
+        ("march.speed", {"stop_when": "damped"}, "and none of --table, --screen, --until"),
+        ("march.speed", {}, "expected marches of at least 3 revolutions, not of"),
+    ],
+)
+def test_what_cannot_be_carried(
+    over: str, given: dict[str, Any], expected: str, tmp_path: Path
+) -> None:
+    with pytest.raises(UserError, match=f"--continue: {expected}|{expected}"):
+        run_sweep(small(), {over: [0.1, 0.2]}, tmp_path, carry="up", **given)
+
+
+def test_walls_that_change_are_refused(tmp_path: Path) -> None:
+    case = small(**{"casing.closure": {"amount": 1e-4, "time_constant": 0.1}})
+    with pytest.raises(UserError, match=r"--continue: expected a casing without casing\.coating"):
+        run_sweep(case, {"march.speed": [1.0, 1.1]}, tmp_path, carry="up")
