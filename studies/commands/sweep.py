@@ -101,7 +101,8 @@ def sweep(
         Path | None,
         typer.Option(
             metavar="DIR",
-            help="Finish the sweep in this folder; with a larger number of --draws, add draws.",
+            help="Finish the sweep in this folder; with a larger number of --draws or a smaller"
+            " --until, add draws.",
         ),
     ] = None,
     yes: Annotated[
@@ -134,14 +135,19 @@ def sweep(
         if resume is not None:
             new_sweep: dict[str, object] = {"CASE": case, "--over": over, "--output": output}
             new_sweep |= {"--table": table}
-            new_sweep |= {"--perturb": perturb, "--seed": seed, "--until": until}
+            new_sweep |= {"--perturb": perturb, "--seed": seed}
             new_sweep |= {"--set": overrides, "--histories": histories, "--stop-when": stop_when}
             new_sweep |= {"--screen": screen, "--continue": carry}
             unused = ", ".join(name for name, value in new_sweep.items() if value)
             if unused:
                 raise UserError(f"--resume {resume}: expected no {unused}, which the plan defines")
             result = resume_sweep(
-                resume, scheduler=scheduler, workers=workers, draws=draws, watch=watch
+                resume,
+                scheduler=scheduler,
+                workers=workers,
+                draws=draws,
+                until=until,
+                watch=watch,
             )
         elif case is None or not (over or table) or output is None:
             raise UserError("sweep: expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR")

@@ -12,30 +12,38 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import DONE, SWEEP_NAME
 from bladewhirl.studies.runs.folder import FAILURES_NAME
 from bladewhirl.studies.sweeps.axes import PointTable, make_grid
+from bladewhirl.studies.sweeps.draws import UNTIL
 from bladewhirl.studies.sweeps.plan import Plan, plan_sweep, write_plan
 from bladewhirl.studies.sweeps.store import Store, create
 
 
-def add_draws(plan: Plan, directory: Path, count: int) -> Plan:
-    """Return the plan of a sweep with `count` draws at each point, and write plan and dataset with
-    these draws into the folder of the sweep.
+def add_draws(
+    plan: Plan, directory: Path, count: int | None = None, until: float | None = None
+) -> Plan:
+    """Return the plan of a sweep with `count` draws at each point, which are marched until the
+    intervals are narrower than `until`, and write plan and dataset with these draws into the folder
+    of the sweep. None keeps the value of the plan.
 
     The dataset is replaced before the plan. After a kill in between, the same call completes both.
 
     Raises:
-        UserError: the sweep has no draws or as many already, keeps histories, which are numbered
-            by draw, carries motion from speed to speed, or its dataset is in use, damaged or of
-            another plan.
+        UserError: the sweep has no draws, would not get more of them, keeps histories, which are
+            numbered by draw, carries motion from speed to speed, or its dataset is in use, damaged
+            or of another plan.
     """
     draws = plan.grid.draws
-    if draws is None or count <= draws.count or plan.histories or plan.carry:
-        present = 0 if draws is None else draws.count
+    present, width = (0, None) if draws is None else (draws.count, draws.until)
+    if draws is None or plan.histories or plan.carry or (count is not None and count <= present):
         raise UserError(
             f"--resume {directory}, --draws {count}: expected a sweep with draws and without"
             f" --histories and --continue, and more than its {present} draws"
         )
+    if until is not None and (width is None or not 0.0 < until < width):
+        least = "a sweep with --until" if width is None else f"less than its {UNTIL} {width:g}"
+        raise UserError(f"--resume {directory}, {UNTIL} {until:g}: expected {least}")
+    count = count or present
     table = PointTable(values=plan.grid.listed) if plan.grid.table else None
-    more = replace(draws, count=count)
+    more = replace(draws, count=count, until=until or width)
     grid = make_grid(plan.case, plan.grid.over, large=True, draws=more, table=table)
     wider = plan_sweep(
         plan.case, grid, histories=False, stop_when=plan.stop_when, screen=plan.screen

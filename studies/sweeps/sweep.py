@@ -172,6 +172,7 @@ def resume_sweep(
     scheduler: str | None = None,
     workers: int | None = None,
     draws: int | None = None,
+    until: float | None = None,
     watch: Watch | None = None,
 ) -> Sweep:
     """Finish the sweep in a folder: march the missing points, and the failed points again.
@@ -181,6 +182,7 @@ def resume_sweep(
         scheduler: see `run_sweep`.
         workers: see `run_sweep`.
         draws: new, larger number of draws of each point; the finished draws are kept.
+        until: new, smaller width of the intervals of a sweep with `until`.
         watch: progress callbacks.
 
     Raises:
@@ -189,8 +191,8 @@ def resume_sweep(
     """
     directory = Path(directory)
     plan = read_plan(directory)
-    if draws is not None:
-        plan = add_draws(plan, directory, draws)
+    if draws is not None or until is not None:
+        plan = add_draws(plan, directory, draws, until)
     watch = watch or Watch()
     watch.planned(plan)
     return _carry_out(plan, directory, watch, scheduler, workers)

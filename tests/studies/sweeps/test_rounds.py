@@ -1,9 +1,11 @@
 """Screened sweeps: which draws are repeated, and that order and interruptions do not matter."""
 
+import json
 from collections.abc import Iterable, Iterator
 from itertools import islice
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from small_run import small
@@ -13,6 +15,7 @@ import bladewhirl.studies.sweeps.sweep as sweep_module
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import flag, open_sweep
+from bladewhirl.solvers.march.schema import SCREENING, SWEEP
 from bladewhirl.studies.sweeps.layout import make_layout, march_extent
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point, stage_at
 from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
@@ -110,6 +113,20 @@ def test_a_screened_march_has_the_longer_step() -> None:
     assert screened["dt_over_critical"] < 0.5
     assert 2 * screened["steps"] < whole["steps"]
     assert screened["end_time"] == pytest.approx(whole["end_time"])
+
+
+@pytest.mark.usefixtures("toy")
+def test_options_that_are_not_used_leave_no_trace(tmp_path: Path) -> None:
+    run_sweep(CASE, OVER, tmp_path, draws=2, perturb=PERTURB)
+    with h5py.File(tmp_path / "sweep.nc") as file:
+        assert set(SWEEP) <= set(file)
+        assert not set(SCREENING) & set(file)
+        assert not {"screen_rule", "carry", "carry_rule"} & set(file.attrs)
+        assert "not-needed" not in file["state"].attrs["flag_meanings"]
+    plan = json.loads((tmp_path / "sweep.json").read_text(encoding="utf-8"))
+    assert list(plan) == [
+        *("bladewhirl", "format", "digest", "case", "over", "histories", "stop_when", "draws")
+    ]
 
 
 @pytest.mark.parametrize("given", [{"draws": 3}, {}, {"histories": True, "draws": 9}])

@@ -130,6 +130,11 @@ def test_draws_added_later_are_those_of_a_longer_sweep(tmp_path: Path) -> None:
     run_sweep(CASE, OVER, tmp_path / "few", draws=3, perturb=PERTURB, until=0.2)
     resume_sweep(tmp_path / "few", draws=8, workers=3)
     assert same_bits(tmp_path / "all", tmp_path / "few")
+    run_sweep(CASE, OVER, tmp_path / "wide", draws=8, perturb=PERTURB, until=0.9)
+    resume_sweep(tmp_path / "wide", until=0.2)
+    assert same_bits(tmp_path / "all", tmp_path / "wide")
+    with pytest.raises(UserError, match=r"--until 0.3: expected less than its --until 0.2"):
+        resume_sweep(tmp_path / "wide", until=0.3)
     with pytest.raises(UserError, match=r"--draws 5: expected a sweep with draws .* its 8 draws"):
         resume_sweep(tmp_path / "few", draws=5)
 
