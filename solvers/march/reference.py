@@ -32,7 +32,7 @@ from bladewhirl.solvers.march.march import (
     Statistics,
     check_time_step,
 )
-from bladewhirl.solvers.packing.foreshortening import CHECKED, held_steps, near_gap
+from bladewhirl.solvers.packing.foreshortening import held_steps, near_gap
 
 CHECK_EVERY = 100
 """Number of steps between checks of all displacements except radial tip displacements."""
@@ -147,7 +147,8 @@ class Reference:
         inertia = np.diag(1.0 / dt**2 + self._damping / (2.0 * dt))
         self._inverse = np.linalg.inv(inertia + self._by_velocity / (2.0 * dt))
         self._compliance = np.linalg.inv(inertia + self._felt / (2.0 * dt))
-        self._near, self._held = near_gap(problem), held_steps(problem, dt)
+        self._near = near_gap(problem)
+        self._held, self._unchecked = held_steps(problem, dt)
 
     def init(self) -> ReferenceState:
         """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
@@ -364,7 +365,7 @@ class Reference:
             return Bent(bend, until, checked, gradient, np.zeros(tips))
         rows, sign, modes = bending.rows, bending.sign, self._rotor_modes
         moved = state.now - state.before
-        check = CHECKED * self._held
+        check = self._unchecked
         if n % check == 0:
             now, later = bending.opening(state.now[:modes]), check * moved[:modes]
             if n == 0:

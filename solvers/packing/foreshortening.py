@@ -15,14 +15,12 @@ FAR = 1e100
 NEAR = 0.015625
 """Gap without foreshortening below which a tip is near the wall, over the smallest clearance."""
 
-MOST_HELD = 32
-"""Largest number of steps with one linearisation."""
+MOST_HELD, MOST_UNCHECKED = 32, 256
+"""Largest numbers of steps with one linearisation, and between checks of all openings."""
 
-CHECKED = 8
-"""Number of linearisations between checks of the openings of all tips."""
-
-HELD = 0.5
-"""Largest duration of a linearisation times the frequency of the fastest large term."""
+HELD, UNCHECKED = 2.0, 4.0
+"""Largest duration of a linearisation, and between checks, times the frequency of the fastest large
+term."""
 
 
 def near_gap(problem: ContactProblem) -> float:
@@ -35,12 +33,17 @@ def near_gap(problem: ContactProblem) -> float:
     return NEAR * max(float(problem.casing.clearance[:, 0].min()), 0.0) + removable
 
 
-def held_steps(problem: ContactProblem, dt: float) -> int:
-    """Return the number of steps with one linearisation of the quadratic forms."""
+def held_steps(problem: ContactProblem, dt: float) -> tuple[int, int]:
+    """Return the number of steps with one linearisation, and between checks of all openings."""
     shortening = problem.foreshortening
-    if shortening is None or not shortening.frequency * dt * MOST_HELD > HELD:
-        return MOST_HELD
-    return max(1, int(HELD / (shortening.frequency * dt)))
+    angle = 0.0 if shortening is None else shortening.frequency * dt
+    if not angle > 0.0:
+        return MOST_HELD, MOST_UNCHECKED
+    held, unchecked = (
+        max(1, int(min(most, share / angle)))
+        for most, share in ((MOST_HELD, HELD), (MOST_UNCHECKED, UNCHECKED))
+    )
+    return held, unchecked
 
 
 def pack_foreshortening(
@@ -84,6 +87,7 @@ def pack_foreshortening(
     )
     felt = aligned((tips, tips, lanes))
     felt[..., :terms] = (flat @ rotor.tip_radial.T).reshape(tips, terms, tips).transpose(0, 2, 1)
+    hold, check = held_steps(problem, dt)
     near = np.full(padded(tips), -FAR)
     near[:tips] = min(near_gap(problem), FAR)
     return Struct(
@@ -97,6 +101,6 @@ def pack_foreshortening(
         crossed=crossed,
         near=near,
         order=np.arange(terms),
-        hold=held_steps(problem, dt),
-        check=CHECKED * held_steps(problem, dt),
+        hold=hold,
+        check=check,
     )
