@@ -1,10 +1,10 @@
 """Ratios of computing times of the contact march: `python benchmarks/march.py`.
 
-Three programs are timed alternately in one process: the C kernel (with contact, energy ledger and a
-record every 100 steps), the C kernel with `rotation.effects = "full"`, and the march without
-rotation effects in NumPy (`Reference`). The timings start from five states of the paper's stage.
-Each state is reached by two marches, without and with rotation effects, so the numbers of contacts
-can differ.
+Four programs are timed alternately in one process: the C kernel (with contact, energy ledger and a
+record every 100 steps), the C kernel with `rotation.effects = "full"`, the C kernel with
+`contact.foreshortening`, and the march without either in NumPy (`Reference`). The timings start
+from five states of the paper's stage. Each state is reached by a march with the same options, so
+the numbers of contacts can differ.
 
 * no contact: the imbalance case after 0.1 ms;
 * few contacts: the imbalance case at 0.3 s, when five blades rub;
@@ -80,21 +80,22 @@ class Setting:
         return float(np.abs(ours - theirs).max() / np.abs(theirs).max())
 
 
-def settings() -> list[tuple[Setting, Setting]]:
-    """Return the states of the module docstring, each without and with rotation effects."""
+OPTIONS = ("rotation.effects=none", "rotation.effects=full", "contact.foreshortening=true")
 
-    def reached(name: str, example: str, changes: list[str], steps: int) -> tuple[Setting, Setting]:
-        both = []
-        for effects in ("none", "full"):
-            case = read_case(
-                EXAMPLES / f"{example}.toml", [*changes, f"rotation.effects={effects}"]
-            )
+
+def settings() -> list[list[Setting]]:
+    """Return the states of the module docstring, each with every one of `OPTIONS`."""
+
+    def reached(name: str, example: str, changes: list[str], steps: int) -> list[Setting]:
+        made = []
+        for option in OPTIONS:
+            case = read_case(EXAMPLES / f"{example}.toml", [*changes, option])
             problem = contact_problem(build_stage(case))
             problem = replace(problem, displacement_limit=OUT_OF_REACH)
             scheme = CentralDifference(problem, TIME_STEP, RECORD_EVERY)
             state, _, _ = scheme.advance(scheme.init(), steps)
-            both.append(Setting(name=name, problem=problem, scheme=scheme, state=state))
-        return both[0], both[1]
+            made.append(Setting(name=name, problem=problem, scheme=scheme, state=state))
+        return made
 
     closing = [
         *("excitation.type=none", "damping.ratio=0.3"),
@@ -128,14 +129,14 @@ def main() -> None:
     repeat = parser.parse_args().repeat
     table = Table(title=f"Contact march, best of {repeat} interleaved timings")
     for column in (
-        "state", "contacts per step", "contacts, full", "kernel [µs]", "full [µs]", "NumPy [µs]",
-        "full / kernel", "NumPy / kernel",
+        "state", "contacts per step", "contacts, full", "contacts, bent", "kernel [µs]",
+        "full [µs]", "bent [µs]", "NumPy [µs]", "full / kernel", "bent / kernel", "NumPy / kernel",
         "kernel and NumPy differ by",
     ):  # fmt: skip
         table.add_column(column, justify="left" if column == "state" else "right")
-    for setting, turning in settings():
+    for setting, turning, bent in settings():
         difference = setting.difference()
-        contacts, turning_contacts = setting.kernel(KERNEL_STEPS), turning.kernel(KERNEL_STEPS)
+        contacts = [each.kernel(KERNEL_STEPS) for each in (setting, turning, bent)]
         plain, begin = setting.numpy()
         numpy_march = partial(plain.advance, begin)
         times = np.array(
@@ -143,16 +144,18 @@ def main() -> None:
                 (
                     microseconds(setting.kernel, KERNEL_STEPS),
                     microseconds(turning.kernel, KERNEL_STEPS),
+                    microseconds(bent.kernel, KERNEL_STEPS),
                     microseconds(numpy_march, NUMPY_STEPS),
                 )
                 for _ in range(repeat)
             ]
         )
-        kernel, full, numpy = times.min(axis=0)
+        kernel, full, drawn, numpy = times.min(axis=0)
         table.add_row(
-            setting.name, f"{contacts:.2f}", f"{turning_contacts:.2f}", f"{kernel:.2f}",
-            f"{full:.2f}", f"{numpy:.1f}",
+            setting.name, *(f"{number:.2f}" for number in contacts), f"{kernel:.2f}",
+            f"{full:.2f}", f"{drawn:.2f}", f"{numpy:.1f}",
             f"{full / kernel:.2f}",
+            f"{drawn / kernel:.2f}",
             f"{numpy / kernel:.1f}",
             f"{difference:.0e}",
         )  # fmt: skip
