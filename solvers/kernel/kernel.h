@@ -446,4 +446,89 @@ int64_t dense_march(const DenseStage *stage, const Closure *closure, const Dense
                     DenseState *state, DenseScratch *scratch, double h, int64_t first,
                     int64_t steps);
 
+/* Counts of a march with many contact nodes. */
+enum { BOUNDARY_RESIDUAL, BOUNDARY_CONTACT_STEPS, BOUNDARY_UNSOLVED, BOUNDARY_COUNTS };
+/* Directions of the displacement of a contact node: radial, tangential, axial. */
+enum { RADIAL, TANGENTIAL, AXIAL, DIRECTIONS };
+
+/* Constants of a march of equal structures, the copies, with many contact nodes in a rigid wall,
+ * see `boundary.c`. `components` is DIRECTIONS times the nodes of a copy. */
+typedef struct {
+    Matrix a;          /* (copies, modes) factor of q_n */
+    Matrix b;          /* (copies, modes) factor of q_{n-1} */
+    Matrix c;          /* (copies, modes) factor of forces [s2] */
+    Matrix stiffness;  /* (copies, modes) omega^2 [rad2/s2] */
+    Matrix damping;    /* (copies, modes) 2 xi omega [rad/s] */
+    Matrix contact;    /* (components, modes) P: displacements of unit modal coordinates */
+    Matrix columns;    /* (modes, components) transpose of `contact` */
+    Matrix normal;     /* (modes, nodes) radial columns of `columns` */
+    Cube compliance;   /* (copies, components, components) change of the displacements due to unit
+                        * forces within the step [m/N] */
+    Matrix angle;      /* (copies, nodes) angle of each contact node from +x at t = 0 [rad] */
+    Vector recess;     /* (nodes) radius from which the clearance is measured, less that of the
+                        * node [m] */
+    Vector radius;     /* (nodes) radius of each node [m] */
+    Matrix wall;       /* (2, grid) clearance [m] at equal angles, the first again at the end, and
+                        * its derivative by the angle times the distance of two angles [m] */
+    Cube load;         /* (patterns, copies, modes) load patterns */
+    Matrix load_times; /* (patterns, 4) end, ramp, frequency, phase of each pattern */
+    double massless;   /* 1 if contact nodes have no mass; forces then act in the next step */
+    double full;       /* 1 if friction is opposite to the slip velocity, 0 if tangential */
+    double friction;   /* friction coefficient */
+    double speed;      /* speed of rotation [rad/s] */
+    double time_step;  /* [s] */
+    double limit;      /* limit of radial displacements [m] */
+    double gap_scale;  /* smallest reference length of the residual [m] */
+} Boundary;
+
+/* State between two steps, which is advanced in place. */
+typedef struct {
+    Cube q;           /* (2, copies, modes) q_{n-1} and q_n */
+    Matrix force;     /* (copies, components) contact forces at step n [N] */
+    Matrix direction; /* (copies, twice_nodes) tangential and axial part of the direction of sliding
+                       * of each node */
+    Matrix gap;       /* (copies, nodes) smallest gap since the last record [m] */
+    Matrix impulse;   /* (copies, components) impulse on the wall since the last record, outward,
+                       * and of friction on the nodes [N s] */
+    Matrix touched;   /* (copies, nodes) steps with contact since the last record */
+    Vector work;      /* (6) works since the start, see above [J] */
+    Vector counts;    /* (3) BOUNDARY_RESIDUAL ... */
+} BoundaryState;
+
+typedef struct {
+    IntVector step;   /* (records) */
+    Cube q;           /* (records, copies, modes) */
+    Cube velocity;    /* (records, copies, modes) */
+    Cube force;       /* (records, copies, components) */
+    Cube gap;         /* (records, copies, nodes) */
+    Cube impulse;     /* (records, copies, components) */
+    Cube touched;     /* (records, copies, nodes) */
+    Vector energy;    /* (records) */
+    Matrix work;      /* (records, 6) */
+} BoundaryRecords;
+
+typedef struct {
+    Cube q;            /* (1, copies, modes) q_{n+1} */
+    Vector modal;      /* (modes) modal forces */
+    Vector change;     /* (modes) change of q in the step */
+    Matrix gap;        /* (copies, nodes) gaps without contact */
+    Matrix force;      /* (copies, components) contact forces at step n + 1 */
+    Vector moved;      /* (components) change of the displacements without contact */
+    Vector slip;       /* (components) the same, less the flexible part at step n */
+    Vector further;    /* (components) scratch */
+    Vector closed;     /* (nodes) gaps with contact */
+    Vector multiplier; /* (nodes) normal forces */
+    Matrix response;   /* (nodes, nodes) change of the gaps due to unit normal forces with their
+                        * friction */
+    Matrix system;     /* (nodes, bordered) equations of the active nodes */
+    IntVector active;  /* (nodes) numbers of the active nodes */
+    IntVector held;    /* (nodes) 1 for active nodes */
+    Vector amplitude;  /* (patterns) factor of each load pattern */
+} BoundaryScratch;
+
+/* Advance a march with many contact nodes; arguments and results as those of `march`. */
+int boundary_march(const Boundary *boundary, const Closure *closure, BoundaryState *state,
+                   BoundaryRecords *records, BoundaryScratch *scratch, int64_t step, int64_t steps,
+                   int64_t record_every, int64_t *reached);
+
 #endif

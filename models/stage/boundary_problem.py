@@ -1,0 +1,67 @@
+"""Arrays that define a contact problem with many contact nodes in a rigid wall."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.contact_problem import WallClosure
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoundaryLoad:
+    """A load that varies harmonically: amplitude cos(frequency t + phase), until `end`."""
+
+    amplitude: FloatArray  #: modal forces [kg^1/2 m/s2], (copies, modes)
+    frequency: float = 0.0  #: [rad/s]
+    phase: float = 0.0  #: [rad]
+    ramp: float = 0.0  #: time in which the load rises [s]
+    end: float = np.inf  #: end of the load [s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoundaryProblem:
+    """Equal or similar structures in modal coordinates, the copies, in a rigid wall."""
+
+    frequency: FloatArray  #: frequency of each mode [rad/s], (copies, modes)
+    damping_ratio: FloatArray  #: damping ratio of each mode, (copies, modes)
+    contact: FloatArray
+    """Radial, tangential and axial displacements of the contact nodes of a copy for unit modal
+    coordinates [kg^-1/2], (3 nodes, modes)."""
+    compliance: FloatArray
+    """Residual flexibility of the contact nodes of each copy [m/N], (copies, 3 nodes, 3 nodes);
+    zero if the contact nodes have mass."""
+    massless: bool  #: whether the contact nodes have no mass
+    angle: FloatArray  #: angle of each contact node from +x at t = 0 [rad], (copies, nodes)
+    radius: FloatArray  #: radius of the contact nodes of a copy [m], (nodes,)
+    recess: FloatArray  #: radius from which the clearance is measured minus `radius` [m], (nodes,)
+    wall: FloatArray
+    """Clearance [m] and its derivative by the angle [m], at equal angles from 0, (angles, 2)."""
+    speed: float  #: speed of rotation [rad/s]
+    friction: float  #: friction coefficient
+    full_sliding: bool
+    """Whether friction is opposite to the slip velocity in the contact plane; if not, it acts
+    against the rotation."""
+    displacement_limit: float  #: largest radial displacement of a contact node [m]
+    displacement: FloatArray  #: initial modal displacements [kg^1/2 m], (copies, modes)
+    velocity: FloatArray  #: initial modal velocities [kg^1/2 m/s], (copies, modes)
+    loads: tuple[BoundaryLoad, ...] = ()  #: loads
+    closure: WallClosure | None = None
+    """Closure of the clearance over time; `share` has the form of `wall`."""
+
+    @property
+    def critical_time_step(self) -> float:
+        """Largest stable time step [s]: 2 / omega with the largest frequency of the modes, for
+        massless contact nodes with the nodes held."""
+        squares = self.frequency**2
+        if not self.massless:
+            return float(2.0 / np.sqrt(squares.max()))
+        stiffest = 0.0
+        for copy, square in enumerate(squares):
+            flexible = np.diag(self.compliance[copy]) > 0.0
+            rows = self.contact[flexible]
+            held = rows.T @ np.linalg.solve(self.compliance[copy][np.ix_(flexible, flexible)], rows)
+            stiffest = max(stiffest, np.linalg.eigvalsh(np.diag(square) + held)[-1])
+            if np.array_equal(squares, np.broadcast_to(squares[0], squares.shape)):
+                break
+        return float(2.0 / np.sqrt(stiffest))

@@ -1,0 +1,246 @@
+"""Reduction of a superelement to modes and the displacements of its contact nodes.
+
+Two kinds of boundary are possible:
+
+``massless``: the lowest free-interface modes, which carry all mass, and the residual flexibility of
+all other modes at the contact nodes (MacNeal 1971),
+
+    C = B K^-1 B^T - P W^-2 P^T,      u = P q + C f
+
+with the displacements u of the contact nodes, forces f on them, the modal coordinates q, the
+frequencies W and the rows P of the modes. C follows from one static solution for each contact
+displacement, so that no mode is left out.
+
+``consistent``: all modes of the Craig-Bampton model with the contact nodes as boundary. The contact
+nodes have mass, and C is zero.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.util import find_spec
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.superelements.superelement import (
+    Matrix,
+    Superelement,
+    SuperelementError,
+    dense,
+    diagonal,
+)
+
+DENSE = 2000
+"""Largest number of coordinates for which dense matrices are used."""
+
+RIGID = 1e-10
+"""Largest squared frequency of a rigid mode, as a share of the stiffest coordinate's."""
+
+ENOUGH = 1e-12
+"""Smallest residual flexibility of a contact node, as a share of its static flexibility."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedSuperelement:
+    """A superelement in mass-normalised modal coordinates."""
+
+    frequency: FloatArray  #: natural frequency of each mode [rad/s], (modes,)
+    contact: FloatArray
+    """Radial, tangential and axial displacements of the contact nodes for unit modal coordinates
+    [kg^-1/2], (3c, modes)."""
+    compliance: FloatArray
+    """Residual flexibility C of the contact displacements [m/N], (3c, 3c); zero with a consistent
+    boundary."""
+    centre: FloatArray
+    """x and y of the centre for unit modal coordinates [kg^-1/2], (2, modes); zero without one."""
+    points: FloatArray
+    """x, y and z of the points of pictures for unit modal coordinates [kg^-1/2], (3p, modes)."""
+    kept: int
+    """Number of modes that count as kept: modes above it have the damping of the boundary."""
+
+
+def massless(part: Superelement, modes: int) -> ReducedSuperelement:
+    """Return the lowest free-interface modes with the residual flexibility of the contact nodes.
+
+    Args:
+        part: superelement, supported so that at most its rigid motions have no stiffness.
+        modes: number of modes.
+
+    Raises:
+        SuperelementError: there are fewer modes, or the matrices have no such modes.
+    """
+    squares, shapes = lowest_modes(part, modes)
+    rows = part.contact_rows
+    contact = rows @ shapes
+    rigid = shapes[:, squares <= rigid_limit(part)]
+    elastic = squares > rigid_limit(part)
+    static = static_flexibility(part, rows, rigid)
+    kept = contact[:, elastic]
+    compliance = static - (kept / squares[elastic]) @ kept.T
+    compliance = 0.5 * (compliance + compliance.T)
+    moving = diagonal(static) > 0.0
+    if moving.any() and not (
+        la.eigvalsh(compliance[np.ix_(moving, moving)])[0] > ENOUGH * diagonal(static).max()
+    ):
+        raise SuperelementError(
+            f"expected fewer free-interface modes than {modes}: the modes that are left out have to"
+            f" give the contact nodes a flexibility in all {moving.sum()} directions"
+        )
+    return _reduced(part, squares, shapes, compliance, modes)
+
+
+def consistent(part: Superelement, fixed_interface_modes: int, kept: int) -> ReducedSuperelement:
+    """Return all modes of the Craig-Bampton model whose boundary are contact nodes and centre.
+
+    Args:
+        part: superelement, supported.
+        fixed_interface_modes: number of fixed-interface modes.
+        kept: number of modes that have the damping of the structure.
+
+    Raises:
+        SuperelementError: there are fewer fixed-interface modes.
+    """
+    mass, stiffness = dense(part.mass), dense(part.stiffness)
+    boundary = part.contact_dofs[part.contact_dofs >= 0]
+    if part.centre_dofs is not None:
+        boundary = np.concatenate([boundary, part.centre_dofs])
+    inside = np.setdiff1d(np.arange(part.size), boundary)
+    if fixed_interface_modes > len(inside):
+        raise SuperelementError(
+            f"expected at most {len(inside)} fixed-interface modes, the number of coordinates"
+            f" inside, got {fixed_interface_modes}"
+        )
+    basis = np.zeros((part.size, len(boundary) + fixed_interface_modes))
+    basis[boundary, np.arange(len(boundary))] = 1.0
+    inner = stiffness[np.ix_(inside, inside)]
+    if len(inside):
+        edge = stiffness[np.ix_(inside, boundary)]
+        basis[inside, : len(boundary)] = -la.solve(inner, edge, assume_a="pos")
+    if fixed_interface_modes:
+        _, vectors = la.eigh(
+            inner, mass[np.ix_(inside, inside)], subset_by_index=[0, fixed_interface_modes - 1]
+        )
+        basis[inside, len(boundary) :] = vectors
+    squares, vectors = la.eigh(basis.T @ stiffness @ basis, basis.T @ mass @ basis)
+    compliance = np.zeros((3 * part.contacts, 3 * part.contacts))
+    return _reduced(part, squares, basis @ vectors, compliance, kept)
+
+
+def _reduced(
+    part: Superelement, squares: FloatArray, shapes: FloatArray, compliance: FloatArray, kept: int
+) -> ReducedSuperelement:
+    centre = np.zeros((2, shapes.shape[1]))
+    if part.centre_dofs is not None:
+        centre = shapes[part.centre_dofs]
+    points = np.zeros((0, shapes.shape[1]))
+    if part.recovery is not None:
+        points = np.asarray(part.recovery @ shapes)
+    return ReducedSuperelement(
+        frequency=np.sqrt(np.maximum(squares, 0.0)),
+        contact=part.contact_rows @ shapes,
+        compliance=compliance,
+        centre=centre,
+        points=points,
+        kept=kept,
+    )
+
+
+def lowest_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArray]:
+    """Return the lowest modes: squared frequencies [rad2/s2], (count,), ascending, and
+    mass-normalised shapes [kg^-1/2], (n, count).
+
+    Raises:
+        SuperelementError: there are fewer modes, or a matrix is indefinite.
+    """
+    if not count <= part.size - 1:
+        raise SuperelementError(
+            f"expected at most {part.size - 1} modes of {part.size} coordinates, got {count}"
+        )
+    try:
+        if part.size <= DENSE:
+            squares, shapes = la.eigh(
+                dense(part.stiffness), dense(part.mass), subset_by_index=[0, count - 1]
+            )
+        else:
+            squares, shapes = _sparse_modes(part, count)
+    except la.LinAlgError:
+        raise SuperelementError("mass: expected a positive definite matrix") from None
+    if squares[0] < -rigid_limit(part):
+        raise SuperelementError(
+            "stiffness: expected a matrix that is not indefinite; the lowest squared frequency is"
+            f" {squares[0]:.4g} rad2/s2"
+        )
+    return squares, shapes
+
+
+def _sparse_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArray]:
+    """Return the lowest modes by the Lanczos method with a factorisation of K + s M, where the
+    small shift s > 0 allows rigid modes."""
+    shift = -1e3 * rigid_limit(part)
+    mass, stiffness = sp.csc_array(part.mass), sp.csc_array(part.stiffness)
+    inverse = spla.LinearOperator(
+        mass.shape, matvec=factorised(sp.csc_array(stiffness - shift * mass))
+    )
+    squares, shapes = spla.eigsh(
+        stiffness, count, mass, sigma=shift, OPinv=inverse, v0=np.ones(part.size)
+    )
+    order = np.argsort(squares)
+    shapes = shapes[:, order]
+    return squares[order], shapes / np.sqrt(np.sum(shapes * (mass @ shapes), axis=0))
+
+
+def static_flexibility(part: Superelement, rows: sp.csr_array, rigid: FloatArray) -> FloatArray:
+    """Return B K^-1 B^T, (rows, rows) [m/N]; on the complement of the rigid modes if there are any.
+
+    Args:
+        part: superelement.
+        rows: matrix B from the coordinates to displacements, (rows, n).
+        rigid: mass-normalised rigid modes, (n, r).
+    """
+    loads = dense(rows).T
+    if rigid.size:
+        loads = loads - (part.mass @ rigid) @ (rigid.T @ loads)
+    moved = _solve(part.stiffness, part.mass @ rigid, loads)
+    if rigid.size:
+        moved -= rigid @ (rigid.T @ (part.mass @ moved))
+    return np.asarray(rows @ moved)
+
+
+def _solve(stiffness: Matrix, held: FloatArray, loads: FloatArray) -> FloatArray:
+    """Return the displacements under loads (n, m) that are orthogonal to the columns of `held`."""
+    n, extra = held.shape
+    if n <= DENSE:
+        border = np.block([[dense(stiffness), held], [held.T, np.zeros((extra, extra))]])
+        padded = np.vstack([loads, np.zeros((extra, loads.shape[1]))])
+        return np.asarray(la.solve(border, padded, assume_a="sym"))[:n]
+    matrix = (
+        sp.csc_array(sp.block_array([[stiffness, held], [held.T, None]])) if extra else stiffness
+    )
+    solve = factorised(sp.csc_array(matrix))
+    padded = np.vstack([loads, np.zeros((extra, loads.shape[1]))])
+    return np.column_stack([solve(column)[:n] for column in padded.T])
+
+
+def factorised(matrix: sp.csc_array) -> Callable[[FloatArray], FloatArray]:
+    """Return a function that solves linear systems with a sparse symmetric matrix.
+
+    Pardiso is used if it is installed (`pip install pypardiso`), otherwise SuperLU of SciPy.
+    """
+    if find_spec("pypardiso") is None:
+        symmetric = {"SymmetricMode": True}
+        solve: Callable[[FloatArray], FloatArray]
+        solve = spla.splu(matrix, permc_spec="MMD_AT_PLUS_A", options=symmetric).solve
+        return solve
+    solver, rows = import_module("pypardiso").PyPardisoSolver(), sp.csr_matrix(matrix)
+    solver.factorize(rows)
+    return lambda right: np.asarray(solver.solve(rows, right))
+
+
+def rigid_limit(part: Superelement) -> float:
+    """Return the squared frequency below which a mode counts as rigid [rad2/s2]."""
+    mass, stiffness = diagonal(part.mass), diagonal(part.stiffness)
+    return float(RIGID * (stiffness[mass > 0.0] / mass[mass > 0.0]).min())

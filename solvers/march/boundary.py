@@ -1,0 +1,228 @@
+"""Scheme for many contact nodes in a rigid wall, with massless or consistent boundary.
+
+The equations are in the comment of `solvers/kernel/boundary.c`.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.stage.boundary_problem import BoundaryProblem
+from bladewhirl.solvers.kernel.structs import Struct, boundary_march, lib, zeros
+from bladewhirl.solvers.march.march import EndReason, Statistics
+
+DIRECTIONS = 3
+"""Components of the displacement of a contact node: radial, tangential, axial."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoundaryChunk:
+    """Consecutive records of a march with many contact nodes. Nodes of all copies are numbered
+    copy by copy."""
+
+    step: IntArray  #: step number of each record, (records,)
+    time: FloatArray  #: time of each record [s], (records,)
+    modal_displacement: FloatArray  #: [kg^1/2 m], (records, copies, modes)
+    modal_velocity: FloatArray  #: [kg^1/2 m/s], (records, copies, modes)
+    contact_force: FloatArray
+    """Radial, tangential and axial contact force on each node [N], (records, nodes, 3)."""
+    gap: FloatArray  #: smallest gap of each node since the last record [m], (records, nodes)
+    contact_impulse: FloatArray
+    """Normal impulse on each node since the last record [N s], (records, nodes)."""
+    friction_impulse: FloatArray
+    """Friction impulse on each node since the last record, positive towards -theta [N s],
+    (records, nodes)."""
+    axial_impulse: FloatArray
+    """Axial friction impulse on each node since the last record [N s], (records, nodes)."""
+    contact_steps: IntArray  #: steps with contact since the last record, (records, nodes)
+    contacts: IntArray  #: number of nodes in contact at the record, (records,)
+    energy: FloatArray  #: energy of all copies [J], (records,)
+    external_work: FloatArray  #: work of the loads since the start [J], (records,)
+    normal_work: FloatArray  #: work of the normal contact forces [J], (records,)
+    friction_work: FloatArray  #: work of the friction forces [J], (records,)
+    damping_work: FloatArray  #: energy lost by damping [J], (records,)
+
+    @property
+    def records(self) -> int:
+        """Number of records."""
+        return len(self.step)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoundaryState:
+    """State between two steps."""
+
+    step: int  #: number of steps n
+    arrays: dict[str, FloatArray]  #: arrays of the struct `BoundaryState`
+
+    @property
+    def statistics(self) -> Statistics:
+        """Quality measures since the start."""
+        counts = self.arrays["counts"]
+        return Statistics(
+            steps=self.step,
+            contact_steps=int(counts[lib.BOUNDARY_CONTACT_STEPS]),
+            complementarity_residual=float(counts[lib.BOUNDARY_RESIDUAL]),
+            lcp_failures=int(counts[lib.BOUNDARY_UNSOLVED]),
+        )
+
+
+class BoundaryMarch:
+    """Central differences with contact of many nodes, of second order without contact.
+
+    Args:
+        problem: contact problem.
+        time_step: time step [s].
+        record_every: number of steps between records.
+
+    Raises:
+        ValueError: the time step is not below the critical time step.
+    """
+
+    cyclic = (False, False)
+
+    def __init__(self, problem: BoundaryProblem, time_step: float, record_every: int) -> None:
+        limit = problem.critical_time_step
+        if not time_step < limit:
+            raise ValueError(
+                f"time step {time_step:.3g} s is at or above the critical step {limit:.3g} s; use a"
+                " smaller step or fewer modes"
+            )
+        self._problem, self._dt, self._every = problem, time_step, record_every
+        copies, modes = problem.frequency.shape
+        nodes = len(problem.radius)
+        self._sizes = {
+            "copies": copies,
+            "modes": modes,
+            "nodes": nodes,
+            "twice_nodes": 2 * nodes,
+            "components": DIRECTIONS * nodes,
+            "bordered": nodes + 1,
+            "patterns": len(problem.loads),
+        }
+        self._boundary, self._closure = _constants(problem, time_step), _closure(problem)
+
+    def init(self) -> BoundaryState:
+        """Return the state at t = 0."""
+        problem, dt = self._problem, self._dt
+        x, v = problem.displacement, problem.velocity
+        squares = problem.frequency**2
+        force = np.zeros_like(x)
+        for load in problem.loads:
+            if load.ramp <= 0.0 < load.end:
+                force = force + load.amplitude * np.cos(load.phase)
+        drag = 2.0 * problem.damping_ratio * problem.frequency * v
+        arrays = zeros("BoundaryState", self._sizes)
+        arrays["q"][0] = x - dt * v + 0.5 * dt**2 * (force - squares * x - drag)
+        arrays["q"][1] = x
+        arrays["direction"][:, 0::2] = np.sign(problem.speed)
+        arrays["gap"][:] = np.inf
+        return BoundaryState(step=0, arrays=arrays)
+
+    def advance(
+        self, state: BoundaryState, steps: int, record_every: int | None = None
+    ) -> tuple[BoundaryState, BoundaryChunk, EndReason | None]:
+        """Advance by a number of steps; see `Scheme.advance`."""
+        every = self._every if record_every is None else record_every
+        arrays = {name: array.copy() for name, array in state.arrays.items()}
+        records = zeros("BoundaryRecords", self._sizes | {"records": steps // every + 2})
+        scratch = Struct("BoundaryScratch", **zeros("BoundaryScratch", self._sizes))
+        status, reached, written = boundary_march(
+            (self._boundary, self._closure, Struct("BoundaryState", **arrays)),
+            (Struct("BoundaryRecords", **records), scratch),
+            state.step,
+            steps,
+            every,
+        )
+        kept = {name: array[:written] for name, array in records.items()}
+        end = EndReason.DIVERGENT if status == lib.DIVERGED else None
+        return BoundaryState(step=reached, arrays=arrays), self._chunk(kept), end
+
+    def _chunk(self, kept: dict[str, FloatArray]) -> BoundaryChunk:
+        rows, work = len(kept["step"]), kept["work"]
+        force = kept["force"].reshape(rows, -1, DIRECTIONS)
+        impulse = kept["impulse"].reshape(rows, -1, DIRECTIONS)
+        return BoundaryChunk(
+            step=np.asarray(kept["step"], dtype=np.int64),
+            time=kept["step"] * self._dt,
+            modal_displacement=kept["q"],
+            modal_velocity=kept["velocity"],
+            contact_force=force,
+            gap=kept["gap"].reshape(rows, -1),
+            contact_impulse=impulse[:, :, 0],
+            friction_impulse=-impulse[:, :, 1],
+            axial_impulse=impulse[:, :, 2],
+            contact_steps=kept["touched"].reshape(rows, -1).astype(np.int64),
+            contacts=np.asarray((force[:, :, 0] < 0.0).sum(axis=1)),
+            energy=kept["energy"],
+            external_work=work[:, lib.EXTERNAL],
+            normal_work=work[:, lib.NORMAL],
+            friction_work=work[:, lib.FRICTION],
+            damping_work=work[:, lib.DAMPING],
+        )
+
+
+def joined_boundary(chunks: list[BoundaryChunk]) -> BoundaryChunk:
+    """Join consecutive chunks into one chunk."""
+    names = [field.name for field in fields(BoundaryChunk)]
+    return BoundaryChunk(
+        **{name: np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names}
+    )
+
+
+def _constants(problem: BoundaryProblem, dt: float) -> Struct:
+    frequency, contact = problem.frequency, np.ascontiguousarray(problem.contact)
+    squares, damping = frequency**2, 2.0 * problem.damping_ratio * frequency
+    inverse = 1.0 / (1.0 / dt**2 + 0.5 * damping / dt)
+    compliance = problem.compliance
+    if not problem.massless:
+        compliance = np.array([(contact * row) @ contact.T for row in inverse])
+    loads = [[load.end, load.ramp, load.frequency, load.phase] for load in problem.loads]
+    patterns = [load.amplitude for load in problem.loads]
+    return Struct(
+        "Boundary",
+        a=inverse * (2.0 / dt**2 - squares),
+        b=inverse * (0.5 * damping / dt - 1.0 / dt**2),
+        c=inverse,
+        stiffness=squares,
+        damping=damping,
+        contact=contact,
+        columns=np.ascontiguousarray(contact.T),
+        normal=np.ascontiguousarray(contact[::DIRECTIONS].T),
+        compliance=np.ascontiguousarray(compliance),
+        angle=np.ascontiguousarray(problem.angle),
+        recess=np.asarray(problem.recess, dtype=np.float64),
+        radius=np.asarray(problem.radius, dtype=np.float64),
+        wall=_closed(problem.wall),
+        load=np.reshape(patterns, (len(patterns), *frequency.shape)).astype(np.float64),
+        load_times=np.reshape(loads, (len(loads), 4)).astype(np.float64),
+        massless=float(problem.massless),
+        full=float(problem.full_sliding),
+        friction=float(problem.friction),
+        speed=float(problem.speed),
+        time_step=dt,
+        limit=float(problem.displacement_limit),
+        gap_scale=float(np.abs(problem.wall[:, 0]).mean()),
+    )
+
+
+def _closed(values: FloatArray) -> FloatArray:
+    """Return values and derivatives on a circle as rows, with the first angle again at the end; the
+    derivatives are multiplied by the distance of two angles."""
+    angles = len(values)
+    rows = np.concatenate([values, values[:1]]).T * [[1.0], [2.0 * np.pi / angles]]
+    return np.ascontiguousarray(rows)
+
+
+def _closure(problem: BoundaryProblem) -> Struct | None:
+    if problem.closure is None:
+        return None
+    course = problem.closure.course
+    return Struct(
+        "Closure",
+        share=_closed(problem.closure.share),
+        table=np.reshape(course.table, (-1, 2)).astype(np.float64),
+        amount=course.amount,
+        rate=1.0 / (course.time_constant or np.inf),
+    )
