@@ -31,6 +31,13 @@ class Reduction(Table):
     default, five per blade of 22 blades, gives errors below 1 % in the frequencies of family 5F;
     scale it with the number of blades. A smaller bladed disk keeps all of its modes. bladewhirl
     show prints the errors."""
+    boundary: Literal["massless", "consistent"] = "massless"
+    """Contact nodes of a superelement. "massless": free-interface modes with the residual
+    flexibility of the contact nodes, whose forces close the gap by that flexibility; "consistent":
+    all Craig-Bampton modes with fixed_interface_modes, whose contact nodes have mass."""
+    free_interface_modes: Annotated[int, fields.count(1)] = 50
+    """Number of free-interface modes of a superelement with a massless boundary; with a consistent
+    boundary, number of modes with damping.ratio."""
     modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "all"
     """Modes that a march keeps: "all"; "six", the paper's truncated space of Eqs (4)-(10), which is
     "1F:1,suspension:1,casing:1"; or names, FAMILY:k on the bladed disk and casing:FAMILY:k on the
@@ -44,6 +51,9 @@ class Damping(Table):
     ratio: fields.NumberOrZero = 0.005
     """Damping ratio xi of every mode (not in the paper; suspension transients decay within about
     1.1 s)."""
+    boundary_ratio: fields.NumberOrZero = 0.05
+    """Damping ratio of the modes above reduction.free_interface_modes with reduction.boundary =
+    "consistent". These modes are mostly motions of the contact nodes."""
 
 
 class Contact(Table):
@@ -51,10 +61,11 @@ class Contact(Table):
 
     friction: fields.NumberOrZero = 0.1
     """Coulomb friction coefficient (paper, Table 2)."""
-    sliding: Literal["permanent", "signed"] = "permanent"
+    sliding: Literal["permanent", "signed", "full"] = "permanent"
     """"permanent": friction drags every tip against the rotation ("sliding is assumed" in the
     paper); "signed": friction opposes the relative velocity, and tips never stick; at speed 0,
-    where tips should stick, rounding decides the sign."""
+    where tips should stick, rounding decides the sign; "full", for a superelement: friction opposes
+    the slip velocity, tangential and axial, elastic velocities included."""
     tip_rotation: StrictBool = False
     """Add u_t / R, with the tangential displacement u_t of a tip, to the angle of the tip on the
     casing."""

@@ -9,6 +9,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, StrictStr, model_seri
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.mesh_file import MeshTable
+from bladewhirl.models.case.superelement import SuperelementTable
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.rectangular import BeamSection
@@ -195,6 +196,12 @@ class BladedDisk(Table):
     """Mesh file that replaces all other keys of [bladed_disk]; by default there is none. The table
     has the file, its unit of length, the names of its groups of nodes at the tips and at the centre
     (tips = "tips", centre = "centre"), and sections of its groups of lines."""
+    superelement: SuperelementTable | None = Field(
+        default=None, examples=['{ file = "blade.npz", copies = 22 }']
+    )
+    """File with the matrices of a blade, a sector or a wheel, which replaces all other keys of
+    [bladed_disk] but the mistuning of the stiffness: { file = "blade.npz", copies = 22, kind =
+    "blade" }; by default there is none. It needs casing.type = "rigid"."""
 
     @property
     def cut_radii(self) -> list[float]:
@@ -209,15 +216,21 @@ class BladedDisk(Table):
     ) -> dict[str, Any]:
         """Leave out the keys that a mesh file replaces."""
         tables: dict[str, Any] = serialize(self)
+        if self.superelement is not None:
+            return {name: tables[name] for name in ("superelement", "mistuning")}
         return tables if self.mesh is None else {"mesh": tables["mesh"]}
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield errors for blades without length, parts at wrong radii and too many elements."""
-        if self.mesh is not None:
+        for source, kept in (("superelement", {"superelement", "mistuning"}), ("mesh", {"mesh"})):
+            if getattr(self, source) is None:
+                continue
             for name, field in type(self).model_fields.items():
-                if name != "mesh" and getattr(self, name) != field.default:
-                    expected = "no such key together with bladed_disk.mesh"
-                    yield Inconsistency(name, expected, ("mesh",))
+                if name not in kept and getattr(self, name) != field.default:
+                    expected = f"no such key together with bladed_disk.{source}"
+                    yield Inconsistency(name, expected, (source,))
+            if self.superelement is not None:
+                yield from self._factor_faults(self.superelement)
             return
         if self.disk_radius >= self.tip_radius:
             expected = f"less than bladed_disk.tip_radius = {self.tip_radius!r}"
@@ -246,6 +259,17 @@ class BladedDisk(Table):
                 expected = f"blades from 0 to {self.blades - 1}, each once"
                 yield Inconsistency(key, expected, ("blades",))
         yield from self.mistuning.faults(self.blades)
+
+    def _factor_faults(self, table: SuperelementTable) -> Iterator[Inconsistency]:
+        """Yield errors for mistuning of something else than the stiffness of copies of a blade."""
+        given = self.mistuning.model_dump(exclude_defaults=True)
+        for name in given.keys() - {"stiffness", "stiffness_spread", "seed"}:
+            expected = "no such key together with bladed_disk.superelement"
+            yield Inconsistency(f"mistuning.{name}", expected, ("superelement",))
+        if given and table.kind != "blade":
+            expected = 'no mistuning, or bladed_disk.superelement.kind = "blade"'
+            yield Inconsistency("mistuning", expected, ("superelement",))
+        yield from self.mistuning.faults(table.copies)
 
     def _radius_faults(self) -> Iterator[Inconsistency]:
         root, tip = self.disk_radius, self.tip_radius

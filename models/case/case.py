@@ -32,6 +32,7 @@ from bladewhirl.models.case.excitation import (
 from bladewhirl.models.case.sensors import SensorRows, sensor_faults
 from bladewhirl.models.case.shaft import Rotation, Shaft
 from bladewhirl.models.case.sketch import SketchTable
+from bladewhirl.models.case.superelement import superelement_faults
 from bladewhirl.models.inputs.errors import CaseError, shown
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.rectangular import Material
@@ -139,6 +140,7 @@ class Case(Table):
         if self.shaft.damping_frame == "static" and self.rotation.effects != "full":
             expected = '"rotating", or rotation.effects = "full" (Coriolis forces)'
             yield Inconsistency("shaft.damping_frame", expected, ("rotation.effects",))
+        yield from superelement_faults(self)
         if self.sketch is not None:
             for name, field in BladedDisk.model_fields.items():
                 if getattr(self.bladed_disk, name) != field.default:
@@ -184,6 +186,8 @@ class Case(Table):
         """Number of blades."""
         if self.sketch is not None:
             return self.sketch.tips
+        if self.bladed_disk.superelement is not None:
+            return self.bladed_disk.superelement.bodies
         mesh = self.bladed_disk.mesh
         return self.bladed_disk.blades if mesh is None else len(mesh.tip_points)
 
@@ -192,6 +196,9 @@ class Case(Table):
         """Tip radius from which the clearance is measured [m]."""
         if self.sketch is not None:
             return self.sketch.radius
+        if self.bladed_disk.superelement is not None:
+            part = self.bladed_disk.superelement.part
+            return self.casing.radius or float(part.contact_radius.max())
         mesh = self.bladed_disk.mesh
         if mesh is None:
             return self.bladed_disk.tip_radius

@@ -76,7 +76,15 @@ class Strut(BeamSection):
 
 
 class Casing(Table):
-    """A ring of curved beams at tip_radius + clearance."""
+    """A ring of curved beams at tip_radius + clearance, or a rigid wall."""
+
+    type: Literal["ring", "rigid"] = "ring"
+    """"ring": a flexible ring; "rigid": a wall that does not move, for a superelement, of which
+    only clearance, profile and closure matter."""
+    radius: fields.Length | None = Field(default=None, examples=["0.25"])
+    """Radius from which the clearance of a rigid wall is measured [m]. By default the clearance of
+    each contact node is measured from the radius of this node, so that the wall follows the shape
+    of the tip."""
 
     elements: Annotated[int, fields.count(3)] = 40
     """Number of curved beam elements (paper, Section 2.1). With four elements per wavelength the
@@ -179,7 +187,10 @@ class Casing(Table):
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield errors for a negative clearance or thickness, for more lobes than the elements
         resolve, for two thickness stations at one angle, and for stiffened arcs that overlap."""
-        most = self.elements // ELEMENTS_PER_LOBE
+        most = fields.MOST if self.type == "rigid" else self.elements // ELEMENTS_PER_LOBE
+        if self.radius is not None and self.type == "ring":
+            expected = 'no such key with casing.type = "ring", whose radius follows from the tips'
+            yield Inconsistency("radius", expected, ("type",))
         lobes = {
             "clearance_lobes": self.clearance_lobes,
             "profile": () if self.profile is None else self.profile.harmonics,
@@ -193,7 +204,8 @@ class Casing(Table):
                     f" {ELEMENTS_PER_LOBE} a lobe"
                 )
                 yield Inconsistency(key, expected, ("elements",))
-        if (smallest := self.clearance_profile.smallest) < 0.0:
+        smallest = self.clearance_profile.smallest
+        if smallest < 0.0 and self.type == "ring":
             expected = (
                 f"lobes that leave a gap: with casing.clearance = {self.clearance!r} the smallest"
                 f" gap would be {smallest:.6g} m"

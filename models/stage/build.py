@@ -38,7 +38,7 @@ def contact_problem(stage: Stage) -> ContactProblem:
             casing=casing,
             speed=stage.speed,
             friction=case.contact.friction,
-            sliding=case.contact.sliding,
+            sliding="signed" if case.contact.sliding == "signed" else "permanent",
             tip_rotation=case.contact.tip_rotation,
             displacement_limit=stage.displacement_limit,
             loads=tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage)),

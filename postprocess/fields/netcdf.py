@@ -13,7 +13,7 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.solvers.march.schema import STATIC, TIME, Variable
+from bladewhirl.solvers.march.schema import NODES, TIME, Variable, tables_of
 from bladewhirl.solvers.march.storage import CutFile
 
 #: largest plausible magnitude of a number in SI units; a positive number is larger than 1 / MOST
@@ -192,10 +192,13 @@ def attribute_fault(attributes: Mapping[str, Any]) -> str:
 
 def value_fault(dataset: xr.Dataset) -> str:
     """Describe the first invalid array that does not depend on time; empty if all are valid."""
-    nodes = dataset.sizes["rotor_node"]
-    for name, variable in STATIC.items():
+    tables = tables_of(dataset.attrs)
+    nodes = dataset.sizes.get("rotor_node", 0)
+    for name, variable in tables.stage.items():
         if name in dataset and (expected := expectation(dataset[name].values, variable, nodes)):
             return f"{name!r} to be {expected}"
+    if tables is NODES:
+        return ""
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
     if not np.any(ends[:, 0] != ends[:, 1], axis=-1).all():
         return "'rotor_line' to connect different points"

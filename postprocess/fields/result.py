@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
 from bladewhirl.postprocess.fields.kinematics import Array, recess_at_rest
 from bladewhirl.postprocess.fields.netcdf import ResultError as ResultError
 from bladewhirl.postprocess.fields.netcdf import attribute_fault, open_file, value_fault
@@ -60,11 +61,15 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     frequencies of waves, equal to the frequencies of the modes (before format 5); and the work of
     closing, which is nan (before format 6).
     """
+    tables = schema.tables_of(dataset.attrs)
     indices = {
         name: (name, schema.index_values(name, dataset.sizes[name]), variable.attributes)
-        for name, variable in schema.INDICES.items()
+        for name, variable in tables.names.items()
         if name in dataset.dims and name not in dataset.coords
     }
+    described = [name for name, variable in tables.stage.items() if variable.is_coordinate]
+    if tables is schema.NODES:
+        return dataset.assign_coords(indices).set_coords(described)
     like = {"rotor_line": "rotor_thickness", "blade": "tip_angle"}
     constant = {
         name: xr.zeros_like(dataset[like[variable.dimensions[0]]]).assign_attrs(variable.attributes)
@@ -79,12 +84,13 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     if "closing_work" not in dataset and "normal_work" in dataset:
         unknown = xr.full_like(dataset["normal_work"], np.nan)
         constant["closing_work"] = unknown.assign_attrs(schema.HISTORY["closing_work"].attributes)
-    described = [name for name, variable in schema.STATIC.items() if variable.is_coordinate]
     return dataset.assign(constant).assign_coords(indices).set_coords(described)
 
 
 def result_of(
-    stage: StageArrays, histories: Mapping[str, Array], attributes: Mapping[str, Any]
+    stage: StageArrays | SuperelementArrays,
+    histories: Mapping[str, Array],
+    attributes: Mapping[str, Any],
 ) -> xr.Dataset:
     """Return a result from arrays in memory, with the content that `open_result` reads from a file.
 
@@ -93,10 +99,12 @@ def result_of(
         histories: histories by their name in the schema.
         attributes: attributes of the result.
     """
+    tables = schema.tables_of(attributes)
+    variables = {**schema.RESULT, **tables.history, **tables.stage}
     described = {field.name: np.asarray(getattr(stage, field.name)) for field in fields(stage)}
     dataset = xr.Dataset(
         {
-            name: _entry(name, values)
+            name: (variables[name].dimensions, np.asarray(values), variables[name].attributes)
             for name, values in {**described, **histories}.items()
             if values.size or name in histories
         },
@@ -127,10 +135,24 @@ def _entry(name: str, values: Any) -> tuple[tuple[str, ...], Array, dict[str, st
 def opened(result: xr.Dataset | str | PathLike[str]) -> Iterator[xr.Dataset]:
     """Yield a result: a Dataset unchanged; a file or folder opened, and closed afterwards."""
     if isinstance(result, xr.Dataset):
+        check_beams(result, "result")
         yield result
         return
     with open_result(result) as dataset:
+        check_beams(dataset, str(result))
         yield dataset
+
+
+def check_beams(dataset: xr.Dataset, name: str) -> None:
+    """Check that a result is that of a bladed disk of beams.
+
+    Raises:
+        ResultError: it is the result of a superelement.
+    """
+    if schema.tables_of(dataset.attrs) is schema.NODES:
+        raise ResultError(
+            f"{name}: expected the result of a bladed disk of beams, found that of a superelement"
+        )
 
 
 def check_result(dataset: xr.Dataset, name: str) -> None:
@@ -147,8 +169,10 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
             f"{name}: expected a result of format {schema.RESULT_FORMAT} or older, found format "
             f"{made_by}; a newer bladewhirl reads it"
         )
-    for key, variable in {**schema.HISTORY, **schema.STATIC}.items():
-        if variable.since > 1 or schema.OPTIONAL_DIMENSIONS.intersection(variable.dimensions):
+    tables = schema.tables_of(dataset.attrs)
+    oldest = 8 if tables is schema.NODES else 1
+    for key, variable in {**tables.history, **tables.stage}.items():
+        if variable.since > oldest or schema.OPTIONAL_DIMENSIONS.intersection(variable.dimensions):
             continue
         if key not in dataset:
             raise ResultError(f"{name}: expected a bladewhirl result; it has no {key!r}")

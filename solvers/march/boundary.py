@@ -3,7 +3,7 @@
 The equations are in the comment of `solvers/kernel/boundary.c`.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,6 +25,8 @@ class BoundaryChunk:
     time: FloatArray  #: time of each record [s], (records,)
     modal_displacement: FloatArray  #: [kg^1/2 m], (records, copies, modes)
     modal_velocity: FloatArray  #: [kg^1/2 m/s], (records, copies, modes)
+    contact_displacement: FloatArray
+    """Radial, tangential and axial displacement of each node [m], (records, nodes, 3)."""
     contact_force: FloatArray
     """Radial, tangential and axial contact force on each node [N], (records, nodes, 3)."""
     gap: FloatArray  #: smallest gap of each node since the last record [m], (records, nodes)
@@ -42,6 +44,7 @@ class BoundaryChunk:
     normal_work: FloatArray  #: work of the normal contact forces [J], (records,)
     friction_work: FloatArray  #: work of the friction forces [J], (records,)
     damping_work: FloatArray  #: energy lost by damping [J], (records,)
+    coating: None = None  #: there is no coating
 
     @property
     def records(self) -> int:
@@ -143,11 +146,15 @@ class BoundaryMarch:
         rows, work = len(kept["step"]), kept["work"]
         force = kept["force"].reshape(rows, -1, DIRECTIONS)
         impulse = kept["impulse"].reshape(rows, -1, DIRECTIONS)
+        moved = kept["q"] @ self._boundary.columns
+        if self._problem.massless:
+            moved = moved + np.einsum("rcj,cij->rci", kept["force"], self._boundary.compliance)
         return BoundaryChunk(
             step=np.asarray(kept["step"], dtype=np.int64),
             time=kept["step"] * self._dt,
             modal_displacement=kept["q"],
             modal_velocity=kept["velocity"],
+            contact_displacement=moved.reshape(rows, -1, DIRECTIONS),
             contact_force=force,
             gap=kept["gap"].reshape(rows, -1),
             contact_impulse=impulse[:, :, 0],
@@ -161,14 +168,6 @@ class BoundaryMarch:
             friction_work=work[:, lib.FRICTION],
             damping_work=work[:, lib.DAMPING],
         )
-
-
-def joined_boundary(chunks: list[BoundaryChunk]) -> BoundaryChunk:
-    """Join consecutive chunks into one chunk."""
-    names = [field.name for field in fields(BoundaryChunk)]
-    return BoundaryChunk(
-        **{name: np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names}
-    )
 
 
 def _constants(problem: BoundaryProblem, dt: float) -> Struct:

@@ -6,7 +6,7 @@ exactly."""
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -74,24 +74,21 @@ class Chunk:
         return len(self.step)
 
 
-def joined(chunks: Sequence[Chunk]) -> Chunk:
-    """Join consecutive chunks into one chunk."""
+PartT = TypeVar("PartT")
+
+
+def joined(chunks: Sequence[PartT]) -> PartT:
+    """Join consecutive records of one kind, dataclasses of arrays, of such dataclasses or None."""
     if len(chunks) == 1:
         return chunks[0]
-    names = [name for name in vars(chunks[0]) if name != "coating"]
-    coatings = [chunk.coating for chunk in chunks if chunk.coating is not None]
-    return Chunk(
-        coating=joined_coating(coatings) if coatings else None,
-        **{name: np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names},
-    )
+    parts = {name: [getattr(chunk, name) for chunk in chunks] for name in vars(chunks[0])}
+    return type(chunks[0])(**{name: _joined(values) for name, values in parts.items()})
 
 
-def joined_coating(records: Sequence[CoatingRecords]) -> CoatingRecords:
-    """Join consecutive records of a coating."""
-    names = vars(records[0])
-    return CoatingRecords(
-        **{name: np.concatenate([getattr(one, name) for one in records]) for name in names}
-    )
+def _joined(values: Sequence[Any]) -> Any:
+    if values[0] is None:
+        return None
+    return np.concatenate(values) if isinstance(values[0], np.ndarray) else joined(values)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,22 +18,31 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.contact_problem import rod_angles
+from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
+from bladewhirl.solvers.march.boundary import BoundaryChunk
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords
 from bladewhirl.solvers.march.schema import (
+    BEAMS,
     COATING,
-    HISTORY,
-    INDICES,
+    NODES,
     RESULT_FORMAT,
-    STATIC,
     TIME,
+    Tables,
     Variable,
     index_values,
+    tables_of,
 )
 from bladewhirl.solvers.march.storage import GuardedFile
 
 Attribute = str | int | float
 
 Values = np.ndarray[Any, np.dtype[Any]]
+
+Arrays = StageArrays | SuperelementArrays
+"""Arrays of a stage in a result."""
+
+AnyChunk = Chunk | BoundaryChunk
+"""Records of a march."""
 
 INTERRUPTED, UNFINISHED = "interrupted", "unfinished"
 """Values of `end_reason` of a march that the user interrupted, and of a march that was killed."""
@@ -61,7 +70,7 @@ class Record(Protocol):
     def steps(self) -> int:
         """Step of the last record."""
 
-    def write(self, chunk: Chunk) -> None:
+    def write(self, chunk: AnyChunk) -> None:
         """Append records."""
 
     def finish(self, reason: str, message: str, report: Mapping[str, Attribute]) -> None:
@@ -82,34 +91,35 @@ class Recorder(AbstractContextManager["Recorder"]):
     """
 
     def __init__(
-        self, path: str | PathLike[str], stage: StageArrays, attributes: Mapping[str, Attribute]
+        self, path: str | PathLike[str], stage: Arrays, attributes: Mapping[str, Attribute]
     ) -> None:
+        self._tables = tables_of(attributes)
         self.records, self.steps = 0, 0  #: number of records written, and step of the last record
         self._raw = GuardedFile(path)
         self._h5 = h5py.File(self._raw, "w")
         self._file = h5netcdf.File(self._h5, "w")
         sizes = sizes_of(stage)
         self._file.dimensions = {TIME: None} | {name: size for name, size in sizes.items() if size}
-        for name, variable in INDICES.items():
+        for name, variable in self._tables.names.items():
             self._create(name, variable, index_values(name, sizes[name]))
         for field in fields(stage):
             values = np.asarray(getattr(stage, field.name))
             if values.size:
-                self._create(field.name, STATIC[field.name], values)
-        for name, variable in HISTORY.items():
+                self._create(field.name, self._tables.stage[field.name], values)
+        for name, variable in self._tables.history.items():
             self._create_history(name, variable, sizes)
         for name, value in attributes.items():
             self._file.attrs[name] = value
         self._file.attrs["format"] = RESULT_FORMAT
         self._file.attrs["coordinates"] = " ".join(
-            name for name, variable in STATIC.items() if variable.is_coordinate
+            name for name, variable in self._tables.stage.items() if variable.is_coordinate
         )
         self._file.attrs["end_reason"] = UNFINISHED
         self._file.attrs["end_message"] = ""
         self._h5.attrs["steps"] = np.int64(0)
         self.flush()
 
-    def write(self, chunk: Chunk) -> None:
+    def write(self, chunk: AnyChunk) -> None:
         """Append records and write them to the disk.
 
         Raises:
@@ -118,7 +128,7 @@ class Recorder(AbstractContextManager["Recorder"]):
         """
         if chunk.records == 0:  # a chunk may be shorter than the time between records
             return
-        history = {name: np.asarray(getattr(chunk, name)) for name in HISTORY}
+        history = {name: np.asarray(getattr(chunk, name)) for name in self._tables.history}
         finite = finite_records(history)
         first, last = self.records, self.records + finite
         if chunk.coating is not None:
@@ -195,7 +205,7 @@ class Recorder(AbstractContextManager["Recorder"]):
         created.attrs.update(variable.attributes)
 
 
-def result_bytes(stage: StageArrays, records: int, blades: int | None = None) -> int:
+def result_bytes(stage: Arrays, records: int, blades: int | None = None) -> int:
     """Return the size of a result, whose histories are stored in whole chunks of HDF5 [bytes].
 
     Args:
@@ -206,7 +216,7 @@ def result_bytes(stage: StageArrays, records: int, blades: int | None = None) ->
     arrays = (np.asarray(getattr(stage, field.name)) for field in fields(stage))
     sizes = sizes_of(stage) | ({} if blades is None else {"blade": blades})
     total = 0
-    for variable in HISTORY.values():
+    for variable in tables_of_stage(stage).history.values():
         widths = widths_of(variable, sizes)
         rows = _rows_stored(widths)
         total += -(-records // rows) * rows * int(np.prod(widths))
@@ -223,10 +233,15 @@ def _rows_stored(widths: tuple[int, ...]) -> int:
     return max(1, STORAGE_BYTES // (8 * int(np.prod(widths))))
 
 
-def sizes_of(stage: StageArrays) -> dict[str, int]:
+def tables_of_stage(stage: Arrays) -> Tables:
+    """Return the variables of the result of a stage."""
+    return NODES if isinstance(stage, SuperelementArrays) else BEAMS
+
+
+def sizes_of(stage: Arrays) -> dict[str, int]:
     """Return the length of each dimension from the shapes of the arrays."""
     sizes: dict[str, int] = {}
-    for name, variable in STATIC.items():
+    for name, variable in tables_of_stage(stage).stage.items():
         for dimension, size in zip(
             variable.dimensions, np.shape(getattr(stage, name)), strict=True
         ):

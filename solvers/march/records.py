@@ -4,11 +4,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.contact_problem import rod_angles
 from bladewhirl.solvers.march import recorder
-from bladewhirl.solvers.march.march import Chunk, CoatingRecords, joined_coating
-from bladewhirl.solvers.march.schema import COATING, HISTORY, TIME
+from bladewhirl.solvers.march.march import CoatingRecords, joined
+from bladewhirl.solvers.march.schema import COATING, TIME
 
 
 class Records:
@@ -24,7 +23,7 @@ class Records:
 
     def __init__(
         self,
-        stage: StageArrays,
+        stage: recorder.Arrays,
         attributes: Mapping[str, recorder.Attribute],
         most: int,
         room: dict[str, recorder.Values] | None = None,
@@ -34,7 +33,8 @@ class Records:
         sizes = recorder.sizes_of(stage)
         self._coating: list[CoatingRecords] = []
         self._room: dict[str, recorder.Values] = {} if room is None else room
-        for name, variable in HISTORY.items():
+        self._history = recorder.tables_of_stage(stage).history
+        for name, variable in self._history.items():
             widths, stored = tuple(recorder.widths_of(variable, sizes)), self._room.get(name)
             if stored is None or len(stored) < most or stored.shape[1:] != widths:
                 self._room[name] = np.empty((most, *widths), dtype=variable.kind)
@@ -44,7 +44,7 @@ class Records:
         """All records, by the names of the schema."""
         histories = {name: values[: self.records] for name, values in self._room.items()}
         if self._coating:
-            coating = vars(joined_coating(self._coating))
+            coating = vars(joined(self._coating))
             for name, variable in COATING.items():
                 if name in coating:
                     most = self.records if variable.dimensions[0] == TIME else None
@@ -52,13 +52,13 @@ class Records:
             histories["rod_angle"] = rod_angles(coating["coating_strain"].shape[1])
         return histories
 
-    def write(self, chunk: Chunk) -> None:
+    def write(self, chunk: recorder.AnyChunk) -> None:
         """Append records.
 
         Raises:
             NonFiniteError: a record is not finite; this record and all later ones are left out.
         """
-        history = {name: np.asarray(getattr(chunk, name)) for name in HISTORY}
+        history = {name: np.asarray(getattr(chunk, name)) for name in self._history}
         finite = recorder.finite_records(history)
         last = self.records + finite
         for name, values in history.items():

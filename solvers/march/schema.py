@@ -8,7 +8,7 @@ of `Chunk`, `STATIC` the names of the fields of `StageArrays`.
 import csv
 from collections.abc import Iterator, Mapping
 from importlib import resources
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 RESULT_NAME = "result.nc"
 """Name of the result file in the folder of a run."""
 
-RESULT_FORMAT = 7
+RESULT_FORMAT = 8
 """Current format of result.nc. Files of formats 1 and 2 contain no format number. A file of an
 older format lacks variables with a higher number in the column "since"; coordinates, recess and
 growth of tips, and frequencies of waves are added when such a file is opened."""
@@ -28,7 +28,9 @@ sweep of an older format can be read but not resumed."""
 
 TIME = "time"
 
-OPTIONAL_DIMENSIONS = frozenset({"support", "rotor_link", "rotor_spring", "mass"})
+OPTIONAL_DIMENSIONS = frozenset(
+    {"support", "rotor_link", "rotor_spring", "mass", "point", "triangle"}
+)
 """Dimensions whose length may be zero. Their variables are then left out of a file, because netCDF
 treats a dimension of length zero as unlimited."""
 
@@ -83,6 +85,18 @@ COATING: Mapping[str, Variable] = _read("coating")
 INDICES: Mapping[str, Variable] = _read("index")
 """Variables of result.nc with names or numbers along a dimension."""
 
+NODE_HISTORY: Mapping[str, Variable] = _read("node-history")
+"""Variables of the result of a superelement that are recorded over time."""
+
+NODE_STATIC: Mapping[str, Variable] = _read("node-stage")
+"""Variables of the result of a superelement that are known before the march."""
+
+NODE_INDICES: Mapping[str, Variable] = _read("node-index")
+"""Names along the dimensions of the result of a superelement."""
+
+NODE_RESULT: Mapping[str, Variable] = {**NODE_HISTORY, **NODE_STATIC, **NODE_INDICES}
+"""All variables of the result of a superelement."""
+
 RESULT: Mapping[str, Variable] = {**HISTORY, **COATING, **STATIC, **INDICES}
 """All variables of result.nc."""
 
@@ -92,10 +106,30 @@ SWEEP: Mapping[str, Variable] = _read("sweep")
 SCREENING: Mapping[str, Variable] = _read("screening")
 """Variables of sweep.nc if points are screened."""
 
+MODEL, SUPERELEMENT = "model", "superelement"
+"""Attribute of a result with the kind of its model, and the value for a superelement."""
+
+
+class Tables(NamedTuple):
+    """Variables of the results of one kind of model."""
+
+    history: Mapping[str, Variable]
+    stage: Mapping[str, Variable]
+    names: Mapping[str, Variable]
+
+
+BEAMS = Tables(HISTORY, STATIC, INDICES)
+NODES = Tables(NODE_HISTORY, NODE_STATIC, NODE_INDICES)
+
+
+def tables_of(attributes: Mapping[str, Any]) -> Tables:
+    """Return the variables of a result with these attributes."""
+    return NODES if attributes.get(MODEL) == SUPERELEMENT else BEAMS
+
 
 def index_values(name: str, size: int) -> NDArray[np.int64] | NDArray[np.object_]:
     """Return the values of a variable of `INDICES`: names, or numbers from 0 to size - 1."""
-    labels = INDICES[name].labels
+    labels = {**INDICES, **NODE_INDICES}[name].labels
     return np.array(labels, dtype=object) if labels else np.arange(size)
 
 
@@ -103,7 +137,7 @@ def schema_table(file: Mapping[str, Variable]) -> str:
     """Return a Markdown table with a row for each variable of a file, for the documentation.
 
     Args:
-        file: `RESULT` or `SWEEP`.
+        file: `RESULT`, `NODE_RESULT` or `SWEEP`.
     """
     return "\n".join(_rows(file)) + "\n"
 

@@ -15,7 +15,7 @@ from bladewhirl.models.inputs.errors import writing
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk, joined, march
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
-from bladewhirl.studies.runs.prepare import Prepared, prepare_stage
+from bladewhirl.studies.runs.prepare import AnyPrepared, prepare_stage
 
 Progress = Callable[[int, int], None]
 """Called with the numbers of finished steps and of all steps, over all schemes."""
@@ -97,7 +97,7 @@ def _last_value(values: xr.DataArray) -> float | None:
     return float(values) if np.isfinite(values) else None
 
 
-def _marched(prepared: Prepared, number: int, progress: Progress | None) -> xr.Dataset:
+def _marched(prepared: AnyPrepared, number: int, progress: Progress | None) -> xr.Dataset:
     """March with one scheme; return its histories, with displacements of tips (time, tip)."""
     total = prepared.timing.steps
     chunks: list[Chunk] = []
@@ -136,7 +136,7 @@ def _marched(prepared: Prepared, number: int, progress: Progress | None) -> xr.D
     )
 
 
-def _side_by_side(marches: list[xr.Dataset], first: Prepared) -> xr.Dataset:
+def _side_by_side(marches: list[xr.Dataset], first: AnyPrepared) -> xr.Dataset:
     data = xr.concat(marches, xr.Variable("scheme", list(SCHEMES)), join="outer")
     reference = data["tips"].isel(scheme=0)
     size = float(np.sqrt((reference**2).mean()))

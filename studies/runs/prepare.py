@@ -2,17 +2,20 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic, TypeAlias, TypeVar
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.inputs.timing import Timing
+from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.mass_scaling import screening_problem
 from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
+from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.solvers.march.march import Scheme
 from bladewhirl.solvers.march.scheme import make_scheme
@@ -20,28 +23,52 @@ from bladewhirl.solvers.march.scheme import make_scheme
 Change = Callable[[ContactProblem, Timing], tuple[ContactProblem, Timing]]
 """Function that changes a contact problem and its timing."""
 
+AnyStage = Stage | SuperelementStage
+"""A stage of beams, or of a superelement."""
+
+StageT = TypeVar("StageT", bound=AnyStage)
+ProblemT = TypeVar("ProblemT", bound=ContactProblem | BoundaryProblem)
+
 
 @dataclass(frozen=True, kw_only=True)
-class Prepared:
+class Prepared(Generic[StageT, ProblemT]):
     """A case that is ready to march, with all checks passed."""
 
-    stage: Stage
-    problem: ContactProblem
+    stage: StageT
+    problem: ProblemT
     timing: Timing
     scheme: Scheme[Any]
     stop: FreeMotion | None = None  #: rule by which the march ends early; None: no early end
 
 
-def prepare(case: Case) -> Prepared:
+AnyPrepared: TypeAlias = Prepared[Any, Any]
+"""A case that is ready to march, of beams or with a superelement."""
+
+
+def prepare(case: Case) -> AnyPrepared:
     """Build the stage of a case and prepare its time integration.
 
     Raises:
         CaseError: all errors that prevent time integration.
     """
-    return prepare_stage(build_stage(case))
+    stage = any_stage(case)
+    if isinstance(stage, SuperelementStage):
+        return prepare_superelement(stage)
+    return prepare_stage(stage)
 
 
-def prepare_stage(stage: Stage, change: Change | None = None) -> Prepared:
+def any_stage(case: Case) -> AnyStage:
+    """Return the stage of a case of beams, or of a case with a superelement.
+
+    Raises:
+        CaseError: the stage cannot be built.
+    """
+    if case.bladed_disk.superelement is not None:
+        return superelement_stage(case)
+    return build_stage(case)
+
+
+def prepare_stage(stage: Stage, change: Change | None = None) -> Prepared[Stage, ContactProblem]:
     """Prepare the time integration of a stage: check it, and factorise the matrices.
 
     Args:
@@ -81,3 +108,23 @@ def screened(case: Case, problem: ContactProblem, timing: Timing) -> tuple[Conta
         return screening_problem(problem, timing)
     except ValueError as error:
         raise UserError(f"--screen: expected {error}") from None
+
+
+def prepare_superelement(
+    stage: SuperelementStage,
+) -> Prepared[SuperelementStage, BoundaryProblem]:
+    """Prepare the time integration of a superelement.
+
+    Raises:
+        CaseError: a contact node starts inside the wall, or the time step is too long.
+    """
+    problem, timing = stage.problem, stage.case.march.timing
+    limit = problem.critical_time_step
+    if not timing.time_step < limit:
+        expected = (
+            f"less than the critical step {limit:.6g} s (or fewer reduction.free_interface_modes,"
+            ' or reduction.boundary = "massless")'
+        )
+        raise CaseError([case_fault(stage.case, "march.time_step", expected)])
+    scheme: Any = BoundaryMarch(problem, timing.time_step, timing.record_every)
+    return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)

@@ -14,6 +14,8 @@ import numpy as np
 
 from bladewhirl.files import replacing
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.solvers.march.boundary import BoundaryChunk
 from bladewhirl.solvers.march.checkpoint import (
     CHECKPOINT_NAME,
     Checkpoint,
@@ -33,7 +35,7 @@ from bladewhirl.solvers.march.march import (
 )
 from bladewhirl.solvers.march.recorder import (
     INTERRUPTED,
-    Attribute,
+    AnyChunk,
     NonFiniteError,
     Record,
     Recorder,
@@ -41,11 +43,10 @@ from bladewhirl.solvers.march.recorder import (
     result_bytes,
 )
 from bladewhirl.solvers.march.records import Records
-from bladewhirl.solvers.march.schema import HISTORY
-from bladewhirl.studies.runs import folder
+from bladewhirl.solvers.march.schema import NODES, tables_of
+from bladewhirl.studies.runs import folder, march_texts
 from bladewhirl.studies.runs.interrupts import asked_to_stop
-from bladewhirl.studies.runs.prepare import Prepared
-from bladewhirl.studies.runs.properties import MARCHES
+from bladewhirl.studies.runs.prepare import AnyPrepared
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,7 +74,7 @@ REMEDY = (
 
 
 def march_to_file(
-    prepared: Prepared,
+    prepared: AnyPrepared,
     path: Path,
     case_text: str,
     progress: Progress | None = None,
@@ -99,7 +100,7 @@ def march_to_file(
     digest = "" if checkpoints is None else folder.march_digest(prepared.stage.case)
     with _recorder(prepared, path, case_text, begin) as recorder:
 
-        def flush(chunk: Chunk, state: MarchState, wall_time: float) -> None:
+        def flush(chunk: AnyChunk, state: MarchState, wall_time: float) -> None:
             check_room(path.parent, 0)
             recorder.write(chunk)
             # No checkpoint after an extra record at the end, which a longer march does not have.
@@ -116,7 +117,7 @@ def march_to_file(
 
 
 def march_in_memory(
-    prepared: Prepared, room: dict[str, Values] | None = None
+    prepared: AnyPrepared, room: dict[str, Values] | None = None
 ) -> tuple[xr.Dataset, dict[str, float]]:
     """March with records in memory; return the result and the quality measures of `march_to_file`.
 
@@ -125,7 +126,7 @@ def march_in_memory(
     """
     from bladewhirl.postprocess.fields.result import result_of  # loads xarray
 
-    attributes = _attributes(prepared, "")
+    attributes = march_texts.attributes(prepared, "")
     records = Records(prepared.stage.arrays, attributes, prepared.timing.records, room)
     report = _march_into(records, prepared, lambda chunk, *_: records.write(chunk), 0.0)
     return result_of(records.stage, records.histories, records.attributes), report
@@ -133,8 +134,8 @@ def march_in_memory(
 
 def _march_into(
     record: Record,
-    prepared: Prepared,
-    flush: Callable[[Chunk, MarchState, float], None],
+    prepared: AnyPrepared,
+    flush: Callable[[AnyChunk, MarchState, float], None],
     pause: float,
     progress: Progress | None = None,
     begin: Checkpoint | None = None,
@@ -150,9 +151,11 @@ def _march_into(
         residual = first.statistics.complementarity_residual
         unsolved = first.statistics.lcp_failures
     chunk_steps = CHUNK_STEPS
-    if prepared.problem.coating is not None:  # a profile of the coating at the end of each chunk
+    problem = prepared.problem
+    if isinstance(problem, ContactProblem) and problem.coating is not None:
+        # There is a profile of the coating at the end of each chunk.
         chunk_steps = min(CHUNK_STEPS, timing.steps // PROFILES + 1)
-    began, flushed, waiting = time.perf_counter() - before, -pause, list[Chunk]()
+    began, flushed, waiting = time.perf_counter() - before, -pause, list[Any]()
     try:
         with asked_to_stop() as interrupted:
             for state, chunk, end in march(prepared.scheme, timing, first, is_over, chunk_steps):
@@ -167,7 +170,10 @@ def _march_into(
                 if progress is not None:
                     progress("marching", min(state.step, timing.steps), timing.steps)
                 if end is EndReason.DIVERGENT:
-                    reason, message = end.value, _divergence(prepared, chunk)
+                    reason, message = (
+                        end.value,
+                        f"{march_texts.divergence(prepared, chunk)}; {REMEDY}",
+                    )
                 elif end is EndReason.DAMPED:
                     reason, message = end.value, f"ended at {chunk.time[-1]:.6g} s, {RULE}"
                 elif stopping:
@@ -193,10 +199,10 @@ def _march_into(
 
 @contextmanager
 def _recorder(
-    prepared: Prepared, path: Path, case_text: str, begin: Checkpoint | None
+    prepared: AnyPrepared, path: Path, case_text: str, begin: Checkpoint | None
 ) -> Iterator[Recorder]:
     """Yield a recorder of the result that contains the records before a checkpoint."""
-    attributes = _attributes(prepared, case_text)
+    attributes = march_texts.attributes(prepared, case_text)
     if begin is None:
         with Recorder(path, prepared.stage.arrays, attributes) as recorder:
             yield recorder
@@ -222,19 +228,22 @@ def _recorder(
         yield recorder
 
 
-def _chunk(records: xr.Dataset, time_step: float, *, profiles: bool) -> Chunk:
+def _chunk(records: xr.Dataset, time_step: float, *, profiles: bool) -> AnyChunk:
     """Return records of a result as a chunk, with or without the profiles of its coating."""
-    values = {name: records[name].values for name in HISTORY}
+    tables = tables_of(records.attrs)
+    values: dict[str, Any] = {name: records[name].values for name in tables.history}
     coating = None
     if "coating_strain" in records:
         kept = records.isel(wear_time=slice(None if profiles else 0))
         names = [field.name for field in fields(CoatingRecords)]
         coating = CoatingRecords(**{name: kept[name].values for name in names})
     step = np.rint(values["time"] / time_step).astype(np.int64)
+    if tables is NODES:
+        return BoundaryChunk(step=step, **values)
     return Chunk(step=step, coating=coating, **values)
 
 
-def state_at(prepared: Prepared, begin: Checkpoint) -> Any:
+def state_at(prepared: AnyPrepared, begin: Checkpoint) -> Any:
     """Return the state of the scheme at a checkpoint.
 
     Raises:
@@ -270,57 +279,6 @@ def check_room(directory: Path, needed: int) -> None:
         )
 
 
-def expected_bytes(prepared: Prepared) -> int:
+def expected_bytes(prepared: AnyPrepared) -> int:
     """Return the size of the result on disk if the march completes [bytes]."""
     return result_bytes(prepared.stage.arrays, prepared.timing.records)
-
-
-def _attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
-    stage = prepared.stage
-    case = stage.case
-    strength = case.material.lowest_yield_strength
-    return {
-        **({} if strength is None else {"yield_strength": strength}),
-        "title": case.title,
-        "version": folder.version(),
-        "speed": stage.speed,
-        "reference_frequency": stage.reference_frequency,
-        "casing_radius": stage.reduced_casing.radius,
-        "tip_radius": stage.rotor.tip_radius,
-        "friction": case.contact.friction,
-        "time_step": prepared.timing.time_step,
-        "record_step": prepared.timing.record_step,
-        "clamped": int(case.shaft.clamped),
-        "symmetry": "; ".join(
-            f"{body.replace('_', ' ')}: {symmetry}, march {MARCHES[cyclic]}"
-            for (body, symmetry), cyclic in zip(
-                stage.symmetry.items(), prepared.scheme.cyclic, strict=True
-            )
-        ),
-        "case": case_text,
-    }
-
-
-def _divergence(prepared: Prepared, chunk: Chunk) -> str:
-    """Describe a violation of the displacement limit (blade or angle, time, size) and the remedy.
-
-    The last record is within the limit. The place of the violation is found from displacements that
-    are extrapolated by one step.
-    """
-    rotor, casing = prepared.problem.rotor, prepared.problem.casing
-    step, largest, text = prepared.timing.time_step, 0.0, ""
-    for body, way, shapes in (
-        ("rotor", "radially", rotor.tip_radial),
-        ("rotor", "tangentially", rotor.tip_tangential),
-        ("casing", "radially", casing.nodal[:, 0]),
-    ):
-        moved = shapes @ getattr(chunk, f"{body}_displacement")[-1]
-        ahead = np.abs(moved + step * (shapes @ getattr(chunk, f"{body}_velocity")[-1]))
-        place = int(ahead.argmax())
-        if ahead[place] >= largest:
-            angle = 360.0 * place / len(shapes)
-            name = f"blade {place}" if body == "rotor" else f"the casing at {angle:.4g}°"
-            limit = f"march.displacement_limit = {prepared.problem.displacement_limit:g} m"
-            text = f"{name} passed {limit} at {chunk.time[-1]:.6g} s ({moved[place]:.4g} m {way})"
-            largest = ahead[place]
-    return f"{text}; {REMEDY}"

@@ -10,12 +10,13 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import Hint, UserError, writing
 from bladewhirl.models.stage.hints import stage_hints
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME, Checkpoint, read_checkpoint
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs import folder, recorded_march
 from bladewhirl.studies.runs.outputs import Run, Window, write_outputs
 from bladewhirl.studies.runs.place import locked, taking_place
-from bladewhirl.studies.runs.prepare import Prepared, prepare
+from bladewhirl.studies.runs.prepare import AnyPrepared, prepare
 from bladewhirl.studies.runs.sensor_files import check_gauges
 
 
@@ -65,8 +66,9 @@ def run(
     window.check(case.march.duration)
     folder.check_free(directory, overwrite=overwrite)
     prepared = prepare(case)
-    check_gauges(prepared)
-    for hint in stage_hints(prepared.stage):
+    if isinstance(prepared.stage, Stage):
+        check_gauges(prepared)
+    for hint in _hints(prepared):
         warnings.warn(hint, Hint, stacklevel=2)
     with writing(directory):
         recorded_march.check_room(directory, recorded_march.expected_bytes(prepared))
@@ -128,7 +130,7 @@ def resume(
 
 
 def _march_and_sum_up(
-    prepared: Prepared,
+    prepared: AnyPrepared,
     place: Path,
     window: Window,
     progress: recorded_march.Progress | None,
@@ -145,4 +147,9 @@ def _march_and_sum_up(
         begin=begin,
     )
     done = write_outputs(place, report, window)
-    return replace(done, hints=(*stage_hints(prepared.stage), *done.hints))
+    return replace(done, hints=(*_hints(prepared), *done.hints))
+
+
+def _hints(prepared: AnyPrepared) -> tuple[str, ...]:
+    """Return the warnings for a stage of beams; there are none for a superelement."""
+    return stage_hints(prepared.stage) if isinstance(prepared.stage, Stage) else ()

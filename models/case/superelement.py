@@ -1,0 +1,127 @@
+"""The `[bladed_disk.superelement]` table of a case: a file with the matrices of a blade."""
+
+import os
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from pydantic import BeforeValidator
+
+from bladewhirl.models.inputs import fields
+from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.superelements.file import read_superelement
+from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
+
+if TYPE_CHECKING:
+    from bladewhirl.models.case.case import Case
+
+SOURCE = "bladed_disk.superelement"
+"""Key of the table."""
+
+
+def _path(value: object) -> str:
+    """Return an absolute path, so that it is valid from every working directory."""
+    if not isinstance(value, str | os.PathLike) or "\0" in os.fspath(value):
+        raise fields.expectation('the path of a file such as "blade.npz"')
+    return os.path.abspath(value)
+
+
+class SuperelementTable(Table):
+    """A file with mass, stiffness and contact nodes of a blade, a sector or a wheel, in place of
+    beams."""
+
+    file: Annotated[str, BeforeValidator(_path)]
+    """Path of a .npz or .mat file, relative to the case file."""
+    copies: Annotated[int, fields.count(1)] = 1
+    """Number of blades at equal angles, clamped at their roots, or of sectors of the wheel."""
+    kind: Literal["blade", "sector", "wheel"] = "blade"
+    """"blade": clamped at the root; "sector": a sector of a wheel, with left_dofs and right_dofs;
+    "wheel": a bladed disk, which shaft.stiffness supports at its centre if the file has
+    centre_dofs."""
+    angle: fields.Angle = 0.0
+    """Angle by which the structure in the file is turned about the axis [rad]."""
+
+    @property
+    def part(self) -> Superelement:
+        """The superelement in the file.
+
+        Raises:
+            SuperelementError: the file is not a superelement.
+        """
+        return _cached(self.file, *self._stamp())
+
+    def _stamp(self) -> tuple[int, int]:
+        try:
+            status = os.stat(self.file)
+        except OSError:
+            return 0, 0
+        return status.st_mtime_ns, status.st_size
+
+    @property
+    def bodies(self) -> int:
+        """Number of structures that do not influence each other: copies of a blade, or one
+        wheel."""
+        return self.copies if self.kind == "blade" else 1
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield errors for an unreadable file, and for a file that does not fit its kind."""
+        try:
+            part = self.part
+        except SuperelementError as error:
+            prefix = f"{self.file}: "
+            for line in error.args:
+                text = str(line).removeprefix(prefix)
+                yield Inconsistency("file", f"a superelement: {text}")
+            return
+        if self.kind == "sector" and part.left_dofs is None:
+            yield Inconsistency("kind", "a file with left_dofs and right_dofs for a sector")
+        if self.kind == "sector" and self.copies < 2:
+            yield Inconsistency("copies", "at least 2 sectors")
+        if self.kind == "wheel" and self.copies != 1:
+            yield Inconsistency("copies", "1 for a wheel, which has all blades")
+        if self.kind != "wheel" and part.centre_dofs is not None:
+            yield Inconsistency("kind", '"wheel" for a file with centre_dofs')
+
+
+@lru_cache(maxsize=4)
+def _cached(file: str, modified: int, size: int) -> Superelement:
+    """Read a file once for all stages of a sweep; a changed file has another stamp."""
+    return read_superelement(file)
+
+
+def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
+    """Yield contradictions between a superelement, or its absence, and other tables of a case."""
+    if case.bladed_disk.superelement is None:
+        if case.casing.type != "ring":
+            yield Inconsistency("casing.type", f'"ring", or a {SOURCE}', (SOURCE,))
+        if case.contact.sliding == "full":
+            expected = f'"permanent" or "signed", or a {SOURCE}'
+            yield Inconsistency("contact.sliding", expected, (SOURCE,))
+        return
+    if case.sketch is not None:
+        yield Inconsistency("sketch", f"no sketch together with {SOURCE}", (SOURCE,))
+    for key, load in case.excitations.items():
+        if load.type != "none":
+            yield Inconsistency(f"{key}.type", f'"none" with {SOURCE}', (SOURCE,))
+    rules: tuple[tuple[str, object, tuple[object, ...]], ...] = (
+        ("casing.type", case.casing.type, ("rigid",)),
+        ("rotation.effects", case.rotation.effects, ("none",)),
+        ("march.scheme", case.march.scheme, ("central-difference",)),
+        ("contact.sliding", case.contact.sliding, ("full", "permanent")),
+        ("contact.tip_rotation", case.contact.tip_rotation, (False,)),
+        ("coupling.stiffness", case.coupling.stiffness, (0.0,)),
+        ("casing.coating", case.casing.coating, (None,)),
+        ("reduction.modes", case.reduction.modes, ("all",)),
+        ("sensor", case.sensor, ((),)),
+    )
+    for key, value, allowed in rules:
+        if value not in allowed:
+            expected = _listed(allowed) or "no such key"
+            yield Inconsistency(key, f"{expected} with {SOURCE}", (SOURCE,))
+    moved = {"tip_velocity", "tip_displacement", "centre_velocity", "centre_displacement"}
+    for key in sorted(moved & case.initial.model_fields_set):
+        yield Inconsistency(f"initial.{key}", f"no such key with {SOURCE}", (SOURCE,))
+
+
+def _listed(allowed: tuple[object, ...]) -> str:
+    return " or ".join(f'"{one}"' for one in allowed if isinstance(one, str))

@@ -1,0 +1,255 @@
+"""The stage of a superelement: its reduction, and its contact problem in a rigid wall."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
+from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.stage.boundary_problem import BoundaryProblem
+from bladewhirl.models.stage.contact_problem import WallClosure
+from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
+from bladewhirl.models.superelements.reduction import (
+    ReducedSuperelement,
+    consistent,
+    massless,
+    rigid_limit,
+)
+from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
+from bladewhirl.models.superelements.wheel import massless_wheel, turned, turned_points
+
+GRID = 4096
+"""Number of angles at which the wall is tabulated; more if the profile has many points."""
+
+PER_POINT = 8
+"""Angles of the table for each point of a measured profile."""
+
+LIMIT = 0.2
+"""Default of march.displacement_limit, as a share of the largest radius of a contact node."""
+
+HIGHEST = 1e5
+"""Highest plausible first natural frequency [Hz]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SuperelementStage:
+    """A superelement in its case, reduced."""
+
+    case: Case
+    part: Superelement  #: the superelement; all contact nodes of a wheel if it is a sector
+    reduced: ReducedSuperelement  #: modes of one copy and its contact nodes
+    factor: FloatArray  #: factor on the stiffness of each copy, (copies,)
+    blade: IntArray  #: number of the blade of each contact node of a copy, (nodes,)
+
+    @property
+    def table(self) -> SuperelementTable:
+        """The table of the case."""
+        table = self.case.bladed_disk.superelement
+        assert table is not None
+        return table
+
+    @property
+    def reference_frequency(self) -> float:
+        """Lowest natural frequency without rigid modes [rad/s], the unit of speeds."""
+        frequency = self.reduced.frequency
+        elastic = frequency > np.sqrt(rigid_limit(self.part))
+        return float(frequency[elastic].min() if elastic.any() else frequency.max())
+
+    @property
+    def speed(self) -> float:
+        """Speed of rotation [rad/s]."""
+        return self.case.march.speed.rad_per_s(self.reference_frequency)
+
+    @property
+    def copies(self) -> int:
+        """Number of structures that do not influence each other."""
+        return len(self.factor)
+
+    @cached_property
+    def angle(self) -> FloatArray:
+        """Angle of each contact node from +x at t = 0 [rad], (copies, nodes)."""
+        turned = 2.0 * np.pi / self.copies * np.arange(self.copies) + self.table.angle
+        return np.asarray(turned[:, None] + self.part.contact_angle)
+
+    @property
+    def recess(self) -> FloatArray:
+        """Radius from which the clearance is measured minus that of each node [m], (nodes,)."""
+        radius = self.case.casing.radius
+        if radius is None:
+            return np.zeros(self.part.contacts)
+        return np.asarray(radius - self.part.contact_radius)
+
+    @property
+    def problem(self) -> BoundaryProblem:
+        """The contact problem.
+
+        Raises:
+            CaseError: a contact node is inside the wall at the start.
+        """
+        case, reduced = self.case, self.reduced
+        modes, copies = len(reduced.frequency), self.copies
+        ratio = np.full(modes, case.damping.ratio)
+        if case.reduction.boundary == "consistent":
+            ratio[reduced.kept :] = case.damping.boundary_ratio
+        self._check_start()
+        limit = case.march.displacement_limit
+        return BoundaryProblem(
+            frequency=np.sqrt(self.factor)[:, None] * reduced.frequency,
+            damping_ratio=np.tile(ratio, (copies, 1)),
+            contact=reduced.contact,
+            compliance=reduced.compliance / self.factor[:, None, None],
+            massless=case.reduction.boundary == "massless",
+            angle=self.angle,
+            radius=self.part.contact_radius,
+            recess=self.recess,
+            wall=self.wall,
+            speed=self.speed,
+            friction=case.contact.friction,
+            full_sliding=case.contact.sliding == "full",
+            displacement_limit=limit or LIMIT * float(self.part.contact_radius.max()),
+            displacement=np.zeros((copies, modes)),
+            velocity=np.zeros((copies, modes)),
+            closure=self._closure,
+        )
+
+    @cached_property
+    def arrays(self) -> SuperelementArrays:
+        """Arrays of the stage in a result."""
+        part, copies = self.part, self.copies
+        turn = self.table.angle
+        points = np.zeros((0, 3)) if part.points is None else turned_points(part.points, turn)
+        shapes = turned(self.reduced.points, turn).reshape(len(points), 3, -1)
+        within = np.bincount(self.blade)[0]
+        wall = 2.0 * np.pi / len(self.wall) * np.arange(float(len(self.wall)))
+        return SuperelementArrays(
+            modal_frequency=np.sqrt(self.factor)[:, None] * self.reduced.frequency,
+            blade=np.concatenate([self.blade + copy for copy in range(copies)]),
+            node=np.tile(np.arange(part.contacts) % within, copies),
+            contact_angle=self.angle.ravel(),
+            contact_radius=np.tile(part.contact_radius, copies),
+            contact_axial=np.tile(part.contact_position[:, 2], copies),
+            contact_recess=np.tile(self.recess, copies),
+            copy_angle=np.asarray(2.0 * np.pi / copies * np.arange(copies), dtype=np.float64),
+            point=points,
+            point_shape=shapes,
+            triangle=np.zeros((0, 3), np.int64) if part.triangles is None else part.triangles,
+            wall_angle=wall,
+            clearance=self.wall[:, 0],
+        )
+
+    @cached_property
+    def wall(self) -> FloatArray:
+        """Clearance [m] and its derivative by the angle [m], at equal angles, (angles, 2)."""
+        profile = self.case.casing.clearance_profile
+        angles = 2.0 * np.pi / self._grid * np.arange(self._grid)
+        return np.column_stack([profile.value(angles), profile.slope(angles)])
+
+    @property
+    def _grid(self) -> int:
+        return max(GRID, PER_POINT * len(self.case.casing.clearance_profile.points))
+
+    @property
+    def _closure(self) -> WallClosure | None:
+        course = self.case.casing.closure
+        if course is None:
+            return None
+        angles = 2.0 * np.pi / self._grid * np.arange(self._grid)
+        share = np.column_stack([course.around.value(angles), course.around.slope(angles)])
+        return WallClosure(course=course, share=share)
+
+    def _check_start(self) -> None:
+        course = self.case.casing.closure
+        gap = self.case.casing.clearance_profile.value(self.angle) + self.recess
+        if course is not None:
+            gap = gap - course.value(0.0) * course.around.value(self.angle)
+        if gap.min() < 0.0:
+            copy, node = np.unravel_index(int(gap.argmin()), gap.shape)
+            expected = (
+                f"a wall outside all contact nodes at t = 0: node {node} of blade {copy} would"
+                f" start {-gap.min():.4g} m inside it; a larger clearance, another phase, or"
+                " casing.closure, which moves the wall later"
+            )
+            raise CaseError([case_fault(self.case, "casing.clearance", expected)])
+
+
+def superelement_stage(case: Case) -> SuperelementStage:
+    """Return the stage of a case with a superelement.
+
+    Raises:
+        CaseError: the superelement cannot be reduced as the case asks for.
+    """
+    table = case.bladed_disk.superelement
+    assert table is not None
+    part = table.part
+    key = "bladed_disk.superelement.file"
+    try:
+        if part.centre_dofs is not None:
+            part = _on_springs(case, part)
+        if table.kind == "sector":
+            part, reduced = massless_wheel(part, table.copies, case.reduction.free_interface_modes)
+            if case.reduction.boundary == "consistent":
+                key = "reduction.boundary"
+                raise SuperelementError('"massless" for a sector')
+        elif case.reduction.boundary == "massless":
+            key = "reduction.free_interface_modes"
+            reduced = massless(part, case.reduction.free_interface_modes)
+        else:
+            key = "reduction.fixed_interface_modes"
+            reduced = consistent(
+                part, case.reduction.fixed_interface_modes, case.reduction.free_interface_modes
+            )
+    except SuperelementError as error:
+        text = str(error).removeprefix("expected ")
+        raise CaseError([case_fault(case, key, text)]) from None
+    if table.kind == "blade":
+        _check_clamped(part, reduced)
+    factor = case.bladed_disk.mistuning.factors("stiffness", table.copies)
+    per_blade = part.contacts // table.copies if table.kind == "sector" else part.contacts
+    stage = SuperelementStage(
+        case=case,
+        part=part,
+        reduced=reduced,
+        factor=factor if table.kind == "blade" else np.ones(1),
+        blade=np.arange(part.contacts) // per_blade,
+    )
+    hertz = stage.reference_frequency / (2.0 * np.pi)
+    if hertz > HIGHEST:
+        expected = (
+            f"matrices in SI units, or length_unit and mass_unit in the file: the first natural"
+            f" frequency would be {hertz:.3g} Hz"
+        )
+        raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])
+    return stage
+
+
+def _on_springs(case: Case, part: Superelement) -> Superelement:
+    """Return a wheel with the springs of the shaft at its centre."""
+    if case.shaft.clamped:
+        raise SuperelementError("a wheel without centre_dofs for shaft.clamped = true")
+    assert part.centre_dofs is not None
+    springs = sp.csr_array(
+        (
+            [case.shaft.stiffness, case.shaft.stiffness_y or case.shaft.stiffness],
+            (part.centre_dofs, part.centre_dofs),
+        ),
+        shape=(part.size, part.size),
+    )
+    added = springs if sp.issparse(part.stiffness) else springs.toarray()
+    return replace(part, stiffness=part.stiffness + added)
+
+
+def _check_clamped(part: Superelement, reduced: ReducedSuperelement) -> None:
+    """Check that a blade has no rigid modes.
+
+    Raises:
+        CaseError: the blade can move without strain.
+    """
+    rigid = int((reduced.frequency <= np.sqrt(rigid_limit(part))).sum())
+    if rigid:
+        expected = f"a blade that is clamped at its root; the matrices have {rigid} rigid modes"
+        raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])

@@ -1,0 +1,132 @@
+"""A wheel from one sector: real modes and residual flexibility, by nodal diameter."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.reduction import ReducedSuperelement
+from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
+
+MOST = 4000
+"""Largest number of coordinates of a sector."""
+
+
+def massless_wheel(
+    part: Superelement, sectors: int, modes: int
+) -> tuple[Superelement, ReducedSuperelement]:
+    """Return the contact nodes of a wheel, and its reduction with a massless boundary.
+
+    Contact nodes are numbered sector by sector, counter-clockwise. Points of pictures are those of
+    all sectors.
+
+    Args:
+        part: sector with left_dofs and right_dofs.
+        sectors: number of sectors.
+        modes: number of free-interface modes for each nodal diameter, of each of the two waves if
+            there are two.
+
+    Returns:
+        a superelement with the contact nodes and the points of the wheel, whose matrices are the
+        diagonal ones of the modes; and the reduction.
+
+    Raises:
+        SuperelementError: the sector has too many or too few coordinates, or rigid modes.
+    """
+    if part.size > MOST:
+        raise SuperelementError(
+            f"expected a sector of at most {MOST} coordinates, got {part.size}; reduce it before"
+        )
+    rows = part.contact_rows
+    spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
+    frequency, contact, points = [], [], []
+    flexibility = np.zeros((sectors, rows.shape[0], rows.shape[0]))
+    recovery = sp.csr_array((0, part.size)) if part.recovery is None else part.recovery
+    for k in range(sectors // 2 + 1):
+        block = cyclic_reduction(part, sectors, k)
+        stiffness, size = block.stiffness.toarray(), block.stiffness.shape[0]
+        if modes >= size:
+            raise SuperelementError(
+                f"expected less than {size} free-interface modes, the coordinates of a sector"
+            )
+        squares, shapes = la.eigh(stiffness, block.mass.toarray(), subset_by_index=[0, modes - 1])
+        if not squares[0] > 0.0:
+            raise SuperelementError("expected a sector without rigid modes")
+        fields = block.transformation @ shapes
+        at_nodes, at_points = rows @ fields, recovery @ fields
+        forces = (rows @ block.transformation).toarray().conj().T
+        static = forces.conj().T @ la.solve(stiffness, forces, assume_a="her")
+        residual = static - (at_nodes / squares) @ at_nodes.conj().T
+        pair = 0 < 2 * k < sectors
+        for n, angle in enumerate(spread):  # sector n under a force on sector 0
+            flexibility[n] += (1 + pair) / sectors * (residual * np.exp(1j * k * angle)).real
+        scale = np.sqrt((1 + pair) / sectors)
+        for phase in (1.0, -1j) if pair else (1.0,):
+            phases = [scale * phase * np.exp(1j * k * angle) for angle in spread]
+            contact.append(np.vstack([(one * at_nodes).real for one in phases]))
+            points.append(
+                np.vstack(
+                    [
+                        turned((one * at_points).real, angle)
+                        for one, angle in zip(phases, spread, strict=True)
+                    ]
+                )
+            )
+            frequency.append(np.sqrt(squares))
+    order = np.argsort(np.concatenate(frequency), kind="stable")
+    compliance = np.block(
+        [[flexibility[(i - j) % sectors] for j in range(sectors)] for i in range(sectors)]
+    )
+    values = np.asarray(np.concatenate(frequency)[order], dtype=np.float64)
+    reduced = ReducedSuperelement(
+        frequency=values,
+        contact=np.hstack(contact)[:, order],
+        compliance=0.5 * (compliance + compliance.T),
+        centre=np.zeros((2, len(values))),
+        points=np.hstack(points)[:, order],
+        kept=len(values),
+    )
+    return _wheel(part, spread, np.asarray(values, dtype=np.float64)), reduced
+
+
+def _wheel(part: Superelement, spread: FloatArray, frequency: FloatArray) -> Superelement:
+    """Return the nodes and points of a wheel, with diagonal matrices of its modes."""
+    positions = np.vstack([turned_points(part.contact_position, angle) for angle in spread])
+    changes: dict[str, Any] = {}
+    if part.points is not None:
+        changes["points"] = np.vstack([turned_points(part.points, angle) for angle in spread])
+        changes["recovery"] = np.zeros((3 * len(changes["points"]), len(frequency)))
+        if part.triangles is not None:
+            count = len(part.points)
+            changes["triangles"] = np.vstack(
+                [part.triangles + n * count for n in range(len(spread))]
+            )
+    return replace(
+        part,
+        mass=np.eye(len(frequency)),
+        stiffness=np.diag(frequency**2),
+        damping=None,
+        gyroscopic=None,
+        contact_position=positions,
+        contact_dofs=np.full((len(positions), 3), -1),
+        left_dofs=None,
+        right_dofs=None,
+        **changes,
+    )
+
+
+def turned(vectors: FloatArray, angle: float) -> FloatArray:
+    """Return vectors turned about z, (3n, m), with x, y and z of each point in rows."""
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    each = vectors.reshape(-1, 3, vectors.shape[1])
+    return np.asarray(np.einsum("ab,pbm->pam", turn, each)).reshape(vectors.shape)
+
+
+def turned_points(points: FloatArray, angle: float) -> FloatArray:
+    """Return points turned about z, (n, 3)."""
+    return turned(points.reshape(-1, 1), angle).reshape(points.shape)
