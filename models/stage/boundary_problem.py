@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import WallClosure
 
@@ -48,6 +49,19 @@ class BoundaryProblem:
     loads: tuple[BoundaryLoad, ...] = ()  #: loads
     closure: WallClosure | None = None
     """Closure of the clearance over time; `share` has the form of `wall`."""
+
+    @property
+    def initial_gap(self) -> FloatArray:
+        """Gap of each contact node at t = 0 [m], (copies, nodes)."""
+        values = self.wall if self.closure is None else self.wall - self.closure.at(0.0)
+        angles = len(values)
+        place = np.mod(self.angle * angles / (2.0 * np.pi), angles)
+        first = place.astype(np.int64) % angles
+        one, two = values[first], values[(first + 1) % angles]
+        at = cubic_weights(place - np.floor(place), 2.0 * np.pi / angles)
+        clearance = at[0] * one[..., 0] + at[1] * one[..., 1]
+        clearance = clearance + at[2] * two[..., 0] + at[3] * two[..., 1]
+        return np.asarray(clearance + self.recess - self.displacement @ self.contact[::3].T)
 
     @property
     def critical_time_step(self) -> float:

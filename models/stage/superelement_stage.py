@@ -96,9 +96,8 @@ class SuperelementStage:
         ratio = np.full(modes, case.damping.ratio)
         if case.reduction.boundary == "consistent":
             ratio[reduced.kept :] = case.damping.boundary_ratio
-        self._check_start()
         limit = case.march.displacement_limit
-        return BoundaryProblem(
+        problem = BoundaryProblem(
             frequency=np.sqrt(self.factor)[:, None] * reduced.frequency,
             damping_ratio=np.tile(ratio, (copies, 1)),
             contact=reduced.contact,
@@ -116,6 +115,8 @@ class SuperelementStage:
             velocity=np.zeros((copies, modes)),
             closure=self._closure,
         )
+        self._check_start(problem)
+        return problem
 
     @cached_property
     def arrays(self) -> SuperelementArrays:
@@ -162,11 +163,8 @@ class SuperelementStage:
         share = np.column_stack([course.around.value(angles), course.around.slope(angles)])
         return WallClosure(course=course, share=share)
 
-    def _check_start(self) -> None:
-        course = self.case.casing.closure
-        gap = self.case.casing.clearance_profile.value(self.angle) + self.recess
-        if course is not None:
-            gap = gap - course.value(0.0) * course.around.value(self.angle)
+    def _check_start(self, problem: BoundaryProblem) -> None:
+        gap = problem.initial_gap
         if gap.min() < 0.0:
             copy, node = np.unravel_index(int(gap.argmin()), gap.shape)
             expected = (

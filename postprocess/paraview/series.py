@@ -102,7 +102,7 @@ def export_vtk(
     claim(folder, {"series.pvd", "mesh.vtu", "view.py", *claimed}, overwrite=overwrite)
     (folder / "frames").mkdir(exist_ok=True)
     index = folder / "series.pvd"
-    _write_index(index, [])  # first: it must not name removed frames
+    write_index(index, [])  # first: it must not name removed frames
     for path in earlier:
         if path.parent == folder / "frames":
             path.unlink()
@@ -120,7 +120,7 @@ def export_vtk(
             entries.append(
                 f'    <DataSet timestep="{time!r}" part="{number}" name="{name}" file="{file}"/>\n'
             )
-        _write_index(index, entries)
+        write_index(index, entries)
         if progress is not None:
             progress(frame + 1, len(records))
     return index
@@ -156,7 +156,8 @@ def _single(values: NDArray[Any]) -> NDArray[Any]:
     return values.astype(np.float32 if values.dtype.kind == "f" else np.int32)
 
 
-def _write_index(path: Path, entries: list[str]) -> None:
+def write_index(path: Path, entries: list[str]) -> None:
+    """Write the index of a series, series.pvd, from its lines."""
     write_atomically(
         path,
         '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" '

@@ -1,5 +1,6 @@
 """Summary of a run as rows of text and as a table on screen; hint about large displacements."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -149,10 +150,15 @@ def _contact(shares: list[float]) -> str:
 
 def summary_table(summary: Summary) -> Table:
     """Return the summary as a table for the screen."""
+    return rows_table(summary_rows(summary))
+
+
+def rows_table(rows: Mapping[str, str]) -> Table:
+    """Return rows of a summary as a table for the screen."""
     table = Table(show_header=False, box=None, pad_edge=False)
     table.add_column(style="cyan", no_wrap=True)
     table.add_column(overflow="fold")
-    for name, value in summary_rows(summary).items():
+    for name, value in rows.items():
         table.add_row(name, f"[bold]{value}[/]" if name == "regime" else value)
     return table
 

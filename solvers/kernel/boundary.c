@@ -24,6 +24,7 @@
 enum { MOST_DIRECTIONS = 100 }; /* iterations of the direction of sliding */
 enum { TOGETHER = 6 };          /* changes of the active set before nodes are changed one by one */
 #define SAME_DIRECTION 1e-10    /* change of the direction of sliding at which iterations end */
+#define LEAST_SHARE 0.01        /* smallest share of a change of the directions that is made */
 #define NO_PIVOT 1e-13          /* share of the largest diagonal entry that counts as zero */
 
 /* Add the product of a vector and a matrix that is stored row by row. */
@@ -186,33 +187,50 @@ static void set_forces(const Boundary *b, const BoundaryScratch *s, const double
     }
 }
 
-/* Set the directions of sliding from the slip velocities. Returns the largest change at a node in
- * contact. */
-static double turn_directions(const Boundary *b, const BoundaryScratch *s, const double *compliance,
-                              const double *force, double *direction)
+/* Move the directions of sliding of nodes in contact towards those of the slip velocities, by a
+ * share of the difference. Friction against a velocity lowers this velocity, so that whole
+ * differences may overshoot; the share is that of Aitken's method for vectors. Returns the largest
+ * difference. */
+static double turn_directions(const Boundary *b, BoundaryScratch *s, const double *compliance,
+                              const double *force, double *direction, double *share, int round)
 {
     int64_t nodes = b->radius.size, width = DIRECTIONS * nodes;
-    double most = 0.0;
+    double most = 0.0, along = 0.0, changed = 0.0, *last = s->miss.at;
     for (int64_t i = 0; i < nodes; i++) {
         double slip[2], *d = direction + 2 * i;
-        if (!(s->multiplier.at[i] > 0.0))
-            continue;
-        for (int k = 0; k < 2; k++) {
-            const double *row = compliance + (DIRECTIONS * i + TANGENTIAL + k) * width;
-            slip[k] = s->slip.at[DIRECTIONS * i + TANGENTIAL + k];
-            for (int64_t j = 0; j < nodes; j++)
-                if (s->multiplier.at[j] > 0.0)
-                    for (int64_t n = DIRECTIONS * j; n < DIRECTIONS * (j + 1); n++)
-                        slip[k] += row[n] * force[n];
+        double miss[2] = {0.0, 0.0};
+        if (s->multiplier.at[i] > 0.0) {
+            for (int k = 0; k < 2; k++) {
+                const double *row = compliance + (DIRECTIONS * i + TANGENTIAL + k) * width;
+                slip[k] = s->slip.at[DIRECTIONS * i + TANGENTIAL + k];
+                for (int64_t j = 0; j < nodes; j++)
+                    if (s->multiplier.at[j] > 0.0)
+                        for (int64_t n = DIRECTIONS * j; n < DIRECTIONS * (j + 1); n++)
+                            slip[k] += row[n] * force[n];
+            }
+            slip[0] += b->speed * b->radius.at[i] * b->time_step;
+            double length = sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
+            for (int k = 0; k < 2 && length > 0.0; k++) /* 0: the node sticks to the wall */
+                miss[k] = slip[k] / length - d[k];
         }
-        slip[0] += b->speed * b->radius.at[i] * b->time_step;
-        double length = sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
-        if (!(length > 0.0))
-            continue; /* the node sticks to the wall: the direction of the last step remains */
-        double across = slip[0] / length, along = slip[1] / length;
-        most = larger(most, larger(fabs(across - d[0]), fabs(along - d[1])));
-        d[0] = across;
-        d[1] = along;
+        for (int k = 0; k < 2; k++) {
+            double difference = miss[k] - last[2 * i + k];
+            along += last[2 * i + k] * difference;
+            changed += difference * difference;
+            last[2 * i + k] = miss[k];
+            most = larger(most, fabs(miss[k]));
+        }
+    }
+    if (round > 0 && changed > 0.0)
+        *share = smaller(1.0, larger(LEAST_SHARE, -*share * along / changed));
+    for (int64_t i = 0; i < nodes; i++) {
+        double *d = direction + 2 * i;
+        double x = d[0] + *share * last[2 * i], y = d[1] + *share * last[2 * i + 1];
+        double length = sqrt(x * x + y * y);
+        if (s->multiplier.at[i] > 0.0 && length > 0.0) {
+            d[0] = x / length;
+            d[1] = y / length;
+        }
     }
     return most;
 }
@@ -226,7 +244,7 @@ static void contact_forces(const Boundary *b, BoundaryState *state, BoundaryScra
     const double *compliance = b->compliance.at + copy * width * width;
     double *gap = s->gap.at + copy * nodes, *force = s->force.at + copy * width;
     double *direction = state->direction.at + 2 * copy * nodes;
-    double change = 1.0, worst = 0.0, scale = b->gap_scale;
+    double change = 1.0, share = 1.0, worst = 0.0, scale = b->gap_scale;
     for (int64_t i = 0; i < nodes; i++)
         s->held.at[i] = gap[i] < 0.0 || before[DIRECTIONS * i + RADIAL] < 0.0;
     for (int round = 0; round < MOST_DIRECTIONS && change > SAME_DIRECTION; round++) {
@@ -234,7 +252,7 @@ static void contact_forces(const Boundary *b, BoundaryState *state, BoundaryScra
         solved = solve_normal(gap, s);
         set_forces(b, s, direction, force);
         change = b->full > 0.0 && b->friction > 0.0
-                     ? turn_directions(b, s, compliance, force, direction)
+                     ? turn_directions(b, s, compliance, force, direction, &share, round)
                      : 0.0;
     }
     for (int64_t i = 0; i < nodes; i++) {

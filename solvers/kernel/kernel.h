@@ -517,6 +517,7 @@ typedef struct {
     Vector slip;       /* (components) the same, less the flexible part at step n */
     Vector further;    /* (components) scratch */
     Vector closed;     /* (nodes) gaps with contact */
+    Vector miss;       /* (twice_nodes) difference between the directions of slip and of sliding */
     Vector multiplier; /* (nodes) normal forces */
     Matrix response;   /* (nodes, nodes) change of the gaps due to unit normal forces with their
                         * friction */

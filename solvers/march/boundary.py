@@ -120,7 +120,7 @@ class BoundaryMarch:
         arrays["q"][0] = x - dt * v + 0.5 * dt**2 * (force - squares * x - drag)
         arrays["q"][1] = x
         arrays["direction"][:, 0::2] = np.sign(problem.speed)
-        arrays["gap"][:] = np.inf
+        arrays["gap"][:] = problem.initial_gap
         return BoundaryState(step=0, arrays=arrays)
 
     def advance(

@@ -240,8 +240,9 @@ def tables_of_stage(stage: Arrays) -> Tables:
 
 def sizes_of(stage: Arrays) -> dict[str, int]:
     """Return the length of each dimension from the shapes of the arrays."""
-    sizes: dict[str, int] = {}
-    for name, variable in tables_of_stage(stage).stage.items():
+    tables = tables_of_stage(stage)
+    sizes = {name: len(each.labels) for name, each in tables.names.items() if each.labels}
+    for name, variable in tables.stage.items():
         for dimension, size in zip(
             variable.dimensions, np.shape(getattr(stage, name)), strict=True
         ):

@@ -9,11 +9,10 @@ from hashlib import sha256
 from importlib import metadata
 from pathlib import Path, PurePosixPath
 from platform import platform
-from typing import Any
+from typing import Any, NamedTuple
 
 from bladewhirl.files import listed, write_atomically
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.mesh_file import MeshTable
 from bladewhirl.models.case.sensors import Sensor
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
@@ -23,9 +22,9 @@ from bladewhirl.solvers.march.schema import RESULT_NAME
 CASE_NAME = "case.toml"
 PROVENANCE_NAME = "provenance.json"
 SUMMARY_NAME = "summary.json"
-MESH_NAME = "mesh"  #: name of the copy of a mesh file, without its suffix
 VTK_NAME = "vtk"
 ORBIT_NAME, ENERGY_NAME = "orbit.png", "energy.png"
+CONTACT_NAME, TIPS_NAME = "contact.png", "tips.png"  #: figures of a superelement
 SENSORS_NAME = "sensors.nc"
 WEAR_NAME = "wear.csv"  #: profile of the coating at the end
 REPORT_NAME = "report.html"
@@ -80,9 +79,9 @@ def read_provenance(directory: Path) -> dict[str, Any]:
 def case_files(case: Case) -> dict[str, bytes]:
     """Return the contents of the files needed to run a case again, case.toml and the mesh file, by
     name of the file."""
-    mesh = case.bladed_disk.mesh
+    source = _source(case)
     files = {CASE_NAME: portable_case(case).encode()}
-    return files if mesh is None else files | {_copy_name(mesh): Path(mesh.file).read_bytes()}
+    return files if source is None else files | {source.copy: Path(source.file).read_bytes()}
 
 
 def march_digest(case: Case) -> str:
@@ -97,16 +96,33 @@ def march_digest(case: Case) -> str:
 def portable_case(case: Case, folder: str = "") -> str:
     """Return the text of a case that refers to a copy of the mesh file instead of the original; the
     path of the folder with the copy is relative to the folder in which the text is written."""
-    mesh = case.bladed_disk.mesh
-    if mesh is None:
+    source = _source(case)
+    if source is None:
         return dumps_case(case)
-    copy = mesh.model_copy(update={"file": str(PurePosixPath(folder) / _copy_name(mesh))})
-    disk = case.bladed_disk.model_copy(update={"mesh": copy})
+    table = getattr(case.bladed_disk, source.key)
+    copy = table.model_copy(update={"file": str(PurePosixPath(folder) / source.copy)})
+    disk = case.bladed_disk.model_copy(update={source.key: copy})
     return dumps_case(case.model_copy(update={"bladed_disk": disk}))
 
 
-def _copy_name(mesh: MeshTable) -> str:
-    return MESH_NAME + Path(mesh.file).suffix.lower()
+class Source(NamedTuple):
+    """A file from which a case takes its bladed disk."""
+
+    key: str  #: key of its table in [bladed_disk]: "mesh" or "superelement"
+    file: str  #: path
+
+    @property
+    def copy(self) -> str:
+        """Name of the copy in the folder of a run."""
+        return self.key + Path(self.file).suffix.lower()
+
+
+def _source(case: Case) -> Source | None:
+    for key in ("mesh", "superelement"):
+        table = getattr(case.bladed_disk, key)
+        if table is not None:
+            return Source(key, table.file)
+    return None
 
 
 def read_failures(directory: Path, size: float = float("inf")) -> list[dict[str, Any]]:
@@ -132,17 +148,17 @@ def read_failures(directory: Path, size: float = float("inf")) -> list[dict[str,
 
 def write_provenance(directory: Path, case: Case) -> None:
     """Write the provenance of the run: versions, date, machine, and the copied mesh file."""
-    mesh = case.bladed_disk.mesh
-    provenance = {
+    source = _source(case)
+    provenance: dict[str, Any] = {
         PACKAGE: version(),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "python": sys.version.split()[0],
         "platform": platform(),
         "dependencies": dict(_dependencies()),
     }
-    if mesh is not None:
-        digest = sha256((directory / _copy_name(mesh)).read_bytes()).hexdigest()
-        provenance["mesh"] = {"file": mesh.file, "sha256": digest}
+    if source is not None:
+        digest = sha256((directory / source.copy).read_bytes()).hexdigest()
+        provenance[source.key] = {"file": source.file, "sha256": digest}
     text = json.dumps(provenance, indent=2, ensure_ascii=False) + "\n"
     write_atomically(directory / PROVENANCE_NAME, text)
 
@@ -168,9 +184,9 @@ def sensor_files(sensors: Sequence[Sensor]) -> tuple[str, ...]:
 
 def files_of_run(case: Case) -> tuple[str, ...]:
     """Return the names of the files of a run of a case, without the ParaView series."""
-    figures = [
-        f"{Path(name).stem}{end}" for name in (ORBIT_NAME, ENERGY_NAME) for end in (".png", ".nc")
-    ]
+    beams = case.bladed_disk.superelement is None
+    drawn = (ORBIT_NAME, ENERGY_NAME) if beams else (CONTACT_NAME, TIPS_NAME)
+    figures = [f"{Path(name).stem}{end}" for name in drawn for end in (".png", ".nc")]
     made = (RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, CHECKPOINT_NAME)
     worn = () if case.casing.coating is None else (WEAR_NAME,)
     return (*case_files(case), *made, *figures, *worn, *sensor_files(case.sensor))

@@ -6,9 +6,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from bladewhirl.files import write_atomically
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.solvers.march.schema import NODES, tables_of
 from bladewhirl.studies.runs import folder
 
 if TYPE_CHECKING:
@@ -50,7 +53,7 @@ class Run:
     directory: Path
     end_reason: str  #: "completed", "divergent" or "interrupted"
     end_message: str  #: cause and remedy of an early end, in one line
-    summary: Summary
+    summary: Summary  #: a `NodeSummary` for a superelement
     symmetry: str  #: symmetry of both bodies, and the method of their march
     hints: tuple[str, ...]  #: hints on implausible values and on the sampling of the series
 
@@ -60,10 +63,14 @@ class Run:
         from rich.console import Group
         from rich.text import Text
 
-        from bladewhirl.postprocess.run.summary_table import summary_table
+        from bladewhirl.postprocess.run.summary import Summary
+        from bladewhirl.postprocess.run.summary_table import rows_table, summary_table
 
         names = ", ".join(sorted(path.name for path in self.directory.iterdir()))
         files = Text(f"{self.directory}: {names}")
+        other: Any = self.summary
+        if not isinstance(other, Summary):
+            return Group(rows_table(other.rows()), files)
         return Group(summary_table(self.summary), Text(self.symmetry), files)
 
     def __repr__(self) -> str:
@@ -105,6 +112,8 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     from bladewhirl.studies.runs.sensor_files import write_sensors
 
     with open_result(directory) as result:
+        if tables_of(result.attrs) is NODES:
+            return _node_outputs(result, directory, report, window)
         orbit, energies = shaft_orbit(result), strain_energies(result)
         summary = summarise(result, report, orbit=orbit, energies=energies)
         write_summary(summary, directory / folder.SUMMARY_NAME)
@@ -124,6 +133,44 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
                 *_write_series(result, directory / folder.VTK_NAME, window),
             ),
         )
+
+
+def _node_outputs(
+    result: xr.Dataset, directory: Path, report: Mapping[str, float], window: Window
+) -> Run:
+    """Write summary, figures and ParaView series of a superelement."""
+    from bladewhirl.postprocess.plotting.style import save_figure
+    from bladewhirl.postprocess.superelement import figures, motion
+    from bladewhirl.postprocess.superelement.series import export_points
+    from bladewhirl.postprocess.superelement.summary import summarise_nodes
+
+    summary: Any = summarise_nodes(result, report)
+    write_atomically(directory / folder.SUMMARY_NAME, summary.to_json())
+    nodes, orbits = motion.contact_nodes(result), motion.tip_orbits(result)
+    save_figure(figures.plot_contact_nodes(nodes), directory / folder.CONTACT_NAME, nodes, ["png"])
+    save_figure(figures.plot_tip_orbits(orbits), directory / folder.TIPS_NAME, orbits, ["png"])
+    hints = []
+    if window.frames and "point" in result:
+        target = directory / folder.VTK_NAME
+        try:
+            export_points(
+                result,
+                target,
+                frames=window.frames,
+                start=window.start,
+                end=window.end,
+                rotating=window.rotating,
+            )
+        except ViewError as error:  # the run ended before the window
+            hints.append(f"no ParaView series: {error}")
+    return Run(
+        directory=directory,
+        end_reason=result.attrs["end_reason"],
+        end_message=result.attrs["end_message"],
+        summary=summary,
+        symmetry="",
+        hints=tuple(hints),
+    )
 
 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:

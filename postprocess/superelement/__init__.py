@@ -1,0 +1,1 @@
+"""Results of superelements: summary, motion of nodes and points, figures, ParaView series."""

@@ -1,0 +1,99 @@
+"""Figures of a result of a superelement."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.titles import head
+
+FEW = 6
+"""Largest number of blades with a line each."""
+
+
+@styled
+def plot_contact_nodes(data: xr.Dataset) -> Figure:
+    """Draw the normal force on each blade, and on each contact node, over time.
+
+    Args:
+        data: dataset from `contact_nodes`.
+    """
+    figure = new_figure(width=FULL_WIDTH, height=0.1)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.0, 1.3])
+    time, force = data["time"].values, data["force"].values
+    blades, number = np.unique(data["blade"].values, return_inverse=True)
+    by_blade = np.array([force[:, number == n].sum(axis=1) for n in range(len(blades))])
+    unit, scale = handy_unit(float(by_blade.max()), "N")
+    if len(blades) <= FEW:
+        for blade, line in zip(blades, by_blade, strict=True):
+            above.plot(time, scale * line, linewidth=0.7, label=f"blade {blade}")
+    else:
+        above.plot(time, scale * by_blade.max(axis=0), linewidth=0.7, label="largest of all blades")
+        above.plot(time, scale * by_blade.mean(axis=0), linewidth=0.7, label="mean of all blades")
+    above.legend(loc="upper right", ncols=3)
+    above.set_ylabel(f"normal force\nof a blade [{unit}]")
+    edges = np.append(time[:1] - np.diff(time[:2]), time)
+    drawn = below.pcolormesh(edges, np.arange(force.shape[1] + 1), scale * force.T, rasterized=True)
+    for first in np.flatnonzero(np.diff(number)) + 1:
+        below.axhline(float(first), color="white", linewidth=0.4)
+    figure.colorbar(drawn, ax=below, label=f"normal force [{unit}]")
+    below.set_ylabel("contact node" if len(blades) == 1 else "contact node, blade by blade")
+    below.grid(visible=False)
+    time_axis(above, below)
+    head(figure, data, f"mean over {np.diff(time[:2])[0]:.3g} s")
+    return figure
+
+
+@styled
+def plot_tip_orbits(data: xr.Dataset) -> Figure:
+    """Draw radial over tangential and over axial displacement of contact nodes.
+
+    Args:
+        data: dataset from `tip_orbits`.
+    """
+    figure = new_figure(width=FULL_WIDTH, height=0.075)
+    panels = figure.subplots(1, 2, sharey=True)
+    largest = max(float(np.abs(data[name]).max()) for name in ("radial", "tangential", "axial"))
+    unit, scale = handy_unit(largest, "m")
+    nodes = data.sizes["node"]
+    shown = sorted({0, nodes // 2, nodes - 1})
+    for axes, name in zip(panels, ("tangential", "axial"), strict=True):
+        for node in shown:
+            axes.plot(
+                scale * data[name].values[:, node],
+                scale * data["radial"].values[:, node],
+                linewidth=0.6,
+                label=f"node {node}",
+            )
+        axes.set_xlabel(f"{name} displacement [{unit}]")
+        axes.locator_params(nbins=6)
+    panels[0].set_ylabel(f"radial displacement [{unit}]")
+    panels[1].legend(loc="best")
+    span = float(data["time"][-1] - data["time"][0])
+    head(figure, data, f"last {span:.3g} s")
+    return figure
+
+
+@styled
+def plot_wall_contact(data: xr.Dataset) -> Figure:
+    """Draw the normal impulse on the unrolled wall.
+
+    Args:
+        data: dataset from `wall_contact`.
+    """
+    figure = new_figure(width=FULL_WIDTH, height=0.065)
+    axes = figure.subplots()
+    axial = data["axial"].values
+    unit, scale = handy_unit(float(np.abs(axial).max()), "m")
+    middles = 0.5 * (axial[1:] + axial[:-1])
+    half = 0.5 * (np.diff(axial).mean() if len(axial) > 1 else 1e-3)
+    edges = scale * np.concatenate([axial[:1] - half, middles, axial[-1:] + half])
+    values = np.ma.masked_less_equal(data["impulse"].values, 0.0)
+    drawn = axes.pcolormesh(np.degrees(data["angle_edge"].values), edges, values, rasterized=True)
+    figure.colorbar(drawn, ax=axes, label="normal impulse [N s]")
+    axes.set_xlabel("angle on the wall, static frame [°]")
+    axes.set_xticks(np.arange(0, 361, 45))
+    axes.set_ylabel(f"axial position [{unit}]")
+    head(figure, data, "white: no contact")
+    return figure

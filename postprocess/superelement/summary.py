@@ -1,0 +1,135 @@
+"""Summary of the run of a superelement."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.models.inputs.units import handy
+from bladewhirl.postprocess.run.summary import MARCH_REPORT, energy_residual
+from bladewhirl.postprocess.superelement.motion import check_superelement
+
+DIRECTIONS = ("radial", "tangential", "axial")
+
+LATE = 10
+"""Number of revolutions at the end over which the impulse per revolution is averaged, at most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NodeSummary:
+    """Key figures of the run of a superelement."""
+
+    end_reason: str  #: "completed", "divergent" or "interrupted"
+    end_time: float  #: time of the last record [s]
+    revolutions: float  #: number of revolutions
+    contact_impulse: float  #: sum of the normal impulses on all nodes [N s]
+    contact_impulse_by_blade: list[float]  #: sum for each blade [N s]
+    impulse_per_revolution: float | None
+    """Mean normal impulse on all nodes per revolution, in the last complete revolutions, at most
+    ten [N s]; None without a complete revolution."""
+    contact_force_max: dict[str, float]
+    """Largest normal force between two records: "force" [N], "blade", "node", "time" [s]."""
+    contact_share: list[float]  #: share of the time steps in contact, for each contact node
+    contact_displacement_max: dict[str, float]
+    """Largest displacement of a contact node in each direction [m]."""
+    gap_min: float  #: smallest gap at any step [m]
+    work: dict[str, float]  #: works of "load", "normal", "friction", "damping" [J]
+    energy_final: float  #: energy at the end [J]
+    energy_residual: float  #: error of the energy balance, relative to its largest term
+    complementarity_residual: float  #: largest residual of any step, relative to the gap's scale
+    unsolved_steps: int  #: steps whose forces or sliding directions did not converge
+    dt_over_critical: float  #: ratio of the time step to the critical time step
+    steps: int
+    wall_time: float  #: [s]
+    us_per_step: float  #: [µs]
+
+    def to_json(self) -> str:
+        """Return the summary as a JSON document with full precision."""
+        return json.dumps(asdict(self), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+    def rows(self) -> dict[str, str]:
+        """Return the rows of the summary, with rounded values in convenient units."""
+        force, moved = self.contact_force_max, self.contact_displacement_max
+        touched = sum(share > 0.0 for share in self.contact_share)
+        per_turn = self.impulse_per_revolution
+        return {
+            "end time": f"{self.end_time:.6g} s, {self.end_reason}, {self.revolutions:.4g} turns",
+            "contact nodes that touched": f"{touched} of {len(self.contact_share)}",
+            "normal impulse": f"{self.contact_impulse:.6g} N s; per revolution at the end "
+            + ("unknown" if per_turn is None else f"{per_turn:.6g} N s"),
+            "contact force, largest": f"{handy(force['force'], 'N', 4)}, blade {force['blade']:g},"
+            f" node {force['node']:g} at {handy(force['time'], 's', 4)}"
+            if force["force"]
+            else "none",
+            "contact node displacement, largest": ", ".join(
+                f"{name} {handy(value, 'm', 4)}" for name, value in moved.items()
+            ),
+            "work of": ", ".join(f"{name} {value:.4g} J" for name, value in self.work.items()),
+            "energy at the end": f"{self.energy_final:.4g} J",
+            "energy residual": f"{self.energy_residual:.3g}",
+            "complementarity residual": f"{self.complementarity_residual:.3g}"
+            f" ({self.unsolved_steps} steps unsolved)",
+            "time step / critical": f"{self.dt_over_critical:.3g}",
+            "steps": f"{self.steps}",
+            "wall time": f"{self.wall_time:.3g} s ({self.us_per_step:.3g} µs a step)",
+        }
+
+
+def summarise_nodes(dataset: xr.Dataset, march_report: Mapping[str, float]) -> NodeSummary:
+    """Compute the summary of the result of a superelement.
+
+    Args:
+        dataset: result of a superelement.
+        march_report: quality measures of the march, see `postprocess.run.summary.summarise`.
+    """
+    check_superelement(dataset)
+    report: dict[str, Any] = {key: kind(march_report[key]) for key, kind in MARCH_REPORT.items()}
+    time, impulse = dataset["time"].values, dataset["contact_impulse"].values
+    speed, blade = abs(float(dataset.attrs["speed"])), dataset["blade"].values
+    spacing = np.diff(time, prepend=-np.inf)
+    force = impulse / spacing[:, None]
+    record, node = np.unravel_index(int(force.argmax()), force.shape)
+    moved = np.abs(dataset["contact_displacement"].values).max(axis=(0, 1))
+    names = {"load": "external", "normal": "normal", "friction": "friction", "damping": "damping"}
+    turns = speed * float(time[-1]) / (2.0 * np.pi)
+    return NodeSummary(
+        end_reason=str(dataset.attrs["end_reason"]),
+        end_time=float(time[-1]),
+        revolutions=turns,
+        contact_impulse=float(impulse.sum()),
+        contact_impulse_by_blade=np.bincount(blade, impulse.sum(axis=0)).tolist(),
+        impulse_per_revolution=_late_impulse(time, impulse.sum(axis=1), speed),
+        contact_force_max={
+            "force": float(force[record, node]),
+            "blade": int(blade[node]),
+            "node": int(dataset["node"].values[node]),
+            "time": float(time[record]),
+        },
+        contact_share=(
+            dataset["contact_steps"].values.sum(axis=0) / max(report["steps"], 1)
+        ).tolist(),
+        contact_displacement_max=dict(zip(DIRECTIONS, moved.tolist(), strict=True)),
+        gap_min=float(dataset["gap"].values[1:].min(initial=np.inf))
+        if len(time) > 1
+        else float(dataset["clearance"].min()),
+        work={
+            name: float(dataset[f"{key}_work"][-1]) * (-1.0 if name == "damping" else 1.0)
+            for name, key in names.items()
+        },
+        energy_final=float(dataset["energy"][-1]),
+        energy_residual=energy_residual(dataset.assign(coupling_work=0.0 * dataset["energy"])),
+        **report,
+    )
+
+
+def _late_impulse(time: np.ndarray[Any, Any], total: Any, speed: float) -> float | None:
+    """Return the mean impulse per revolution over the last complete revolutions, at most `LATE`."""
+    turn = 2.0 * np.pi / speed if speed else np.inf
+    whole = int(min(LATE, np.floor(time[-1] / turn + 1e-9)))
+    if whole < 1:
+        return None
+    sums = np.interp([time[-1] - whole * turn, time[-1]], time, np.cumsum(total))
+    return float((sums[1] - sums[0]) / whole)
