@@ -40,6 +40,9 @@ def case_beam_model(case: Case) -> BeamModel:
         CaseError: parts do not fit together, or tips reach into the casing.
     """
     mesh = case.bladed_disk.mesh
+    if case.bladed_disk.superelement is not None:
+        expected = "beams for this analysis; run, modes and show work with a superelement"
+        raise CaseError([case_fault(case, "bladed_disk.superelement.file", expected)])
     if mesh is not None:
         model = mesh_beam_model(mesh, case.material)
     elif case.sketch is not None:

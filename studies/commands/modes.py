@@ -61,13 +61,24 @@ def modes(
     coincides with the k = 1 mode of the casing; and films, with a picture of each travelling wave.
     With Coriolis forces, pictures and films show the waves at the speed of the case.
     """
+    from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.studies.modal import modes as study
     from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
+    from bladewhirl.studies.modal.superelement import MODES, superelement_modes
 
     unused = {"--shapes": shapes, "--animate": animate, "--wave": wave}
     for name, value in unused.items():
         if output is None and value is not None:
             raise UserError(f"{name}: expected a folder for the pictures, -o DIR")
+    checked = read_case(case, overrides or [])
+    if checked.bladed_disk.superelement is not None:
+        if output is not None:
+            raise UserError("--output: expected beams; pictures of a superelement are made by run")
+        with faults_from(case, overrides or []):
+            document = superelement_modes(checked, count)
+        rows = document["bladed_disk"]
+        emit(document, table(rows, MODES, "Superelement without contact"), json=json)
+        return
     stage = study.stage_of_file(case, overrides)
     if output is not None:
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)

@@ -89,12 +89,33 @@ def show(
     from bladewhirl.models.stage.build import time_step_faults
     from bladewhirl.models.stage.hints import stage_hints
     from bladewhirl.models.stage.stage import build_stage
+    from bladewhirl.models.stage.superelement_hints import superelement_hints
+    from bladewhirl.models.stage.superelement_stage import superelement_stage
+    from bladewhirl.studies.modal.superelement import (
+        NODES,
+        superelement_properties,
+    )
+    from bladewhirl.studies.modal.superelement import PROPERTIES as SUPERELEMENT
     from bladewhirl.studies.runs.properties import MARCHES, stage_properties
 
     if output is not None and not png:
         raise UserError("--output: allowed with --png only, which draws the stage")
     values = overrides or []
     checked = read_case(case, values)
+    if checked.bladed_disk.superelement is not None:
+        with faults_from(case, values):
+            built = superelement_stage(checked)
+            derived = superelement_properties(built)
+        for hint in superelement_hints(built):
+            typer.echo(f"Hint: {hint}.", err=True)
+        document = {"case": checked.model_dump(mode="json", exclude_none=True), "derived": derived}
+        tables = [
+            facts(texts(derived, SUPERELEMENT)),
+            table(derived["contact_nodes"], NODES, "Contact nodes of a copy"),
+        ]
+        full = (f"\n{dumps_case(checked)}".removesuffix("\n"),) if with_case else ()
+        emit(document, *tables, *full, json=json)
+        return
     with faults_from(case, values):
         stage = build_stage(checked)
         faults = list(time_step_faults(stage))

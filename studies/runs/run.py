@@ -11,6 +11,7 @@ from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import Hint, UserError, writing
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.stage.superelement_hints import superelement_hints
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME, Checkpoint, read_checkpoint
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs import folder, recorded_march
@@ -151,5 +152,6 @@ def _march_and_sum_up(
 
 
 def _hints(prepared: AnyPrepared) -> tuple[str, ...]:
-    """Return the warnings for a stage of beams; there are none for a superelement."""
-    return stage_hints(prepared.stage) if isinstance(prepared.stage, Stage) else ()
+    """Return the warnings for a stage."""
+    stage = prepared.stage
+    return stage_hints(stage) if isinstance(stage, Stage) else (*superelement_hints(stage),)
