@@ -217,7 +217,8 @@ class BladedDisk(Table):
         """Leave out the keys that a mesh file replaces."""
         tables: dict[str, Any] = serialize(self)
         if self.superelement is not None:
-            return {name: tables[name] for name in ("superelement", "mistuning")}
+            kept = ("superelement", "mistuning")
+            return {name: tables[name] for name in kept if name in tables}
         return tables if self.mesh is None else {"mesh": tables["mesh"]}
 
     def inconsistencies(self) -> Iterator[Inconsistency]:

@@ -78,14 +78,6 @@ class Strut(BeamSection):
 class Casing(Table):
     """A ring of curved beams at tip_radius + clearance, or a rigid wall."""
 
-    type: Literal["ring", "rigid"] = "ring"
-    """"ring": a flexible ring; "rigid": a wall that does not move, for a superelement, of which
-    only clearance, profile and closure matter."""
-    radius: fields.Length | None = Field(default=None, examples=["0.25"])
-    """Radius from which the clearance of a rigid wall is measured [m]. By default the clearance of
-    each contact node is measured from the radius of this node, so that the wall follows the shape
-    of the tip."""
-
     elements: Annotated[int, fields.count(3)] = 40
     """Number of curved beam elements (paper, Section 2.1). With four elements per wavelength the
     error of a frequency is 0.5 %. Twice the number of blades gives four elements to every wave that
@@ -164,6 +156,13 @@ class Casing(Table):
     rotation: Literal["free", "fixed"] = "fixed"
     """Rigid rotation of the ring, "free" or "fixed" (not in the paper; with "free" friction would
     spin the ring up)."""
+    type: Literal["ring", "rigid"] = "ring"
+    """"ring": a flexible ring; "rigid": a wall that does not move, for a superelement, of which
+    only clearance, profile and closure matter."""
+    radius: fields.Length | None = Field(default=None, examples=["0.25"])
+    """Radius from which the clearance of a rigid wall is measured [m]. By default the clearance of
+    each contact node is measured from the radius of this node, so that the wall follows the shape
+    of the tip."""
 
     @property
     def clearance_profile(self) -> RingProfile:

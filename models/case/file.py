@@ -156,7 +156,11 @@ def case_fault(case: Case, key: str, expected: str) -> Fault:
 def _find_beside(tables: dict[str, Any], folder: str) -> None:
     """Convert the paths of a mesh file and of a wall profile from relative to the case file to
     relative to the working directory."""
-    for first, second in (("bladed_disk", "mesh"), ("casing", "profile")):
+    for first, second in (
+        ("bladed_disk", "mesh"),
+        ("bladed_disk", "superelement"),
+        ("casing", "profile"),
+    ):
         outer = tables.get(first)
         table = outer.get(second) if isinstance(outer, dict) else None
         if isinstance(table, dict) and isinstance(table.get("file"), str):

@@ -8,6 +8,9 @@ from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import WallClosure
 
+RIGID = 1e-6
+"""Share of the largest residual flexibility below which a direction counts as rigid."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class BoundaryLoad:
@@ -65,16 +68,17 @@ class BoundaryProblem:
 
     @property
     def critical_time_step(self) -> float:
-        """Largest stable time step [s]: 2 / omega with the largest frequency of the modes, for
-        massless contact nodes with the nodes held."""
+        """Largest stable time step [s]: 2 / omega with the largest frequency of the modes; massless
+        contact nodes are held in all directions in which they have a residual flexibility."""
         squares = self.frequency**2
         if not self.massless:
             return float(2.0 / np.sqrt(squares.max()))
         stiffest = 0.0
         for copy, square in enumerate(squares):
-            flexible = np.diag(self.compliance[copy]) > 0.0
-            rows = self.contact[flexible]
-            held = rows.T @ np.linalg.solve(self.compliance[copy][np.ix_(flexible, flexible)], rows)
+            flexibility, ways = np.linalg.eigh(self.compliance[copy])
+            flexible = flexibility > RIGID * flexibility[-1]
+            rows = (ways[:, flexible] / np.sqrt(flexibility[flexible])).T @ self.contact
+            held = rows.T @ rows
             stiffest = max(stiffest, np.linalg.eigvalsh(np.diag(square) + held)[-1])
             if np.array_equal(squares, np.broadcast_to(squares[0], squares.shape)):
                 break

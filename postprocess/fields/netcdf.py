@@ -190,6 +190,19 @@ def attribute_fault(attributes: Mapping[str, Any]) -> str:
     return ""
 
 
+def check_beams(dataset: xr.Dataset) -> None:
+    """Check that a result is that of a bladed disk of beams.
+
+    Raises:
+        ResultError: it is the result of a superelement.
+    """
+    if tables_of(dataset.attrs) is NODES:
+        raise ResultError(
+            f"expected the result of a bladed disk of beams, found that of a superelement,"
+            f" {dataset.attrs.get('title', '')!r}"
+        )
+
+
 def value_fault(dataset: xr.Dataset) -> str:
     """Describe the first invalid array that does not depend on time; empty if all are valid."""
     tables = tables_of(dataset.attrs)

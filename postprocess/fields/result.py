@@ -18,7 +18,12 @@ from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
 from bladewhirl.postprocess.fields.kinematics import Array, recess_at_rest
 from bladewhirl.postprocess.fields.netcdf import ResultError as ResultError
-from bladewhirl.postprocess.fields.netcdf import attribute_fault, open_file, value_fault
+from bladewhirl.postprocess.fields.netcdf import (
+    attribute_fault,
+    check_beams,
+    open_file,
+    value_fault,
+)
 from bladewhirl.solvers.march import schema
 
 PORTION = 4096  #: records read at a time: 5 MB for 156 modes
@@ -135,24 +140,12 @@ def _entry(name: str, values: Any) -> tuple[tuple[str, ...], Array, dict[str, st
 def opened(result: xr.Dataset | str | PathLike[str]) -> Iterator[xr.Dataset]:
     """Yield a result: a Dataset unchanged; a file or folder opened, and closed afterwards."""
     if isinstance(result, xr.Dataset):
-        check_beams(result, "result")
+        check_beams(result)
         yield result
         return
     with open_result(result) as dataset:
-        check_beams(dataset, str(result))
+        check_beams(dataset)
         yield dataset
-
-
-def check_beams(dataset: xr.Dataset, name: str) -> None:
-    """Check that a result is that of a bladed disk of beams.
-
-    Raises:
-        ResultError: it is the result of a superelement.
-    """
-    if schema.tables_of(dataset.attrs) is schema.NODES:
-        raise ResultError(
-            f"{name}: expected the result of a bladed disk of beams, found that of a superelement"
-        )
 
 
 def check_result(dataset: xr.Dataset, name: str) -> None:

@@ -5,6 +5,7 @@ import xarray as xr
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.netcdf import check_beams
 
 #: share of the time, at the end of a run, that is regarded as the late motion
 LATE_SHARE = 1.0 / 3.0
@@ -19,6 +20,7 @@ def select_window(
     Raises:
         ViewError: the window ends before it starts, or contains fewer than two records.
     """
+    check_beams(dataset)
     time = dataset["time"].values
     first = time[0] if start is None else start
     last = time[-1] if end is None else end
@@ -39,7 +41,9 @@ def in_window(result: xr.Dataset, start: float | None, end: float | None) -> xr.
 
     Raises:
         ViewError: the window is invalid, see `select_window`.
+        ResultError: the result is that of a superelement.
     """
+    check_beams(result)
     return result if start is None and end is None else select_window(result, start, end)
 
 

@@ -1,0 +1,193 @@
+"""Runs of superelements: from a file of matrices to a folder with results."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import bladewhirl as bw
+from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits, wall_contact
+from bladewhirl.studies.commands.cli import app
+
+
+def blade(nodes: int = 3, levels: int = 6) -> Superelement:
+    """Return a blade of rods of masses on springs, side by side along the axis."""
+    along = 3 * nodes
+    size = along * levels
+    stiffness = np.zeros((size, size))
+    springs = np.tile([2e8, 2e6, 2e6], nodes)
+    for level in range(levels):
+        here = along * level + np.arange(along)
+        stiffness[here, here] += springs
+        if level:
+            stiffness[here - along, here - along] += springs
+            stiffness[here, here - along] -= springs
+            stiffness[here - along, here] -= springs
+        for node in range(nodes - 1):
+            for i in range(3):
+                a, b = here[3 * node + i], here[3 * node + 3 + i]
+                stiffness[a, a] += 1e7
+                stiffness[b, b] += 1e7
+                stiffness[a, b] -= 1e7
+                stiffness[b, a] -= 1e7
+    tips = along * (levels - 1) + np.arange(along).reshape(nodes, 3)
+    radius, axial = np.meshgrid(np.linspace(0.25, 0.3, levels), np.linspace(-0.02, 0.02, nodes))
+    points = np.stack([radius.T, np.zeros((levels, nodes)), axial.T], axis=-1).reshape(-1, 3)
+    cells = [[n, n + 1, n + nodes] for n in range(nodes * (levels - 1)) if (n + 1) % nodes]
+    return Superelement(
+        mass=5e-3 * np.eye(size),
+        stiffness=stiffness,
+        contact_position=points[-nodes:],
+        contact_dofs=tips,
+        points=points,
+        recovery=np.eye(size),
+        triangles=np.array(cells),
+        name="rods",
+    )
+
+
+def tables(file: Path, **changes: Any) -> dict[str, Any]:
+    given: dict[str, Any] = {
+        "bladed_disk": {"superelement": {"file": str(file), "copies": 3}},
+        "casing": {
+            "type": "rigid",
+            "clearance": 3e-4,
+            "profile": {"harmonics": [{"lobes": 2, "amplitude": 3.1e-4, "phase": 0.3}]},
+            "closure": {"amount": 4e-5, "time_constant": 2e-3},
+        },
+        "contact": {"sliding": "full", "friction": 0.1},
+        "reduction": {"free_interface_modes": 15},
+        "damping": {"ratio": 0.01},
+        "march": {
+            "speed": "6000 rpm",
+            "time_step": 2e-6,
+            "duration": 0.02,
+            "record_step": 4e-5,
+        },
+    }
+    for key, value in changes.items():
+        table, _, name = key.partition("__")
+        given[table] = {**given[table], name: value} if name else value
+    return given
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    bw.write_superelement(tmp_path / "rods.npz", blade())
+    return tmp_path / "rods.npz"
+
+
+@pytest.mark.usefixtures("pictures_unsaved")
+def test_a_run_records_contact_nodes_and_closes_the_ledger(file: Path, tmp_path: Path) -> None:
+    run = bw.run(bw.case_from(tables(file)), tmp_path / "run", frames=3)
+    summary: Any = run.summary
+    assert run.end_reason == "completed"
+    assert summary.energy_residual < 1e-9
+    assert summary.unsolved_steps == 0
+    assert min(summary.contact_impulse_by_blade) > 0.0
+    assert "normal impulse" in repr(run)
+    with run.open() as result:
+        assert result["contact_impulse"].dims == ("time", "contact_node")
+        assert result["blade"].values.tolist() == [0, 0, 0, 1, 1, 1, 2, 2, 2]
+        assert result["node"].values.tolist() == [0, 1, 2] * 3
+        tip = displacement(result, result.sizes["point"] - 1, copy=1)
+        radial = result["contact_displacement"][:, 5, 0].values
+        # The contact node moves as its point, except for the residual flexibility in contact.
+        free = result["contact_force"][:, 3:6, 0].values.max(axis=1) == 0.0
+        free &= result["contact_force"][:, 3:6, 0].values.min(axis=1) == 0.0
+        assert tip.sel(xyz="x").values[free] == pytest.approx(radial[free], abs=1e-12)
+        on_wall = wall_contact(result)["impulse"].values.sum()
+        assert on_wall == pytest.approx(summary.contact_impulse)
+        assert tip_orbits(result, turns=1.0).sizes["node"] == 3
+        with pytest.raises(bw.ResultError, match="found that of a superelement"):
+            bw.shaft_orbit(result)
+        with pytest.raises(bw.ViewError, match="expected a point from 0 to"):
+            displacement(result, 99)
+    names = {path.name for path in run.directory.iterdir()}
+    assert {"case.toml", "superelement.npz", "result.nc", "summary.json", "vtk"} <= names
+    assert len(list((run.directory / "vtk" / "frames").glob("blades_*.vtu"))) == 3
+
+
+@pytest.mark.usefixtures("pictures_unsaved")
+def test_a_run_can_be_continued(file: Path, tmp_path: Path) -> None:
+    whole = bw.run(bw.case_from(tables(file)), tmp_path / "whole", frames=0)
+    half = tables(file, march__duration=0.01)
+    bw.run(bw.case_from(half), tmp_path / "half", frames=0)
+    outcome = CliRunner().invoke(
+        app,
+        ["run", "--resume", str(tmp_path / "half"), "--set", "march.duration=0.02", "--frames=0"],
+    )
+    assert outcome.exit_code == 0, outcome.output
+    with whole.open() as one, bw.open_result(tmp_path / "half") as other:
+        for name in ("modal_displacement", "contact_impulse", "energy"):
+            assert np.array_equal(one[name].values, other[name].values)
+
+
+def test_both_boundaries_give_the_same_impulse(file: Path) -> None:
+    from bladewhirl.studies.runs.prepare import prepare
+    from bladewhirl.studies.runs.recorded_march import march_in_memory
+
+    impulse = []
+    for reduction in (
+        {"boundary": "massless", "free_interface_modes": 15},
+        {"boundary": "consistent", "free_interface_modes": 15, "fixed_interface_modes": 30},
+    ):
+        case = bw.case_from(tables(file, reduction=reduction, damping__boundary_ratio=0.05))
+        result, _ = march_in_memory(prepare(case))
+        impulse.append(float(result["contact_impulse"].sum()))
+    assert impulse[0] == pytest.approx(impulse[1], rel=5e-3)
+
+
+def test_modes_and_properties_are_printed(file: Path, tmp_path: Path) -> None:
+    case = tmp_path / "case.toml"
+    case.write_text(
+        f'[bladed_disk.superelement]\nfile = "{file}"\n[casing]\ntype = "rigid"\n'
+        '[reduction]\nfree_interface_modes = 15\n[march]\nspeed = "6000 rpm"\n'
+    )
+    outcome = CliRunner().invoke(app, ["modes", str(case), "--count", "4", "--json"])
+    assert outcome.exit_code == 0, outcome.output
+    listed = [mode["frequency_hz"] for mode in json.loads(outcome.stdout)["bladed_disk"]]
+    part = blade()
+    squares = np.linalg.eigvalsh(part.stiffness / 5e-3)[:4]
+    assert listed == pytest.approx(np.sqrt(squares) / (2 * np.pi), rel=1e-9)
+    outcome = CliRunner().invoke(app, ["show", str(case), "--json"])
+    assert outcome.exit_code == 0, outcome.output
+    derived = json.loads(outcome.stdout)["derived"]
+    assert derived["speed"]["rpm"] == pytest.approx(6000.0)
+    assert len(derived["contact_nodes"]) == 3
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"casing__closure": {"amount": 5e-4, "time_constant": 1e9}}, None),
+        ({"casing__clearance": 1e-4}, "casing.clearance = 1e-4: expected a wall outside all"),
+        ({"casing": {"type": "ring"}}, 'casing.type = "ring": expected "rigid" with'),
+        ({"march__time_step": 1e-4, "march__record_step": 1e-4}, "less than the critical step"),
+        ({"reduction": {"free_interface_modes": 54}}, "at most 53 modes of 54 coordinates"),
+        ({"contact__sliding": "signed"}, 'contact.sliding = "signed": expected "full" or "perm'),
+        ({"excitation": {"type": "harmonic"}}, 'excitation.type = "harmonic": expected "none"'),
+        ({"rotation": {"effects": "full"}}, 'rotation.effects = "full": expected "none" with'),
+    ],
+)
+def test_cases_that_cannot_be_marched_are_refused(
+    file: Path, changes: dict[str, Any], expected: str | None
+) -> None:
+    from bladewhirl.studies.runs.prepare import prepare
+
+    if expected is None:
+        prepare(bw.case_from(tables(file, **changes)))
+        return
+    with pytest.raises(bw.CaseError) as caught:
+        prepare(bw.case_from(tables(file, **changes)))
+    assert expected in str(caught.value)
+
+
+def test_keys_of_superelements_need_one() -> None:
+    for changes in ({"casing": {"type": "rigid"}}, {"contact": {"sliding": "full"}}):
+        with pytest.raises(bw.CaseError, match=r"or a bladed_disk\.superelement"):
+            bw.case_from(changes)
