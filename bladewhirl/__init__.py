@@ -35,8 +35,8 @@ Read and draw results
     (`shaft_orbit`, `whirl_history`, `shaft_spectrum`, `shaft_spectrogram`, `poincare_map`), blades
     and casing (`gap`, `contact_force`, `tip_displacement`, `casing_displacement`,
     `stress_history`, `contact_classes`, `contact_phase`, `tip_timing`), the coating (`wear`),
-    gauges and probes of a rig (`sensors`), energies and growth (`strain_energies`,
-    `family_energies`, `amplitude_growth`).
+    gauges and probes of a rig (`sensors`), points of a superelement (`displacement`), energies and
+    growth (`strain_energies`, `family_energies`, `amplitude_growth`).
     `plot` has a function for each figure, `save_figure` writes one; `render` makes stills, films
     and pages, `export_vtk` a series for ParaView, `report` one HTML page of a run or a sweep.
 Verify the program

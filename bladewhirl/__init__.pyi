@@ -38,6 +38,7 @@ from .postprocess.shaft.poincare import poincare_map as poincare_map
 from .postprocess.shaft.spectra import shaft_spectrogram as shaft_spectrogram
 from .postprocess.shaft.spectra import shaft_spectrum as shaft_spectrum
 from .postprocess.shaft.whirl_history import whirl_history as whirl_history
+from .postprocess.superelement.motion import displacement as displacement
 from .postprocess.sweep.dataset import open_sweep as open_sweep
 from .postprocess.sweep.probability import probability as probability
 from .studies.convergence.study import convergence as convergence

@@ -20,7 +20,7 @@ from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES, FigureKind
-from bladewhirl.solvers.march.schema import RESULT, SWEEP, schema_table
+from bladewhirl.solvers.march.schema import NODE_RESULT, RESULT, SWEEP, schema_table
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.sweeps.sweep import Sweep
@@ -197,6 +197,7 @@ GENERATED = {
     "case-keys": case_keys,
     "commands": commands,
     "results": partial(schema_table, RESULT),
+    "nodes": partial(schema_table, NODE_RESULT),
     "sweeps": partial(schema_table, SWEEP),
     "run-figures": partial(figures, RUN_FIGURES, drawn=True),
     "sweep-figures": partial(figures, SWEEP_FIGURES, drawn=False),

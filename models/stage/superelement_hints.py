@@ -8,6 +8,9 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.models.superelements.reduction import rigid_limit, static_flexibility
 
+ROUNDING = 1e-9
+"""Share of the radial flexibility below which a flexibility is due to rounding."""
+
 
 def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
     """Yield a warning if a contact node locks itself against the wall with the given friction."""
@@ -32,7 +35,9 @@ def locking_friction(stage: SuperelementStage) -> dict[int, float]:
     """
     radial, tangential = static_response(stage)
     outward = -np.sign(stage.speed) * tangential
-    return {int(n): float(radial[n] / outward[n]) for n in np.flatnonzero(outward > 0.0)}
+    return {
+        int(n): float(radial[n] / outward[n]) for n in np.flatnonzero(outward > ROUNDING * radial)
+    }
 
 
 def static_response(stage: SuperelementStage) -> tuple[FloatArray, FloatArray]:

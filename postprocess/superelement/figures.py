@@ -3,8 +3,9 @@
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
-from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
@@ -31,17 +32,21 @@ def plot_contact_nodes(data: xr.Dataset) -> Figure:
     else:
         above.plot(time, scale * by_blade.max(axis=0), linewidth=0.7, label="largest of all blades")
         above.plot(time, scale * by_blade.mean(axis=0), linewidth=0.7, label="mean of all blades")
-    above.legend(loc="upper right", ncols=3)
+    if len(blades) > 1:
+        above.legend(loc="upper left", ncols=3)
     above.set_ylabel(f"normal force\nof a blade [{unit}]")
     edges = np.append(time[:1] - np.diff(time[:2]), time)
-    drawn = below.pcolormesh(edges, np.arange(force.shape[1] + 1), scale * force.T, rasterized=True)
+    drawn = below.pcolormesh(
+        edges, np.arange(force.shape[1] + 1) - 0.5, scale * force.T, rasterized=True
+    )
     for first in np.flatnonzero(np.diff(number)) + 1:
-        below.axhline(float(first), color="white", linewidth=0.4)
+        below.axhline(float(first) - 0.5, color="white", linewidth=0.4)
     figure.colorbar(drawn, ax=below, label=f"normal force [{unit}]")
     below.set_ylabel("contact node" if len(blades) == 1 else "contact node, blade by blade")
+    below.yaxis.set_major_locator(MaxNLocator(8, integer=True))
     below.grid(visible=False)
     time_axis(above, below)
-    head(figure, data, f"mean over {np.diff(time[:2])[0]:.3g} s")
+    head(figure, data, f"mean over {handy(float(np.diff(time[:2])[0]), 's', 3)}")
     return figure
 
 

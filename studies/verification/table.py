@@ -23,6 +23,7 @@ SUBJECTS = {
     "sensors": "Sensors",
     "coating": "Abradable coating",
     "foreshortening": "Blades that draw back",
+    "superelement": "Superelements",
 }
 """Titles of the subjects by the name of their module, in the order of the table."""
 

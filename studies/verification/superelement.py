@@ -1,0 +1,185 @@
+"""Superelements: contact of massless nodes against closed forms, a blade of solids with two models
+of its contact nodes, and a wheel from one of its sectors."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.boundary_problem import BoundaryProblem
+from bladewhirl.models.superelements.reduction import consistent, massless
+from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.models.superelements.wheel import massless_wheel
+from bladewhirl.solvers.march.boundary import BoundaryChunk, BoundaryMarch
+from bladewhirl.studies.verification.case import Pair, verifies
+
+GAP, FLEXIBILITY, OMEGA = 1e-3, 1e-6, 100.0
+STEP = 1e-6  #: time step of the blade [s]
+TURNS, SPEED = 3, 628.0
+
+
+def rebound(dt: float) -> BoundaryChunk:
+    """March a mass of 1 kg on a spring that meets a wall through another spring at 1 m/s."""
+    scheme = BoundaryMarch(
+        BoundaryProblem(
+            frequency=np.array([[OMEGA]]),
+            damping_ratio=np.zeros((1, 1)),
+            contact=np.array([[1.0], [0.0], [0.0]]),
+            compliance=FLEXIBILITY * np.eye(3)[None],
+            massless=True,
+            angle=np.zeros((1, 1)),
+            radius=np.array([0.5]),
+            recess=np.zeros(1),
+            wall=np.column_stack([np.full(8, GAP), np.zeros(8)]),
+            speed=0.0,
+            friction=0.0,
+            full_sliding=False,
+            displacement_limit=1.0,
+            displacement=np.zeros((1, 1)),
+            velocity=np.ones((1, 1)),
+        ),
+        dt,
+        1,
+    )
+    return scheme.advance(scheme.init(), round(6e-3 / dt) + 1)[1]
+
+
+@verifies()
+def impulse_of_a_rebound() -> Pair:
+    """Compare the impulse of a rebound with the closed form."""
+    rate = np.sqrt(OMEGA**2 + 1.0 / FLEXIBILITY)
+    start = np.arcsin(GAP * OMEGA) / OMEGA
+    centre, speed = GAP / FLEXIBILITY / rate**2, np.cos(OMEGA * start)
+    swing, phase = np.hypot(speed / rate, GAP - centre), np.arctan2(speed / rate, GAP - centre)
+    expected = 2.0 * swing * np.sin(phase) / rate - (GAP - centre) * 2.0 * phase / rate
+    return expected / FLEXIBILITY, rebound(5e-6).contact_impulse.sum()
+
+
+@verifies()
+def force_of_a_massless_node() -> Pair:
+    """Compare the force at every step with the penetration over the flexibility."""
+    chunk = rebound(5e-6)
+    depth = np.maximum(0.0, chunk.modal_displacement[:, 0, 0] - GAP)
+    return depth / FLEXIBILITY, -chunk.contact_force[:, 0, 0]
+
+
+@cache
+def twisted_blade() -> Superelement:
+    """Return a twisted blade of hexahedra with nine contact nodes along its tip."""
+    import meshio
+    import skfem
+    from skfem.io.meshio import to_meshio
+
+    from bladewhirl.models.solids.blade import mesh3d
+
+    axes = np.linspace(0, 1, 4), np.linspace(-0.5, 0.5, 5), np.linspace(-0.5, 0.5, 2)
+    mesh: meshio.Mesh = to_meshio(skfem.MeshHex2.from_mesh(skfem.MeshHex.init_tensor(*axes)))
+    span, chord, depth = mesh.points.T
+    angle, thickness = 0.5 + 0.3 * span, 7e-3 * (1 - 0.4 * span)
+    y = 0.05 * chord * np.sin(angle) + thickness * depth * np.cos(angle)
+    z = 0.05 * chord * np.cos(angle) - thickness * depth * np.sin(angle)
+    radius = 0.235 + 0.065 * span
+    mesh.points = np.column_stack([np.sqrt(radius**2 - y**2), y, z])
+    mesh.point_sets = {
+        "root": np.flatnonzero(span < 1e-9),
+        "tip": np.flatnonzero(span > 1 - 1e-9),
+    }
+    return mesh3d(mesh, young_modulus=2.1e11, poisson_ratio=0.3, density=7800.0, contacts=9)
+
+
+@cache
+def rub(*, by_massless: bool, dt: float) -> BoundaryChunk:
+    """March the blade in an oval wall with friction against the slip velocity."""
+    part = twisted_blade()
+    reduced = massless(part, 30) if by_massless else consistent(part, 60, 30)
+    ratio = np.where(np.arange(len(reduced.frequency)) < 30, 0.005, 0.05)
+    grid = 2.0 * np.pi / 1024 * np.arange(1024)
+    wave = 2.0 * (grid - part.contact_angle.mean()) + np.pi
+    wall = np.column_stack([1e-4 + 1.2e-4 * np.cos(wave + np.pi), -2.4e-4 * np.sin(wave + np.pi)])
+    problem = BoundaryProblem(
+        frequency=reduced.frequency[None],
+        damping_ratio=ratio[None],
+        contact=reduced.contact,
+        compliance=reduced.compliance[None],
+        massless=by_massless,
+        angle=part.contact_angle[None],
+        radius=part.contact_radius,
+        recess=np.zeros(part.contacts),
+        wall=wall,
+        speed=SPEED,
+        friction=0.15,
+        full_sliding=True,
+        displacement_limit=0.05,
+        displacement=np.zeros((1, len(reduced.frequency))),
+        velocity=np.zeros((1, len(reduced.frequency))),
+    )
+    scheme = BoundaryMarch(problem, dt, 1000)
+    steps = round(TURNS * 2.0 * np.pi / SPEED / dt)
+    return scheme.advance(scheme.init(), steps + 1)[1]
+
+
+@verifies()
+def contact_nodes_with_and_without_mass() -> Pair:
+    """Compare the impulse on nine massless nodes with that on nodes with mass and damping."""
+    reference = rub(by_massless=False, dt=STEP / 10.0)
+    return reference.contact_impulse.sum(), rub(by_massless=True, dt=STEP).contact_impulse.sum()
+
+
+@verifies()
+def half_the_time_step() -> Pair:
+    """Compare the impulse with that of half the time step."""
+    half = rub(by_massless=True, dt=STEP / 2.0)
+    return half.contact_impulse.sum(), rub(by_massless=True, dt=STEP).contact_impulse.sum()
+
+
+@verifies()
+def ledger_of_a_rub() -> Pair:
+    """Compare with zero the error of the energy balance, over its largest term."""
+    chunk = rub(by_massless=True, dt=STEP)
+    gained = chunk.normal_work + chunk.friction_work - chunk.damping_work
+    error = np.abs(chunk.energy - chunk.energy[0] - gained).max()
+    return 0.0, error / np.abs(chunk.friction_work).max()
+
+
+@verifies()
+def wheel_of_sectors() -> Pair:
+    """Compare static flexibilities of the contact nodes of a wheel, from modes and residual of a
+    sector, with those of the whole wheel."""
+    whole, sector, sectors = _wheel()
+    _, reduced = massless_wheel(sector, sectors, 4)
+    kept = (reduced.contact / reduced.frequency**2) @ reduced.contact.T
+    tips = np.concatenate([6 * n + 3 + np.arange(3) for n in range(sectors)])
+    return np.linalg.inv(whole)[np.ix_(tips, tips)].ravel(), (kept + reduced.compliance).ravel()
+
+
+def _wheel() -> tuple[FloatArray, Superelement, int]:
+    """Return the stiffness of a wheel of masses on springs, one of its sectors, and their number.
+
+    Each sector has a root and a tip. Springs join roots to the ground, to tips and to the roots of
+    the next sectors.
+    """
+    sectors, ground, blade, rim = 7, np.diag([3e8, 2e8, 1e8]), np.diag([4e8, 2e7, 1e7]), 5e7
+    pitch = 2.0 * np.pi / sectors
+    turn = np.eye(3)
+    turn[:2, :2] = [[np.cos(pitch), -np.sin(pitch)], [np.sin(pitch), np.cos(pitch)]]
+    own = np.block([[ground + blade, -blade], [-blade, blade]])
+    whole = np.kron(np.eye(sectors), own)
+    for n in range(sectors):
+        stretch = np.zeros((3, 6 * sectors))
+        stretch[:, 6 * n : 6 * n + 3] = -np.eye(3)
+        follower = 6 * ((n + 1) % sectors)
+        stretch[:, follower : follower + 3] += turn  # in axes of the next sector
+        whole += rim * stretch.T @ stretch
+    stretch = np.hstack([-np.eye(3), np.zeros((3, 3)), np.eye(3)])
+    stiffness = np.zeros((9, 9))
+    stiffness[:6, :6] = own
+    values: dict[str, Any] = {
+        "mass": np.diag([0.02] * 3 + [0.01] * 3 + [0.0] * 3),
+        "stiffness": stiffness + rim * stretch.T @ stretch,
+        "contact_position": np.array([[0.4, 0.0, 0.0]]),
+        "contact_dofs": np.array([[3, 4, 5]]),
+        "left_dofs": np.array([[0, 1, 2]]),
+        "right_dofs": np.array([[6, 7, 8]]),
+    }
+    return whole, Superelement(**values), sectors
