@@ -21,6 +21,7 @@ from bladewhirl.studies.commands.critical_speeds import critical_speeds
 from bladewhirl.studies.commands.exits import UserErrorGroup, robust_output
 from bladewhirl.studies.commands.export import export
 from bladewhirl.studies.commands.import_ import import_
+from bladewhirl.studies.commands.interaction import interaction
 from bladewhirl.studies.commands.mesh import mesh
 from bladewhirl.studies.commands.modes import modes
 from bladewhirl.studies.commands.new import new
@@ -46,8 +47,8 @@ app = typer.Typer(
 
 
 for command in (
-    *(campbell, compare, convergence, critical_speeds, export, import_, mesh, modes, new, plot),
-    *(render, report, reproduce, response, run, show, stability, sweep, veering, verify),
+    *(campbell, compare, convergence, critical_speeds, export, import_, interaction, mesh, modes),
+    *(new, plot, render, report, reproduce, response, run, show, stability, sweep, veering, verify),
 ):
     # The terminal wraps each paragraph.
     paragraphs = (command.__doc__ or "").split("\n\n")

@@ -191,3 +191,24 @@ def test_keys_of_superelements_need_one() -> None:
     for changes in ({"casing": {"type": "rigid"}}, {"contact": {"sliding": "full"}}):
         with pytest.raises(bw.CaseError, match=r"or a bladed_disk\.superelement"):
             bw.case_from(changes)
+
+
+def test_an_interaction_map_has_the_engine_orders_of_the_wall(file: Path) -> None:
+    march = {"time_step": 2e-6, "speed": 1.0}
+    closed = {"amount": 4e-5, "time_constant": 1e-4}
+    case = bw.case_from(tables(file, march=march, casing__closure=closed))
+    data = bw.interaction_map(case, ["6000 rpm", "-6000 rpm"], turns=12, steps_per_turn=2560)
+    assert data["contact_impulse"].min() > 0.0
+    assert data["unsolved_steps"].max() == 0
+    order = data["frequency"].values[0] / 100.0
+    peak = order[data["amplitude"].values[0, 1:].argmax() + 1]
+    assert peak == pytest.approx(2.0 * round(peak / 2.0), abs=1e-9)  # the wall is oval
+    for speeds, steps, expected in (
+        ([0.0], None, "expected speeds other than 0"),
+        (["6000 rmp"], None, "expected multiples or texts"),
+        (["6000 rpm"], 64, "the critical time step is"),
+    ):
+        with pytest.raises(bw.UserError, match=expected):
+            bw.interaction_map(case, speeds, steps_per_turn=steps)
+    with pytest.raises(bw.UserError, match="expected a superelement"):
+        bw.interaction_map(bw.Case(), [1.0])
