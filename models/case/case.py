@@ -187,7 +187,7 @@ class Case(Table):
         if self.sketch is not None:
             return self.sketch.tips
         if self.bladed_disk.superelement is not None:
-            return self.bladed_disk.superelement.bodies
+            return self.bladed_disk.superelement.copies
         mesh = self.bladed_disk.mesh
         return self.bladed_disk.blades if mesh is None else len(mesh.tip_points)
 

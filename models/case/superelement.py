@@ -57,12 +57,6 @@ class SuperelementTable(Table):
             return 0, 0
         return status.st_mtime_ns, status.st_size
 
-    @property
-    def bodies(self) -> int:
-        """Number of structures that do not influence each other: copies of a blade, or one
-        wheel."""
-        return self.copies if self.kind == "blade" else 1
-
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield errors for an unreadable file, and for a file that does not fit its kind."""
         try:
@@ -101,8 +95,10 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
     if case.sketch is not None:
         yield Inconsistency("sketch", f"no sketch together with {SOURCE}", (SOURCE,))
     for key, load in case.excitations.items():
-        if load.type != "none":
-            yield Inconsistency(f"{key}.type", f'"none" with {SOURCE}', (SOURCE,))
+        if load.type not in ("none", "engine-order"):
+            yield Inconsistency(f"{key}.type", f'"none" or "engine-order" with {SOURCE}', (SOURCE,))
+        elif getattr(load, "position", "tip") != "tip":
+            yield Inconsistency(f"{key}.position", f'"tip" with {SOURCE}', (SOURCE,))
     rules: tuple[tuple[str, object, tuple[object, ...]], ...] = (
         ("casing.type", case.casing.type, ("rigid",)),
         ("rotation.effects", case.rotation.effects, ("none",)),

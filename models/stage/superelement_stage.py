@@ -8,12 +8,14 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.contact_problem import WallClosure
 from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
+from bladewhirl.models.stage.superelement_loads import engine_order_loads
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
     consistent,
@@ -86,7 +88,11 @@ class SuperelementStage:
 
     @property
     def problem(self) -> BoundaryProblem:
-        """The contact problem.
+        """The contact problem, see `problem_at`."""
+        return self.problem_at(self.speed)
+
+    def problem_at(self, speed: float) -> BoundaryProblem:
+        """Return the contact problem at a speed of rotation [rad/s].
 
         Raises:
             CaseError: a contact node is inside the wall at the start.
@@ -107,13 +113,19 @@ class SuperelementStage:
             radius=self.part.contact_radius,
             recess=self.recess,
             wall=self.wall,
-            speed=self.speed,
+            speed=speed,
             friction=case.contact.friction,
             full_sliding=case.contact.sliding == "full",
             displacement_limit=limit or LIMIT * float(self.part.contact_radius.max()),
             displacement=np.zeros((copies, modes)),
             velocity=np.zeros((copies, modes)),
             closure=self._closure,
+            loads=tuple(
+                part
+                for load in case.excitations.values()
+                if isinstance(load, EngineOrder)
+                for part in engine_order_loads(load, reduced.contact, self.angle, self.blade, speed)
+            ),
         )
         self._check_start(problem)
         return problem

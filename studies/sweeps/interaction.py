@@ -3,7 +3,6 @@
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -76,7 +75,7 @@ def interaction_map(
     def march(number: int) -> dict[str, Any]:
         omega, every = omegas[number], steps[number] // RECORDS
         dt = 2.0 * np.pi / abs(omega) / steps[number]
-        scheme = BoundaryMarch(replace(problem, speed=omega), dt, every)
+        scheme = BoundaryMarch(stage.problem_at(omega), dt, every)
         state, chunk, end = scheme.advance(scheme.init(), turns * steps[number] + 1)
         found = point_of_map(chunk, omega, RECORDS, node)
         unsolved = state.statistics.lcp_failures

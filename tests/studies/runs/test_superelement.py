@@ -9,8 +9,10 @@ import pytest
 from typer.testing import CliRunner
 
 import bladewhirl as bw
+from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.superelement import Superelement
 from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits, wall_contact
+from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.studies.commands.cli import app
 
 
@@ -170,7 +172,11 @@ def test_modes_and_properties_are_printed(file: Path, tmp_path: Path) -> None:
         ({"march__time_step": 1e-4, "march__record_step": 1e-4}, "less than the critical step"),
         ({"reduction": {"free_interface_modes": 54}}, "at most 53 modes of 54 coordinates"),
         ({"contact__sliding": "signed"}, 'contact.sliding = "signed": expected "full" or "perm'),
-        ({"excitation": {"type": "harmonic"}}, 'excitation.type = "harmonic": expected "none"'),
+        ({"excitation": {"type": "harmonic"}}, 'excitation.type = "harmonic": expected "none" or'),
+        (
+            {"excitation": {"type": "engine-order", "position": 0.5}},
+            'excitation.position = 0.5: expected "tip"',
+        ),
         ({"rotation": {"effects": "full"}}, 'rotation.effects = "full": expected "none" with'),
     ],
 )
@@ -212,3 +218,33 @@ def test_an_interaction_map_has_the_engine_orders_of_the_wall(file: Path) -> Non
             bw.interaction_map(case, speeds, steps_per_turn=steps)
     with pytest.raises(bw.UserError, match="expected a superelement"):
         bw.interaction_map(bw.Case(), [1.0])
+
+
+def test_engine_order_forces_give_the_steady_answer_of_the_modes(file: Path) -> None:
+    """The amplitude of the contact nodes without contact, against the closed form."""
+    given = tables(
+        file,
+        casing={"type": "rigid", "clearance": 0.05},
+        excitation={
+            "type": "engine-order",
+            "order": 3,
+            "amplitude": 2.0,
+            "phase": 0.4,
+            "factors": [1.0, 0.5, 0.0],
+        },
+        damping__ratio=0.2,
+    )
+    stage = superelement_stage(bw.case_from(given))
+    problem, dt = stage.problem, 1e-6
+    scheme = BoundaryMarch(problem, dt, 20)
+    _, chunk, _ = scheme.advance(scheme.init(), 40_001)
+    w, frequency = 3.0 * stage.speed, problem.frequency[0]
+    rows = problem.contact
+    answer = rows[1::3].mean(axis=0) / (frequency**2 - w**2 + 2j * 0.2 * frequency * w)
+    middle = np.angle(np.exp(1j * stage.angle).mean(axis=1))
+    force = 2.0 * np.array([1.0, 0.5, 0.0]) * np.exp(1j * (3.0 * middle + 0.4))
+    late = chunk.time > 0.03
+    waves = np.exp(1j * w * chunk.time[late])[:, None, None]
+    expected = (waves * force[:, None] * (rows @ answer)).real
+    moved = chunk.contact_displacement[late].reshape(expected.shape)
+    assert moved == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
