@@ -32,9 +32,11 @@ from bladewhirl.models.modal.suspension import with_sized_shaft
 from bladewhirl.models.rotation.at_speed import TurningDisk, tip_recess, turning_disk
 from bladewhirl.models.rotation.eigenproblems import modal_damping
 from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
+from bladewhirl.models.stage.export import wheel_superelement
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
 from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies
+from bladewhirl.models.superelements.superelement import Superelement
 
 FULL_FREQUENCIES = 7
 """Number of frequencies of the full model that are computed per nodal diameter: five families, the
@@ -110,6 +112,11 @@ class Stage:
     def reduced(self) -> ReducedDisk:
         """Matrices of the reduced bladed disk with named degrees of freedom."""
         return reduced_disk(self.case, self.disk, self.reduction, self.boundary_sets)
+
+    def to_superelement(self) -> Superelement:
+        """Return the full model of the bladed disk as a superelement, a wheel without the springs
+        of the shaft, with the blade tips as contact nodes; see `write_superelement`."""
+        return wheel_superelement(self.disk, self.case.shaft.stiffnesses, self.case.title)
 
     @property
     def speed(self) -> float:
