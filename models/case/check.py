@@ -111,7 +111,7 @@ def _path(details: ErrorDetails) -> Path:
 def _location(details: ErrorDetails) -> Path:
     """Return the path to a fault, without the names `ONE` and `SEVERAL`."""
     location = details["loc"]
-    tagged = location[0] == "excitation" and location[1:2] in ((ONE,), (SEVERAL,))
+    tagged = location[:2] in (("excitation", ONE), ("excitation", SEVERAL))
     return (location[0], *location[2:]) if tagged else location
 
 
