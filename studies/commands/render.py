@@ -90,6 +90,8 @@ def render(
     from bladewhirl.postprocess.fields.kinematics import sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.pictures.render import check_inside
+    from bladewhirl.postprocess.superelement.picture import render_blades
+    from bladewhirl.solvers.march.schema import NODES, tables_of
     from bladewhirl.studies.runs.render import SHEET_PICTURES, window_records
     from bladewhirl.studies.runs.render import render as draw
 
@@ -112,11 +114,20 @@ def render(
             pictures.append((path, window))
     look: dict[str, Any] = {"frame": frame, "colour": colour, "orbit": orbit}
     with open_result(directory) as result:
-        for instant in times:
-            check_inside(result, instant)
         for path, _ in pictures:
             with writing(path):
                 check_file(path, overwrite=overwrite)
+        if tables_of(result.attrs) is NODES:
+            for path, chosen in pictures:
+                with progress_bar(path.name) as update, writing(path):
+                    render_blades(
+                        result, path, **chosen, exaggeration=exaggeration, progress=update
+                    )
+                options.claim_output(path, named=output is not None, overwrite=True)
+                typer.echo(f"Wrote {path}.")
+            return
+        for instant in times:
+            check_inside(result, instant)
         for path, chosen in pictures:
             with progress_bar(path.name) as update:
                 draw(result, path, **chosen, **look, exaggeration=exaggeration, progress=update)

@@ -6,14 +6,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 from typer.testing import CliRunner
 
 import bladewhirl as bw
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.superelement import Superelement
 from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits, wall_contact
+from bladewhirl.postprocess.superelement.picture import render_blades
 from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
 
 
 def blade(nodes: int = 3, levels: int = 6) -> Superelement:
@@ -116,7 +120,7 @@ def test_a_run_records_contact_nodes_and_closes_the_ledger(file: Path, tmp_path:
 
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_a_run_can_be_continued(file: Path, tmp_path: Path) -> None:
-    whole = bw.run(bw.case_from(tables(file)), tmp_path / "whole", frames=0)
+    one, _ = march_in_memory(prepare(bw.case_from(tables(file))))
     half = tables(file, march__duration=0.01)
     bw.run(bw.case_from(half), tmp_path / "half", frames=0)
     outcome = CliRunner().invoke(
@@ -124,15 +128,12 @@ def test_a_run_can_be_continued(file: Path, tmp_path: Path) -> None:
         ["run", "--resume", str(tmp_path / "half"), "--set", "march.duration=0.02", "--frames=0"],
     )
     assert outcome.exit_code == 0, outcome.output
-    with whole.open() as one, bw.open_result(tmp_path / "half") as other:
+    with bw.open_result(tmp_path / "half") as other:
         for name in ("modal_displacement", "contact_impulse", "energy"):
             assert np.array_equal(one[name].values, other[name].values)
 
 
 def test_both_boundaries_give_the_same_impulse(file: Path) -> None:
-    from bladewhirl.studies.runs.prepare import prepare
-    from bladewhirl.studies.runs.recorded_march import march_in_memory
-
     impulse = []
     for reduction in (
         {"boundary": "massless", "free_interface_modes": 15},
@@ -183,8 +184,6 @@ def test_modes_and_properties_are_printed(file: Path, tmp_path: Path) -> None:
 def test_cases_that_cannot_be_marched_are_refused(
     file: Path, changes: dict[str, Any], expected: str | None
 ) -> None:
-    from bladewhirl.studies.runs.prepare import prepare
-
     if expected is None:
         prepare(bw.case_from(tables(file, **changes)))
         return
@@ -248,3 +247,20 @@ def test_engine_order_forces_give_the_steady_answer_of_the_modes(file: Path) -> 
     expected = (waves * force[:, None] * (rows @ answer)).real
     moved = chunk.contact_displacement[late].reshape(expected.shape)
     assert moved == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
+
+
+@pytest.mark.usefixtures("can_draw")
+def test_a_still_shows_contact_and_a_page_is_refused(file: Path, tmp_path: Path) -> None:
+    case = bw.case_from(tables(file, bladed_disk={"superelement": {"file": str(file)}}))
+    result, _ = march_in_memory(prepare(case))
+    render_blades(result, tmp_path / "contact.png")
+    render_blades(result, tmp_path / "start.png", time=0.0)
+    contact, start = (
+        np.asarray(Image.open(tmp_path / name).convert("RGB"), dtype=int)
+        for name in ("contact.png", "start.png")
+    )
+    arrows = (contact[..., 0] > contact[..., 1] + 25) & (contact[..., 2] > contact[..., 1] + 10)
+    assert arrows.sum() > 50  # forces are drawn in purple
+    assert (np.abs(contact - start).sum(axis=-1) > 0).mean() > 0.01
+    with pytest.raises(bw.ViewError, match=r"expected \.png, \.gif or \.mp4"):
+        render_blades(result, tmp_path / "page.html")

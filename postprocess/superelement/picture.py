@@ -1,0 +1,225 @@
+"""Stills and films of a superelement: deformed blades, contact forces, and the wall near them."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import xarray as xr
+from PIL import Image
+
+from bladewhirl.files import replacing
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.inputs.units import handy, handy_unit
+from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, nearest_records
+from bladewhirl.postprocess.pictures.films import shared_palette, write_gif, write_mp4
+from bladewhirl.postprocess.pictures.offscreen import Pixels, off_screen_plotter, pixels_of
+from bladewhirl.postprocess.plotting.style import SEQUENTIAL
+from bladewhirl.postprocess.superelement.motion import check_superelement, deformed_points
+from bladewhirl.postprocess.superelement.series import frame_meshes
+
+SIZE = (900, 700)  #: size of a picture [pixels]
+LEVELS = 96  #: number of colours of displacements in a GIF
+FRAMES = 60  #: default number of pictures of a film
+TURNS = 0.5  #: default length of a film, in revolutions around the largest force
+LARGE = 0.08  #: largest drawn displacement by default, as a share of the size of a blade
+REACH = 0.06  #: angle of the wall that is drawn on both sides of a blade [rad]
+ARROW = 0.35  #: length of the arrow of the largest force, as a share of the size of a blade
+
+
+def render_blades(
+    dataset: xr.Dataset,
+    path: str | Path,
+    *,
+    time: float | None = None,
+    frames: int | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    exaggeration: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Path:
+    """Draw a superelement in axes that rotate with it.
+
+    Displacements and the clearance are multiplied by `exaggeration`, so that blade and wall touch
+    in the picture when they touch in the run. Colours are the size of the displacement. Arrows are
+    the contact forces at the record.
+
+    Args:
+        dataset: result of a superelement with points and triangles.
+        path: file, .png (a still), .gif or .mp4 (films).
+        time: instant of a still [s]; by default that of the largest force.
+        frames: number of pictures of a film.
+        start, end: time window of a film [s]; by default half a revolution around the largest
+            force.
+        exaggeration: factor on displacements and clearance; automatic if None.
+        progress: called with the numbers of finished and of all pictures.
+
+    Raises:
+        ViewError: the result has no surface, or time, window or suffix are invalid.
+        OffScreenError: the system cannot draw without a display.
+    """
+    check_superelement(dataset)
+    target = Path(path)
+    if "triangle" not in dataset:
+        raise ViewError("expected a superelement with points, recovery and triangles")
+    if target.suffix.lower() not in (".png", ".gif", ".mp4"):
+        raise ViewError(f"{target}: expected .png, .gif or .mp4 for a superelement")
+    force = dataset["contact_force"].values[:, :, 0].min(axis=1)
+    strongest = float(dataset["time"][int(force.argmin())])
+    if target.suffix.lower() == ".png":
+        records = nearest_records(dataset, np.array([strongest if time is None else time]))
+    else:
+        if start is None and end is None:
+            turn = 2.0 * np.pi / max(abs(float(dataset.attrs["speed"])), 1e-9)
+            last = float(dataset["time"][-1])
+            length = min(TURNS * turn, last)
+            start = min(max(0.0, strongest - 0.5 * length), last - length)
+            end = start + length
+        records = frame_records(dataset, frames or FRAMES, start, end)
+    pictures = _pictures(dataset, records, exaggeration, progress)
+    with replacing(target) as draft:
+        if target.suffix.lower() == ".png":
+            Image.fromarray(next(pictures)).save(draft, "PNG")
+        elif target.suffix.lower() == ".mp4":
+            write_mp4(draft, pictures)
+        else:
+            every = list(pictures)
+            scale = matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 1.0, LEVELS))[:, :3]
+            write_gif(draft, every, shared_palette(scale, every[len(every) // 2]))
+    return target
+
+
+def _pictures(
+    dataset: xr.Dataset,
+    records: IntArray,
+    exaggeration: float | None,
+    progress: Callable[[int, int], None] | None,
+) -> Iterator[Pixels]:
+    """Yield the pictures of records."""
+    import pyvista
+
+    points = dataset["point"].values
+    size = float(np.ptp(points, axis=0).max())
+    motion = deformed_points(dataset, records)
+    largest = float(np.linalg.norm(motion, axis=-1).max())
+    factor = exaggeration or _rounded(LARGE * size / largest if largest > 0.0 else 1.0)
+    strongest = float(np.abs(dataset["contact_force"].values[:, :, 0]).max())
+    unit, scale = handy_unit(largest, "m")
+    with off_screen_plotter(SIZE) as plotter:
+        bar: dict[str, Any] = {
+            "title": f"displacement [{unit}]",
+            "vertical": True,
+            "n_labels": 4,
+            "color": "black",
+            "title_font_size": 30,
+            "label_font_size": 26,
+            "fmt": "%.3g",
+            "position_x": 0.86,
+            "position_y": 0.1,
+        }
+        first = frame_meshes(dataset, int(records[0]), rotating=True)["blades"]
+        faces = np.column_stack([np.full(len(first.cells[0].data), 3), first.cells[0].data])
+        blades = pyvista.PolyData(first.points.copy(), faces.ravel())
+        blades["shown"] = np.zeros(len(first.points))
+        plotter.add_mesh(
+            blades,
+            scalars="shown",
+            cmap=SEQUENTIAL,
+            clim=(0.0, scale * largest or 1.0),
+            smooth_shading=True,
+            ambient=0.25,
+            scalar_bar_args=bar,
+        )
+        _aim(plotter, dataset, size)
+        for number, record in enumerate(records):
+            meshes = frame_meshes(dataset, int(record), rotating=True)
+            moved = meshes["blades"].point_data["displacement"]
+            blades.points = meshes["blades"].points + factor * moved
+            blades["shown"] = scale * np.linalg.norm(moved, axis=1)
+            _draw_wall(plotter, dataset, int(record), factor)
+            _draw_forces(plotter, meshes["contact"], factor, strongest, ARROW * size)
+            plotter.add_text(
+                f"{dataset.attrs['title']}\nt = {handy(float(dataset['time'][record]), 's', 4)},"
+                f" displacement and clearance x {factor:g},"
+                f" force at most {handy(strongest, 'N', 3)}",
+                font_size=18,
+                color="black",
+                name="text",
+            )
+            yield pixels_of(plotter)
+            if progress is not None:
+                progress(number + 1, len(records))
+
+
+def _aim(plotter: Any, dataset: xr.Dataset, size: float) -> None:
+    """Look at the face of a single blade, slightly from its root; or at all blades along the
+    axis."""
+    if dataset.sizes["copy"] > 1 or len(np.unique(dataset["blade"].values)) > 1:
+        plotter.view_vector((0.4, -0.3, 1.0), viewup=(0.0, 1.0, 0.0))
+        plotter.reset_camera()
+        return
+    points = dataset["point"].values
+    middle = points.mean(axis=0)
+    face = np.linalg.svd(points - middle, full_matrices=False)[2][2]  # normal to the blade
+    out = middle * [1.0, 1.0, 0.0] / np.hypot(*middle[:2])
+    face = face if face[2] >= 0.0 else -face
+    plotter.camera.focal_point = middle + 0.2 * size * out
+    plotter.camera.position = middle + 3.1 * size * (face - 0.35 * out + 0.25 * np.cross(out, face))
+    plotter.camera.up = out
+    plotter.reset_camera_clipping_range()
+
+
+def _draw_wall(plotter: Any, dataset: xr.Dataset, record: int, factor: float) -> None:
+    """Draw the wall near the contact nodes of each blade, at the clearance of the record."""
+    import pyvista
+
+    angle, blade = dataset["contact_angle"].values, dataset["blade"].values
+    axial, recess = dataset["contact_axial"].values, dataset["contact_recess"].values
+    turned = float(dataset.attrs["speed"] * dataset["time"][record])
+    places = np.append(dataset["wall_angle"].values, 2.0 * np.pi)
+    values = np.append(dataset["clearance"].values, dataset["clearance"].values[0])
+
+    def clearance(at: FloatArray) -> FloatArray:
+        return np.asarray(np.interp(np.mod(at + turned, 2.0 * np.pi), places, values))
+
+    known = dataset["gap"].values[record] + dataset["contact_displacement"].values[record, :, 0]
+    closed = float(np.median(known - recess - clearance(angle)))  # closure since the start
+    radius = float((dataset["contact_radius"].values + recess).max())
+    margin = 0.15 * np.ptp(axial) + 0.01 * radius
+    grids = []
+    for number in np.unique(blade):
+        own = angle[blade == number]
+        across = np.linspace(own.min() - REACH, own.max() + REACH, 41)
+        along = np.linspace(axial.min() - margin, axial.max() + margin, 2)
+        at = radius + factor * (clearance(across) + closed)
+        x, z = np.meshgrid(at * np.cos(across), along, indexing="ij")
+        y = np.repeat((at * np.sin(across))[:, None], len(along), axis=1)
+        grids.append(pyvista.StructuredGrid(x, y, z).extract_surface(algorithm="dataset_surface"))
+    plotter.add_mesh(pyvista.merge(grids), color="#BBBBBB", opacity=0.55, name="wall")
+
+
+def _draw_forces(plotter: Any, mesh: Any, factor: float, strongest: float, length: float) -> None:
+    """Draw the contact forces as arrows that end at the contact nodes, and the nodes as points."""
+    import pyvista
+
+    nodes = pyvista.PolyData(mesh.points + factor * mesh.point_data["displacement"])
+    force = mesh.point_data["force"]
+    touching = np.linalg.norm(force, axis=1) > 0.0
+    plotter.add_mesh(
+        nodes, color="black", point_size=8, render_points_as_spheres=True, name="nodes"
+    )
+    if not touching.any() or not strongest > 0.0:
+        plotter.remove_actor("forces")
+        return
+    arrows = force[touching] * (length / strongest)
+    tails = pyvista.PolyData(nodes.points[touching] - arrows)
+    tails["vectors"] = arrows
+    glyphs = tails.glyph(orient="vectors", scale="vectors", factor=1.0)
+    plotter.add_mesh(glyphs, color="#CC79A7", name="forces")
+
+
+def _rounded(value: float) -> float:
+    """Return the largest of 1, 2, 5, 10, ... that is not above a value, at least 1."""
+    power = 10.0 ** np.floor(np.log10(max(value, 1.0)))
+    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= max(value, 1.0)))
