@@ -26,6 +26,7 @@ from bladewhirl.postprocess.fields.kinematics import (
     history,
     sampling_hint,
 )
+from bladewhirl.postprocess.fields.netcdf import check_beams
 from bladewhirl.postprocess.paraview.parts import StageParts
 
 logger = logging.getLogger(__name__)
@@ -89,6 +90,7 @@ def export_vtk(
         ResultError: the result is of an old format without cross-sections.
         FileExistsError: a file exists that the manifest does not list.
     """
+    check_beams(dataset)
     if records is None:
         records = series_records(dataset, frames, start, end)
         if hint := sampling_hint(dataset, records):

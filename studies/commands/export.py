@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from bladewhirl.models.inputs.errors import writing
+from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.progress import progress_bar
 
@@ -37,16 +37,34 @@ def export(
     """Write a series for ParaView: run its view.py, or open series.pvd and apply Warp By Vector.
 
     The parts are rotor, casing, contact, supports. Warp By Vector with warp and factor 1 shows the
-    stage as bladewhirl render does. Fields: displacement, velocity, radial_displacement, gap, axial
+    stage as bladewhirl render does. For a superelement the parts are blades and contact, with
+    displacement and force. Fields: displacement, velocity, radial_displacement, gap, axial
     and bending strain and stress; part, blade, thickness; contact_force (for Glyph).
     An earlier series that bladewhirl wrote into the folder is replaced.
     """
     from bladewhirl.postprocess.fields.kinematics import sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.paraview.series import export_vtk, series_records
+    from bladewhirl.postprocess.superelement.series import export_points
+    from bladewhirl.solvers.march.schema import NODES, tables_of
 
     folder = output or (directory if directory.is_dir() else directory.parent) / VTK
     with open_result(directory) as result:
+        if tables_of(result.attrs) is NODES:
+            if surface or exaggeration is not None:
+                raise UserError("--surface, --exaggeration: expected a bladed disk of beams")
+            with writing(folder):
+                index = export_points(
+                    result,
+                    folder,
+                    frames=frames,
+                    start=start,
+                    end=end,
+                    rotating=rotating,
+                    overwrite=overwrite,
+                )
+            typer.echo(f"Wrote {index}.")
+            return
         records = series_records(result, frames, start, end)
         with progress_bar(folder.name) as update, writing(folder):
             index = export_vtk(

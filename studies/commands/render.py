@@ -118,6 +118,10 @@ def render(
             with writing(path):
                 check_file(path, overwrite=overwrite)
         if tables_of(result.attrs) is NODES:
+            if {"sheet", "html"} & set(targets):
+                raise UserError(
+                    "--sheet, --html: expected --png, --gif or --mp4 for a superelement"
+                )
             for path, chosen in pictures:
                 with progress_bar(path.name) as update, writing(path):
                     render_blades(

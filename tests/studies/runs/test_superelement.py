@@ -264,3 +264,26 @@ def test_a_still_shows_contact_and_a_page_is_refused(file: Path, tmp_path: Path)
     assert (np.abs(contact - start).sum(axis=-1) > 0).mean() > 0.01
     with pytest.raises(bw.ViewError, match=r"expected \.png, \.gif or \.mp4"):
         render_blades(result, tmp_path / "page.html")
+
+
+@pytest.mark.usefixtures("pictures_unsaved")
+def test_commands_for_beams_refuse_a_superelement_in_one_line(file: Path, tmp_path: Path) -> None:
+    given = tables(file, march__duration=1e-3, bladed_disk={"superelement": {"file": str(file)}})
+    run = bw.run(bw.case_from(given), tmp_path / "run", frames=0)
+    folder, case = str(run.directory), str(run.directory / "case.toml")
+    for arguments, expected in (
+        (["plot", folder, "orbit"], "found that of a superelement"),
+        (["report", folder], "found that of a superelement"),
+        (["render", folder, "--sheet"], "expected --png, --gif or --mp4"),
+        (["export", folder, "--surface"], "expected a bladed disk of beams"),
+        (["campbell", case], "expected beams; with a superelement run"),
+        (
+            ["sweep", case, "--over", "march.speed=1:2:1", "-o", str(tmp_path / "sweep")],
+            "expected beams; with a superelement run",
+        ),
+    ):
+        outcome = CliRunner().invoke(app, arguments)
+        assert outcome.exit_code == 2, arguments
+        assert expected in outcome.output, outcome.output
+    outcome = CliRunner().invoke(app, ["export", folder, "--frames", "2"])
+    assert outcome.exit_code == 0, outcome.output
