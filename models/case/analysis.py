@@ -36,8 +36,7 @@ class Reduction(Table):
     flexibility of the contact nodes, whose forces close the gap by that flexibility; "consistent":
     all Craig-Bampton modes with fixed_interface_modes, whose contact nodes have mass."""
     free_interface_modes: Annotated[int, fields.count(1)] = 50
-    """Number of free-interface modes of a superelement with a massless boundary; with a consistent
-    boundary, number of modes with damping.ratio."""
+    """Number of free-interface modes of a superelement with a massless boundary."""
     modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "all"
     """Modes that a march keeps: "all"; "six", the paper's truncated space of Eqs (4)-(10), which is
     "1F:1,suspension:1,casing:1"; or names, FAMILY:k on the bladed disk and casing:FAMILY:k on the
@@ -52,7 +51,7 @@ class Damping(Table):
     """Damping ratio xi of every mode (not in the paper; suspension transients decay within about
     1.1 s)."""
     boundary_ratio: fields.NumberOrZero = 0.05
-    """Damping ratio of the modes above reduction.free_interface_modes with reduction.boundary =
+    """Damping ratio of the modes above reduction.fixed_interface_modes with reduction.boundary =
     "consistent". These modes are mostly motions of the contact nodes."""
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.case.analysis import MODES
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault
@@ -18,6 +19,7 @@ from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
 from bladewhirl.models.stage.superelement_loads import engine_order_loads
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
+    boundary_size,
     consistent,
     massless,
     rigid_limit,
@@ -210,9 +212,10 @@ def superelement_stage(case: Case) -> SuperelementStage:
             reduced = massless(part, case.reduction.free_interface_modes)
         else:
             key = "reduction.fixed_interface_modes"
-            reduced = consistent(
-                part, case.reduction.fixed_interface_modes, case.reduction.free_interface_modes
-            )
+            kept = case.reduction.fixed_interface_modes
+            if kept == MODES:  # the default: all modes of a small superelement
+                kept = min(kept, part.size - boundary_size(part))
+            reduced = consistent(part, kept, kept)
     except SuperelementError as error:
         text = str(error).removeprefix("expected ")
         raise CaseError([case_fault(case, key, text)]) from None

@@ -72,6 +72,9 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
     for key in INTEGERS:
         if key in content:
             values[key] = _whole(key, content[key])
+    for key in ("left_dofs", "right_dofs"):
+        if key in values and values[key].size % 3 == 0:
+            values[key] = values[key].reshape(-1, 3)
     if "centre_dofs" in values:
         values["centre_dofs"] = values["centre_dofs"].ravel()
     return Superelement(**values)

@@ -90,6 +90,12 @@ def massless(part: Superelement, modes: int) -> ReducedSuperelement:
     return _reduced(part, squares, shapes, compliance, modes)
 
 
+def boundary_size(part: Superelement) -> int:
+    """Return the number of coordinates of contact nodes and centre."""
+    centre = 0 if part.centre_dofs is None else len(part.centre_dofs)
+    return int(np.count_nonzero(part.contact_dofs >= 0)) + centre
+
+
 def consistent(part: Superelement, fixed_interface_modes: int, kept: int) -> ReducedSuperelement:
     """Return all modes of the Craig-Bampton model whose boundary are contact nodes and centre.
 

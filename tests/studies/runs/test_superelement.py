@@ -137,12 +137,13 @@ def test_both_boundaries_give_the_same_impulse(file: Path) -> None:
     impulse = []
     for reduction in (
         {"boundary": "massless", "free_interface_modes": 15},
-        {"boundary": "consistent", "free_interface_modes": 15, "fixed_interface_modes": 30},
+        {"boundary": "consistent", "fixed_interface_modes": 30},
+        {"boundary": "consistent"},  # all modes
     ):
         case = bw.case_from(tables(file, reduction=reduction, damping__boundary_ratio=0.05))
         result, _ = march_in_memory(prepare(case))
         impulse.append(float(result["contact_impulse"].sum()))
-    assert impulse[0] == pytest.approx(impulse[1], rel=5e-3)
+    assert impulse == pytest.approx([impulse[0]] * 3, rel=5e-3)
 
 
 def test_modes_and_properties_are_printed(file: Path, tmp_path: Path) -> None:
