@@ -19,6 +19,8 @@
  *
  *     |v|^2 / 2 + q_n^T W^2 q_{n-1} / 2 + f_n^T C f_n / 2 + f_n^T P (q_n - q_{n-1}) / 2.
  */
+#include <stddef.h>
+
 #include "motion.h"
 
 enum { MOST_DIRECTIONS = 100 }; /* iterations of the direction of sliding */
