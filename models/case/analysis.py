@@ -145,7 +145,8 @@ class March(Table):
     """Time between records [s], a whole number of time steps."""
     displacement_limit: fields.Length | None = Field(default=None, examples=["0.5"])
     """Displacement at which a march ends as divergent [m]: radially or tangentially at a blade tip,
-    or radially at the casing. The default is the length of a blade, far beyond the range of a
+    or radially at the casing; radially at a contact node of a superelement, where the default is a
+    fifth of the radius. The default is the length of a blade, far beyond the range of a
     linear model. The model has errors of a tenth at a third of this length, but larger transients
     can still decay (a choice)."""
     scheme: SchemeName = "central-difference"

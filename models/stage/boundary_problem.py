@@ -69,7 +69,7 @@ class BoundaryProblem:
     @property
     def critical_time_step(self) -> float:
         """Largest stable time step [s]: 2 / omega with the largest frequency of the modes; massless
-        contact nodes are held in all directions in which they have a residual flexibility."""
+        contact nodes are fixed in all directions in which they have a residual flexibility."""
         squares = self.frequency**2
         if not self.massless:
             return float(2.0 / np.sqrt(squares.max()))

@@ -13,7 +13,14 @@ ROUNDING = 1e-9
 
 
 def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
-    """Yield a warning if a contact node locks itself against the wall with the given friction."""
+    """Yield warnings for matrices of the file that are not used, and for a contact node that locks
+    itself against the wall with the given friction."""
+    for key, instead in (
+        ("damping", "damping.ratio is the damping of all modes"),
+        ("gyroscopic", "Coriolis forces are left out"),
+    ):
+        if getattr(stage.table.part, key) is not None:
+            yield f"the matrix {key} of the superelement is not used: {instead}"
     limits = locking_friction(stage)
     if not limits:
         return

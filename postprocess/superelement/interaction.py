@@ -66,17 +66,18 @@ def plot_interaction(data: xr.Dataset) -> Figure:
     unit, scale = handy_unit(largest, "m")
     for name in DIRECTIONS:
         motion.plot(rpm, scale * data[name], ".-", markersize=2, linewidth=0.7, label=name)
-    motion.legend(loc="upper left", ncols=3)
     motion.set_ylabel(f"largest\ndisplacement [{unit}]")
     if data["divergent"].any():
         bad = rpm[data["divergent"].values]
         motion.plot(bad, 0.0 * bad, "x", color="black", markersize=3, label="divergent")
+    motion.legend(loc="upper left", ncols=4)
     amplitude = np.ma.masked_invalid(scale * data["amplitude"].values)
-    if len(rpm) > 1 and amplitude.max() > 0.0:
+    amplitude[data["divergent"].values] = np.ma.masked  # their spectra are those of shorter motions
+    if len(rpm) > 1 and amplitude.count() and amplitude.max() > 0.0:
         edges = np.concatenate([rpm[:1], 0.5 * (rpm[1:] + rpm[:-1]), rpm[-1:]])
-        spacing = data["frequency"].values[:, 1]  # proportional to the speed
+        spacing = np.abs(edges) / 60.0 / ((data.attrs["turns"] + 1) // 2)
         lines = np.arange(amplitude.shape[1] + 1) - 0.5
-        rows = np.interp(edges, rpm, spacing)[:, None] * lines
+        rows = spacing[:, None] * lines
         columns = np.broadcast_to(edges[:, None], rows.shape)
         norm = decades(float(amplitude.max()), 3)
         mesh = draw_map(spectra, columns, rows, amplitude, norm=norm, shading="flat")

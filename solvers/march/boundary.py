@@ -11,6 +11,7 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.solvers.kernel.structs import Struct, boundary_march, lib, zeros
 from bladewhirl.solvers.march.march import EndReason, Statistics
+from bladewhirl.solvers.packing.casing import pack_closure
 
 DIRECTIONS = 3
 """Components of the displacement of a contact node: radial, tangential, axial."""
@@ -104,7 +105,8 @@ class BoundaryMarch:
             "bordered": nodes + 1,
             "patterns": len(problem.loads),
         }
-        self._boundary, self._closure = _constants(problem, time_step), _closure(problem)
+        self._boundary = _constants(problem, time_step)
+        self._closure = pack_closure(problem.closure, 2.0 * np.pi / len(problem.wall))
 
     def init(self) -> BoundaryState:
         """Return the state at t = 0."""
@@ -212,16 +214,3 @@ def _closed(values: FloatArray) -> FloatArray:
     angles = len(values)
     rows = np.concatenate([values, values[:1]]).T * [[1.0], [2.0 * np.pi / angles]]
     return np.ascontiguousarray(rows)
-
-
-def _closure(problem: BoundaryProblem) -> Struct | None:
-    if problem.closure is None:
-        return None
-    course = problem.closure.course
-    return Struct(
-        "Closure",
-        share=_closed(problem.closure.share),
-        table=np.reshape(course.table, (-1, 2)).astype(np.float64),
-        amount=course.amount,
-        rate=1.0 / (course.time_constant or np.inf),
-    )

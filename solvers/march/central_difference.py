@@ -90,7 +90,7 @@ class CentralDifference:
             "springs": pack_springs(problem, self._arrangements, time_step),
             "dampers": pack_dampers(problem, bodies, self._arrangements, time_step),
             "gyroscopic": pack_gyroscopic(problem, self._rotor, rotor, time_step),
-            "closure": pack_closure(problem),
+            "closure": pack_closure(problem.closure),
             "coating": pack_coating(problem),
             "foreshortening": pack_foreshortening(problem, rotor, time_step),
             "numbers": _numbers(problem, time_step),

@@ -75,7 +75,7 @@ class _Dense:
         check_time_step(problem, time_step)
         self.cyclic = (False, False)
         self._problem, self._dt, self._record_every = problem, time_step, record_every
-        self._stage, self._closure = _stage(problem, time_step), pack_closure(problem)
+        self._stage, self._closure = _stage(problem, time_step), pack_closure(problem.closure)
         law = {"restitution": 0.0, "penalty": 0.0, "stick_speed": 0.0} | self._law_numbers()
         self._law = Struct("DenseLaw", friction=problem.friction, **law)
         tips = len(problem.rotor.tip_angle)

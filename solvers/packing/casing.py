@@ -3,7 +3,7 @@
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing
+from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing, WallClosure
 from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
 from bladewhirl.solvers.packing.arrangement import FIT, Arrangement, Harmonics, dense_arrangement
 from bladewhirl.solvers.packing.body import by_column, by_sliding, pack_body, scheme_inverse
@@ -70,14 +70,15 @@ def _closed(values: FloatArray) -> FloatArray:
     return rows
 
 
-def pack_closure(problem: ContactProblem) -> Struct | None:
-    """Return the closure of the casing; None if the clearance is constant."""
-    if problem.closure is None:
+def pack_closure(closure: WallClosure | None, length: float = 1.0) -> Struct | None:
+    """Return the closure of the wall; None if the clearance is constant. Slopes of the share are
+    multiplied by a length."""
+    if closure is None:
         return None
-    course = problem.closure.course
+    course = closure.course
     return Struct(
         "Closure",
-        share=_closed(problem.closure.share),
+        share=_closed(closure.share * np.array([1.0, length])),
         table=np.reshape(course.table, (-1, 2)).astype(np.float64),
         amount=course.amount,
         rate=1.0 / (course.time_constant or np.inf),

@@ -122,6 +122,8 @@ def render(
                 raise UserError(
                     "--sheet, --html: expected --png, --gif or --mp4 for a superelement"
                 )
+            if frame != "static" or colour != "displacement" or orbit:
+                raise UserError("--frame, --colour, --orbit: expected beams, not a superelement")
             for path, chosen in pictures:
                 with progress_bar(path.name) as update, writing(path):
                     render_blades(

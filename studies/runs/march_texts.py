@@ -48,10 +48,11 @@ def divergence(prepared: AnyPrepared, chunk: AnyChunk) -> str:
         return _beam_divergence(prepared.problem, prepared.timing.time_step, chunk)
     moved = np.abs(chunk.contact_displacement[-1, :, 0])
     node = int(moved.argmax())
-    nodes = len(prepared.stage.arrays.contact_angle) // len(prepared.stage.arrays.copy_angle)
+    arrays = prepared.stage.arrays
     return (
-        f"contact node {node % nodes} of blade {node // nodes} passed march.displacement_limit ="
-        f" {prepared.problem.displacement_limit:g} m at {chunk.time[-1]:.6g} s"
+        f"contact node {arrays.node[node]} of blade {arrays.blade[node]} passed"
+        f" march.displacement_limit = {prepared.problem.displacement_limit:g} m"
+        f" at {chunk.time[-1]:.6g} s"
     )
 
 

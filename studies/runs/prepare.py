@@ -1,5 +1,6 @@
 """Preparation of a case for time integration."""
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, TypeAlias, TypeVar
@@ -18,7 +19,7 @@ from bladewhirl.models.stage.superelement_stage import SuperelementStage, supere
 from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.solvers.march.march import Scheme
-from bladewhirl.solvers.march.scheme import make_scheme
+from bladewhirl.solvers.march.scheme import KERNEL, make_scheme
 
 Change = Callable[[ContactProblem, Timing], tuple[ContactProblem, Timing]]
 """Function that changes a contact problem and its timing."""
@@ -117,7 +118,10 @@ def prepare_superelement(
 
     Raises:
         CaseError: a contact node starts inside the wall, or the time step is too long.
+        UserError: the environment asks for the reference in NumPy.
     """
+    if os.environ.get(KERNEL, "compiled") != "compiled":
+        raise UserError(f"{KERNEL}: expected compiled, there is no reference for superelements")
     problem, timing = stage.problem, stage.case.march.timing
     limit = problem.critical_time_step
     if not timing.time_step < limit:

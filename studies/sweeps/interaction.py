@@ -65,6 +65,8 @@ def interaction_map(
     """
     if case.bladed_disk.superelement is None:
         raise UserError("bladed_disk.superelement: expected a superelement for an interaction map")
+    if not len(speeds) or turns < 2:
+        raise UserError("interaction map: expected at least one speed, and at least 2 revolutions")
     stage = superelement_stage(case)
     problem, reference = stage.problem, stage.reference_frequency
     if not 0 <= node < stage.part.contacts:
@@ -77,9 +79,9 @@ def interaction_map(
         dt = 2.0 * np.pi / abs(omega) / steps[number]
         scheme = BoundaryMarch(stage.problem_at(omega), dt, every)
         state, chunk, end = scheme.advance(scheme.init(), turns * steps[number] + 1)
-        found = point_of_map(chunk, omega, RECORDS, node)
+        reduced = point_of_map(chunk, omega, RECORDS, node)
         unsolved = state.statistics.lcp_failures
-        return found | {"unsolved_steps": unsolved, "divergent": end is not None}
+        return reduced | {"unsolved_steps": unsolved, "divergent": end is not None}
 
     rows: list[dict[str, Any]] = []
     with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
@@ -111,8 +113,8 @@ def _steps(
         UserError: the time step is not below the critical one.
     """
     turn = 2.0 * np.pi / abs(omega)
-    wanted = turn / stage.case.march.time_step if given is None else float(given)
-    steps = RECORDS * max(1, int(np.ceil(wanted / RECORDS - 1e-9)))
+    requested = turn / stage.case.march.time_step if given is None else float(given)
+    steps = RECORDS * max(1, int(np.ceil(requested / RECORDS - 1e-9)))
     limit = problem.critical_time_step
     if not turn / steps < limit:
         raise UserError(

@@ -1,6 +1,7 @@
 """Runs of superelements: from a file of matrices to a folder with results."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,10 @@ from PIL import Image
 from typer.testing import CliRunner
 
 import bladewhirl as bw
+from bladewhirl.models.stage.superelement_hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.postprocess.superelement.interaction import plot_interaction
 from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits, wall_contact
 from bladewhirl.postprocess.superelement.picture import render_blades
 from bladewhirl.solvers.march.boundary import BoundaryMarch
@@ -288,3 +291,26 @@ def test_commands_for_beams_refuse_a_superelement_in_one_line(file: Path, tmp_pa
         assert expected in outcome.output, outcome.output
     outcome = CliRunner().invoke(app, ["export", folder, "--frames", "2"])
     assert outcome.exit_code == 0, outcome.output
+
+
+@pytest.mark.usefixtures("pictures_unsaved")
+def test_matrices_that_are_not_used_are_reported_and_divergent_speeds_are_drawn(
+    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    part = replace(blade(), damping=np.eye(54), gyroscopic=np.zeros((54, 54)))
+    bw.write_superelement(tmp_path / "damped.npz", part)
+    damped = tables(tmp_path / "damped.npz")
+    hints = [*superelement_hints(superelement_stage(bw.case_from(damped)))]
+    assert [hint.split()[2] for hint in hints] == ["damping", "gyroscopic"]
+    assert not [*superelement_hints(superelement_stage(bw.case_from(tables(file))))]
+    boundary = {"boundary": "consistent"}
+    case = bw.case_from(tables(file, march__displacement_limit=1e-5, reduction=boundary))
+    data = bw.interaction_map(case, ["4000 rpm", "6000 rpm", "9000 rpm"], turns=4)
+    assert data["divergent"].all()
+    data["divergent"][1:] = False  # spectra of motions of different lengths
+    plot_interaction(data).draw_without_rendering()
+    with pytest.raises(bw.UserError, match="at least one speed"):
+        bw.interaction_map(case, [])
+    monkeypatch.setenv("BLADEWHIRL_KERNEL", "reference")
+    with pytest.raises(bw.UserError, match="no reference for superelements"):
+        prepare(case)
