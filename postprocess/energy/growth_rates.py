@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.fields.result import portions
+from bladewhirl.postprocess.fields.result import PORTION
 
 CERTAINTY = 2.0  #: number of standard errors above which a growth rate is significant
 #: least ratio of the growth rates in the second and the first half of the last third
@@ -158,10 +158,10 @@ def ripple_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
     weights = 0.5 * dataset["rotor_frequency"].values ** 2
     middle = motion.late // 2
     energy = np.empty(len(motion.begin) - middle)
+    history = dataset["rotor_displacement"].variable
     for number, (begin, end) in enumerate(zip(first[middle:-1], first[middle + 1 :], strict=True)):
-        window = dataset[["rotor_displacement"]].isel(time=slice(begin, end))
-        parts = (window["rotor_displacement"].isel(time=part).values for part in portions(window))
-        total = sum(part.sum(axis=0) for part in parts)
+        parts = (slice(at, min(at + PORTION, end)) for at in range(begin, end, PORTION))
+        total = sum(history[part].values.sum(axis=0) for part in parts)
         mean = np.asarray(total) / (end - begin)
         energy[number] = motion.amplitude[middle + number] ** 2 - weights @ mean**2
     if not energy.min() > np.finfo(np.float64).eps * motion.amplitude.max() ** 2:

@@ -210,7 +210,8 @@ def reduce_modes(
         transform: applied to the modal coordinates first, such as `numpy.square`.
     """
     out = np.empty((dataset.sizes["time"], len(rows)))
+    history = dataset[variable].variable  # without coordinates, which take time to cut
     for portion in portions(dataset):
-        coordinates = dataset[variable].isel(time=portion).values
+        coordinates = history[portion].values
         out[portion] = (coordinates if transform is None else transform(coordinates)) @ rows.T
     return out

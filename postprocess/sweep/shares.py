@@ -26,3 +26,15 @@ def settled(low: Array, high: Array, width: float = 0.0) -> NDArray[np.bool_]:
     one half or is narrower than `width`. `low` and `high` (..., regimes) are from `wilson`."""
     known = (low >= 0.5) | (high <= 0.5) | (high - low < width)
     return np.asarray(known.all(axis=-1))
+
+
+def decided(hits: Array, draws: Array, left: Array) -> NDArray[np.bool_]:
+    """Return true where `left` more draws cannot change the outcome: whatever they are, the
+    interval of the share of every regime excludes one half on the same side.
+
+    Args:
+        hits: draws of each regime so far, (..., regimes).
+        draws: number of draws so far, (..., 1).
+        left: number of draws that may follow, (..., 1).
+    """
+    return settled(wilson(hits, draws + left)[0], wilson(hits + left, draws + left)[1])

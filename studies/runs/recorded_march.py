@@ -59,6 +59,10 @@ FLUSH_TIME, FLUSH_RECORDS = 0.5, 4096
 """Largest time [s] and largest number of records between two writes; a killed run loses at most the
 records since the last write."""
 
+CACHED_RECORDS = 500
+"""Largest number of records that a march in memory computes at a time, so that they are in the
+cache when they are stored."""
+
 PROFILES = 200
 """Number of profiles of a coating in a run, or more if the run is long."""
 
@@ -128,7 +132,12 @@ def march_in_memory(
 
     attributes = march_texts.attributes(prepared, "")
     records = Records(prepared.stage.arrays, attributes, prepared.timing.records, room)
-    report = _march_into(records, prepared, lambda chunk, *_: records.write(chunk), 0.0)
+    chunk_steps = CHUNK_STEPS
+    if prepared.stop is None:  # which is asked after every chunk
+        chunk_steps = min(CHUNK_STEPS, CACHED_RECORDS * prepared.timing.record_every)
+    report = _march_into(
+        records, prepared, lambda chunk, *_: records.write(chunk), 0.0, chunk_steps=chunk_steps
+    )
     return result_of(records.stage, records.histories, records.attributes), report
 
 
@@ -139,9 +148,12 @@ def _march_into(
     pause: float,
     progress: Progress | None = None,
     begin: Checkpoint | None = None,
+    *,
+    chunk_steps: int = CHUNK_STEPS,
 ) -> dict[str, float]:
     """March; return the quality measures. At intervals of `pause` [s], `flush` is called with the
-    new records, the state and the elapsed time [s]."""
+    new records, the state and the elapsed time [s]; between two such calls are `chunk_steps` steps
+    or more."""
     timing, residual, unsolved = prepared.timing, 0.0, 0
     reason, message = EndReason.COMPLETED.value, ""
     first, before = None, 0.0
@@ -150,7 +162,6 @@ def _march_into(
         first, before = state_at(prepared, begin), begin.wall_time
         residual = first.statistics.complementarity_residual
         unsolved = first.statistics.lcp_failures
-    chunk_steps = CHUNK_STEPS
     problem = prepared.problem
     if isinstance(problem, ContactProblem) and problem.coating is not None:
         # There is a profile of the coating at the end of each chunk.

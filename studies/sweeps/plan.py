@@ -50,10 +50,12 @@ FEWEST_SCREENED = 4
 includes one half."""
 
 SCREEN_RULE = (
-    "a point is screened: its draws are marched with casing modes above a cut scaled down to it,"
-    " and with a time step of at most half the critical one; where the regimes of the draws differ"
-    " or the 95 % interval of the share of a regime includes one half, all draws are repeated with"
-    " the time step of the case"
+    "a point is screened: its draws are marched, until two differ, with casing modes above a cut"
+    " scaled down to it, and with a time step of at most half the critical one; where the regimes"
+    " of the draws differ or the 95 % interval of the share of a regime includes one half, the"
+    " draws are repeated with the time step of the case, in their order; repeats end when the"
+    " interval of the share of every regime will exclude one half whatever the draws that are left"
+    " are, or by the rule of --until if it is given"
 )
 """Text of the rule, which every screened sweep contains."""
 

@@ -11,7 +11,15 @@ from bladewhirl.studies.sweeps.carried import SPEED, Carry, Chains
 from bladewhirl.studies.sweeps.plan import Plan
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point
 from bladewhirl.studies.sweeps.store import Store
-from bladewhirl.studies.sweeps.until import REGIMES, Judge
+from bladewhirl.studies.sweeps.until import (
+    REGIMES,
+    Judge,
+    Rule,
+    differing,
+    narrower,
+    never,
+    unalterable,
+)
 
 March = Callable[[Iterable[Point | None]], Iterator[tuple[int, Outcome]]]
 """Function that marches points and yields number and outcome of each."""
@@ -39,21 +47,22 @@ class Rounds:
 
     def outcomes(self) -> Iterator[tuple[int, Outcome | None]]:
         """March the unfinished points; yield number and outcome of each, None for a draw that is
-        not needed."""
+        left out."""
         if self._plan.carry is not None:
             yield from self._chained(self._plan.carry)
             return
-        done = self._store.state == DONE
+        done, draws = self._store.state == DONE, self._plan.grid.draws
+        rule = never if draws is None or draws.until is None else narrower(draws.until)
         if not self._plan.screen:
-            yield from self._round(done, np.ones(self._points, dtype=np.bool_))
+            yield from self._round(done, np.ones(self._points, dtype=np.bool_), rule)
             return
         self.screening = True
-        yield from self._round(done, ~self._repeated())
+        yield from self._round(done, ~self._repeated(), rule, differing)
         self.screening = False
         again = self._uncertain()
         known = (self._store.state == DONE) & ~(self._store.screened & self._of_draws(again))
         self.waiting = int(np.count_nonzero((self._store.state == DONE) & ~known))
-        yield from self._round(known, again)
+        yield from self._round(known, again, unalterable(self._draws) if rule is never else rule)
 
     def _chained(self, carry: Carry) -> Iterator[tuple[int, Outcome]]:
         """March points one after the other along the speed; yield number and outcome of each."""
@@ -75,17 +84,19 @@ class Rounds:
             chains.take(number, end)
             yield number, outcome
 
-    def _round(self, known: Mask, chosen: Mask) -> Iterator[tuple[int, Outcome | None]]:
-        """March the draws that are not known (draws,) of the chosen points (points,)."""
-        draws = self._plan.grid.draws
-        if draws is None or draws.until is None:
+    def _round(
+        self, known: Mask, chosen: Mask, enough: Rule, halt: Rule = never
+    ) -> Iterator[tuple[int, Outcome | None]]:
+        """March the draws that are not known (draws,) of the chosen points (points,), as far as
+        the rules require."""
+        if enough is halt is never:
             yield from self._counted(self._marched(np.flatnonzero(~known & self._of_draws(chosen))))
             return
         state = np.where(known, DONE, MISSING).astype(np.int8)
-        judge = Judge(draws.count, draws.until, state, self._store.regime)
+        judge = Judge(self._draws, enough, state, self._store.regime, halt)
         for point in np.flatnonzero(chosen):
-            yield from judge.decided(int(point))
-        wanted = (number for number in judge.wanted() if chosen[number // draws.count])
+            yield from self._counted(judge.decided(int(point)))
+        wanted = (number for number in judge.wanted() if chosen[number // self._draws])
         for number, outcome in self._marched(wanted):
             yield from self._counted(judge.take(number, outcome))
 

@@ -78,8 +78,8 @@ def create(
             made = _reserve(h5, file, name, np.dtype(variable.kind), {**sizes, **lengths})
             made.attrs.update(variable.attributes)
             labels = variable.labels
-            if name == "state" and (grid.draws is None or grid.draws.until is None):
-                labels = labels[: dataset.NOT_NEEDED]  # only --until leaves draws out
+            if name == "state" and not screen and (grid.draws is None or grid.draws.until is None):
+                labels = labels[: dataset.NOT_NEEDED]  # only --until and --screen leave draws out
             if labels:
                 made.attrs["flag_values"] = np.arange(len(labels), dtype="i1")
                 made.attrs["flag_meanings"] = " ".join(labels)
@@ -213,8 +213,16 @@ class Store(AbstractContextManager["Store"]):
         self._write_state(point, dataset.FAILED if isinstance(outcome, Failure) else dataset.DONE)
 
     def leave_out(self, point: int) -> None:
-        """Write that a draw is not needed."""
+        """Write that a draw is not needed. If the draw has data, they are erased."""
+        if self.state[point] == dataset.NOT_NEEDED:
+            return
         self.failures.pop(point, None)
+        if self._screened is not None and self.state[point] != dataset.MISSING:
+            index = np.unravel_index(point, self._grid.shape)
+            self._write_state(point, dataset.MISSING)
+            for variable in self._variables.values():
+                variable[index] = _empty(variable.dtype)
+            self._screened[index] = False
         self._write_state(point, dataset.NOT_NEEDED)
 
     def _write_state(self, point: int, state: int) -> None:
@@ -236,8 +244,14 @@ def _reserve(
     h5: h5py.File, file: h5netcdf.File, name: str, kind: np.dtype[Any], sizes: Mapping[str, int]
 ) -> Any:
     """Create and allocate a variable: floats are NaN; integers are zeros, not marked as missing."""
-    empty = kind.type(np.nan) if kind.kind == "f" else None
-    made = file.create_variable(name, tuple(sizes), kind, fillvalue=empty)
+    empty = _empty(kind)
+    fill = empty if kind.kind == "f" else None
+    made = file.create_variable(name, tuple(sizes), kind, fillvalue=fill)
     # HDF5 allocates a contiguous array when its first value is written.
-    h5[name][(0,) * len(sizes)] = kind.type(0 if empty is None else empty)
+    h5[name][(0,) * len(sizes)] = empty
     return made
+
+
+def _empty(kind: np.dtype[Any]) -> Any:
+    """Return the value of the elements of a variable before they are written."""
+    return kind.type(np.nan if kind.kind == "f" else 0)

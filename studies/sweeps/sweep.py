@@ -55,7 +55,7 @@ class Sweep:
     grid: Grid
     wall_time: float  #: wall time of this call [s]
     marched: int  #: number of points marched by this call
-    not_needed: int = 0  #: number of draws that were not needed, see `until`
+    not_needed: int = 0  #: number of draws that were not needed, see `until` and `screen`
     screened: int = 0  #: number of marches that are screening marches, see `screen`
     left_out: Mapping[str, str] = field(default_factory=dict)  #: figures not drawn, and the reasons
 
@@ -116,8 +116,9 @@ def run_sweep(
         until: stop drawing a point when the 95 % interval of the share of every regime excludes one
             half or is narrower than this. The `state` of the other draws is "not-needed".
         screen: march the draws with scaled masses of the casing and a longer time step, and repeat
-            at the time step of the case the points whose outcome is uncertain. The variable
-            `screened` tells these marches from others; the attribute `screen_rule` is the rule.
+            at the time step of the case the points whose outcome is uncertain, up to the draw after
+            which the others cannot change the outcome. The variable `screened` tells these marches
+            from others; the attribute `screen_rule` is the rule.
         carry: "up" or "down": start the march at each speed from the motion at the speed below or
             above it, so that hysteresis is seen; the attribute `carry_rule` is the rule.
         watch: progress callbacks.

@@ -1,17 +1,17 @@
-"""Draws of a sweep that stop, point by point, when the shares of the regimes are known.
+"""Draws of a sweep that stop, point by point, when no more of them are needed.
 
-The rule looks at the draws of a point in their order, whatever the order in which they were
-marched: a draw is needed if the draws before it do not settle the outcome, see `shares.settled`.
-The dataset therefore does not depend on the number of workers.
+A rule looks at the draws of a point in their order, whatever the order in which they were marched:
+a draw is needed if the draws before it are not enough. The dataset therefore does not depend on the
+number of workers.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bladewhirl.postprocess.sweep.dataset import DONE
-from bladewhirl.postprocess.sweep.shares import settled, wilson
+from bladewhirl.postprocess.sweep.shares import decided, settled, wilson
 from bladewhirl.solvers.march.schema import SWEEP
 from bladewhirl.studies.sweeps.points import Failure, Outcome
 
@@ -21,20 +21,55 @@ REGIMES = np.arange(1, len(SWEEP["regime"].labels))
 """Codes of the regimes; zero means that there is no regime yet."""
 
 
+Rule = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.bool_]]
+"""Function that tells after which draws of a point no more draws are needed, (draws,). Its
+arguments are the number of draws of each regime among the first n draws, (draws, regimes), and n,
+(draws,). Failed draws have no regime."""
+
+
+def narrower(width: float) -> Rule:
+    """Return the rule of `--until`, see `shares.settled`."""
+    return lambda hits, drawn: settled(*wilson(hits, hits.sum(axis=-1, keepdims=True)), width)
+
+
+def unalterable(count: int) -> Rule:
+    """Return the rule that stops when the rest of `count` draws cannot change the outcome, see
+    `shares.decided`."""
+    return lambda hits, drawn: decided(
+        hits, hits.sum(axis=-1, keepdims=True), count - drawn[:, None]
+    )
+
+
+def never(hits: NDArray[np.float64], drawn: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return false after each draw."""
+    return np.zeros(drawn.shape, dtype=np.bool_)
+
+
+def differing(hits: NDArray[np.float64], drawn: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return true after each draw up to which draws differ or a draw failed."""
+    return np.asarray(hits.max(axis=1) < drawn)
+
+
 class Judge:
     """Decision which draws of each point are needed.
 
     Args:
         count: number of draws of each point, if all are needed.
-        until: width of the intervals, see `shares.settled`.
+        enough: rule by which the outcome of a point is known; its other draws are left out.
         state: state of every draw as written, (points * count,).
         regime: code of the regime of every draw as written, (points * count,).
+        halt: rule by which a point is put off: its other draws are neither marched nor left out.
     """
 
     def __init__(
-        self, count: int, until: float, state: NDArray[np.int8], regime: NDArray[np.int8]
+        self,
+        count: int,
+        enough: Rule,
+        state: NDArray[np.int8],
+        regime: NDArray[np.int8],
+        halt: Rule = never,
     ) -> None:
-        self._count, self._until = count, until
+        self._count, self._enough, self._halt = count, enough, halt
         self._regime = np.where(state == DONE, regime, UNKNOWN).reshape(-1, count)
         self._arrived: dict[int, Outcome] = {}  # outcomes that are not written yet
 
@@ -50,7 +85,7 @@ class Judge:
     def take(self, number: int, outcome: Outcome) -> Iterator[tuple[int, Outcome | None]]:
         """Take the outcome of a draw; yield the outcomes of its point that can be written, with
         their numbers. An outcome can be written as soon as the outcomes of all draws before it are
-        known. None means that a draw is not needed."""
+        known. None means that a draw is left out."""
         point, draw = divmod(number, self._count)
         code = FAILED if isinstance(outcome, Failure) else int(outcome["regime"])
         self._regime[point, draw] = code
@@ -60,19 +95,23 @@ class Judge:
     def decided(self, point: int) -> Iterator[tuple[int, Outcome | None]]:
         """Yield the outcomes of a point that can be written, see `take`."""
         first, row = point * self._count, self._regime[point]
-        known, needed = self._needed(row)
+        known, needed, put_off = self._needed(row)
         for draw in range(min(known, needed)):
             if first + draw in self._arrived:
                 yield first + draw, self._arrived.pop(first + draw)
-        for draw in range(needed, self._count) if needed <= known else ():
+        for draw in range(needed, self._count) if needed <= known and not put_off else ():
             if row[draw] == UNKNOWN or self._arrived.pop(first + draw, None) is not None:
                 yield first + draw, None
 
-    def _needed(self, row: NDArray[np.int8]) -> tuple[int, int]:
-        """Return the number of draws before the first one without an outcome, and the number of
-        draws that are needed according to these draws."""
+    def _needed(self, row: NDArray[np.int8]) -> tuple[int, int, bool]:
+        """Return the number of draws before the first one without an outcome, the number of draws
+        that are needed according to these draws, and whether the point is put off."""
         unknown = np.flatnonzero(row == UNKNOWN)
         known = int(unknown[0]) if unknown.size else len(row)
         hits = np.cumsum(row[:known, None] == REGIMES, axis=0).astype(np.float64)
-        enough = settled(*wilson(hits, hits.sum(axis=1, keepdims=True)), self._until)
-        return known, int(np.argmax(enough)) + 1 if enough.any() else len(row)
+        drawn = np.arange(1.0, known + 1.0)
+        ends = [
+            int(np.argmax(rule)) if (rule := each(hits, drawn)).any() else len(row)
+            for each in (self._halt, self._enough)
+        ]
+        return known, min(*ends, len(row) - 1) + 1, ends[0] <= min(ends[1], len(row) - 1)

@@ -18,7 +18,7 @@ from bladewhirl.studies.sweeps import sweep as sweep_module
 from bladewhirl.studies.sweeps.draws import parse_draws
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
-from bladewhirl.studies.sweeps.until import Judge
+from bladewhirl.studies.sweeps.until import Judge, narrower
 
 DIVERGENT, SUSTAINED = flag("regime", "divergent"), flag("regime", "sustained")
 COUNT = 30
@@ -59,7 +59,7 @@ def carried_out(regimes: NDArray[np.int64], workers: int, seed: int) -> list[dic
     written, true if needed."""
     written: list[dict[int, bool]] = [{} for _ in regimes]
     fresh = np.full(regimes.size, MISSING, dtype=np.int8)
-    judge = Judge(COUNT, 0.2, fresh, fresh)
+    judge = Judge(COUNT, narrower(0.2), fresh, fresh)
     random, wanted, flying = np.random.default_rng(seed), judge.wanted(), list[int]()
     while True:
         while len(flying) < 2 * workers and (number := next(wanted, None)) is not None:
@@ -160,6 +160,6 @@ def test_widths_that_cannot_be(count: int | None, until: float) -> None:
 
 def test_a_resumed_point_needs_the_first_missing_draw() -> None:
     state = np.array([DONE, MISSING, DONE], dtype=np.int8)
-    judge = Judge(3, 0.2, state, np.full(3, SUSTAINED, dtype=np.int8))
+    judge = Judge(3, narrower(0.2), state, np.full(3, SUSTAINED, dtype=np.int8))
     assert list(judge.wanted()) == [1]
     assert [number for number, _ in judge.take(1, outcome(SUSTAINED))] == [1]
