@@ -153,8 +153,7 @@ def _screening(dataset: xr.Dataset) -> str:
     return (
         f"{int(screened.sum())} of {int(done.any(DRAW).sum())} points were screened with scaled"
         " masses of the casing, and are marked in the table of points; where the draws differed,"
-        " they were repeated with the time step of the case until the others could not change the"
-        " outcome."
+        " they were repeated with the time step of the case until the outcome was known."
     )
 
 

@@ -9,13 +9,13 @@ QUANTILE = 1.959963984540054
 """Quantile of the normal distribution for intervals of 95 %."""
 
 
-def wilson(hits: Array, draws: Array) -> tuple[Array, Array]:
-    """Return the ends of the 95 % interval of a probability (Wilson, 1927), from the number of hits
-    and the number of draws; the interval is [0, 1] without draws."""
+def wilson(hits: Array, draws: Array, quantile: float = QUANTILE) -> tuple[Array, Array]:
+    """Return the ends of the interval of a probability (Wilson, 1927), by default the interval of
+    95 %, from the number of hits and the number of draws; the interval is [0, 1] without draws."""
     some = np.maximum(draws, 1.0)
-    share, square = hits / some, QUANTILE**2 / some
+    share, square = hits / some, quantile**2 / some
     middle = share + 0.5 * square
-    half = QUANTILE * np.sqrt(share * (1.0 - share) / some + 0.25 * square / some)
+    half = quantile * np.sqrt(share * (1.0 - share) / some + 0.25 * square / some)
     low, high = (middle - half) / (1.0 + square), (middle + half) / (1.0 + square)
     none = np.asarray(draws) == 0.0
     return np.where(none, 0.0, np.maximum(low, 0.0)), np.where(none, 1.0, np.minimum(high, 1.0))
@@ -26,15 +26,3 @@ def settled(low: Array, high: Array, width: float = 0.0) -> NDArray[np.bool_]:
     one half or is narrower than `width`. `low` and `high` (..., regimes) are from `wilson`."""
     known = (low >= 0.5) | (high <= 0.5) | (high - low < width)
     return np.asarray(known.all(axis=-1))
-
-
-def decided(hits: Array, draws: Array, left: Array) -> NDArray[np.bool_]:
-    """Return true where `left` more draws cannot change the outcome: whatever they are, the
-    interval of the share of every regime excludes one half on the same side.
-
-    Args:
-        hits: draws of each regime so far, (..., regimes).
-        draws: number of draws so far, (..., 1).
-        left: number of draws that may follow, (..., 1).
-    """
-    return settled(wilson(hits, draws + left)[0], wilson(hits + left, draws + left)[1])

@@ -43,7 +43,7 @@ def march_on_cluster(
         while True:
             threads = max(1, sum(client.nthreads().values()))
             for point in ready(waiting, max(0, (1 + READY) * threads - len(marching))):
-                key = (together, point.number)
+                key = (together, point.number, int(point.screen))
                 future = client.submit(march_point, work, point, key=key, pure=False)
                 marching[future.key] = point
                 results.add(future)

@@ -54,8 +54,8 @@ SCREEN_RULE = (
     " scaled down to it, and with a time step of at most half the critical one; where the regimes"
     " of the draws differ or the 95 % interval of the share of a regime includes one half, the"
     " draws are repeated with the time step of the case, in their order; repeats end when the"
-    " interval of the share of every regime will exclude one half whatever the draws that are left"
-    " are, or by the rule of --until if it is given"
+    " 99.7 % interval of the share of every regime excludes one half, or by the rule of --until if"
+    " it is given"
 )
 """Text of the rule, which every screened sweep contains."""
 

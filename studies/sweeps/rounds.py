@@ -15,10 +15,10 @@ from bladewhirl.studies.sweeps.until import (
     REGIMES,
     Judge,
     Rule,
+    beyond_doubt,
     differing,
     narrower,
     never,
-    unalterable,
 )
 
 March = Callable[[Iterable[Point | None]], Iterator[tuple[int, Outcome]]]
@@ -48,21 +48,60 @@ class Rounds:
     def outcomes(self) -> Iterator[tuple[int, Outcome | None]]:
         """March the unfinished points; yield number and outcome of each, None for a draw that is
         left out."""
-        if self._plan.carry is not None:
-            yield from self._chained(self._plan.carry)
-            return
-        done, draws = self._store.state == DONE, self._plan.grid.draws
+        plan, draws = self._plan, self._plan.grid.draws
+        if plan.carry is not None:
+            yield from self._chained(plan.carry)
+        elif plan.screen or (draws is not None and draws.until is not None):
+            yield from self._judged()
+        else:
+            yield from self._march(plan.point(n) for n in self._unfinished())
+
+    def _judged(self) -> Iterator[tuple[int, Outcome | None]]:
+        """March the draws that are needed, in one or two rounds; yield number and outcome of each.
+
+        Both rounds are in one call of `march`, so that workers are started once.
+        """
+        rounds, flying = self._rounds(), 0
+        judge = next(rounds)
+        yield from self._counted(judge.all_decided())
+
+        def points() -> Iterator[Point | None]:
+            nonlocal judge, flying
+            following: Judge | None = judge
+            while following is not None:
+                judge = following
+                for number in judge.wanted():
+                    flying += 1
+                    yield self._plan.point(number, screen=self.screening)
+                while flying and self.screening:
+                    yield None  # the next round depends on the outcomes of all draws
+                following = next(rounds, None)
+
+        for number, outcome in self._march(points()):
+            flying -= 1
+            yield from self._counted(judge.take(number, outcome))
+        yield from self._counted(judge.all_decided())
+
+    def _rounds(self) -> Iterator[Judge]:
+        """Yield the judge of each round; the next one must be requested when all outcomes of the
+        one before are written."""
+        store, draws = self._store, self._plan.grid.draws
         rule = never if draws is None or draws.until is None else narrower(draws.until)
-        if not self._plan.screen:
-            yield from self._round(done, np.ones(self._points, dtype=np.bool_), rule)
+        self.screening = self._plan.screen
+        done = store.state == DONE
+        if not self.screening:
+            yield self._judge(done, np.ones(self._points, dtype=np.bool_), rule)
             return
-        self.screening = True
-        yield from self._round(done, ~self._repeated(), rule, differing)
-        self.screening = False
-        again = self._uncertain()
-        known = (self._store.state == DONE) & ~(self._store.screened & self._of_draws(again))
-        self.waiting = int(np.count_nonzero((self._store.state == DONE) & ~known))
-        yield from self._round(known, again, unalterable(self._draws) if rule is never else rule)
+        yield self._judge(done, ~self._repeated(), rule, differing)
+        self.screening, again, done = False, self._uncertain(), store.state == DONE
+        known = done & ~(store.screened & np.repeat(again, self._draws))
+        self.waiting = int(np.count_nonzero(done & ~known))
+        yield self._judge(known, again, beyond_doubt if rule is never else rule)
+
+    def _judge(self, known: Mask, chosen: Mask, enough: Rule, halt: Rule = never) -> Judge:
+        """Return the judge of the chosen points (points,) with the known draws (draws,)."""
+        state = np.where(known, DONE, MISSING).astype(np.int8)
+        return Judge(self._draws, enough, state, self._store.regime, halt, chosen)
 
     def _chained(self, carry: Carry) -> Iterator[tuple[int, Outcome]]:
         """March points one after the other along the speed; yield number and outcome of each."""
@@ -84,26 +123,6 @@ class Rounds:
             chains.take(number, end)
             yield number, outcome
 
-    def _round(
-        self, known: Mask, chosen: Mask, enough: Rule, halt: Rule = never
-    ) -> Iterator[tuple[int, Outcome | None]]:
-        """March the draws that are not known (draws,) of the chosen points (points,), as far as
-        the rules require."""
-        if enough is halt is never:
-            yield from self._counted(self._marched(np.flatnonzero(~known & self._of_draws(chosen))))
-            return
-        state = np.where(known, DONE, MISSING).astype(np.int8)
-        judge = Judge(self._draws, enough, state, self._store.regime, halt)
-        for point in np.flatnonzero(chosen):
-            yield from self._counted(judge.decided(int(point)))
-        wanted = (number for number in judge.wanted() if chosen[number // self._draws])
-        for number, outcome in self._marched(wanted):
-            yield from self._counted(judge.take(number, outcome))
-
-    def _marched(self, numbers: Iterable[int]) -> Iterator[tuple[int, Outcome]]:
-        plan, screen = self._plan, self.screening
-        yield from self._march(plan.point(int(number), screen=screen) for number in numbers)
-
     def _counted(
         self, outcomes: Iterable[tuple[int, Outcome | None]]
     ) -> Iterator[tuple[int, Outcome | None]]:
@@ -116,8 +135,8 @@ class Rounds:
     def _points(self) -> int:
         return int(self._store.state.size) // self._draws
 
-    def _of_draws(self, points: Mask) -> Mask:
-        return np.repeat(points, self._draws)
+    def _unfinished(self) -> Iterator[int]:
+        return map(int, np.flatnonzero(self._store.state != DONE))
 
     def _repeated(self) -> Mask:
         """Return true for each point with a draw that was marched without scaled masses, (points,);

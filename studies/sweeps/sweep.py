@@ -116,9 +116,9 @@ def run_sweep(
         until: stop drawing a point when the 95 % interval of the share of every regime excludes one
             half or is narrower than this. The `state` of the other draws is "not-needed".
         screen: march the draws with scaled masses of the casing and a longer time step, and repeat
-            at the time step of the case the points whose outcome is uncertain, up to the draw after
-            which the others cannot change the outcome. The variable `screened` tells these marches
-            from others; the attribute `screen_rule` is the rule.
+            at the time step of the case the points whose outcome is uncertain, until the 99.7 %
+            interval of the share of every regime excludes one half. The variable `screened` tells
+            these marches from others; the attribute `screen_rule` is the rule.
         carry: "up" or "down": start the march at each speed from the motion at the speed below or
             above it, so that hysteresis is seen; the attribute `carry_rule` is the rule.
         watch: progress callbacks.
