@@ -201,7 +201,7 @@ class BladedDisk(Table):
     )
     """File with the matrices of a blade, a sector or a wheel, which replaces all other keys of
     [bladed_disk] but the mistuning of the stiffness: { file = "blade.npz", copies = 22, kind =
-    "blade" }; by default there is none. It needs casing.type = "rigid"."""
+    "blade" }; by default there is none."""
 
     @property
     def cut_radii(self) -> list[float]:

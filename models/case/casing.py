@@ -158,7 +158,8 @@ class Casing(Table):
     spin the ring up)."""
     type: Literal["ring", "rigid"] = "ring"
     """"ring": a flexible ring; "rigid": a wall that does not move, for a superelement, of which
-    only clearance, profile and closure matter."""
+    only clearance, profile and closure matter. All contact nodes of a superelement press on the
+    ring at their angle, wherever they are along the axis."""
     radius: fields.Length | None = Field(default=None, examples=["0.25"])
     """Radius from which the clearance of a rigid wall is measured [m]. By default the clearance of
     each contact node is measured from the radius of this node, so that the wall follows the shape

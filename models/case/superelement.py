@@ -94,13 +94,20 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         return
     if case.sketch is not None:
         yield Inconsistency("sketch", f"no sketch together with {SOURCE}", (SOURCE,))
+    flexible, table = case.casing.type == "ring", case.bladed_disk.superelement
     for key, load in case.excitations.items():
-        if load.type not in ("none", "engine-order"):
-            yield Inconsistency(f"{key}.type", f'"none" or "engine-order" with {SOURCE}', (SOURCE,))
+        if load.type == "casing-distortion" and not flexible:
+            expected = 'another excitation, or casing.type = "ring"'
+            yield Inconsistency(f"{key}.type", expected, ("casing.type",))
+        elif load.type in ("imbalance", "harmonic") and table.kind != "wheel":
+            expected = f'another excitation, or {SOURCE}.kind = "wheel", which has a centre'
+            yield Inconsistency(f"{key}.type", expected, (SOURCE,))
+        elif getattr(load, "clearance_speed", None) is not None:
+            expected = f"unbalance in place of it with {SOURCE}"
+            yield Inconsistency(f"{key}.clearance_speed", expected, (SOURCE,))
         elif getattr(load, "position", "tip") != "tip":
             yield Inconsistency(f"{key}.position", f'"tip" with {SOURCE}', (SOURCE,))
     rules: tuple[tuple[str, object, tuple[object, ...]], ...] = (
-        ("casing.type", case.casing.type, ("rigid",)),
         ("rotation.effects", case.rotation.effects, ("none",)),
         ("march.scheme", case.march.scheme, ("central-difference",)),
         ("contact.sliding", case.contact.sliding, ("full", "permanent")),
@@ -114,6 +121,12 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         if value not in allowed:
             expected = _listed(allowed) or "no such key"
             yield Inconsistency(key, f"{expected} with {SOURCE}", (SOURCE,))
+    if table.kind == "wheel" and not case.shaft.clamped:
+        if case.shaft.dampings != (0.0, 0.0):
+            yield Inconsistency("shaft.damping", f"no dampers with {SOURCE}", (SOURCE,))
+        if len(set(case.shaft.stiffnesses)) > 1:
+            expected = f"the value of shaft.stiffness with {SOURCE}"
+            yield Inconsistency("shaft.stiffness_y", expected, (SOURCE,))
     for key, value in case.initial.model_dump(exclude_defaults=True).items():
         if value is not None:
             yield Inconsistency(f"initial.{key}", f"no such key with {SOURCE}", (SOURCE,))

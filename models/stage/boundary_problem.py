@@ -1,4 +1,4 @@
-"""Arrays that define a contact problem with many contact nodes in a rigid wall."""
+"""Arrays that define a contact problem with many contact nodes."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import WallClosure
+from bladewhirl.models.stage.contact_problem import ReducedCasing, WallClosure
 
 RIGID = 1e-6
 """Share of the largest residual flexibility below which a direction counts as rigid."""
@@ -17,6 +17,8 @@ class BoundaryLoad:
     """A load that varies harmonically: amplitude cos(frequency t + phase), until `end`."""
 
     amplitude: FloatArray  #: modal forces [kg^1/2 m/s2], (copies, modes)
+    casing: FloatArray | None = None
+    """Modal forces on a flexible casing [kg^1/2 m/s2], (casing modes,); None: no forces."""
     frequency: float = 0.0  #: [rad/s]
     phase: float = 0.0  #: [rad]
     ramp: float = 0.0  #: time in which the load rises [s]
@@ -25,7 +27,8 @@ class BoundaryLoad:
 
 @dataclass(frozen=True, kw_only=True)
 class BoundaryProblem:
-    """Equal or similar structures in modal coordinates, the copies, in a rigid wall."""
+    """Equal or similar structures in modal coordinates, the copies, in a rigid wall or a flexible
+    ring."""
 
     frequency: FloatArray  #: frequency of each mode [rad/s], (copies, modes)
     damping_ratio: FloatArray  #: damping ratio of each mode, (copies, modes)
@@ -40,7 +43,8 @@ class BoundaryProblem:
     radius: FloatArray  #: radius of the contact nodes of a copy [m], (nodes,)
     recess: FloatArray  #: radius from which the clearance is measured minus `radius` [m], (nodes,)
     wall: FloatArray
-    """Clearance [m] and its derivative by the angle [m], at equal angles from 0, (angles, 2)."""
+    """Clearance [m] and its derivative by the angle [m], at equal angles from 0, (angles, 2); at
+    the nodes of a flexible casing."""
     speed: float  #: speed of rotation [rad/s]
     friction: float  #: friction coefficient
     full_sliding: bool
@@ -50,6 +54,7 @@ class BoundaryProblem:
     displacement: FloatArray  #: initial modal displacements [kg^1/2 m], (copies, modes)
     velocity: FloatArray  #: initial modal velocities [kg^1/2 m/s], (copies, modes)
     loads: tuple[BoundaryLoad, ...] = ()  #: loads
+    casing: ReducedCasing | None = None  #: flexible casing; None: a rigid wall
     closure: WallClosure | None = None
     """Closure of the clearance over time; `share` has the form of `wall`."""
 
@@ -70,9 +75,14 @@ class BoundaryProblem:
     def critical_time_step(self) -> float:
         """Largest stable time step [s]: 2 / omega with the largest frequency of the modes; massless
         contact nodes are fixed in all directions in which they have a residual flexibility."""
+        highest = 0.0 if self.casing is None else self.casing.frequency.max()
+        return float(2.0 / max(self._highest_frequency, highest))
+
+    @property
+    def _highest_frequency(self) -> float:
         squares = self.frequency**2
         if not self.massless:
-            return float(2.0 / np.sqrt(squares.max()))
+            return float(np.sqrt(squares.max()))
         stiffest = 0.0
         for copy, square in enumerate(squares):
             flexibility, ways = np.linalg.eigh(self.compliance[copy])
@@ -82,4 +92,4 @@ class BoundaryProblem:
             stiffest = max(stiffest, np.linalg.eigvalsh(np.diag(square) + held)[-1])
             if np.array_equal(squares, np.broadcast_to(squares[0], squares.shape)):
                 break
-        return float(2.0 / np.sqrt(stiffest))
+        return float(np.sqrt(stiffest))

@@ -4,10 +4,13 @@ Loads on the rotor are in rotating axes, which coincide with the static axes at 
 casing are in static axes.
 """
 
+from typing import Protocol
+
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import U, W
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import (
     CasingDistortion,
     EngineOrder,
@@ -17,14 +20,36 @@ from bladewhirl.models.case.excitation import (
 )
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.coupling.stage_modes import is_radial
+from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.rotation.at_speed import tip_recess
-from bladewhirl.models.stage.contact_problem import Load, ReducedRotor, Start
+from bladewhirl.models.stage.contact_problem import Load, ReducedCasing, ReducedRotor, Start
 from bladewhirl.models.stage.engine_order import engine_order_loads
 from bladewhirl.models.stage.stage import Stage
 
 X, Y = range(2)
 """Positions of x and y in the motion of the centre."""
+
+
+class WithRing(Protocol):
+    """Protocol of a stage with a flexible casing, and of the casing alone."""
+
+    @property
+    def case(self) -> Case:
+        """The case."""
+
+    @property
+    def casing(self) -> CasingModel:
+        """Finite element model of the casing."""
+
+    @property
+    def casing_modes(self) -> Modes:
+        """All modes of the casing."""
+
+    @property
+    def reduced_casing(self) -> ReducedCasing:
+        """The casing in all its modes."""
 
 
 def excitation_loads(stage: Stage) -> tuple[Load, ...]:
@@ -37,19 +62,18 @@ def excitation_loads(stage: Stage) -> tuple[Load, ...]:
 
 
 def _loads(stage: Stage, load: Excitation) -> tuple[Load, ...]:
+    rotor, casing = stage.rotor, stage.reduced_casing
     if isinstance(load, CasingDistortion):
-        return _distortion(stage, load)
-    if isinstance(load, Imbalance):
-        force = _unbalance(stage, load) * stage.speed**2
-        return (_at_centre(stage, X, force, ramp=load.ramp),)
-    if isinstance(load, Harmonic):
-        return _harmonic(stage, load)
+        return distortion_loads(stage, load, len(rotor.frequency))
+    if isinstance(load, Imbalance | Harmonic):
+        unbalance = _unbalance(stage, load) if isinstance(load, Imbalance) else 0.0
+        return centre_loads(load, unbalance, rotor.centre, stage.speed, len(casing.frequency))
     if isinstance(load, EngineOrder):
         return engine_order_loads(stage, load)
     return ()
 
 
-def radial_mode(stage: Stage, k: int, key: str = "excitation") -> int:
+def radial_mode(stage: WithRing, k: int, key: str = "excitation") -> int:
     """Return the number of the lowest radial casing mode w = +cos k theta; `key` is the dotted key
     of the excitation that needs the mode.
 
@@ -164,11 +188,21 @@ def _static_shape(rotor: ReducedRotor, values: FloatArray) -> FloatArray:
     return np.asarray(flexible.T @ forces)
 
 
-def _distortion(stage: Stage, load: CasingDistortion) -> tuple[Load, ...]:
+def distortion_loads(stage: WithRing, load: CasingDistortion, rotor_modes: int) -> tuple[Load, ...]:
+    """Return the loads of a casing distortion.
+
+    Args:
+        stage: the stage, or its flexible casing.
+        load: the excitation.
+        rotor_modes: number of modes of the rotor.
+
+    Raises:
+        CaseError: the casing has no radial mode of the required nodal diameter.
+    """
     pattern = np.zeros(len(stage.reduced_casing.frequency))
     mode = radial_mode(stage, load.nodal_diameter, stage.case.key_of(load))
     pattern[mode] = load.modal_force
-    still = np.zeros(len(stage.rotor.frequency))
+    still = np.zeros(rotor_modes)
     if load.duration == 0.0:
         return ()
     if load.shape == "rectangular":
@@ -181,36 +215,40 @@ def _distortion(stage: Stage, load: CasingDistortion) -> tuple[Load, ...]:
     )
 
 
-def _harmonic(stage: Stage, load: Harmonic) -> tuple[Load, ...]:
-    """Return the loads of a harmonic force along x of a frame.
+def centre_loads(
+    load: Harmonic | Imbalance,
+    unbalance: float,
+    centre: FloatArray,
+    speed: float,
+    casing_modes: int,
+) -> tuple[Load, ...]:
+    """Return the loads of a harmonic force or of an imbalance at the centre.
 
     A force F cos(omega t) along the static x axis is F cos(omega t) (cos Omega t, -sin Omega t) in
     rotating axes. Along each rotating axis this is the sum of two cosines of amplitude F / 2 with
     the frequencies Omega + omega and Omega - omega; along y their phase is pi / 2.
+
+    Args:
+        load: the excitation.
+        unbalance: unbalance m e of an imbalance [kg m].
+        centre: x and y of the centre for unit modal coordinates [kg^-1/2], (2, rotor modes).
+        speed: speed of rotation [rad/s].
+        casing_modes: number of modes of the casing.
     """
+    still = np.zeros(casing_modes)
+    if isinstance(load, Imbalance):
+        force = unbalance * speed**2
+        return (Load(rotor=force * centre[X], casing=still, ramp=load.ramp),)
     omega = 2.0 * np.pi * load.frequency
     if load.frame == "rotating":
-        return (_at_centre(stage, X, load.force, frequency=omega),)
+        return (Load(rotor=load.force * centre[X], casing=still, frequency=omega),)
     return tuple(
-        _at_centre(stage, axis, 0.5 * load.force, frequency=stage.speed + beat, phase=phase)
+        Load(
+            rotor=0.5 * load.force * centre[axis],
+            casing=still,
+            frequency=speed + beat,
+            phase=phase,
+        )
         for beat in (omega, -omega)
         for axis, phase in ((X, 0.0), (Y, np.pi / 2.0))
-    )
-
-
-def _at_centre(
-    stage: Stage,
-    axis: int,
-    force: float,
-    *,
-    ramp: float = 0.0,
-    frequency: float = 0.0,
-    phase: float = 0.0,
-) -> Load:
-    return Load(
-        rotor=force * stage.rotor.centre[axis],
-        casing=np.zeros(len(stage.reduced_casing.frequency)),
-        ramp=ramp,
-        frequency=frequency,
-        phase=phase,
     )

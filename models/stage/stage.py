@@ -13,19 +13,17 @@ from bladewhirl.models.coupling.stage_modes import tip_motion, wall_motion
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import (
     case_bladed_disk,
-    case_casing,
-    case_clearance,
     lowest_frequency,
     numbers_within_reach,
     tip_in_sector,
 )
-from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
+from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.cost import stage_cost, tell_cost
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.describe import stage_arrays
 from bladewhirl.models.modal.full_stage import Frequencies, family_errors, lowest_frequencies
 from bladewhirl.models.modal.labels import mode_families
-from bladewhirl.models.modal.modes import Modes, structure_modes
+from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
@@ -35,6 +33,7 @@ from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.models.stage.export import wheel_superelement
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
+from bladewhirl.models.stage.ring import flexible_ring
 from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies
 from bladewhirl.models.superelements.superelement import Superelement
 
@@ -175,8 +174,7 @@ def build_stage(case: Case) -> Stage:
         tell_cost(stage_cost(case))
         at_rest = case_bladed_disk(case, clamped=case.shaft.clamped)
         case = _with_possible_modes(case, at_rest)
-        casing = case_casing(case)
-        tip, wall = tip_in_sector(at_rest), (RADIAL, TANGENTIAL)
+        tip = tip_in_sector(at_rest)
         full = lowest_frequencies(at_rest.structure, FULL_FREQUENCIES)
         reference = _reference_frequency(case, at_rest, full)
         turning = turning_disk(case, at_rest, reference)
@@ -190,9 +188,9 @@ def build_stage(case: Case) -> Stage:
             tip,
         )
         lowest_frequency(disk, np.abs(reduction.modes.frequency))  # check against rounding
-        casing_modes = structure_modes(casing.structure, wall)
+        ring = flexible_ring(case)
         disk_family = mode_families(disk.structure, reduction.modes, tip, "bladed-disk")
-        casing_family = mode_families(casing.structure, casing_modes, wall, "casing")
+    modes = ring.casing_modes
     rotor = _reduced_rotor(case, disk, reduction.modes, turning)
     if turning is not None:
         _check_clearance(case, rotor.tip_recess)
@@ -203,28 +201,20 @@ def build_stage(case: Case) -> Stage:
     return Stage(
         case=case,
         disk=disk,
-        casing=casing,
+        casing=ring.casing,
         disk_frequencies=full,
         reference_frequency=reference,
         reduction=reduction,
         disk_family=disk_family,
         frequency_error=errors,
-        casing_modes=casing_modes,
-        casing_family=casing_family,
+        casing_modes=modes,
+        casing_family=ring.casing_family,
         rotor=rotor,
-        reduced_casing=ReducedCasing(
-            frequency=casing_modes.frequency,
-            damping_ratio=np.full(casing_modes.count, case.damping.ratio),
-            nodal=casing.nodal(casing_modes.shapes),
-            clearance=case_clearance(case),
-            radius=casing.mesh.radius,
-            column=casing_modes.column,
-            dampers=casing.dampers @ casing_modes.shapes,
-        ),
+        reduced_casing=ring.reduced_casing,
         kept=kept_modes(
             case,
             tip_motion(disk, reduction.modes, disk_family, lambda i: reduction.modes.shapes[:, i]),
-            wall_motion(casing, casing_modes, casing_family, lambda i: casing_modes.shapes[:, i]),
+            wall_motion(ring.casing, modes, ring.casing_family, lambda i: modes.shapes[:, i]),
         ),
         turning=turning,
     )

@@ -1,12 +1,76 @@
-"""Engine-order forces on the contact nodes of a superelement."""
+"""Loads on a superelement and on the flexible casing around it."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.case.excitation import EngineOrder
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.excitation import CasingDistortion, EngineOrder, Harmonic, Imbalance
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.boundary_problem import BoundaryLoad
+from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.models.stage.loads import centre_loads, distortion_loads
+from bladewhirl.models.stage.ring import Ring
+from bladewhirl.models.superelements.reduction import ReducedSuperelement
+
+
+def superelement_loads(
+    case: Case,
+    reduced: ReducedSuperelement,
+    angle: FloatArray,
+    blade: IntArray,
+    turned: float,
+    speed: float,
+    ring: Ring | None,
+) -> tuple[BoundaryLoad, ...]:
+    """Return the loads of all excitations of a case.
+
+    Args:
+        case: the case.
+        reduced: the reduced superelement.
+        angle: angle of each contact node at t = 0 [rad], (copies, nodes).
+        blade: blade of each contact node of a copy, (nodes,).
+        turned: angle by which the superelement is turned about the axis [rad].
+        speed: speed of rotation [rad/s].
+        ring: flexible casing, or None.
+
+    Raises:
+        CaseError: the casing has no radial mode of the required nodal diameter, or the
+            superelement has no centre on which a load would act.
+    """
+    loads: list[BoundaryLoad] = []
+    modes, casing_modes = len(reduced.frequency), 0
+    if ring is not None:
+        casing_modes = ring.casing_modes.count
+    c, s = np.cos(turned), np.sin(turned)
+    centre = np.array([[c, -s], [s, c]]) @ reduced.centre
+    for load in case.excitations.values():
+        if isinstance(load, EngineOrder):
+            loads += engine_order_loads(load, reduced.contact, angle, blade, speed)
+        elif isinstance(load, Imbalance | Harmonic):
+            if not centre.any():
+                expected = "another excitation, or a superelement with centre_dofs"
+                raise CaseError([case_fault(case, f"{case.key_of(load)}.type", expected)])
+            unbalance = getattr(load, "unbalance", None) or 0.0
+            whole = centre_loads(load, unbalance, centre, speed, casing_modes)
+            loads += [_on_copies(each, 1) for each in whole]
+        elif isinstance(load, CasingDistortion) and ring is not None:
+            whole = distortion_loads(ring, load, modes)
+            loads += [_on_copies(each, len(angle)) for each in whole]
+    return tuple(loads)
+
+
+def _on_copies(load: Load, copies: int) -> BoundaryLoad:
+    return BoundaryLoad(
+        amplitude=np.tile(load.rotor, (copies, 1)),
+        casing=load.casing,
+        frequency=load.frequency,
+        phase=load.phase,
+        ramp=load.ramp,
+        end=load.end,
+    )
 
 
 def engine_order_loads(

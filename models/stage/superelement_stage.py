@@ -1,4 +1,4 @@
-"""The stage of a superelement: its reduction, and its contact problem in a rigid wall."""
+"""The stage of a superelement: its reduction, and its contact problem."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -9,14 +9,14 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.analysis import MODES
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.contact_problem import WallClosure
+from bladewhirl.models.stage.ring import Ring, flexible_ring
 from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
-from bladewhirl.models.stage.superelement_loads import engine_order_loads
+from bladewhirl.models.stage.superelement_loads import superelement_loads
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
     boundary_size,
@@ -49,6 +49,7 @@ class SuperelementStage:
     reduced: ReducedSuperelement  #: modes of one copy and its contact nodes
     factor: FloatArray  #: factor on the stiffness of each copy, (copies,)
     blade: IntArray  #: number of the blade of each contact node of a copy, (nodes,)
+    ring: Ring | None  #: flexible casing; None: a rigid wall
 
     @property
     def table(self) -> SuperelementTable:
@@ -122,11 +123,9 @@ class SuperelementStage:
             displacement=np.zeros((copies, modes)),
             velocity=np.zeros((copies, modes)),
             closure=self._closure,
-            loads=tuple(
-                part
-                for load in case.excitations.values()
-                if isinstance(load, EngineOrder)
-                for part in engine_order_loads(load, reduced.contact, self.angle, self.blade, speed)
+            casing=None if self.ring is None else self.ring.reduced_casing,
+            loads=superelement_loads(
+                case, reduced, self.angle, self.blade, self.table.angle, speed, self.ring
             ),
         )
         self._check_start(problem)
@@ -140,7 +139,6 @@ class SuperelementStage:
         points = np.zeros((0, 3)) if part.points is None else turned_points(part.points, turn)
         shapes = turned(self.reduced.points, turn).reshape(len(points), 3, -1)
         within = np.bincount(self.blade)[0]
-        wall = 2.0 * np.pi / len(self.wall) * np.arange(float(len(self.wall)))
         return SuperelementArrays(
             modal_frequency=np.sqrt(self.factor)[:, None] * self.reduced.frequency,
             blade=np.concatenate([self.blade + copy for copy in range(copies)]),
@@ -153,27 +151,30 @@ class SuperelementStage:
             point=points,
             point_shape=shapes,
             triangle=np.zeros((0, 3), np.int64) if part.triangles is None else part.triangles,
-            wall_angle=wall,
+            wall_angle=self._wall_angle,
             clearance=self.wall[:, 0],
         )
 
     @cached_property
     def wall(self) -> FloatArray:
-        """Clearance [m] and its derivative by the angle [m], at equal angles, (angles, 2)."""
-        profile = self.case.casing.clearance_profile
-        angles = 2.0 * np.pi / self._grid * np.arange(self._grid)
+        """Clearance [m] and its derivative by the angle [m], at equal angles or at the nodes of a
+        flexible casing, (angles, 2)."""
+        profile, angles = self.case.casing.clearance_profile, self._wall_angle
         return np.column_stack([profile.value(angles), profile.slope(angles)])
 
     @property
-    def _grid(self) -> int:
-        return max(GRID, PER_POINT * len(self.case.casing.clearance_profile.points))
+    def _wall_angle(self) -> FloatArray:
+        if self.ring is not None:
+            return self.ring.casing.mesh.angles
+        angles = max(GRID, PER_POINT * len(self.case.casing.clearance_profile.points))
+        return 2.0 * np.pi / angles * np.arange(float(angles))
 
     @property
     def _closure(self) -> WallClosure | None:
         course = self.case.casing.closure
         if course is None:
             return None
-        angles = 2.0 * np.pi / self._grid * np.arange(self._grid)
+        angles = self._wall_angle
         share = np.column_stack([course.around.value(angles), course.around.slope(angles)])
         return WallClosure(course=course, share=share)
 
@@ -229,6 +230,7 @@ def superelement_stage(case: Case) -> SuperelementStage:
         reduced=reduced,
         factor=factor if table.kind == "blade" else np.ones(1),
         blade=np.arange(part.contacts) // per_blade,
+        ring=flexible_ring(case) if case.casing.type == "ring" else None,
     )
     hertz = stage.reference_frequency / (2.0 * np.pi)
     if hertz > HIGHEST:
@@ -247,7 +249,7 @@ def _on_springs(case: Case, part: Superelement) -> Superelement:
     assert part.centre_dofs is not None
     springs = sp.csr_array(
         (
-            [case.shaft.stiffness, case.shaft.stiffness_y or case.shaft.stiffness],
+            case.shaft.stiffnesses,
             (part.centre_dofs, part.centre_dofs),
         ),
         shape=(part.size, part.size),

@@ -1,4 +1,4 @@
-/* A step of structures with many contact nodes in a rigid wall.
+/* A step of structures with many contact nodes in a rigid wall or in a flexible ring.
  *
  * Displacements of the contact nodes are u = P q + C f. The modes follow central differences,
  *
@@ -14,6 +14,10 @@
  * with the direction of sliding (d_t, d_a) of each node. With full sliding it is the direction of
  * the slip velocity at the end of the step, which depends on the forces: a fixed point.
  *
+ * In a rigid wall each copy is solved separately. In a flexible ring all nodes that may touch are
+ * solved together: the ring keeps its mass, and its response to forces within the step, H c H^T with
+ * its displacements H under the nodes, is added to C.
+ *
  * With massless nodes the work of a contact force in a step is its mean over the step times the
  * change of the displacement. The sum of the works is then exactly the change of
  *
@@ -21,13 +25,28 @@
  */
 #include <stddef.h>
 
-#include "motion.h"
+#include "ring.h"
 
 enum { MOST_DIRECTIONS = 100 }; /* iterations of the direction of sliding */
 enum { TOGETHER = 6 };          /* changes of the active set before nodes are changed one by one */
 #define SAME_DIRECTION 1e-10    /* change of the direction of sliding at which iterations end */
 #define LEAST_SHARE 0.01        /* smallest share of a change of the directions that is made */
 #define NO_PIVOT 1e-13          /* share of the largest diagonal entry that counts as zero */
+#define LEAST_GAP 1e-12         /* share of the scale of gaps below which a gap is closed */
+
+/* Contact nodes whose forces are computed together: a copy in a rigid wall, or all nodes that may
+ * touch a ring. Vectors have DIRECTIONS entries for each node. */
+typedef struct {
+    int64_t size;
+    const double *radius;
+    const double *compliance; /* change of displacements due to unit forces, row by row */
+    const double *before;     /* forces at step n */
+    const double *slip;       /* displacements of the step relative to the wall, without forces at
+                               * step n + 1 */
+    double *gap;              /* gaps without contact, then with it */
+    double *force;            /* forces at step n + 1 */
+    double *direction;        /* tangential and axial part of the direction of sliding */
+} Group;
 
 /* Add the product of a vector and a matrix that is stored row by row. */
 static void add_rows(const double *factor, const double *matrix, int64_t rows, int64_t columns,
@@ -64,7 +83,7 @@ static double clearance_at(const Matrix *wall, double angle, double *share, cons
 /* Compute the gaps of a copy without contact at a time. Returns whether displacements are within
  * the limit. */
 static int free_gaps(const Boundary *b, const Closure *closure, int64_t copy, double time,
-                     const double *q, double *gap)
+                     const double *q, RingScratch *ring, double *gap)
 {
     int64_t nodes = b->radius.size, modes = b->contact.columns, within = 1;
     double rate, closed = closure ? closure_at(closure, time, &rate) : 0.0, share;
@@ -74,22 +93,26 @@ static int free_gaps(const Boundary *b, const Closure *closure, int64_t copy, do
     for (int64_t i = 0; i < nodes; i++) {
         double u = gap[i], angle = b->angle.at[copy * nodes + i] + b->speed * time;
         within &= fabs(u) <= b->limit;
+        if (ring) {
+            ring->reach.at[copy * nodes + i] = b->recess.at[i] - u;
+            gap[i] = ring->wall.at[copy * nodes + i] + ring->reach.at[copy * nodes + i];
+            continue;
+        }
         double clearance = clearance_at(&b->wall, angle, &share, closure);
         gap[i] = clearance + b->recess.at[i] - closed * share - u;
     }
     return (int)within;
 }
 
-/* Compute W for the directions of sliding of a copy: all columns, or those of nodes in contact. */
-static void respond(const Boundary *b, const double *compliance, const double *direction,
-                    const double *multiplier, BoundaryScratch *s)
+/* Compute W for the directions of sliding of a group: all columns, or those of nodes in contact. */
+static void respond(const Boundary *b, const Group *g, const double *multiplier, BoundaryScratch *s)
 {
-    int64_t nodes = b->radius.size, width = DIRECTIONS * nodes;
+    int64_t nodes = g->size, width = DIRECTIONS * nodes;
     for (int64_t j = 0; j < nodes; j++) {
         if (multiplier && !(multiplier[j] > 0.0))
             continue;
-        const double *entry = compliance + DIRECTIONS * j;
-        double across = b->friction * direction[2 * j], along = b->friction * direction[2 * j + 1];
+        const double *entry = g->compliance + DIRECTIONS * j, *d = g->direction + 2 * j;
+        double across = b->friction * d[0], along = b->friction * d[1];
         for (int64_t i = 0; i < nodes; i++, entry += DIRECTIONS * width)
             s->response.at[i * nodes + j] =
                 entry[RADIAL] + (entry[TANGENTIAL] * across + entry[AXIAL] * along);
@@ -97,15 +120,15 @@ static void respond(const Boundary *b, const double *compliance, const double *d
 }
 
 /* Solve the equations of the active nodes with partial pivoting. Returns 0 if they are singular. */
-static int solve_active(const double *gap, BoundaryScratch *s, int64_t size)
+static int solve_active(const Group *g, BoundaryScratch *s, int64_t size)
 {
-    int64_t nodes = s->gap.columns, width = size + 1;
+    int64_t nodes = g->size, width = size + 1;
     double *system = s->system.at, largest = 0.0;
     const int64_t *active = s->active.at;
     for (int64_t i = 0; i < size; i++) {
         for (int64_t j = 0; j < size; j++)
             system[i * width + j] = s->response.at[active[i] * nodes + active[j]];
-        system[i * width + size] = -gap[active[i]];
+        system[i * width + size] = -g->gap[active[i]];
         largest = larger(largest, fabs(system[i * width + i]));
     }
     for (int64_t k = 0; k < size; k++) {
@@ -135,13 +158,14 @@ static int solve_active(const double *gap, BoundaryScratch *s, int64_t size)
     return 1;
 }
 
-/* Solve the complementarity problem of a copy for given directions of sliding, beginning with the
+/* Solve the complementarity problem of a group for given directions of sliding, beginning with the
  * active set in `held`. The set is changed for all nodes at a time, then node by node, which ends
  * for every matrix whose principal minors are positive (Murty 1974). Returns 0 without a solution.
  */
-static int solve_normal(const double *gap, BoundaryScratch *s)
+static int solve_normal(const Group *g, BoundaryScratch *s)
 {
-    int64_t nodes = s->gap.columns, *held = s->held.at;
+    int64_t nodes = g->size, *held = s->held.at;
+    const double *gap = g->gap;
     double *multiplier = s->multiplier.at, scale = 0.0;
     for (int64_t i = 0; i < nodes; i++)
         scale = larger(scale, fabs(gap[i]));
@@ -150,7 +174,7 @@ static int solve_normal(const double *gap, BoundaryScratch *s)
         for (int64_t i = 0; i < nodes; i++)
             if (held[i])
                 s->active.at[size++] = i;
-        if (!solve_active(gap, s, size))
+        if (!solve_active(g, s, size))
             return 0;
         for (int64_t i = 0; i < nodes; i++)
             multiplier[i] = 0.0;
@@ -177,11 +201,12 @@ static int solve_normal(const double *gap, BoundaryScratch *s)
     return 0;
 }
 
-/* Set the forces of a copy from the multipliers and the directions of sliding. */
-static void set_forces(const Boundary *b, const BoundaryScratch *s, const double *direction,
-                       double *force)
+/* Set the forces of a group from the multipliers and the directions of sliding. */
+static void set_forces(const Boundary *b, const BoundaryScratch *s, const Group *g)
 {
-    for (int64_t i = 0; i < b->radius.size; i++) {
+    const double *direction = g->direction;
+    double *force = g->force;
+    for (int64_t i = 0; i < g->size; i++) {
         double normal = larger(0.0, s->multiplier.at[i]), drag = b->friction * normal;
         force[DIRECTIONS * i + RADIAL] = -normal;
         force[DIRECTIONS * i + TANGENTIAL] = -drag * direction[2 * i];
@@ -193,24 +218,25 @@ static void set_forces(const Boundary *b, const BoundaryScratch *s, const double
  * share of the difference. Friction against a velocity lowers this velocity, so that whole
  * differences may overshoot; the share is that of Aitken's method for vectors. Returns the largest
  * difference. */
-static double turn_directions(const Boundary *b, BoundaryScratch *s, const double *compliance,
-                              const double *force, double *direction, double *share, int round)
+static double turn_directions(const Boundary *b, BoundaryScratch *s, const Group *g, double *share,
+                              int round)
 {
-    int64_t nodes = b->radius.size, width = DIRECTIONS * nodes;
+    int64_t nodes = g->size, width = DIRECTIONS * nodes;
+    const double *force = g->force;
     double most = 0.0, along = 0.0, changed = 0.0, *last = s->miss.at;
     for (int64_t i = 0; i < nodes; i++) {
-        double slip[2], *d = direction + 2 * i;
+        double slip[2], *d = g->direction + 2 * i;
         double miss[2] = {0.0, 0.0};
         if (s->multiplier.at[i] > 0.0) {
             for (int k = 0; k < 2; k++) {
-                const double *row = compliance + (DIRECTIONS * i + TANGENTIAL + k) * width;
-                slip[k] = s->slip.at[DIRECTIONS * i + TANGENTIAL + k];
+                const double *row = g->compliance + (DIRECTIONS * i + TANGENTIAL + k) * width;
+                slip[k] = g->slip[DIRECTIONS * i + TANGENTIAL + k];
                 for (int64_t j = 0; j < nodes; j++)
                     if (s->multiplier.at[j] > 0.0)
                         for (int64_t n = DIRECTIONS * j; n < DIRECTIONS * (j + 1); n++)
                             slip[k] += row[n] * force[n];
             }
-            slip[0] += b->speed * b->radius.at[i] * b->time_step;
+            slip[0] += b->speed * g->radius[i] * b->time_step;
             double length = sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
             for (int k = 0; k < 2 && length > 0.0; k++) /* 0: the node sticks to the wall */
                 miss[k] = slip[k] / length - d[k];
@@ -226,7 +252,7 @@ static double turn_directions(const Boundary *b, BoundaryScratch *s, const doubl
     if (round > 0 && changed > 0.0)
         *share = smaller(1.0, larger(LEAST_SHARE, -*share * along / changed));
     for (int64_t i = 0; i < nodes; i++) {
-        double *d = direction + 2 * i;
+        double *d = g->direction + 2 * i;
         double x = d[0] + *share * last[2 * i], y = d[1] + *share * last[2 * i + 1];
         double length = sqrt(x * x + y * y);
         if (s->multiplier.at[i] > 0.0 && length > 0.0) {
@@ -237,25 +263,20 @@ static double turn_directions(const Boundary *b, BoundaryScratch *s, const doubl
     return most;
 }
 
-/* Compute the contact forces of a copy in contact at the end of a step. */
+/* Compute the contact forces of a group in contact at the end of a step, and its gaps. */
 static void contact_forces(const Boundary *b, BoundaryState *state, BoundaryScratch *s,
-                           int64_t copy)
+                           const Group *g)
 {
-    int64_t nodes = b->radius.size, width = DIRECTIONS * nodes, solved = 1;
-    const double *before = state->force.at + copy * width;
-    const double *compliance = b->compliance.at + copy * width * width;
-    double *gap = s->gap.at + copy * nodes, *force = s->force.at + copy * width;
-    double *direction = state->direction.at + 2 * copy * nodes;
+    int64_t nodes = g->size, solved = 1;
+    double *gap = g->gap;
     double change = 1.0, share = 1.0, worst = 0.0, scale = b->gap_scale;
     for (int64_t i = 0; i < nodes; i++)
-        s->held.at[i] = gap[i] < 0.0 || before[DIRECTIONS * i + RADIAL] < 0.0;
+        s->held.at[i] = gap[i] < 0.0 || g->before[DIRECTIONS * i + RADIAL] < 0.0;
     for (int round = 0; round < MOST_DIRECTIONS && change > SAME_DIRECTION; round++) {
-        respond(b, compliance, direction, round > 0 ? s->multiplier.at : NULL, s);
-        solved = solve_normal(gap, s);
-        set_forces(b, s, direction, force);
-        change = b->full > 0.0 && b->friction > 0.0
-                     ? turn_directions(b, s, compliance, force, direction, &share, round)
-                     : 0.0;
+        respond(b, g, round > 0 ? s->multiplier.at : NULL, s);
+        solved = solve_normal(g, s);
+        set_forces(b, s, g);
+        change = b->full > 0.0 && b->friction > 0.0 ? turn_directions(b, s, g, &share, round) : 0.0;
     }
     for (int64_t i = 0; i < nodes; i++) {
         double after = gap[i], multiplier = s->multiplier.at[i];
@@ -276,12 +297,12 @@ static void contact_forces(const Boundary *b, BoundaryState *state, BoundaryScra
 }
 
 /* Add the works of the contact forces of a copy in a step. */
-static void contact_works(const Boundary *b, BoundaryState *state, BoundaryScratch *s, int64_t copy,
-                          const double *old, const double *new)
+static void contact_works(const Boundary *b, BoundaryState *state, BoundaryScratch *s, int64_t copy)
 {
     int64_t modes = b->contact.columns, width = b->contact.rows;
     const double *before = state->force.at + copy * width, *force = s->force.at + copy * width;
-    double *work = state->work.at, *moved = s->moved.at;
+    const double *old = state->q.at + copy * modes, *new = s->q.at + copy * modes;
+    double *work = state->work.at, *moved = s->moved.at + copy * width;
     if (b->massless > 0.0) {
         for (int64_t i = 0; i < width; i++)
             s->further.at[i] = force[i] - before[i];
@@ -325,8 +346,9 @@ static double copy_energy(const Boundary *b, const BoundaryState *state, Boundar
 
 /* Record the state at step n, with velocities from q_{n+1} and q_{n-1}, or from q_n and q_{n-1} if
  * there is no next step. */
-static void record_boundary(const Boundary *b, BoundaryState *state, BoundaryRecords *r,
-                            BoundaryScratch *s, int64_t row, int64_t step, int next)
+static void record_boundary(const Boundary *b, const Ring *ring, BoundaryState *state,
+                            BoundaryRecords *r, BoundaryScratch *s, Motion y, int64_t row,
+                            int64_t step, int next)
 {
     int64_t modes = b->contact.columns, width = b->contact.rows, copies = b->a.rows;
     int64_t nodes = copies * b->radius.size, all = copies * modes;
@@ -336,6 +358,11 @@ static void record_boundary(const Boundary *b, BoundaryState *state, BoundaryRec
     r->energy.at[row] = 0.0;
     for (int64_t copy = 0; copy < copies; copy++)
         r->energy.at[row] += copy_energy(b, state, s, copy);
+    if (ring) {
+        r->energy.at[row] += half_step_energy(&ring->casing.body, y, b->time_step);
+        record_motion(y, next ? y.new : y.now, span, r->casing.at + row * y.entries,
+                      r->casing_velocity.at + row * y.entries);
+    }
     for (int64_t i = 0; i < all; i++) {
         r->q.at[row * all + i] = now[i];
         r->velocity.at[row * all + i] = (new[i] - old[i]) / span;
@@ -357,8 +384,9 @@ static void record_boundary(const Boundary *b, BoundaryState *state, BoundaryRec
 
 /* Advance a copy without contact: compute q_{n+1} and the gaps. Returns whether displacements are
  * within the limit. */
-static int advance_copy(const Boundary *b, const Closure *closure, const BoundaryState *state,
-                        BoundaryScratch *s, int64_t copy, double time, int loaded)
+static int advance_copy(const Boundary *b, const Ring *ring, const Closure *closure,
+                        const BoundaryState *state, BoundaryScratch *s, int64_t copy, double time,
+                        int loaded)
 {
     int64_t modes = b->contact.columns, width = b->contact.rows, first = copy * modes;
     const double *old = state->q.at + first, *now = old + b->a.rows * modes;
@@ -374,58 +402,226 @@ static int advance_copy(const Boundary *b, const Closure *closure, const Boundar
         add_rows(state->force.at + copy * width, b->contact.at, width, modes, modal);
     for (int64_t m = 0; m < modes; m++)
         new[m] = (x[m] * now[m] + y[m] * old[m]) + z[m] * modal[m];
-    return free_gaps(b, closure, copy, time + b->time_step, new,
+    return free_gaps(b, closure, copy, time + b->time_step, new, ring ? &s->ring : NULL,
                      s->gap.at + copy * b->radius.size);
 }
 
-/* Compute contact of a copy at the end of a step, and add works and impulses. Returns whether the
- * copy is in contact. */
-static int touch_copy(const Boundary *b, BoundaryState *state, BoundaryScratch *s, int64_t copy)
+/* Return whether a node of a copy is inside the wall at the end of the step without contact, or was
+ * in contact at its start: the second and the first bit. */
+static int copy_contact(const Boundary *b, const BoundaryState *state, const BoundaryScratch *s,
+                        int64_t copy)
 {
-    int64_t modes = b->contact.columns, nodes = b->radius.size, width = b->contact.rows;
-    int64_t first = copy * modes;
-    const double *old = state->q.at + first, *now = old + b->a.rows * modes;
-    const double *gap = s->gap.at + copy * nodes;
-    double *new = s->q.at + first, *force = s->force.at + copy * width;
-    double *before = state->force.at + copy * width;
+    int64_t nodes = b->radius.size;
+    const double *gap = s->gap.at + copy * nodes, *before = state->force.at + copy * b->contact.rows;
     int touching = 0, touched = 0;
     for (int64_t i = 0; i < nodes; i++) {
         touching |= gap[i] < 0.0;
         touched |= before[DIRECTIONS * i + RADIAL] < 0.0;
     }
+    return 2 * touching + touched;
+}
+
+/* Compute the change of the displacements of a copy in the step without new contact forces: `moved`
+ * that of the modes, `slip` also that of the flexible part. */
+static void move_copy(const Boundary *b, const BoundaryState *state, BoundaryScratch *s,
+                      int64_t copy)
+{
+    int64_t modes = b->contact.columns, width = b->contact.rows, all = b->a.rows * modes;
+    const double *now = state->q.at + all + copy * modes, *new = s->q.at + copy * modes;
+    const double *before = state->force.at + copy * width;
+    double *moved = s->moved.at + copy * width, *slip = s->slip.at + copy * width;
+    for (int64_t m = 0; m < modes; m++)
+        s->change.at[m] = new[m] - now[m];
+    for (int64_t i = 0; i < width; i++)
+        moved[i] = slip[i] = 0.0;
+    add_rows(s->change.at, b->columns.at, modes, width, moved);
+    if (b->massless > 0.0)
+        add_rows(before, b->compliance.at + copy * width * width, width, width, slip);
+    for (int64_t i = 0; i < width; i++)
+        slip[i] = moved[i] - slip[i];
+}
+
+/* Add the response of the modes of a copy to contact forces within the step. */
+static void push_copy(const Boundary *b, BoundaryScratch *s, int64_t copy)
+{
+    int64_t modes = b->contact.columns, width = b->contact.rows, first = copy * modes;
+    for (int64_t m = 0; m < modes; m++)
+        s->modal.at[m] = 0.0;
+    add_rows(s->force.at + copy * width, b->contact.at, width, modes, s->modal.at);
+    for (int64_t m = 0; m < modes; m++)
+        s->q.at[first + m] += b->c.at[first + m] * s->modal.at[m];
+}
+
+/* Compute contact of a copy with a rigid wall at the end of a step, and add works. Returns whether
+ * the copy is in contact. */
+static int touch_copy(const Boundary *b, BoundaryState *state, BoundaryScratch *s, int64_t copy)
+{
+    int64_t nodes = b->radius.size, width = b->contact.rows;
+    int contact = copy_contact(b, state, s, copy);
+    double *force = s->force.at + copy * width;
     for (int64_t i = 0; i < width; i++)
         force[i] = 0.0;
-    if (touching || touched) {
-        for (int64_t m = 0; m < modes; m++)
-            s->change.at[m] = new[m] - now[m];
-        for (int64_t i = 0; i < width; i++)
-            s->moved.at[i] = 0.0;
-        add_rows(s->change.at, b->columns.at, modes, width, s->moved.at);
+    if (contact)
+        move_copy(b, state, s, copy);
+    if (contact >= 2) {
+        Group group = {nodes,
+                       b->radius.at,
+                       b->compliance.at + copy * width * width,
+                       state->force.at + copy * width,
+                       s->slip.at + copy * width,
+                       s->gap.at + copy * nodes,
+                       force,
+                       state->direction.at + 2 * copy * nodes};
+        contact_forces(b, state, s, &group);
+        if (!(b->massless > 0.0))
+            push_copy(b, s, copy);
     }
-    if (touching) {
-        for (int64_t i = 0; i < width; i++)
-            s->slip.at[i] = 0.0;
-        if (b->massless > 0.0)
-            add_rows(before, b->compliance.at + copy * width * width, width, width, s->slip.at);
-        for (int64_t i = 0; i < width; i++)
-            s->slip.at[i] = s->moved.at[i] - s->slip.at[i];
-        contact_forces(b, state, s, copy);
-        if (!(b->massless > 0.0)) {
-            for (int64_t m = 0; m < modes; m++)
-                s->modal.at[m] = 0.0;
-            add_rows(force, b->contact.at, width, modes, s->modal.at);
-            for (int64_t m = 0; m < modes; m++)
-                new[m] += b->c.at[first + m] * s->modal.at[m];
+    if (contact)
+        contact_works(b, state, s, copy);
+    return contact >= 2;
+}
+
+/* Collect the nodes in `list` into a group, with the compliance of their copies and of the ring. */
+static Group collect(const Boundary *b, const Ring *ring, const BoundaryState *state,
+                     BoundaryScratch *s, int64_t size)
+{
+    RingScratch *r = &s->ring;
+    int64_t nodes = b->radius.size, width = b->contact.rows, wide = DIRECTIONS * size;
+    for (int64_t i = 0; i < size; i++) {
+        int64_t n = r->list.at[i];
+        r->radius.at[i] = b->radius.at[n % nodes];
+        r->gap.at[i] = s->gap.at[n];
+        for (int64_t k = 0; k < 2; k++)
+            r->direction.at[2 * i + k] = state->direction.at[2 * n + k];
+        for (int64_t k = 0; k < DIRECTIONS; k++) {
+            r->before.at[DIRECTIONS * i + k] = state->force.at[DIRECTIONS * n + k];
+            r->slip.at[DIRECTIONS * i + k] = s->slip.at[DIRECTIONS * n + k];
+        }
+        if (b->full > 0.0)
+            r->slip.at[DIRECTIONS * i + TANGENTIAL] -= r->fields.other.at[n];
+        for (int64_t j = 0; j <= i; j++) {
+            int64_t m = r->list.at[j], copy = n / nodes;
+            double block[DIRECTIONS * DIRECTIONS] = {0.0};
+            const double *from = b->compliance.at + copy * width * width
+                                 + DIRECTIONS * (n % nodes) * width + DIRECTIONS * (m % nodes);
+            for (int64_t k = 0; copy == m / nodes && k < DIRECTIONS * DIRECTIONS; k++)
+                block[k] = from[k / DIRECTIONS * width + k % DIRECTIONS];
+            add_ring_compliance(ring, &r->fields, n, m, block, DIRECTIONS);
+            double *to = r->compliance.at + DIRECTIONS * i * wide + DIRECTIONS * j;
+            double *mirrored = r->compliance.at + DIRECTIONS * j * wide + DIRECTIONS * i;
+            for (int64_t k = 0; k < DIRECTIONS; k++)
+                for (int64_t l = 0; l < DIRECTIONS; l++)
+                    to[k * wide + l] = mirrored[l * wide + k] = block[k * DIRECTIONS + l];
         }
     }
-    if (touching || touched)
-        contact_works(b, state, s, copy, old, new);
-    return touching;
+    return (Group){size,          r->radius.at, r->compliance.at, r->before.at,
+                   r->slip.at,    r->gap.at,    r->force.at,      r->direction.at};
+}
+
+/* Distribute the forces and directions of a group to its nodes, and compute the response of the
+ * ring. */
+static void distribute(const Boundary *b, const Ring *ring, BoundaryState *state,
+                       BoundaryScratch *s, const Group *g, Motion y)
+{
+    RingScratch *r = &s->ring;
+    int64_t size = 0;
+    for (int64_t i = 0; i < g->size; i++) {
+        int64_t n = r->list.at[i];
+        for (int64_t k = 0; k < DIRECTIONS; k++)
+            s->force.at[DIRECTIONS * n + k] = g->force[DIRECTIONS * i + k];
+        for (int64_t k = 0; k < 2; k++)
+            state->direction.at[2 * n + k] = g->direction[2 * i + k];
+        r->contact.multiplier.at[n] = -g->force[DIRECTIONS * i + RADIAL];
+        r->contact.sign.at[n] = g->direction[2 * i];
+        if (g->force[DIRECTIONS * i + RADIAL] < 0.0)
+            r->contact.active.at[size++] = n;
+    }
+    push_ring(ring, b->friction, size, y, r);
+}
+
+/* Compute the gaps of all nodes with contact. Returns the number of nodes outside the group that
+ * are inside the wall, which are added to `list`. */
+static int64_t join_group(const Boundary *b, BoundaryScratch *s, int64_t size)
+{
+    RingScratch *r = &s->ring;
+    int64_t nodes = b->radius.size, width = b->contact.rows, joined = 0;
+    for (int64_t copy = 0; copy < b->a.rows; copy++)
+        for (int64_t i = 0; i < nodes; i++) {
+            int64_t n = copy * nodes + i;
+            double gap = r->wall.at[n] + r->reach.at[n];
+            const double *row = b->compliance.at + (copy * width + DIRECTIONS * i) * width;
+            for (int64_t k = 0; r->pushed.at[copy] && k < width; k++)
+                gap -= row[k] * s->force.at[copy * width + k];
+            r->closed.at[n] = gap;
+            if (!r->listed.at[n] && gap < -LEAST_GAP * b->gap_scale) {
+                r->listed.at[n] = 1;
+                r->list.at[size + joined++] = n;
+            }
+        }
+    return joined;
+}
+
+/* Compute contact of all copies with a ring at the end of a step, and add works. Returns whether
+ * any node is in contact, or -1 if the displacement of the ring is not a number. */
+static int touch_ring(const Boundary *b, const Ring *ring, const Closure *closure,
+                      BoundaryState *state, BoundaryScratch *s, double time, Motion y)
+{
+    RingScratch *r = &s->ring;
+    int64_t copies = b->a.rows, nodes = b->radius.size, size = 0;
+    int contact = 0, finite = 1;
+    for (int64_t i = 0; i < copies * b->contact.rows; i++)
+        s->force.at[i] = 0.0;
+    for (int64_t copy = 0; copy < copies; copy++)
+        contact |= copy_contact(b, state, s, copy);
+    for (int64_t n = 0; n < copies * nodes; n++) {
+        int near = s->gap.at[n] < 0.0 || state->force.at[DIRECTIONS * n + RADIAL] < 0.0;
+        r->listed.at[n] = contact >= 2 && near;
+        if (r->listed.at[n])
+            r->list.at[size++] = n;
+    }
+    for (int64_t copy = 0; copy < copies; copy++)
+        r->pushed.at[copy] = 0;
+    if (contact >= 2 && b->full > 0.0) { /* tangential displacement of the ring in the step */
+        for (int64_t i = 0; i < y.entries; i++)
+            r->change.at[i] = y.new[i] - y.now[i];
+        ring_field(ring, &ring->casing.tangential, r->change.at, r, r->fields.other.at);
+    }
+    for (int64_t first = 0, joined = size; joined > 0; first = size - joined) {
+        for (int64_t i = first; i < size; i++) {
+            int64_t copy = r->list.at[i] / nodes;
+            if (!r->pushed.at[copy])
+                move_copy(b, state, s, copy);
+            r->pushed.at[copy] = 1;
+        }
+        Group group = collect(b, ring, state, s, size);
+        contact_forces(b, state, s, &group);
+        distribute(b, ring, state, s, &group, y);
+        finite = ring_wall(ring, closure, time, r);
+        joined = finite ? join_group(b, s, size) : 0;
+        size += joined;
+    }
+    for (int64_t copy = 0; copy < copies; copy++) {
+        int pushed = r->pushed.at[copy] != 0;
+        if (!pushed && (copy_contact(b, state, s, copy) & 1))
+            move_copy(b, state, s, copy);
+        else if (!pushed)
+            continue;
+        if (pushed && !(b->massless > 0.0))
+            push_copy(b, s, copy);
+        contact_works(b, state, s, copy);
+    }
+    if (contact >= 2) {
+        for (int64_t n = 0; n < copies * nodes; n++)
+            s->gap.at[n] = r->closed.at[n];
+        state->work.at[NORMAL] += r->contact.work.at[0];
+        state->work.at[FRICTION] += r->contact.work.at[1];
+    }
+    return finite ? contact >= 2 : -1;
 }
 
 /* Add the works of loads and damping in a step. */
-static void modal_works(const Boundary *b, BoundaryState *state, const BoundaryScratch *s,
-                        int loaded)
+static void modal_works(const Boundary *b, const Ring *ring, BoundaryState *state,
+                        BoundaryScratch *s, Motion y, int loaded)
 {
     int64_t all = b->a.rows * b->a.columns;
     const double *old = state->q.at, *new = s->q.at;
@@ -438,64 +634,89 @@ static void modal_works(const Boundary *b, BoundaryState *state, const BoundaryS
         for (int64_t p = 0; p < b->load.layers; p++)
             for (int64_t i = 0; i < all; i++)
                 done += s->amplitude.at[p] * b->load.at[p * all + i] * 0.5 * (new[i] - old[i]);
+    if (ring) {
+        const Body *body = &ring->casing.body;
+        lost += damping_loss(body, y);
+        if (loaded)
+            done += external_work(body, s->amplitude.at, y);
+        if (ring->dampers.rows.rows > 0)
+            state->work.at[DAMPING] +=
+                damper_loss(&ring->dampers, y, s->ring.stroke.at, s->ring.damper_force.at);
+    }
     state->work.at[DAMPING] += lost / b->time_step;
     state->work.at[EXTERNAL] += done;
 }
 
-int boundary_march(const Boundary *boundary, const Closure *closure, BoundaryState *state,
-                   BoundaryRecords *records, BoundaryScratch *scratch, int64_t step, int64_t steps,
-                   int64_t record_every, int64_t *reached)
+/* Add the contact of a step to the sums since the last record. */
+static void sum_contact(const Boundary *b, BoundaryState *state, const BoundaryScratch *s)
+{
+    for (int64_t n = 0; n < b->a.rows * b->radius.size; n++) {
+        const double *force = s->force.at + DIRECTIONS * n;
+        double normal = -force[RADIAL], *impulse = state->impulse.at + DIRECTIONS * n;
+        state->gap.at[n] = smaller(state->gap.at[n], s->gap.at[n]);
+        state->touched.at[n] += normal > 0.0;
+        impulse[RADIAL] += normal * b->time_step;
+        for (int k = TANGENTIAL; k <= AXIAL; k++)
+            impulse[k] += force[k] * b->time_step;
+    }
+}
+
+int boundary_march(const Boundary *boundary, const Ring *ring, const Closure *closure,
+                   BoundaryState *state, BoundaryRecords *records, BoundaryScratch *scratch,
+                   int64_t step, int64_t steps, int64_t record_every, int64_t *reached)
 {
     const Boundary *b = boundary;
-    int64_t copies = b->a.rows, all = copies * b->a.columns, nodes = b->radius.size;
-    int64_t width = b->contact.rows, last = step + steps, rows = 0;
+    int64_t copies = b->a.rows, all = copies * b->a.columns, width = b->contact.rows;
+    int64_t last = step + steps, rows = 0;
+    Motion y = motion_of(&state->casing);
     for (; step < last; step++) {
-        double time = (double)step * b->time_step;
+        double time = (double)step * b->time_step, later = time + b->time_step;
         int loaded = load_amplitudes(&b->load_times, time, scratch->amplitude.at), within = 1;
         int touching = 0;
-        for (int64_t copy = 0; copy < copies; copy++)
-            within &= advance_copy(b, closure, state, scratch, copy, time, loaded);
-        if (!within) {
-            record_boundary(b, state, records, scratch, rows++, step, 0);
-            break;
+        if (ring) {
+            double turned = ring->elements_per_step * (double)(step + 1);
+            predict_ring(ring, scratch->amplitude.at, turned, y, &scratch->ring);
+            within &= ring_field(ring, &ring->casing.radial, y.new, &scratch->ring,
+                                 scratch->ring.wall.at);
+            within &= step % CHECK_EVERY != 0 || ring_keeps(ring, b->limit, &scratch->ring);
+            if (closure)
+                close_ring(closure, later, &scratch->ring);
         }
+        for (int64_t copy = 0; copy < copies; copy++)
+            within &= advance_copy(b, ring, closure, state, scratch, copy, time, loaded);
         double works[WORKS];
         for (int i = 0; i < WORKS; i++)
             works[i] = state->work.at[i];
-        for (int64_t copy = 0; copy < copies; copy++)
-            touching |= touch_copy(b, state, scratch, copy);
-        if (step % record_every == 0) { /* the record is from before the works of this step */
+        if (within && ring) {
+            touching = touch_ring(b, ring, closure, state, scratch, later, y);
+            within = touching >= 0;
+        } else if (within)
+            for (int64_t copy = 0; copy < copies; copy++)
+                touching |= touch_copy(b, state, scratch, copy);
+        if (!within || step % record_every == 0) { /* a record is from before the works of the step */
             double after[WORKS];
             for (int i = 0; i < WORKS; i++) {
                 after[i] = state->work.at[i];
                 state->work.at[i] = works[i];
             }
-            record_boundary(b, state, records, scratch, rows++, step, 1);
+            record_boundary(b, ring, state, records, scratch, y, rows++, step, within);
             for (int i = 0; i < WORKS; i++)
-                state->work.at[i] = after[i];
+                state->work.at[i] = within ? after[i] : works[i];
         }
-        modal_works(b, state, scratch, loaded);
+        if (!within)
+            break;
+        modal_works(b, ring, state, scratch, y, loaded);
         state->counts.at[BOUNDARY_CONTACT_STEPS] += touching;
-        for (int64_t copy = 0; copy < copies; copy++) {
-            const double *force = scratch->force.at + copy * width;
-            for (int64_t i = 0; i < nodes; i++) {
-                int64_t at = copy * nodes + i;
-                double normal = -force[DIRECTIONS * i + RADIAL], gap = scratch->gap.at[at];
-                state->gap.at[at] = smaller(state->gap.at[at], gap);
-                state->touched.at[at] += normal > 0.0;
-                state->impulse.at[copy * width + DIRECTIONS * i] += normal * b->time_step;
-                for (int k = TANGENTIAL; k <= AXIAL; k++)
-                    state->impulse.at[copy * width + DIRECTIONS * i + k] +=
-                        force[DIRECTIONS * i + k] * b->time_step;
-            }
-        }
+        sum_contact(b, state, scratch);
         for (int64_t i = 0; i < copies * width; i++)
             state->force.at[i] = scratch->force.at[i];
         for (int64_t i = 0; i < all; i++) {
             state->q.at[i] = state->q.at[all + i];
             state->q.at[all + i] = scratch->q.at[i];
         }
+        turn_slots(&y);
     }
+    settle(&state->casing, y);
     reached[0] = step;
     reached[1] = rows;
     return step < last ? DIVERGED : RUNNING;

@@ -451,8 +451,8 @@ enum { BOUNDARY_RESIDUAL, BOUNDARY_CONTACT_STEPS, BOUNDARY_UNSOLVED, BOUNDARY_CO
 /* Directions of the displacement of a contact node: radial, tangential, axial. */
 enum { RADIAL, TANGENTIAL, AXIAL, DIRECTIONS };
 
-/* Constants of a march of equal structures, the copies, with many contact nodes in a rigid wall,
- * see `boundary.c`. `components` is DIRECTIONS times the nodes of a copy. */
+/* Constants of a march of equal structures, the copies, with many contact nodes, see `boundary.c`.
+ * `components` is DIRECTIONS times the nodes of a copy. */
 typedef struct {
     Matrix a;          /* (copies, modes) factor of q_n */
     Matrix b;          /* (copies, modes) factor of q_{n-1} */
@@ -481,9 +481,20 @@ typedef struct {
     double gap_scale;  /* smallest reference length of the residual [m] */
 } Boundary;
 
+/* A flexible casing around the contact nodes, in place of a rigid wall. */
+typedef struct {
+    Casing casing;
+    Matrix response;   /* (nodal, nodal) change of w, w', u, u' of each node, the first again at the
+                        * end, due to unit forces within the step */
+    DamperEnds dampers;
+    Vector place;      /* (wide) angle of each contact node at t = 0, in elements */
+    double elements_per_step; /* rotation of the rotor in a step, in elements */
+} Ring;
+
 /* State between two steps, which is advanced in place. */
 typedef struct {
     Cube q;           /* (2, copies, modes) q_{n-1} and q_n */
+    Matrix casing;    /* (3, casing_entries) x_{n-1}, x_n and scratch of the ring */
     Matrix force;     /* (copies, components) contact forces at step n [N] */
     Matrix direction; /* (copies, twice_nodes) tangential and axial part of the direction of sliding
                        * of each node */
@@ -499,6 +510,8 @@ typedef struct {
     IntVector step;   /* (records) */
     Cube q;           /* (records, copies, modes) */
     Cube velocity;    /* (records, copies, modes) */
+    Matrix casing;    /* (records, casing_entries) displacements of the ring */
+    Matrix casing_velocity; /* (records, casing_entries) velocities of the ring */
     Cube force;       /* (records, copies, components) */
     Cube gap;         /* (records, copies, nodes) */
     Cube impulse;     /* (records, copies, components) */
@@ -507,29 +520,55 @@ typedef struct {
     Matrix work;      /* (records, 6) */
 } BoundaryRecords;
 
+/* Working arrays of a ring; `tips` is the number of contact nodes of all copies. The arrays of a
+ * group have a place for each node that may touch. */
 typedef struct {
+    FieldScratch fields;
+    ContactScratch contact;
+    Vector start;        /* (casing_entries) y_{n+1} without contact forces */
+    Vector change;       /* (casing_entries) change of y in the step */
+    Vector stroke;       /* (dampers) displacement of each damper in two steps */
+    Vector damper_force; /* (dampers) force of each damper */
+    Vector wall;         /* (wide) clearance, less closure, and displacement of the ring */
+    Vector reach;        /* (wide) recess less displacement of the node without contact */
+    Vector closed;       /* (wide) gaps with contact */
+    IntVector listed;    /* (tips) 1 for nodes of the group */
+    IntVector list;      /* (tips) numbers of the nodes of the group */
+    IntVector pushed;    /* (copies) 1 for copies with nodes in the group */
+    Vector radius;       /* (tips) arrays of the group, see `boundary.c` */
+    Vector gap;          /* (tips) */
+    Vector before;       /* (all_components) */
+    Vector slip;         /* (all_components) */
+    Vector force;        /* (all_components) */
+    Vector direction;    /* (twice_tips) */
+    Matrix compliance;   /* (all_components, all_components) */
+} RingScratch;
+
+/* Working arrays; `group` is the largest number of nodes that are solved together. */
+typedef struct {
+    RingScratch ring;
     Cube q;            /* (1, copies, modes) q_{n+1} */
     Vector modal;      /* (modes) modal forces */
     Vector change;     /* (modes) change of q in the step */
-    Matrix gap;        /* (copies, nodes) gaps without contact */
+    Matrix gap;        /* (copies, nodes) gaps without contact, then with it */
     Matrix force;      /* (copies, components) contact forces at step n + 1 */
-    Vector moved;      /* (components) change of the displacements without contact */
-    Vector slip;       /* (components) the same, less the flexible part at step n */
+    Matrix moved;      /* (copies, components) change of the displacements without contact */
+    Matrix slip;       /* (copies, components) the same, less the flexible part at step n */
     Vector further;    /* (components) scratch */
-    Vector closed;     /* (nodes) gaps with contact */
-    Vector miss;       /* (twice_nodes) difference between the directions of slip and of sliding */
-    Vector multiplier; /* (nodes) normal forces */
-    Matrix response;   /* (nodes, nodes) change of the gaps due to unit normal forces with their
+    Vector closed;     /* (group) gaps with contact */
+    Vector miss;       /* (twice_group) difference between the directions of slip and of sliding */
+    Vector multiplier; /* (group) normal forces */
+    Matrix response;   /* (group, group) change of the gaps due to unit normal forces with their
                         * friction */
-    Matrix system;     /* (nodes, bordered) equations of the active nodes */
-    IntVector active;  /* (nodes) numbers of the active nodes */
-    IntVector held;    /* (nodes) 1 for active nodes */
+    Matrix system;     /* (group, bordered) equations of the active nodes */
+    IntVector active;  /* (group) numbers of the active nodes */
+    IntVector held;    /* (group) 1 for active nodes */
     Vector amplitude;  /* (patterns) factor of each load pattern */
 } BoundaryScratch;
 
 /* Advance a march with many contact nodes; arguments and results as those of `march`. */
-int boundary_march(const Boundary *boundary, const Closure *closure, BoundaryState *state,
-                   BoundaryRecords *records, BoundaryScratch *scratch, int64_t step, int64_t steps,
-                   int64_t record_every, int64_t *reached);
+int boundary_march(const Boundary *boundary, const Ring *ring, const Closure *closure,
+                   BoundaryState *state, BoundaryRecords *records, BoundaryScratch *scratch,
+                   int64_t step, int64_t steps, int64_t record_every, int64_t *reached);
 
 #endif

@@ -187,7 +187,7 @@ def dense_march(*structs: Struct | None, time_step: float, first: int, steps: in
 
 
 def boundary_march(
-    constants: tuple[Struct, Struct | None, Struct],
+    constants: tuple[Struct | None, ...],
     records: tuple[Struct, Struct],
     step: int,
     steps: int,
@@ -196,7 +196,8 @@ def boundary_march(
     """Advance a march with many contact nodes; results as those of `march`.
 
     Args:
-        constants: structs `Boundary`, `Closure` (or None) and `BoundaryState`, which is advanced.
+        constants: structs `Boundary`, `Ring` and `Closure` (or None), and `BoundaryState`, which is
+            advanced.
         records: structs `BoundaryRecords` and `BoundaryScratch`.
         step: number of the first step.
         steps: number of steps to do.

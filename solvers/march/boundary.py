@@ -1,4 +1,4 @@
-"""Scheme for many contact nodes in a rigid wall, with massless or consistent boundary.
+"""Scheme for many contact nodes, with massless or consistent boundary.
 
 The equations are in the comment of `solvers/kernel/boundary.c`.
 """
@@ -9,9 +9,19 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
-from bladewhirl.solvers.kernel.structs import Struct, boundary_march, lib, zeros
+from bladewhirl.solvers.kernel.structs import (
+    Struct,
+    aligned_copy,
+    boundary_march,
+    lib,
+    padded,
+    zeros,
+)
 from bladewhirl.solvers.march.march import EndReason, Statistics
-from bladewhirl.solvers.packing.casing import pack_closure
+from bladewhirl.solvers.packing.arrangement import Arrangement
+from bladewhirl.solvers.packing.body import lengthened
+from bladewhirl.solvers.packing.casing import nodal_response, pack_casing, pack_closure
+from bladewhirl.solvers.packing.supports import damper_ends
 
 DIRECTIONS = 3
 """Components of the displacement of a contact node: radial, tangential, axial."""
@@ -45,6 +55,10 @@ class BoundaryChunk:
     normal_work: FloatArray  #: work of the normal contact forces [J], (records,)
     friction_work: FloatArray  #: work of the friction forces [J], (records,)
     damping_work: FloatArray  #: energy lost by damping [J], (records,)
+    casing_displacement: FloatArray
+    """Modal displacements of a flexible casing [kg^1/2 m], (records, casing modes)."""
+    casing_velocity: FloatArray
+    """Modal velocities of a flexible casing [kg^1/2 m/s], (records, casing modes)."""
     coating: None = None  #: there is no coating
 
     @property
@@ -96,17 +110,26 @@ class BoundaryMarch:
         self._problem, self._dt, self._every = problem, time_step, record_every
         copies, modes = problem.frequency.shape
         nodes = len(problem.radius)
+        self._boundary = _constants(problem, time_step)
+        self._ring: Struct | None = None
+        self._arrangement: Arrangement | None = None
+        length = 2.0 * np.pi / len(problem.wall)
+        if problem.casing is not None:
+            self._arrangement, self._ring = _pack_ring(problem, time_step)
+            length = 1.0 / problem.casing.radius
+        self._closure = pack_closure(problem.closure, length)
+        group = nodes if self._ring is None else copies * nodes
         self._sizes = {
             "copies": copies,
             "modes": modes,
             "nodes": nodes,
             "twice_nodes": 2 * nodes,
             "components": DIRECTIONS * nodes,
-            "bordered": nodes + 1,
+            "group": group,
+            "twice_group": 2 * group,
+            "bordered": group + 1,
             "patterns": len(problem.loads),
-        }
-        self._boundary = _constants(problem, time_step)
-        self._closure = pack_closure(problem.closure, 2.0 * np.pi / len(problem.wall))
+        } | _ring_sizes(self._ring, self._arrangement, copies * nodes)
 
     def init(self) -> BoundaryState:
         """Return the state at t = 0."""
@@ -119,6 +142,14 @@ class BoundaryMarch:
                 force = force + load.amplitude * np.cos(load.phase)
         drag = 2.0 * problem.damping_ratio * problem.frequency * v
         arrays = zeros("BoundaryState", self._sizes)
+        if self._arrangement is not None:  # a casing at rest
+            pushed = sum(
+                load.casing * np.cos(load.phase)
+                for load in problem.loads
+                if load.casing is not None and load.ramp <= 0.0 < load.end
+            )
+            start = 0.5 * dt**2 * pushed + np.zeros(len(self._arrangement.entry))
+            arrays["casing"][0] = self._arrangement.pack(start)
         arrays["q"][0] = x - dt * v + 0.5 * dt**2 * (force - squares * x - drag)
         arrays["q"][1] = x
         arrays["direction"][:, 0::2] = np.sign(problem.speed)
@@ -130,11 +161,11 @@ class BoundaryMarch:
     ) -> tuple[BoundaryState, BoundaryChunk, EndReason | None]:
         """Advance by a number of steps; see `Scheme.advance`."""
         every = self._every if record_every is None else record_every
-        arrays = {name: array.copy() for name, array in state.arrays.items()}
+        arrays = {name: aligned_copy(array) for name, array in state.arrays.items()}
         records = zeros("BoundaryRecords", self._sizes | {"records": steps // every + 2})
         scratch = Struct("BoundaryScratch", **zeros("BoundaryScratch", self._sizes))
         status, reached, written = boundary_march(
-            (self._boundary, self._closure, Struct("BoundaryState", **arrays)),
+            (self._boundary, self._ring, self._closure, Struct("BoundaryState", **arrays)),
             (Struct("BoundaryRecords", **records), scratch),
             state.step,
             steps,
@@ -151,6 +182,10 @@ class BoundaryMarch:
         moved = kept["q"] @ self._boundary.columns
         if self._problem.massless:
             moved = moved + np.einsum("rcj,cij->rci", kept["force"], self._boundary.compliance)
+        casing, casing_velocity = kept["casing"], kept["casing_velocity"]
+        if self._arrangement is not None:
+            casing = self._arrangement.unpack(casing)
+            casing_velocity = self._arrangement.unpack(casing_velocity)
         return BoundaryChunk(
             step=np.asarray(kept["step"], dtype=np.int64),
             time=kept["step"] * self._dt,
@@ -169,6 +204,8 @@ class BoundaryMarch:
             normal_work=work[:, lib.NORMAL],
             friction_work=work[:, lib.FRICTION],
             damping_work=work[:, lib.DAMPING],
+            casing_displacement=casing,
+            casing_velocity=casing_velocity,
         )
 
 
@@ -206,6 +243,52 @@ def _constants(problem: BoundaryProblem, dt: float) -> Struct:
         limit=float(problem.displacement_limit),
         gap_scale=float(np.abs(problem.wall[:, 0]).mean()),
     )
+
+
+def _pack_ring(problem: BoundaryProblem, dt: float) -> tuple[Arrangement, Struct]:
+    """Return the arrangement of the modes of a flexible casing, and its arrays."""
+    casing = problem.casing
+    assert casing is not None
+    still = np.zeros(len(casing.frequency))
+    loads = [still if load.casing is None else load.casing for load in problem.loads]
+    arrangement, arrays = pack_casing(casing, loads, dt, cyclic=casing.by_harmonics)
+    nodes, kinds = casing.nodal.shape[:2]
+    ends = np.append(np.arange(nodes), 0)
+    response = nodal_response(casing, dt)[ends][:, :, ends]
+    elements = nodes / (2.0 * np.pi)
+    return arrangement, Struct(
+        "Ring",
+        casing=arrays,
+        response=np.ascontiguousarray(response.reshape(2 * (kinds * (nodes + 1),))),
+        dampers=damper_ends(casing.dampers, arrays.body, arrangement, dt),
+        place=lengthened(problem.angle.ravel() * elements),
+        elements_per_step=problem.speed * dt * elements,
+    )
+
+
+def _ring_sizes(ring: Struct | None, arrangement: Arrangement | None, tips: int) -> dict[str, int]:
+    """Return the lengths of the arrays of a ring, zero without one."""
+    names = (
+        "tips wide twice_wide ends tableau sums closed entries casing_entries dampers"
+        " all_components twice_tips"
+    )
+    if ring is None or arrangement is None:
+        return dict.fromkeys(names.split(), 0)
+    wide = padded(tips)
+    return {
+        "tips": tips,
+        "wide": wide,
+        "twice_wide": 2 * wide,
+        "ends": lib.HALF * wide,
+        "tableau": 2 * tips + 2,
+        "sums": padded(arrangement.columns + arrangement.half + lib.LANES),
+        "closed": ring.casing.radial.start.shape[1],
+        "entries": arrangement.entries,
+        "casing_entries": arrangement.entries,
+        "dampers": len(ring.dampers.rows),
+        "all_components": DIRECTIONS * tips,
+        "twice_tips": 2 * tips,
+    }
 
 
 def _closed(values: FloatArray) -> FloatArray:

@@ -81,7 +81,13 @@ class CentralDifference:
             cyclic and problem.casing.by_harmonics,
         )
         rotor, self._rotor = pack_rotor(problem, time_step, cyclic=self.cyclic[0])
-        casing, self._casing = pack_casing(problem, time_step, cyclic=self.cyclic[1])
+        casing, self._casing = pack_casing(
+            problem.casing,
+            [load.casing for load in problem.loads],
+            time_step,
+            cyclic=self.cyclic[1],
+            friction=problem.friction,
+        )
         self._arrangements = rotor, casing
         bodies = self._rotor.body, self._casing.body
         self._stage = {

@@ -3,15 +3,29 @@
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing, WallClosure
+from bladewhirl.models.stage.contact_problem import ReducedCasing, WallClosure
 from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
 from bladewhirl.solvers.packing.arrangement import FIT, Arrangement, Harmonics, dense_arrangement
 from bladewhirl.solvers.packing.body import by_column, by_sliding, pack_body, scheme_inverse
 
 
-def pack_casing(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arrangement, Struct]:
-    """Return the arrangement and the arrays of the casing; see `pack_rotor` for the arguments."""
-    casing = problem.casing
+def pack_casing(
+    casing: ReducedCasing,
+    loads: list[FloatArray],
+    dt: float,
+    *,
+    cyclic: bool,
+    friction: float | None = None,
+) -> tuple[Arrangement, Struct]:
+    """Return the arrangement and the arrays of a casing.
+
+    Args:
+        casing: the casing.
+        loads: modal forces of each load pattern, (modes,) each.
+        dt: time step [s].
+        cyclic: whether to treat harmonics separately.
+        friction: friction coefficient in `compliance`, which is empty if this is None.
+    """
     nodes, kinds, modes = casing.nodal.shape
     if cyclic:
         arrangement, weight, shape = _cyclic_casing(casing)
@@ -44,9 +58,9 @@ def pack_casing(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Ar
             (lib.U_KIND, lib.U_SLOPE, half, aligned(clearance.shape)),
         )
     )
-    inverse = scheme_inverse(casing.frequency, casing.damping_ratio, dt)
-    blocks = _compliance(casing, inverse, problem.friction, cyclic=cyclic)
-    loads = [load.casing for load in problem.loads]
+    blocks = np.zeros(0)
+    if friction is not None:
+        blocks = _compliance(casing, nodal_response(casing, dt), friction, cyclic=cyclic)
     return arrangement, Struct(
         "Casing",
         body=pack_body(casing.frequency, casing.damping_ratio, loads, arrangement, dt),
@@ -137,8 +151,17 @@ def _folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
     return aligned_copy(np.vstack([rows, last]))
 
 
+def nodal_response(casing: ReducedCasing, dt: float) -> FloatArray:
+    """Return the change of w, w', u and u' at each node due to unit forces within a time step dt,
+    (nodes, 4, nodes, 4): force, then displacement."""
+    nodes, kinds, modes = casing.nodal.shape
+    rows = casing.nodal.reshape(nodes * kinds, modes)
+    forces = rows * scheme_inverse(casing.frequency, casing.damping_ratio, dt)
+    return np.asarray(forces @ rows.T).reshape(nodes, kinds, nodes, kinds)
+
+
 def _compliance(
-    casing: ReducedCasing, inverse: FloatArray, friction: float, *, cyclic: bool
+    casing: ReducedCasing, response: FloatArray, friction: float, *, cyclic: bool
 ) -> FloatArray:
     """Return the response of the four nodal values in each element to unit forces in each element.
 
@@ -149,10 +172,7 @@ def _compliance(
         casing, a block for every difference of the numbers of two elements, from -nodes to
         nodes - 1, (3, 2 elements, 4, 4).
     """
-    nodes, kinds, modes = casing.nodal.shape
-    forces = casing.nodal.reshape(nodes * kinds, modes) * inverse
-    rows = casing.nodal[:, :2].reshape(2 * nodes, modes)
-    response = (forces @ rows.T).reshape(nodes, kinds, nodes, 2)
+    nodes, response = len(casing.nodal), response[:, :, :, :2]
     ends = np.column_stack([np.arange(nodes), np.roll(np.arange(nodes), -1)])
     pressed, dragged = (
         response[ends][:, :, force]

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.structs import Arrays, Struct, zeros
@@ -25,14 +26,25 @@ def pack_dampers(
     ends = []
     given = (problem.rotor.dampers, problem.casing.dampers)
     for rows, body, arrangement in zip(given, bodies, arrangements, strict=True):
-        strong = arrangement.pack(rows[rows.any(axis=1)])  # without dampers of zero strength
-        if body is bodies[0] and problem.rotor.by_velocity is not None:  # already included in A
-            strong = strong[:0]
-        solve = np.linalg.inv(2.0 * dt * np.eye(len(strong)) + strong * body.c @ strong.T)
-        ends.append({"rows": strong, "solve": solve})
+        included = body is bodies[0] and problem.rotor.by_velocity is not None  # in the matrix A
+        ends.append(damper_ends(rows[:0] if included else rows, body, arrangement, dt))
     if not any(len(end["rows"]) for end in ends):
         return None
     return Struct("Dampers", rotor=ends[0], casing=ends[1])
+
+
+def damper_ends(rows: FloatArray, body: Struct, arrangement: Arrangement, dt: float) -> Arrays:
+    """Return the arrays of the dampers of a body.
+
+    Args:
+        rows: rows G of the damping matrix G^T G [s^-1/2], (dampers, modes).
+        body: arrays of the body.
+        arrangement: arrangement of its modes.
+        dt: time step [s].
+    """
+    strong = arrangement.pack(rows[rows.any(axis=1)])  # without dampers of zero strength
+    solve = np.linalg.inv(2.0 * dt * np.eye(len(strong)) + strong * body.c @ strong.T)
+    return {"rows": strong, "solve": solve}
 
 
 def pack_springs(

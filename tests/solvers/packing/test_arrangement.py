@@ -14,7 +14,9 @@ from bladewhirl.solvers.packing.rotor import pack_rotor
 
 def arrangements(blades: int, elements: int, *, cyclic: bool) -> list[Arrangement]:
     given = stage_problem(blades, elements)
-    return [pack(given, 1e-7, cyclic=cyclic)[0] for pack in (pack_rotor, pack_casing)]
+    rotor, _ = pack_rotor(given, 1e-7, cyclic=cyclic)
+    casing, _ = pack_casing(given.casing, [], 1e-7, cyclic=cyclic)
+    return [rotor, casing]
 
 
 @pytest.mark.parametrize("cyclic", [True, False])
