@@ -24,3 +24,11 @@ class SuperelementArrays:
     triangle: IntArray  #: points of each surface triangle, (triangles, 3)
     wall_angle: FloatArray  #: angles of `clearance` [rad], (wall angles,)
     clearance: FloatArray  #: clearance at rest [m], (wall angles,)
+    casing_frequency: FloatArray
+    """Natural frequency of each mode of a flexible casing [rad/s], (casing modes,). The arrays of
+    the casing are empty for a rigid wall."""
+    casing_nodal_diameter: IntArray  #: nodal diameter of each casing mode, (casing modes,)
+    casing_angle: FloatArray  #: angle of each casing node from +x [rad], (casing nodes,)
+    casing_thickness: FloatArray  #: thickness of the element after each node [m], (casing nodes,)
+    casing_width: FloatArray  #: width of the element after each node [m], (casing nodes,)
+    casing_shape: FloatArray  #: w, dw/ds, u, du/ds of modes, (casing nodes, 4, casing modes)

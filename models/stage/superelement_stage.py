@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -82,6 +83,13 @@ class SuperelementStage:
         return np.asarray(turned[:, None] + self.part.contact_angle)
 
     @property
+    def casing_radius(self) -> float:
+        """Radius of a flexible casing, or largest radius of a contact node in a rigid wall [m]."""
+        if self.ring is None:
+            return float(self.part.contact_radius.max())
+        return self.ring.reduced_casing.radius
+
+    @property
     def recess(self) -> FloatArray:
         """Radius from which the clearance is measured minus that of each node [m], (nodes,)."""
         radius = self.case.casing.radius
@@ -153,6 +161,7 @@ class SuperelementStage:
             triangle=np.zeros((0, 3), np.int64) if part.triangles is None else part.triangles,
             wall_angle=self._wall_angle,
             clearance=self.wall[:, 0],
+            **_ring_arrays(self.ring),
         )
 
     @cached_property
@@ -188,6 +197,24 @@ class SuperelementStage:
                 " casing.closure, which moves the wall later"
             )
             raise CaseError([case_fault(self.case, "casing.clearance", expected)])
+
+
+def _ring_arrays(ring: Ring | None) -> dict[str, Any]:
+    """Return the arrays of a flexible casing in a result, empty for a rigid wall."""
+    if ring is None:
+        none = np.zeros(0)
+        names = ("frequency", "nodal_diameter", "angle", "thickness", "width")
+        empty = {f"casing_{name}": none for name in names}
+        return empty | {"casing_shape": np.zeros((0, 4, 0))}
+    properties = ring.casing.properties
+    return {
+        "casing_frequency": ring.casing_modes.frequency,
+        "casing_nodal_diameter": ring.casing_modes.nodal_diameter,
+        "casing_angle": ring.casing.mesh.angles,
+        "casing_thickness": properties.thickness,
+        "casing_width": properties.width,
+        "casing_shape": ring.reduced_casing.nodal,
+    }
 
 
 def superelement_stage(case: Case) -> SuperelementStage:

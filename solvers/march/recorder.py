@@ -106,7 +106,12 @@ class Recorder(AbstractContextManager["Recorder"]):
             values = np.asarray(getattr(stage, field.name))
             if values.size:
                 self._create(field.name, self._tables.stage[field.name], values)
-        for name, variable in self._tables.history.items():
+        self._histories = {
+            name: variable
+            for name, variable in self._tables.history.items()
+            if 0 not in widths_of(variable, sizes)  # motion of a casing that does not move
+        }
+        for name, variable in self._histories.items():
             self._create_history(name, variable, sizes)
         for name, value in attributes.items():
             self._file.attrs[name] = value
@@ -128,7 +133,7 @@ class Recorder(AbstractContextManager["Recorder"]):
         """
         if chunk.records == 0:  # a chunk may be shorter than the time between records
             return
-        history = {name: np.asarray(getattr(chunk, name)) for name in self._tables.history}
+        history = {name: np.asarray(getattr(chunk, name)) for name in self._histories}
         finite = finite_records(history)
         first, last = self.records, self.records + finite
         if chunk.coating is not None:
@@ -218,7 +223,7 @@ def result_bytes(stage: Arrays, records: int, blades: int | None = None) -> int:
     total = 0
     for variable in tables_of_stage(stage).history.values():
         widths = widths_of(variable, sizes)
-        rows = _rows_stored(widths)
+        rows = _rows_stored(widths) if 0 not in widths else 1
         total += -(-records // rows) * rows * int(np.prod(widths))
     return STRUCTURE_BYTES + sum(array.nbytes for array in arrays) + 8 * total
 

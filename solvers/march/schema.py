@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 RESULT_NAME = "result.nc"
 """Name of the result file in the folder of a run."""
 
-RESULT_FORMAT = 8
+RESULT_FORMAT = 9
 """Current format of result.nc. Files of formats 1 and 2 contain no format number. A file of an
 older format lacks variables with a higher number in the column "since"; coordinates, recess and
 growth of tips, and frequencies of waves are added when such a file is opened."""

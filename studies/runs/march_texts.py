@@ -36,7 +36,7 @@ def attributes(prepared: AnyPrepared, case_text: str) -> dict[str, Attribute]:
         MODEL: SUPERELEMENT,
         "superelement": stage.part.name,
         "boundary": stage.case.reduction.boundary,
-        "casing_radius": float(stage.part.contact_radius.max()),
+        "casing_radius": stage.casing_radius,
         "tip_radius": float(stage.part.contact_radius.max()),
     }
 

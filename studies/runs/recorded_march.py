@@ -242,7 +242,10 @@ def _recorder(
 def _chunk(records: xr.Dataset, time_step: float, *, profiles: bool) -> AnyChunk:
     """Return records of a result as a chunk, with or without the profiles of its coating."""
     tables = tables_of(records.attrs)
-    values: dict[str, Any] = {name: records[name].values for name in tables.history}
+    still = np.zeros((records.sizes["time"], 0))  # of a rigid wall
+    values: dict[str, Any] = {
+        name: records[name].values if name in records else still for name in tables.history
+    }
     coating = None
     if "coating_strain" in records:
         kept = records.isel(wear_time=slice(None if profiles else 0))
