@@ -124,8 +124,8 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
     if table.kind == "wheel" and not case.shaft.clamped:
         if case.shaft.dampings != (0.0, 0.0):
             yield Inconsistency("shaft.damping", f"no dampers with {SOURCE}", (SOURCE,))
-        if len(set(case.shaft.stiffnesses)) > 1:
-            expected = f"the value of shaft.stiffness with {SOURCE}"
+        if case.shaft.anisotropy:
+            expected = f'the value of shaft.stiffness, or shaft.frame = "rotating", with {SOURCE}'
             yield Inconsistency("shaft.stiffness_y", expected, (SOURCE,))
     for key, value in case.initial.model_dump(exclude_defaults=True).items():
         if value is not None:

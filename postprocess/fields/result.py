@@ -74,6 +74,7 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     }
     described = [name for name, variable in tables.stage.items() if variable.is_coordinate]
     if tables is schema.NODES:
+        described = [name for name in described if name in dataset]
         return dataset.assign_coords(indices).set_coords(described)
     like = {"rotor_line": "rotor_thickness", "blade": "tip_angle"}
     constant = {
@@ -111,7 +112,7 @@ def result_of(
         {
             name: (variables[name].dimensions, np.asarray(values), variables[name].attributes)
             for name, values in {**described, **histories}.items()
-            if values.size or name in histories
+            if values.size or (name in histories and 0 not in values.shape[1:])
         },
         attrs=dict(attributes),
     )

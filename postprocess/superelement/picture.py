@@ -1,4 +1,4 @@
-"""Stills and films of a superelement: deformed blades, contact forces, and the wall near them."""
+"""Stills and films of a superelement: deformed blades, contact forces, and the wall."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -17,6 +17,7 @@ from bladewhirl.postprocess.pictures.films import shared_palette, write_gif, wri
 from bladewhirl.postprocess.pictures.offscreen import Pixels, off_screen_plotter, pixels_of
 from bladewhirl.postprocess.plotting.style import SEQUENTIAL
 from bladewhirl.postprocess.superelement.motion import check_superelement, deformed_points
+from bladewhirl.postprocess.superelement.ring import is_flexible, ring_displacement, wall_at
 from bladewhirl.postprocess.superelement.series import frame_meshes
 
 SIZE = (900, 700)  #: size of a picture [pixels]
@@ -41,9 +42,9 @@ def render_blades(
 ) -> Path:
     """Draw a superelement in axes that rotate with it.
 
-    Displacements and the clearance are multiplied by `exaggeration`, so that blade and wall touch
-    in the picture when they touch in the run. Colours are the size of the displacement. Arrows are
-    the contact forces at the record.
+    All displacements and the clearance are multiplied by `exaggeration`, so that blade and wall
+    touch in the picture when they touch in the run. Colours are the size of the displacement.
+    Arrows are the contact forces at the record.
 
     Args:
         dataset: result of a superelement with points and triangles.
@@ -103,7 +104,10 @@ def _pictures(
     size = float(np.ptp(points, axis=0).max())
     motion = deformed_points(dataset, records)
     largest = float(np.linalg.norm(motion, axis=-1).max())
-    factor = exaggeration or _rounded(LARGE * size / largest if largest > 0.0 else 1.0)
+    furthest = largest
+    if is_flexible(dataset):
+        furthest = max(largest, float(np.abs(ring_displacement(dataset, records)).max()))
+    factor = exaggeration or _rounded(LARGE * size / furthest if furthest > 0.0 else 1.0)
     strongest = float(np.abs(dataset["contact_force"].values[:, :, 0]).max())
     unit, scale = handy_unit(largest, "m")
     with off_screen_plotter(SIZE) as plotter:
@@ -171,26 +175,30 @@ def _aim(plotter: Any, dataset: xr.Dataset, size: float) -> None:
 
 
 def _draw_wall(plotter: Any, dataset: xr.Dataset, record: int, factor: float) -> None:
-    """Draw the wall near the contact nodes of each blade, at the clearance of the record."""
+    """Draw the wall near the contact nodes of each blade, or all of a flexible casing, at the
+    clearance of the record."""
     import pyvista
 
     angle, blade = dataset["contact_angle"].values, dataset["blade"].values
     axial, recess = dataset["contact_axial"].values, dataset["contact_recess"].values
     turned = float(dataset.attrs["speed"] * dataset["time"][record])
-    places = np.append(dataset["wall_angle"].values, 2.0 * np.pi)
-    values = np.append(dataset["clearance"].values, dataset["clearance"].values[0])
+    wall = wall_at(dataset, record)
 
     def clearance(at: FloatArray) -> FloatArray:
-        return np.asarray(np.interp(np.mod(at + turned, 2.0 * np.pi), places, values))
+        return wall(at + turned)
 
     known = dataset["gap"].values[record] + dataset["contact_displacement"].values[record, :, 0]
     closed = float(np.median(known - recess - clearance(angle)))  # closure since the start
     radius = float((dataset["contact_radius"].values + recess).max())
     margin = 0.15 * np.ptp(axial) + 0.01 * radius
+    arcs = [
+        np.linspace(own.min() - REACH, own.max() + REACH, 41)
+        for own in (angle[blade == number] for number in np.unique(blade))
+    ]
+    if is_flexible(dataset):
+        arcs = [np.linspace(0.0, 2.0 * np.pi, 361)]
     grids = []
-    for number in np.unique(blade):
-        own = angle[blade == number]
-        across = np.linspace(own.min() - REACH, own.max() + REACH, 41)
+    for across in arcs:
         along = np.linspace(axial.min() - margin, axial.max() + margin, 2)
         at = radius + factor * (clearance(across) + closed)
         x, z = np.meshgrid(at * np.cos(across), along, indexing="ij")

@@ -1,5 +1,6 @@
 """ParaView series of a superelement: surface triangles of all copies, and the contact nodes."""
 
+from itertools import chain
 from pathlib import Path
 
 import meshio
@@ -15,8 +16,10 @@ from bladewhirl.postprocess.superelement.motion import (
     deformed_points,
     turned_copies,
 )
+from bladewhirl.postprocess.superelement.ring import is_flexible, ring_mesh
 
 PARTS = ("blades", "contact")
+"""Parts of a series; a flexible casing is the part "casing"."""
 
 
 def export_points(
@@ -34,6 +37,7 @@ def export_points(
     `blades` has the points and triangles of the file, at their undeformed positions turned by the
     rotation, with `displacement` [m] and `radial_displacement` [m]; Warp By Vector shows
     the motion. `contact` has the contact nodes with `displacement` [m] and `force` [N], vectors.
+    `casing` is the inner face of a flexible casing, with `displacement` and `radial_displacement`.
 
     Args:
         dataset: result of a superelement with points.
@@ -54,9 +58,10 @@ def export_points(
         raise ViewError("expected a superelement with points and recovery")
     records = frame_records(dataset, frames, start, end)
     folder = Path(directory)
-    names = {part: [f"frames/{part}_{n:05d}.vtu" for n in range(len(records))] for part in PARTS}
+    parts = (*PARTS, "casing") if is_flexible(dataset) else PARTS
+    names = {part: [f"frames/{part}_{n:05d}.vtu" for n in range(len(records))] for part in parts}
     earlier = [*owned(folder)]
-    claim(folder, {"series.pvd", *names["blades"], *names["contact"]}, overwrite=overwrite)
+    claim(folder, {"series.pvd", *chain.from_iterable(names.values())}, overwrite=overwrite)
     (folder / "frames").mkdir(exist_ok=True)
     index = folder / "series.pvd"
     write_index(index, [])
@@ -77,7 +82,8 @@ def export_points(
 
 
 def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, meshio.Mesh]:
-    """Return the meshes of blades and contact nodes at a record, at undeformed positions."""
+    """Return the meshes of blades, contact nodes and a flexible casing at a record, at undeformed
+    positions."""
     copies = dataset.sizes["copy"]
     turn = 0.0 if rotating else float(dataset.attrs["speed"] * dataset["time"][record])
     points = dataset["point"].values
@@ -86,7 +92,17 @@ def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, 
     flat, motion = (about_z(values.reshape(-1, 3), turn) for values in (placed, moved))
     triangles = surface(dataset)
     numbers = np.vstack([triangles + n * len(points) for n in range(copies)])
-    return {
+    casing = {}
+    if is_flexible(dataset):
+        still = ring_mesh(dataset, record)
+        back = turn - float(dataset.attrs["speed"] * dataset["time"][record])
+        moved_wall = about_z(still.point_data["displacement"], back)
+        casing["casing"] = meshio.Mesh(
+            about_z(still.points, back),
+            still.cells,
+            {**still.point_data, "displacement": moved_wall},
+        )
+    return casing | {
         "blades": meshio.Mesh(
             flat,
             [("triangle" if numbers.shape[1] == 3 else "vertex", numbers)],

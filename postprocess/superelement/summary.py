@@ -9,8 +9,10 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.inputs.units import handy
+from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.run.summary import MARCH_REPORT, energy_residual
 from bladewhirl.postprocess.superelement.motion import check_superelement
+from bladewhirl.postprocess.superelement.ring import is_flexible, ring_displacement
 
 DIRECTIONS = ("radial", "tangential", "axial")
 
@@ -35,6 +37,8 @@ class NodeSummary:
     contact_share: list[float]  #: share of the time steps in contact, for each contact node
     contact_displacement_max: dict[str, float]
     """Largest displacement of a contact node in each direction [m]."""
+    casing_displacement_max: float | None
+    """Largest radial displacement of a node of a flexible casing [m]; None for a rigid wall."""
     gap_min: float  #: smallest gap at any step [m]
     work: dict[str, float]  #: works of "load", "normal", "friction", "damping" [J]
     energy_final: float  #: energy at the end [J]
@@ -66,6 +70,11 @@ class NodeSummary:
             else "none",
             "contact node displacement, largest": ", ".join(
                 f"{name} {handy(value, 'm', 4)}" for name, value in moved.items()
+            ),
+            **(
+                {}
+                if self.casing_displacement_max is None
+                else {"casing displacement, largest": handy(self.casing_displacement_max, "m", 4)}
             ),
             "work of": ", ".join(f"{name} {value:.4g} J" for name, value in self.work.items()),
             "energy at the end": f"{self.energy_final:.4g} J",
@@ -112,6 +121,7 @@ def summarise_nodes(dataset: xr.Dataset, march_report: Mapping[str, float]) -> N
             dataset["contact_steps"].values.sum(axis=0) / max(report["steps"], 1)
         ).tolist(),
         contact_displacement_max=dict(zip(DIRECTIONS, moved.tolist(), strict=True)),
+        casing_displacement_max=_largest_of_ring(dataset),
         gap_min=float(dataset["gap"].values[1:].min(initial=np.inf))
         if len(time) > 1
         else float(dataset["clearance"].min()),
@@ -122,6 +132,17 @@ def summarise_nodes(dataset: xr.Dataset, march_report: Mapping[str, float]) -> N
         energy_final=float(dataset["energy"][-1]),
         energy_residual=energy_residual(dataset.assign(coupling_work=0.0 * dataset["energy"])),
         **report,
+    )
+
+
+def _largest_of_ring(dataset: xr.Dataset) -> float | None:
+    if not is_flexible(dataset):
+        return None
+    return float(
+        max(
+            np.abs(ring_displacement(dataset, np.arange(s.start, s.stop))[:, :, 0]).max()
+            for s in portions(dataset)
+        )
     )
 
 

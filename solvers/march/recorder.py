@@ -117,7 +117,9 @@ class Recorder(AbstractContextManager["Recorder"]):
             self._file.attrs[name] = value
         self._file.attrs["format"] = RESULT_FORMAT
         self._file.attrs["coordinates"] = " ".join(
-            name for name, variable in self._tables.stage.items() if variable.is_coordinate
+            name
+            for name, variable in self._tables.stage.items()
+            if variable.is_coordinate and np.size(getattr(stage, name))
         )
         self._file.attrs["end_reason"] = UNFINISHED
         self._file.attrs["end_message"] = ""

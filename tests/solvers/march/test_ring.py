@@ -89,7 +89,7 @@ def under_nodes(ring: ReducedCasing, angle: FloatArray) -> FloatArray:
     weight = cubic_weights(place - np.floor(place), ring.element_length)
     ends = np.concatenate([ring.nodal[element], ring.nodal[(element + 1) % nodes]], axis=1)
     radial, tangential = ends[:, [0, 1, 4, 5]], ends[:, [2, 3, 6, 7]]
-    return np.einsum("qn,knqm->knm", weight, np.array([radial, tangential]))
+    return np.asarray(np.einsum("qn,knqm->knm", weight, np.array([radial, tangential])))
 
 
 def plain(p: BoundaryProblem, dt: float, steps: int) -> Mapping[str, FloatArray]:

@@ -1,0 +1,132 @@
+"""Motion of the flexible casing around a superelement."""
+
+from collections.abc import Callable
+
+import meshio
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from scipy.interpolate import CubicSpline
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.result import ResultError
+from bladewhirl.postprocess.plotting.axes import draw_map
+from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.titles import head
+from bladewhirl.postprocess.superelement.motion import check_superelement
+
+LINES = 6
+"""Largest number of nodal diameters with a line each."""
+
+
+def is_flexible(dataset: xr.Dataset) -> bool:
+    """Return whether the casing of a result of a superelement is flexible."""
+    return "casing_shape" in dataset
+
+
+def ring_displacement(dataset: xr.Dataset, records: IntArray) -> FloatArray:
+    """Return radial and tangential displacements of the casing nodes [m], (records, nodes, 2)."""
+    shape = dataset["casing_shape"].values[:, ::2]
+    moved = dataset["casing_displacement"].isel(time=records).values
+    return np.asarray(np.einsum("nam,rm->rna", shape, moved))
+
+
+def wall_at(dataset: xr.Dataset, record: int) -> Callable[[FloatArray], FloatArray]:
+    """Return a function of the angle in the static frame [rad]: clearance plus radial displacement
+    of the casing at a record [m]."""
+    values = dataset["clearance"].values
+    if is_flexible(dataset):
+        values = values + ring_displacement(dataset, np.array([record]))[0, :, 0]
+    angle = np.append(dataset["wall_angle"].values, 2.0 * np.pi)
+    spline = CubicSpline(angle, np.append(values, values[0]), bc_type="periodic")
+    return lambda at: np.asarray(spline(np.mod(at, 2.0 * np.pi)))
+
+
+def ring_motion(result: xr.Dataset) -> xr.Dataset:
+    """Compute displacement and strain energy of a flexible casing over time.
+
+    Args:
+        result: result of a superelement with a flexible casing.
+
+    Returns:
+        Dataset: `radial` and `tangential` [m] over (time, casing_node); `energy` [J] over (time,
+        nodal_diameter), the strain energy of the casing and its supports.
+
+    Raises:
+        ResultError: the casing is rigid.
+    """
+    check_superelement(result)
+    if not is_flexible(result):
+        raise ResultError("expected a flexible casing, found a rigid wall")
+    records = np.arange(result.sizes["time"])
+    moved = ring_displacement(result, records)
+    squares = result["casing_frequency"].values * result["casing_displacement"].values
+    diameter, member = np.unique(result["casing_nodal_diameter"].values, return_inverse=True)
+    energy = 0.5 * squares**2 @ np.eye(len(diameter))[member]
+    over = ("time", "casing_node")
+    return labelled(
+        result,
+        "motion of the casing",
+        {
+            "radial": (over, moved[:, :, 0], "m"),
+            "tangential": (over, moved[:, :, 1], "m"),
+            "energy": (("time", "nodal_diameter"), energy, "J"),
+        },
+        {"time": result["time"].values, "nodal_diameter": diameter},
+    ).assign_coords(casing_angle=result["casing_angle"])
+
+
+@styled
+def plot_ring(data: xr.Dataset) -> Figure:
+    """Draw the radial displacement of the casing over time and angle, and its strain energy by
+    nodal diameter.
+
+    Args:
+        data: dataset from `ring_motion`.
+    """
+    figure = new_figure(width=FULL_WIDTH, height=0.1)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.3, 1.0])
+    time, radial = data["time"].values, data["radial"].values
+    largest = float(np.abs(radial).max())
+    unit, scale = handy_unit(largest, "m")
+    degrees = np.degrees(data["casing_angle"].values)
+    edges = np.append(degrees, 360.0) - 0.5 * degrees[1]
+    times = np.append(time[:1] - np.diff(time[:2]), time)
+    limits = {"vmin": -scale * largest, "vmax": scale * largest} if largest > 0.0 else {}
+    drawn = draw_map(above, times, edges, scale * radial.T, cmap="RdBu_r", **limits)
+    figure.colorbar(drawn, ax=above, label=f"radial\ndisplacement [{unit}]")
+    above.set_ylabel("angle, static frame [°]")
+    above.set_yticks(np.arange(0, 361, 90))
+    energy, diameter = data["energy"].values, data["nodal_diameter"].values
+    unit, scale = handy_unit(float(energy.max()), "J")
+    shown = np.sort(np.argsort(-energy.max(axis=0), kind="stable")[:LINES])
+    for column in shown:
+        below.plot(time, scale * energy[:, column], linewidth=0.7, label=f"{diameter[column]}")
+    below.legend(title="nodal diameter", loc="upper right", ncols=LINES)
+    below.set_ylabel(f"strain energy [{unit}]")
+    time_axis(above, below)
+    head(figure, data, f"the {len(shown)} nodal diameters with the largest energy")
+    return figure
+
+
+def ring_mesh(dataset: xr.Dataset, record: int) -> meshio.Mesh:
+    """Return the inner face of the casing as quadrilaterals at undeformed positions, in static
+    axes, with the displacement at a record."""
+    angle, radius = dataset["casing_angle"].values, float(dataset.attrs["casing_radius"])
+    axial, half = dataset["contact_axial"].values, 0.5 * dataset["casing_width"].values
+    middle, nodes = 0.5 * (axial.min() + axial.max()), len(angle)
+    c, s = np.cos(angle), np.sin(angle)
+    w, u = ring_displacement(dataset, np.array([record]))[0].T
+    moved = np.column_stack([w * c - u * s, w * s + u * c, 0.0 * w])
+    sides = [
+        np.column_stack([radius * c, radius * s, middle + sign * half]) for sign in (-1.0, 1.0)
+    ]
+    first = np.arange(nodes)
+    second = (first + 1) % nodes
+    return meshio.Mesh(
+        np.vstack(sides),
+        [("quad", np.column_stack([first, second, second + nodes, first + nodes]))],
+        {"displacement": np.vstack([moved, moved]), "radial_displacement": np.tile(w, 2)},
+    )
