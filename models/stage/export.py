@@ -1,11 +1,24 @@
 """A bladed disk of beams as a superelement."""
 
+from dataclasses import replace
+from typing import Literal
+
 import numpy as np
 import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.elements.bladed_disk import BladedDiskModel
-from bladewhirl.models.superelements.superelement import FIXED, Superelement
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
+from bladewhirl.models.elements.assembly import straight_beams
+from bladewhirl.models.elements.bladed_disk import (
+    COMPONENTS,
+    ROTATION,
+    BladedDiskModel,
+    nodal_to_line_axes,
+)
+from bladewhirl.models.elements.forms import mass, straight_stiffness
+from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
+
+BLADES = "blades"
+"""Name of the lines of the blades."""
 
 
 def wheel_superelement(
@@ -59,3 +72,89 @@ def _to_cartesian_tips(disk: BladedDiskModel) -> sp.csr_array:
     turn[first, first], turn[first, second] = c, s
     turn[second, first], turn[second, second] = -s, c
     return sp.csr_array(turn)
+
+
+def part_superelement(
+    disk: BladedDiskModel, kind: Literal["sector", "blade"], name: str
+) -> Superelement:
+    """Return the finite elements of one sector, or of one blade clamped at its root.
+
+    Coordinates are x and y displacements and rotations of the nodes. The rotation of a node on a
+    face of the sector is the third component in `left_dofs` and `right_dofs`: like a displacement
+    along z, it is the same in the axes of all sectors.
+
+    Args:
+        disk: finite element model without rotation effects, with equal sectors of beams only.
+        kind: "sector", of a disk with clamped centre, or "blade".
+        name: name of the superelement.
+
+    Raises:
+        SuperelementError: the bladed disk has no equal sectors, or its centre moves.
+    """
+    mesh, model = disk.mesh, disk.model
+    sectors = mesh.sectors
+    if sectors is None or disk.structure.layout is None or len(sectors) < 3:
+        raise SuperelementError(f"expected three or more equal sectors for a {kind}")
+    if kind == "sector" and len(disk.centre):
+        raise SuperelementError("expected shaft.clamped = true for a sector")
+    others = (model.springs.node.size, model.masses.node.size, model.links.led.size)
+    if others[:2] != (0, 0) or (kind == "sector" and others[2]):
+        raise SuperelementError(f"expected a {kind} of beams, without masses, springs and links")
+    of_sector = np.full(len(mesh.points), -1)
+    of_sector[sectors] = np.arange(len(sectors))[:, None]
+    ends = of_sector[mesh.lines]
+    inside = ((ends == 0) | (ends == -1)).all(axis=1) & (ends == 0).any(axis=1)
+    if kind == "blade":
+        chosen = inside & (np.array(mesh.line_parts) == BLADES)
+        held = np.intersect1d(mesh.node_sets["roots"], mesh.lines[chosen])
+    else:
+        chosen = inside | (np.sort(ends, axis=1) == [0, 1]).all(axis=1)
+        held = np.array([model.centre])
+    nodes = np.setdiff1d(mesh.lines[chosen], held)
+    mass_matrix, stiffness = _lines_alone(disk, chosen, nodes)
+    dofs = COMPONENTS * np.arange(len(nodes))[:, None] + np.arange(COMPONENTS)
+    tip = int(np.flatnonzero(np.isin(nodes, model.tips[of_sector[model.tips] == 0]))[0])
+    recovery = sp.lil_array((3 * len(nodes), dofs.size))
+    for axis in range(ROTATION):
+        recovery[3 * np.arange(len(nodes)) + axis, dofs[:, axis]] = 1.0
+    faces = {}
+    if kind == "sector":
+        right = np.flatnonzero(of_sector[nodes] == 1)
+        twins = sectors[0][np.argsort(sectors[1])][
+            np.searchsorted(np.sort(sectors[1]), nodes[right])
+        ]
+        faces = {"left_dofs": dofs[np.searchsorted(nodes, twins)], "right_dofs": dofs[right]}
+    flat = np.pad(mesh.points[nodes], ((0, 0), (0, 1)))
+    return Superelement(
+        mass=mass_matrix,
+        stiffness=stiffness,
+        contact_position=flat[[tip]],
+        contact_dofs=np.array([[*dofs[tip, :ROTATION], FIXED]]),
+        points=flat,
+        recovery=sp.csr_array(recovery),
+        name=name,
+        source=f"bladewhirl, {kind} of a bladed disk of beams",
+        **faces,
+    )
+
+
+def _lines_alone(
+    disk: BladedDiskModel, chosen: BoolArray, nodes: IntArray
+) -> tuple[sp.csr_array, sp.csr_array]:
+    """Return mass and stiffness of some of the lines, for x, y and rotation of some nodes."""
+    flat = replace(disk.mesh, node_axes=np.zeros_like(disk.mesh.node_axes))
+    assembler = straight_beams(flat.lengths, flat.lines, len(flat.points))
+    transform, sections = nodal_to_line_axes(flat), disk.properties.at(assembler.points)
+    weight = chosen.astype(float)[:, None]
+    whole = (
+        assembler.matrix(mass, transform, rho_A=weight * sections.line_mass),
+        assembler.matrix(
+            straight_stiffness,
+            transform,
+            EA=weight * sections.axial_stiffness,
+            EI=weight * sections.bending_stiffness,
+        ),
+    )
+    kept = assembler.node_dofs[nodes].ravel()
+    inertial, elastic = (sp.csr_array(matrix[np.ix_(kept, kept)]) for matrix in whole)
+    return inertial, elastic

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
@@ -30,12 +31,12 @@ from bladewhirl.models.modal.suspension import with_sized_shaft
 from bladewhirl.models.rotation.at_speed import TurningDisk, tip_recess, turning_disk
 from bladewhirl.models.rotation.eigenproblems import modal_damping
 from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
-from bladewhirl.models.stage.export import wheel_superelement
+from bladewhirl.models.stage.export import part_superelement, wheel_superelement
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
 from bladewhirl.models.stage.ring import flexible_ring
 from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies
-from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
 FULL_FREQUENCIES = 7
 """Number of frequencies of the full model that are computed per nodal diameter: five families, the
@@ -112,10 +113,23 @@ class Stage:
         """Matrices of the reduced bladed disk with named degrees of freedom."""
         return reduced_disk(self.case, self.disk, self.reduction, self.boundary_sets)
 
-    def to_superelement(self) -> Superelement:
-        """Return the full model of the bladed disk as a superelement, a wheel without the springs
-        of the shaft, with the blade tips as contact nodes; see `write_superelement`."""
-        return wheel_superelement(self.disk, self.case.shaft.stiffnesses, self.case.title)
+    def to_superelement(self, kind: Literal["wheel", "sector", "blade"] = "wheel") -> Superelement:
+        """Return the full model of the bladed disk as a superelement, with the blade tips as
+        contact nodes; see `write_superelement`.
+
+        Args:
+            kind: "wheel", without the springs of the shaft; "sector", of a disk of beams with equal
+                sectors and a clamped centre; "blade", one blade clamped at its root.
+
+        Raises:
+            SuperelementError: there is no such sector or blade.
+        """
+        case = self.case
+        if kind == "wheel":
+            return wheel_superelement(self.disk, case.shaft.stiffnesses, case.title)
+        if self.turning is not None:
+            raise SuperelementError(f'expected rotation.effects = "none" for a {kind}')
+        return part_superelement(self.disk, kind, case.title)
 
     @property
     def speed(self) -> float:

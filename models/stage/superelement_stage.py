@@ -26,7 +26,7 @@ from bladewhirl.models.superelements.reduction import (
     rigid_limit,
 )
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
-from bladewhirl.models.superelements.wheel import massless_wheel, turned, turned_points
+from bladewhirl.models.superelements.wheel import massless_wheel, turned, turned_points, whole_wheel
 
 GRID = 4096
 """Number of angles at which the wall is tabulated; more if the profile has many points."""
@@ -230,11 +230,10 @@ def superelement_stage(case: Case) -> SuperelementStage:
     try:
         if part.centre_dofs is not None:
             part = _on_springs(case, part)
-        if table.kind == "sector":
+        if table.kind == "sector" and case.reduction.boundary == "consistent":
+            part = whole_wheel(part, table.copies)
+        if table.kind == "sector" and case.reduction.boundary == "massless":
             part, reduced = massless_wheel(part, table.copies, case.reduction.free_interface_modes)
-            if case.reduction.boundary == "consistent":
-                key = "reduction.boundary"
-                raise SuperelementError('"massless" for a sector')
         elif case.reduction.boundary == "massless":
             key = "reduction.free_interface_modes"
             reduced = massless(part, case.reduction.free_interface_modes)

@@ -7,10 +7,10 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.reduction import ReducedSuperelement
-from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
+from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
 MOST = 4000
 """Largest number of coordinates of a sector."""
@@ -91,6 +91,66 @@ def massless_wheel(
         kept=len(values),
     )
     return _wheel(part, spread, np.asarray(values, dtype=np.float64)), reduced
+
+
+def whole_wheel(part: Superelement, sectors: int) -> Superelement:
+    """Return the assembled wheel of a sector, with sparse matrices.
+
+    Coordinates are those of a sector without its right face, sector by sector; displacements of the
+    contact nodes are in the axes of the first sector, others in the axes of their sectors.
+
+    Args:
+        part: sector with left_dofs and right_dofs.
+        sectors: number of sectors.
+
+    Raises:
+        SuperelementError: the superelement is not a sector.
+    """
+    tie = sp.csr_array(cyclic_reduction(part, sectors, 0).transformation.real)
+    assert part.right_dofs is not None
+    ahead = np.zeros(part.size)
+    ahead[part.right_dofs[part.right_dofs != FIXED]] = 1.0
+    on = sp.csr_array(sp.diags_array(ahead) @ tie)  # the right face follows the next sector
+    own = sp.csr_array(tie - on)
+    place = np.full(part.size + 1, FIXED)
+    place[:-1][ahead == 0.0] = np.arange(tie.shape[1])
+    contact = place[part.contact_dofs]
+    step = sp.csr_array(np.roll(np.eye(sectors), 1, axis=1))
+    spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
+    turn = sp.block_diag([_turned_contact(contact, tie.shape[1], angle) for angle in spread])
+
+    def assembled(matrix: Any) -> sp.csr_array:
+        inner = sp.csr_array(own.T @ matrix @ own + on.T @ matrix @ on)
+        across = sp.kron(step, own.T @ matrix @ on)
+        both = sp.kron(sp.eye_array(sectors), inner) + across + across.T
+        return sp.csr_array(turn @ both @ turn.T)
+
+    recovery = None
+    if part.recovery is not None:
+        both = sp.kron(sp.eye_array(sectors), part.recovery @ own)
+        both = (both + sp.kron(step, part.recovery @ on)) @ turn.T
+        rows = both.toarray().reshape(sectors, -1, both.shape[1])
+        recovery = np.vstack([turned(r, angle) for r, angle in zip(rows, spread, strict=True)])
+    picture = _wheel(part, spread, np.ones(1))
+    offset = tie.shape[1] * np.arange(sectors)[:, None, None]
+    dofs = np.where(contact == FIXED, FIXED, contact + offset).reshape(-1, 3)
+    return replace(
+        picture,
+        mass=assembled(part.mass),
+        stiffness=assembled(part.stiffness),
+        contact_dofs=dofs,
+        recovery=recovery,
+    )
+
+
+def _turned_contact(contact: IntArray, size: int, angle: float) -> sp.csr_array:
+    """Return the matrix that turns x and y of the contact nodes by an angle, (size, size)."""
+    turn = sp.lil_array(sp.eye_array(size))
+    c, s = np.cos(angle), np.sin(angle)
+    for x, y, _ in contact:
+        turn[x, x] = turn[y, y] = c
+        turn[x, y], turn[y, x] = -s, s
+    return sp.csr_array(turn)
 
 
 def _wheel(part: Superelement, spread: FloatArray, frequency: FloatArray) -> Superelement:

@@ -1,17 +1,25 @@
 """Superelements: contact of massless nodes against closed forms, a blade of solids with two models
-of its contact nodes, and a wheel from one of its sectors."""
+of its contact nodes, a wheel from one of its sectors, and stages of beams as superelements."""
 
 from functools import cache
-from typing import Any
+from tempfile import TemporaryDirectory
+from typing import Any, cast
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.check import case_from
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.superelements.file import write_superelement
 from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement
 from bladewhirl.models.superelements.wheel import massless_wheel
 from bladewhirl.solvers.march.boundary import BoundaryChunk, BoundaryMarch
+from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.studies.verification.case import Pair, verifies
 
 GAP, FLEXIBILITY, OMEGA = 1e-3, 1e-6, 100.0
@@ -151,6 +159,64 @@ def wheel_of_sectors() -> Pair:
     kept = (reduced.contact / reduced.frequency**2) @ reduced.contact.T
     tips = np.concatenate([6 * n + 3 + np.arange(3) for n in range(sectors)])
     return np.linalg.inv(whole)[np.ix_(tips, tips)].ravel(), (kept + reduced.compliance).ravel()
+
+
+@cache
+def exported(kind: str) -> tuple[ContactProblem, BoundaryProblem, float]:
+    """Return the contact problem of a stage of beams that a closing oval casing pinches, that of
+    the same stage as superelements with mass at the contact nodes, and the time step [s]."""
+    blades, kept = 6, 12
+    common = {
+        "casing": {
+            "elements": 24,
+            "support": 7.975e6,
+            "clearance": 5e-4,
+            "clearance_lobes": [{"lobes": 2, "amplitude": 2e-4}],
+            "closure": {"amount": 4e-4, "time_constant": 0.02},
+        },
+        "excitation": {"type": "none"},
+        "contact": {"friction": 0.05},
+        "march": {"speed": "1200 rpm", "time_step": 2e-6},
+    }
+    beams: dict[str, Any] = {"blades": blades, "elements_per_blade": 4}
+    if kind == "blade":
+        beams["disk_kind"] = "rigid"
+    shaft = {"clamped": kind != "wheel"}
+    reduction: dict[str, Any] = {"fixed_interface_modes": kept}
+    given = common | {"bladed_disk": beams, "shaft": shaft, "reduction": reduction}
+    stage = build_stage(case_from(given))
+    problem = contact_problem(stage)
+    if kind == "blade":
+        reduction = {"fixed_interface_modes": kept // blades}
+    with TemporaryDirectory() as folder:
+        file = f"{folder}/part.npz"
+        write_superelement(file, stage.to_superelement(cast(Any, kind)))
+        copies = 1 if kind == "wheel" else blades
+        table = {"file": file, "kind": kind, "copies": copies}
+        given = common | {
+            "bladed_disk": {"superelement": table},
+            "damping": {"boundary_ratio": stage.case.damping.ratio},
+            "reduction": reduction | {"boundary": "consistent"},
+        }
+        same = superelement_stage(case_from(given)).problem_at(problem.speed)
+    return problem, same, stage.case.march.time_step
+
+
+@verifies("wheel", "sector", "blade")
+def frequencies_of_an_exported_stage(kind: str) -> Pair:
+    """Compare all frequencies of a stage of beams with those of its superelements."""
+    problem, same, _ = exported(kind)
+    return np.sort(problem.rotor.frequency), np.sort(same.frequency.ravel())
+
+
+@verifies("wheel", "sector", "blade")
+def march_of_an_exported_stage(kind: str) -> Pair:
+    """Compare the radial displacements of the tips with those of superelements over 0.05 s."""
+    problem, same, dt = exported(kind)
+    beams, nodes = CentralDifference(problem, dt, 250), BoundaryMarch(same, dt, 250)
+    steps = round(0.05 / dt) + 1
+    expected = beams.advance(beams.init(), steps)[1].rotor_displacement @ problem.rotor.tip_radial.T
+    return expected, nodes.advance(nodes.init(), steps)[1].contact_displacement[:, :, 0]
 
 
 def _wheel() -> tuple[FloatArray, Superelement, int]:

@@ -14,13 +14,16 @@ import bladewhirl as bw
 from bladewhirl.models.stage.superelement_hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.superelement.interaction import plot_interaction
 from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits, wall_contact
 from bladewhirl.postprocess.superelement.picture import render_blades
+from bladewhirl.postprocess.superelement.ring import ring_motion, wall_at
 from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
+from bladewhirl.studies.runs.run import resume
 
 
 def blade(nodes: int = 3, levels: int = 6) -> Superelement:
@@ -314,3 +317,28 @@ def test_matrices_that_are_not_used_are_reported_and_divergent_speeds_are_drawn(
     monkeypatch.setenv("BLADEWHIRL_KERNEL", "reference")
     with pytest.raises(bw.UserError, match="no reference for superelements"):
         prepare(case)
+
+
+def test_blades_rub_in_a_flexible_ring(file: Path, tmp_path: Path) -> None:
+    closure = {"table": [[0.0, 0.0], [0.004, 3.2e-4]]}
+    casing = {"elements": 12, "clearance": 3e-4, "support": 1e7, "closure": closure}
+    pushed = {"type": "casing-distortion", "modal_force": 300.0, "duration": 0.005}
+    given = tables(file, casing=casing, excitation=pushed, march__duration=0.006)
+    run = bw.run(bw.case_from(given), tmp_path / "run", frames=2)
+    summary: Any = run.summary
+    assert summary.casing_displacement_max > 1e-5
+    assert run.summary.contact_impulse > 0.0
+    assert run.summary.energy_residual < 1e-9
+    with open_result(run.directory) as result:
+        assert result["casing_displacement"].sizes["casing_mode"] == 4 * 12 - 1
+        motion = ring_motion(result)
+        largest = float(np.abs(motion["radial"]).max())
+        assert largest == pytest.approx(summary.casing_displacement_max)
+        gap, moved = result["gap"].values[-1], result["contact_displacement"].values[-1, :, 0]
+        angle = result["contact_angle"].values + result.attrs["speed"] * float(result["time"][-1])
+        closed = np.median(wall_at(result, -1)(angle) - moved - gap)
+        assert closed == pytest.approx(3.2e-4, abs=2e-5)  # gaps are the smallest between records
+    series = (run.directory / "vtk" / "series.pvd").read_text(encoding="utf-8")
+    assert 'name="casing"' in series
+    continued: Any = resume(run.directory, ["march.duration=0.007"], frames=0)
+    assert continued.summary.energy_residual < 1e-9
