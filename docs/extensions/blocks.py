@@ -121,15 +121,15 @@ def commands(code: str) -> list[str]:
     return [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
 
 
-def main(page: str, folder: str) -> None:
-    """Run the blocks of a page in a folder."""
+def run(text: str, folder: Path) -> list[str]:
+    """Run the blocks of a page in a folder; return the printed output of each block."""
     from bladewhirl.models.inputs.errors import Hint
 
     warnings.simplefilter("ignore", Hint)  # commands print hints themselves
-    session = Session(Path(folder).resolve())
-    text = Path(page).read_text(encoding="utf-8")
-    print(json.dumps([session.run(block) for block in blocks(text) if block.runs]))
+    session = Session(folder.resolve())
+    return [session.run(block) for block in blocks(text) if block.runs]
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    page, folder = map(Path, sys.argv[1:])
+    print(json.dumps(run(page.read_text(encoding="utf-8"), folder)))

@@ -8,12 +8,15 @@ with an alternative text.
 
 import hashlib
 import json
+import multiprocessing
 import os
 import re
 import shutil
-import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
+from importlib.util import find_spec
+from multiprocessing.connection import wait
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
@@ -28,37 +31,68 @@ _HEAD = re.compile(r"\A---\n.*?^executed: true$.*?^---$", re.MULTILINE | re.DOTA
 _MARK = re.compile(r"^<!-- generated: (\S+) -->$", re.MULTILINE)
 _PICTURE = re.compile(r"^<!-- picture: (\S+) \| (.*?) -->$", re.MULTILINE)
 LONGEST = ("verification", "tutorials/rotation", "tutorials/sweep", "start", "tutorials/case_file")
+IMPORTED = (
+    *("matplotlib.pyplot", "meshio", "pint", "pyvista.plotting", "skfem", "typer.testing"),
+    *("scipy.interpolate", "scipy.optimize", "scipy.signal", "scipy.spatial", "scipy.stats"),
+    *("xarray.backends.h5netcdf_", "dask.array", "distributed"),  # xarray uses dask if it is there
+    *("bladewhirl.postprocess.pictures.stage", "bladewhirl.postprocess.pictures.web_page"),
+    *("bladewhirl.studies.commands.cli", "bladewhirl.studies.runs.outputs"),
+    *("bladewhirl.studies.runs.render", "bladewhirl.studies.runs.run"),
+    *("bladewhirl.solvers.march.central_difference", "bladewhirl.models.stage.hints"),
+)
+"""Modules that pages use; they are imported once, before the processes of the pages are forked."""
+
 _LAYERS = ("bladewhirl", "meshes", "models", "solvers", "postprocess", "studies", "examples")
 
 
 def run_pages(source: Path) -> None:
-    """Run all pages in processes, one per core, the longest first."""
+    """Run each page in a process of its own, on a core of its own, the longest pages first."""
     pages = {
         path.relative_to(source).with_suffix("").as_posix(): path
         for path in sorted(source.rglob("*.md"))
         if _HEAD.match(path.read_text(encoding="utf-8"))
     }
-    names = sorted(pages, key=lambda name: (*LONGEST, name).index(name))
-    state = _state()
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        runs = [pool.submit(_run, pages[name], source / "built" / name, state) for name in names]
-        for run in runs:
-            run.result()
+    state, forks = _state(), sys.platform == "linux"
+    context = multiprocessing.get_context("fork" if forks else "spawn")
+    for module in IMPORTED if forks else ():
+        if find_spec(module.partition(".")[0]):
+            import_module(module)
+    if forks:  # draw without a display also where a page uses PyVista itself
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    free = [*(os.sched_getaffinity(0) if forks else range(os.cpu_count() or 1))]
+    running: dict[Any, tuple[str, int, BaseProcess]] = {}
+    waiting = sorted(pages, key=lambda name: (*LONGEST, name).index(name), reverse=True)
+    while waiting or running:
+        while waiting and free:
+            name, core = waiting.pop(), free.pop()
+            process = context.Process(
+                target=_run, args=(pages[name], source / "built" / name, state, core)
+            )
+            process.start()
+            running[process.sentinel] = name, core, process
+        for sentinel in wait(list(running)):
+            name, core, process = running.pop(sentinel)
+            process.join()
+            free.append(core)
+            if process.exitcode:
+                raise ExtensionError(f"{pages[name]}: a block fails, as stated above")
 
 
-def _run(page: Path, folder: Path, state: str) -> None:
-    """Run the blocks of a page in a folder, and store their outputs beside the folder."""
-    kept = folder.with_name(f"{folder.name}.json")
-    key = hashlib.sha256((state + page.read_text(encoding="utf-8")).encode()).hexdigest()
+def _run(page: Path, folder: Path, state: str, core: int) -> None:
+    """Run the blocks of a page in a folder, and store their outputs beside the folder.
+
+    Commands that start a process for each core start one, as the process has one core.
+    """
+    kept, text = folder.with_name(f"{folder.name}.json"), page.read_text(encoding="utf-8")
+    key = hashlib.sha256((state + text).encode()).hexdigest()
     if kept.exists() and json.loads(kept.read_text(encoding="utf-8"))["key"] == key:
         return
+    if sys.platform == "linux":
+        os.sched_setaffinity(0, [core])
+    sys.modules["__main__"] = blocks  # workers of sweeps import this module, and not Sphinx
     shutil.rmtree(folder, ignore_errors=True)
-    done = subprocess.run(
-        [sys.executable, blocks.__file__, page, folder], capture_output=True, text=True, check=False
-    )
-    if done.returncode:
-        raise ExtensionError(f"{page}: a block fails\n{done.stderr}")
-    kept.write_text(json.dumps({"key": key, "printed": json.loads(done.stdout)}), encoding="utf-8")
+    outputs = blocks.run(text, folder)
+    kept.write_text(json.dumps({"key": key, "printed": outputs}), encoding="utf-8")
 
 
 def printed(source: Path, name: str) -> list[str]:

@@ -11,7 +11,7 @@ from blocks import ROOT
 
 import bladewhirl as bw
 
-LONGEST, FRAMES = 0.6, 14
+LONGEST, FRAMES = 0.5, 10
 """Longest duration of a march under a load [s], and number of pictures of a film."""
 
 

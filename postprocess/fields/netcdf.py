@@ -1,7 +1,11 @@
-"""Read and validate netCDF-4 files through xarray, also incomplete files left by a killed run."""
+"""Read and validate netCDF-4 files, also incomplete files left by a killed run.
 
-import warnings
+Files are read with h5py: h5netcdf computes the length of a dimension that can grow from all its
+variables whenever a shape is needed, which takes half a second for the result of a run.
+"""
+
 from collections.abc import Mapping
+from contextlib import ExitStack
 from os import PathLike
 from pathlib import Path
 from typing import Any, Self
@@ -39,6 +43,35 @@ class ResultError(UserError):
 def plausible(values: Any, *, gaps: bool = False) -> bool:
     """Return true if all magnitudes are below `MOST`; NaN is accepted if gaps are allowed."""
     return bool(np.all((np.abs(values) < MOST) | (gaps & np.isnan(values))))
+
+
+NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
+"""Beginning of the attribute NAME of a dimension without values."""
+
+INTERNAL = {"CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "_FillValue"}
+"""Attributes of variables that netCDF-4 needs for itself, with those that begin with "_N"."""
+
+
+class StoredArray(BackendArray):
+    """Array of a file, of which the given shape is read."""
+
+    def __init__(self, array: h5py.Dataset, shape: tuple[int, ...]) -> None:
+        self._array, self.shape, self.dtype = array, shape, array.dtype
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
+        """Return a part of the array."""
+        return indexing.explicit_indexing_adapter(
+            key, self.shape, indexing.IndexingSupport.OUTER_1VECTOR, self._read
+        )
+
+    def _read(self, key: tuple[Any, ...]) -> Any:
+        inside = tuple(
+            slice(*part.indices(size)) if isinstance(part, slice) else part
+            for part, size in zip(key, self.shape, strict=True)
+        )
+        if h5py.check_string_dtype(self.dtype):
+            return np.asarray(self._array.asstr()[inside], dtype=str)
+        return self._array[inside]
 
 
 class CheckedArray(BackendArray):
@@ -95,52 +128,99 @@ def open_file(
     file = Path(path) / name if Path(path).is_dir() else Path(path)
     if not file.is_file():
         raise ResultError(f"{file}: expected {kind} (or its folder), found no such file")
-    raw = CutFile(file)
-    try:
-        with h5py.File(raw, "r") as plain:
-            plain.attrs.get("_nc3_strict")  # h5netcdf 1.8 prints a traceback where this fails
-        with warnings.catch_warnings(record=True) as warned:  # by xarray, of damaged dimensions
-            warnings.simplefilter("always")
-            stored = xr.open_dataset(
-                raw,
-                engine="h5netcdf",
-                cache=False,
-                decode_times=False,
-                mask_and_scale=False,
-                phony_dims="access",
-                # an index would be read at once, beyond the last complete record
-                create_default_indexes=False,
+    with ExitStack() as opened:
+        try:
+            h5 = opened.enter_context(h5py.File(opened.enter_context(CutFile(file)), "r"))
+            stored = _stored(h5)
+            declared = sum(variable.nbytes for variable in stored.values())
+            size = file.stat().st_size
+            if declared > max(ROOM, DENSEST * size):
+                raise ValueError(
+                    f"it declares {declared:.3g} bytes of data in a file of {size:.3g} bytes"
+                )
+            records = slice(complete_records(stored.attrs))
+            dataset = stored.isel({TIME: records}, missing_dims="ignore")
+            dataset = dataset.assign_coords(  # with an index
+                {
+                    dimension: _coordinate(dataset[dimension])
+                    for dimension in dataset.dims
+                    if dimension in dataset.coords and dataset[dimension].dims == (dimension,)
+                }
             )
-        if warned:
-            raise ValueError(warned[0].message)
-        declared, size = sum(variable.nbytes for variable in stored.values()), file.stat().st_size
-        if declared > max(ROOM, DENSEST * size):
-            raise ValueError(
-                f"it declares {declared:.3g} bytes of data in a file of {size:.3g} bytes"
+            checked = dataset.assign(
+                {
+                    name: _checked(variable, f"{file}: {name}", gaps=gaps, cache=cache)
+                    for name, variable in dataset.variables.items()
+                    if name not in dataset.indexes
+                }
             )
-        dataset = stored.isel({TIME: slice(complete_records(stored.attrs))}, missing_dims="ignore")
-        for dimension in map(str, dataset.dims):
-            if dimension in dataset.coords and dataset[dimension].dims == (dimension,):
-                dataset = dataset.set_xindex(dimension)
-        checked = dataset.assign(
-            {
-                name: _checked(variable, f"{file}: {name}", gaps=gaps, cache=cache)
-                for name, variable in dataset.variables.items()
-                if name not in dataset.indexes
-            }
-        )
-    except Exception as error:  # HDF5 and xarray raise many kinds for damaged bytes
-        raw.close()
-        raise ResultError(
-            f"{file}: expected {kind} in netCDF-4, could not read it: {error}"
-        ) from None
-
-    def close() -> None:
-        stored.close()
-        raw.close()
-
-    checked.set_close(close)
+        except Exception as error:  # HDF5 and xarray raise many kinds for damaged bytes
+            raise ResultError(
+                f"{file}: expected {kind} in netCDF-4, could not read it: {error}"
+            ) from None
+        checked.set_close(opened.pop_all().close)
     return checked, file
+
+
+def _stored(h5: h5py.File) -> xr.Dataset:
+    """Return all variables of a netCDF-4 file, without reading or validating their values."""
+    everything = {name: each for name, each in h5.items() if isinstance(each, h5py.Dataset)}
+    numbers = {
+        array.attrs.get("_Netcdf4Dimid"): name
+        for name, array in everything.items()
+        if array.is_scale
+    }
+    arrays = {
+        name: array
+        for name, array in everything.items()
+        if not array.attrs.get("NAME", b"").startswith(NO_VARIABLE)
+    }
+    dimensions = {name: _dimensions(name, array, numbers) for name, array in arrays.items()}
+    sizes: dict[str, int] = {}  # if a run was killed, some of its histories may be longer
+    for name, array in arrays.items():
+        for dimension, size in zip(dimensions[name], array.shape, strict=True):
+            sizes[dimension] = min(size, sizes.get(dimension, size))
+    attributes = _attributes(h5)
+    variables, coordinates = {}, {*sizes, *str(attributes.pop("coordinates", "")).split()}
+    for name, array in arrays.items():
+        data = StoredArray(array, tuple(sizes[dimension] for dimension in dimensions[name]))
+        lazy = indexing.LazilyIndexedArray(data)
+        variables[name] = xr.Variable(dimensions[name], lazy, _attributes(array))
+        coordinates.update(str(variables[name].attrs.pop("coordinates", "")).split())
+    # without indexes, which would be read at once, beyond the last complete record
+    kept = {name: variables.pop(name) for name in sorted(coordinates & variables.keys())}
+    return xr.Dataset(variables, xr.Coordinates(kept, indexes={}), attributes)
+
+
+def _coordinate(array: xr.DataArray) -> tuple[Any, Any, dict[Any, Any]]:
+    """Return dimensions, values and attributes of a coordinate, with texts of fixed width."""
+    texts = array.dtype.kind == "O"
+    return array.dims, np.asarray(array.values, dtype=str if texts else None), array.attrs
+
+
+def _dimensions(name: str, array: h5py.Dataset, numbers: Mapping[Any, str]) -> tuple[str, ...]:
+    """Return the names of the dimensions of a variable; `numbers` has the name of each number."""
+    if "_Netcdf4Coordinates" in array.attrs:  # a dimension that has values over several dimensions
+        return tuple(numbers[number] for number in array.attrs["_Netcdf4Coordinates"])
+    if array.is_scale and array.ndim == 1:
+        return (name,)
+    scales = [axis[0].name.rpartition("/")[2] if len(axis) else "" for axis in array.dims]
+    return tuple(scale or f"{name}_axis_{number}" for number, scale in enumerate(scales))
+
+
+def _attributes(stored: h5py.Dataset | h5py.File) -> dict[str, Any]:
+    """Return the attributes of a variable or a file; an array of one value becomes this value."""
+    found = {}
+    for name in stored.attrs:
+        if name in INTERNAL or name.startswith(("_N", "_n")):
+            continue
+        value = stored.attrs[name]
+        if isinstance(value, h5py.Empty):
+            value = ""
+        if isinstance(value, np.ndarray) and value.size == 1:
+            value = value.ravel()[0]
+        found[name] = value.decode() if isinstance(value, bytes) else value
+    return found
 
 
 def _checked(variable: xr.Variable, label: str, *, gaps: bool, cache: bool) -> xr.Variable:

@@ -3,8 +3,9 @@
 import json
 import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from datetime import UTC, datetime
+from functools import cache
 from hashlib import sha256
 from importlib import metadata
 from pathlib import Path, PurePosixPath
@@ -155,7 +156,7 @@ def write_provenance(directory: Path, case: Case) -> None:
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "python": sys.version.split()[0],
         "platform": platform(),
-        "dependencies": dict(_dependencies()),
+        "dependencies": _dependencies(),
     }
     if source is not None:
         digest = sha256((directory / source.copy).read_bytes()).hexdigest()
@@ -169,12 +170,12 @@ def version() -> str:
     return metadata.version(PACKAGE)
 
 
-def _dependencies() -> Iterator[tuple[str, str]]:
-    """Yield each dependency with its installed version; optional dependencies are left out."""
-    for requirement in metadata.requires(PACKAGE) or []:
-        name = re.match(r"[\w.-]+", requirement)
-        if name is not None and "extra ==" not in requirement:
-            yield name[0], metadata.version(name[0])
+@cache
+def _dependencies() -> dict[str, str]:
+    """Return the installed version of each dependency; optional dependencies are left out."""
+    required = (each for each in metadata.requires(PACKAGE) or [] if "extra ==" not in each)
+    names = (re.match(r"[\w.-]+", requirement) for requirement in required)
+    return {name[0]: metadata.version(name[0]) for name in names if name is not None}
 
 
 def sensor_files(sensors: Sequence[Sensor]) -> tuple[str, ...]:

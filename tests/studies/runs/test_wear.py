@@ -23,7 +23,10 @@ from bladewhirl.studies.runs.run import resume
 
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
 
-COATING = {"thickness": 5e-3, "young_modulus": 1e9, "yield_stress": 1e7, "hardening": 5e7}
+COATING = {
+    **{"thickness": 5e-3, "young_modulus": 1e9, "yield_stress": 1e7, "hardening": 5e7},
+    "elements": 630,
+}
 
 
 def coated(**values: object) -> Case:
