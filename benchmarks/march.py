@@ -4,7 +4,9 @@ Four programs are timed alternately in one process: the C kernel (with contact, 
 record every 100 steps), the C kernel with `rotation.effects = "full"`, the C kernel with
 `contact.foreshortening`, and the march without either in NumPy (`Reference`). The timings start
 from five states of the paper's stage. Each state is reached by a march with the same options, so
-the numbers of contacts can differ.
+the numbers of contacts can differ with Coriolis forces. The quadratic form of foreshortening is
+scaled down, which changes the work but not the motion, so that its numbers of contacts are equal.
+The ratios are medians of the ratios of successive timings.
 
 * no contact: the imbalance case after 0.1 ms;
 * few contacts: the imbalance case at 0.3 s, when five blades rub;
@@ -37,6 +39,7 @@ TIME_STEP = 1e-6  # s
 RECORD_EVERY = 100
 COMPARED_STEPS = 500
 KERNEL_STEPS, NUMPY_STEPS = 2000, 25
+SMALL_ROWS = 1e-7  # factor of the rows of the quadratic forms
 OUT_OF_REACH = 10.0  # displacement limit [m], which no march reaches
 
 
@@ -92,6 +95,9 @@ def settings() -> list[list[Setting]]:
             case = read_case(EXAMPLES / f"{example}.toml", [*changes, option])
             problem = contact_problem(build_stage(case))
             problem = replace(problem, displacement_limit=OUT_OF_REACH)
+            if (bending := problem.foreshortening) is not None:
+                scaled = replace(bending, rows=SMALL_ROWS * bending.rows)
+                problem = replace(problem, foreshortening=scaled)
             scheme = CentralDifference(problem, TIME_STEP, RECORD_EVERY)
             state, _, _ = scheme.advance(scheme.init(), steps)
             made.append(Setting(name=name, problem=problem, scheme=scheme, state=state))
@@ -154,8 +160,7 @@ def main() -> None:
         table.add_row(
             setting.name, *(f"{number:.2f}" for number in contacts), f"{kernel:.2f}",
             f"{full:.2f}", f"{drawn:.2f}", f"{numpy:.1f}",
-            f"{full / kernel:.2f}",
-            f"{drawn / kernel:.2f}",
+            *(f"{ratio:.2f}" for ratio in np.median(times[:, 1:3] / times[:, :1], axis=0)),
             f"{numpy / kernel:.1f}",
             f"{difference:.0e}",
         )  # fmt: skip

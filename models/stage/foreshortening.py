@@ -10,7 +10,7 @@ from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.stage.contact_problem import Foreshortening
 from bladewhirl.models.stage.stage import Stage
 
-NEGLECTED = 1e-8
+NEGLECTED = 1e-6
 """Share of the largest term of a quadratic form below which terms are neglected, for modes of equal
 energy."""
 

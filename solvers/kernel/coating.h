@@ -195,19 +195,6 @@ static void rotor_coating_force(const Rotor *rotor, int64_t size, int mixed, dou
     }
 }
 
-/* Add the part of the normal forces on the rotor along the gradients of foreshortening. */
-static void push_coating_along(const BendScratch *bent, int64_t size, const ContactScratch *c,
-                               CoatingScratch *s)
-{
-    for (int64_t n = 0; n < size; n++) {
-        int64_t j = c->active.at[n];
-        const double *gradient = bent->gradient.at + j * bent->gradient.columns;
-        for (int64_t i = 0; bent->near.at[j] != 0 && i < s->rotor.columns; i += LANES)
-            store(s->rotor.at + i,
-                  muladd(splat(s->push.at[j]), load(gradient + i), load(s->rotor.at + i)));
-    }
-}
-
 /* Compute the modal forces on the casing from the forces on nodes: normal, then friction. */
 static void casing_coating_force(const Casing *casing, int64_t count, int mixed, double ratio,
                                  ContactScratch *c, Matrix *force)

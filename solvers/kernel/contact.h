@@ -14,8 +14,7 @@ static inline int64_t sense(double sign) { return sign > 0.0 ? 2 : sign < 0.0 ? 
 /* Copy the part of W due to the rotor for the active tips, unless it is there from the last
  * step. */
 static inline void take_rotor(const Cube *rotor_w, const Foreshortening *bending,
-                              const BendScratch *bent, double friction, ContactScratch *c,
-                              int64_t size)
+                              BendScratch *bent, double friction, ContactScratch *c, int64_t size)
 {
     int64_t tips = c->known.columns, *tip = c->known.at, *slides = c->known.at + tips;
     int same = size < tips ? tip[size] < 0 : 1;
@@ -35,8 +34,8 @@ static inline void take_rotor(const Cube *rotor_w, const Foreshortening *bending
         double *to = c->on_rotor.at + n * c->on_rotor.columns;
         for (int64_t m = 0; m < c->on_rotor.columns; m++)
             to[m] = m < size ? from[c->active.at[m]] : 0.0;
-        for (int64_t m = 0; bending && m < size; m++)
-            to[m] += bend_answer(bending, bent, j, c->active.at[m], friction * c->sign.at[j]);
+        if (bending && bent->count.at[NEAR_TIPS] > 0)
+            bend_answers(bending, bent, c, n, size, friction * c->sign.at[j]);
     }
 }
 
@@ -286,8 +285,7 @@ static inline double complementarity_residual(double scale, const FieldScratch *
  * increased for each change of the set, and set to LAST_TRIAL if the problem was solved for all
  * tips. */
 static int64_t contact_multipliers(int64_t *trial, const Stage *stage, State *state,
-                                   const FieldScratch *f, const BendScratch *bent,
-                                   ContactScratch *c)
+                                   const FieldScratch *f, BendScratch *bent, ContactScratch *c)
 {
     int64_t tips = c->multiplier.size, released = 1, size = 0;
     int together = 0;

@@ -124,10 +124,11 @@ static inline Friction casing_columns(const Casing *casing, int64_t count, int m
     return (Friction){U_KIND, 1.0};
 }
 
-/* Add the response to contact forces on the tips to x_{n+1}. Also compute the work of these forces,
- * and the sums by column of u_r. */
-static void correct_rotor(const Rotor *rotor, int64_t size, int mixed, double ratio, Motion x,
-                          FieldScratch *f, ContactScratch *c)
+/* Add the response to contact forces on the tips to x_{n+1}. `along` is the part of the normal
+ * forces due to foreshortening, or NULL. Also compute the work of these forces, and the sums by
+ * column of u_r. */
+INLINED void correct_rotor(const Rotor *rotor, int64_t size, int mixed, double ratio,
+                           const double *along, Motion x, FieldScratch *f, ContactScratch *c)
 {
     Friction friction = rotor_columns(rotor, size, mixed, ratio, c);
     int64_t rows = rotor->radial.rows, columns = rotor->radial.columns;
@@ -141,6 +142,8 @@ static void correct_rotor(const Rotor *rotor, int64_t size, int mixed, double ra
             Lanes weight = load(rotor->radial.at + i), normal = mul(push, weight);
             Lanes shear = mul(cross, load(rotor->crossed.at + i));
             shear = muladd(drag, load(rotor->tangential.at + i), shear);
+            if (along)
+                normal = add(normal, load(along + i));
             Lanes moved = muladd(load(rotor->body.c.at + i), add(normal, shear), load(x.new + i));
             Lanes change = sub(moved, load(x.old + i));
             store(x.new + i, moved);

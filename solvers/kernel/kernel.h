@@ -210,6 +210,10 @@ typedef struct {
 typedef struct {
     Cube rows;      /* (tips, terms, entries) rows F of each tip */
     Cube answers;   /* (answered, terms, entries) A^-1 F^T with Coriolis forces; otherwise empty */
+    Cube own;       /* (waves, rows, columns) weights of the part of y that varies as `shape`, for each
+                     * term, on a cyclic rotor; otherwise empty */
+    Cube across;    /* (waves, rows, columns) weights of the part that varies as `cross_shape` */
+    Matrix spread;  /* (tips, twice_columns) transposes of `shape` and of `cross_shape` */
     Matrix sign;    /* (tips, term_lanes) signs s */
     Cube by_push;   /* (tips, tips, term_lanes) F_m A^-1 n_n */
     Cube by_drag;   /* (tips, tips, term_lanes) F_m A^-1 t_n */
@@ -313,20 +317,30 @@ typedef struct {
     Matrix casing;   /* (2, coated_casing) modal forces on the casing: normal, friction */
 } CoatingScratch;
 
+/* Counts of foreshortening: tips near the wall, steps since the last check of all openings, and steps
+ * since the last beginning of a linearisation. */
+enum { NEAR_TIPS, SINCE_CHECK, SINCE_HOLD };
+
 typedef struct {
     Matrix factor;   /* (bent_tips, term_lanes) z = s y of tips near the wall, zero for others */
     Matrix gradient; /* (bent_tips, bent_entries) g = F^T z of tips near the wall */
     Matrix answer;   /* (answered_tips, bent_entries) A^-1 g with Coriolis forces */
-    Matrix bend;     /* (2, term_lanes) scratch */
+    Cube bend;       /* (2, term_lanes, bent_wide) y of all tips, and its change in a step */
+    Vector term;     /* (term_lanes) scratch */
+    Vector other;    /* (bent_wide) scratch */
+    Vector sums;     /* (sums) sums by column of the rotor */
     Vector start;    /* (bent_tips) opening of tips near the wall at x = 0 [m] */
-    Vector opened;   /* (bent_wide) opening of each tip [m] */
+    Vector due;      /* (bent_wide) gap without foreshortening below which a tip needs a
+                      * linearisation [m] */
+    Vector opened;   /* (bent_wide) opening of each tip without contact forces [m] */
+    Matrix opens;    /* (bent_tips, bent_wide) change of the openings of tips near the wall due to a
+                      * unit force on each active tip [m/N] */
     Vector along;    /* (bent_tips) scratch */
     Vector expected; /* (bent_entries) displacement at the linearisation */
-    Vector none;     /* (bent_entries) zero */
     Vector force;    /* (bent_entries) sum of the gradients with the contact forces */
     IntVector near;   /* (bent_tips) 1 for tips near the wall, otherwise 0 */
     IntVector list;  /* (bent_tips) tips near the wall */
-    IntVector count; /* (1) number of tips near the wall */
+    IntVector count; /* (3) NEAR_TIPS ... */
     IntVector pushed; /* (bent_tips) tips near the wall that are in contact */
 } BendScratch;
 

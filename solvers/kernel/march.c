@@ -41,7 +41,6 @@ typedef struct {
     Motion x, y; /* motion of rotor and of casing */
     int loaded;  /* whether any load acts at this step */
     int coated;  /* whether any tip touches the coating at this step */
-    int bent;    /* whether contact forces act along gradients of foreshortening at this step */
 } March;
 
 /* Compute x_p of both bodies. */
@@ -84,15 +83,20 @@ static inline void correct(March *m, int64_t size)
     FieldScratch *f = &m->scratch->fields;
     ContactScratch *c = &m->scratch->contact;
     double ratio;
+    BendScratch *s = &m->scratch->bending;
+    const double *along = NULL;
     int mixed = tip_forces(size, m->stage.numbers->friction, m->stage.casing->nodes, f, c, &ratio);
-    if (m->stage.foreshortening)
-        m->bent = push_along(m->stage.foreshortening, c, size, m->stage.rotor->body.c.at, m->x,
-                             &m->scratch->bending);
+    if (m->stage.foreshortening
+        && push_along(m->stage.foreshortening, c->active.at, size, c->multiplier.at, NULL,
+                      m->x.new, s, s->force.at))
+        along = s->force.at;
     if (m->stage.gyroscopic)
-        correct_turning_rotor(m->stage.rotor, m->stage.gyroscopic, size, mixed, ratio, m->x, f, c,
-                              m->scratch->turned.at);
+        correct_turning_rotor(m->stage.rotor, m->stage.gyroscopic, size, mixed, ratio, along, m->x,
+                              f, c, m->scratch->turned.at);
+    else if (along)
+        correct_rotor(m->stage.rotor, size, mixed, ratio, along, m->x, f, c);
     else
-        correct_rotor(m->stage.rotor, size, mixed, ratio, m->x, f, c);
+        correct_rotor(m->stage.rotor, size, mixed, ratio, NULL, m->x, f, c);
     correct_casing(m->stage.casing, size, mixed, ratio, m->y, f, c);
 }
 
@@ -158,7 +162,8 @@ static int press_coating(const March *m, int64_t step)
     }
     rotor_coating_force(m->stage.rotor, size, mixed, ratio, c, &s->rotor);
     if (m->stage.foreshortening)
-        push_coating_along(&m->scratch->bending, size, c, s);
+        push_along(m->stage.foreshortening, c->active.at, size, s->push.at, s->rotor.at, NULL,
+                   &m->scratch->bending, s->rotor.at);
     int64_t count = gather_nodes(m->stage.casing, s, c);
     casing_coating_force(m->stage.casing, count, mixed, ratio, c, &s->casing);
     return 1;
@@ -177,11 +182,12 @@ static inline int solve_step(March *m, int64_t step, int64_t *penetrating)
     double limit = numbers->displacement_limit;
     BendScratch *bending = &m->scratch->bending;
     const double *recess;
-    m->coated = m->bent = 0;
+    m->coated = 0;
     predict(m);
     int within = find_gaps(m, step, &recess);
     if (m->stage.foreshortening && within) {
-        if (bend_tips(m->stage.foreshortening, state, f->free_gap.at, step + 1, m->x, bending))
+        if (bend_tips(m->stage.foreshortening, rotor, state, f->free_gap.at, step + 1, m->x,
+                      bending))
             c->known.at[0] = -1;
         open_gaps(bending, m->x.new, f->free_gap.at);
     }
@@ -209,7 +215,7 @@ static inline int solve_step(March *m, int64_t step, int64_t *penetrating)
         correct(m, size);
         within = close_gaps(rotor, casing, recess, limit, f, f->gap.at);
         if (m->stage.foreshortening && within)
-            open_gaps(bending, m->x.new, f->gap.at);
+            open_corrected(bending, c, size, f->gap.at);
         if (trial >= LAST_TRIAL || !within)
             return within;
         if (join_contacts(f->gap.at, &state->held, trial > MENDED_TOGETHER) == 0)
@@ -233,8 +239,6 @@ static inline void account(const March *m, int64_t step, int touching)
         state->residual.at[0] = larger(state->residual.at[0], worst);
         work[NORMAL] += s->contact.work.at[0];
         work[FRICTION] += s->contact.work.at[1];
-        if (m->bent)
-            work[NORMAL] += bending_work(&s->bending, x);
         account_contact(m->stage.numbers, state, &s->contact, gap, before);
     }
     if (m->stage.coating)
@@ -291,7 +295,7 @@ int march(const Stage *stage, State *state, Records *records, Scratch *scratch, 
     const Rotor *rotor = stage->rotor;
     const Casing *casing = stage->casing;
     March m = {*stage, state, scratch, motion_of(&state->rotor), motion_of(&state->casing),
-               0, 0, 0};
+               0, 0};
     double energy[2] = {0.0, 0.0}, dt = numbers->time_step;
     int64_t end = step + steps, written = 0, penetrating;
     int status = RUNNING;

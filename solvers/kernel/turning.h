@@ -148,10 +148,11 @@ static inline void turn(const Rotor *rotor, const Gyroscopic *g, Motion x, doubl
         add_blocks(rotor, g, f, x);
 }
 
-/* Do the same as `correct_rotor` for coupled modes; `forces` is scratch. */
+/* Do the same as `correct_rotor` for coupled modes; x_{n+1} contains the response to `along`, and
+ * `forces` is scratch. */
 static void correct_turning_rotor(const Rotor *rotor, const Gyroscopic *g, int64_t size, int mixed,
-                                  double ratio, Motion x, FieldScratch *f, ContactScratch *c,
-                                  double *forces)
+                                  double ratio, const double *along, Motion x, FieldScratch *f,
+                                  ContactScratch *c, double *forces)
 {
     Friction friction = rotor_columns(rotor, size, mixed, ratio, c);
     int64_t rows = rotor->radial.rows, columns = rotor->radial.columns, half = rotor->half;
@@ -178,7 +179,10 @@ static void correct_turning_rotor(const Rotor *rotor, const Gyroscopic *g, int64
             Lanes change = sub(moved, load(x.old + i));
             Lanes shear = mul(cross, load(rotor->crossed.at + i));
             shear = muladd(drag, load(rotor->tangential.at + i), shear);
-            on_normal = muladd(change, mul(push, weight), on_normal);
+            Lanes normal = mul(push, weight);
+            if (along)
+                normal = add(normal, load(along + i));
+            on_normal = muladd(change, normal, on_normal);
             on_shear = muladd(change, shear, on_shear);
             column = muladd(weight, moved, column);
         }

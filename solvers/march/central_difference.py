@@ -58,7 +58,7 @@ class CentralDifference:
     of each step. An instance must not march in two threads at the same time, because its calls
     share working arrays. The complementarity residual of a step is
     max_j |min(g_j, W_jj lambda_j)| / max(clearance, max_j |g_p,j|), where the gaps g are computed
-    from the corrected displacements.
+    from the corrected displacements; their openings by foreshortening follow from the compliance.
 
     Args:
         problem: contact problem.
@@ -98,7 +98,7 @@ class CentralDifference:
             "gyroscopic": pack_gyroscopic(problem, self._rotor, rotor, time_step),
             "closure": pack_closure(problem.closure),
             "coating": pack_coating(problem),
-            "foreshortening": pack_foreshortening(problem, rotor, time_step),
+            "foreshortening": pack_foreshortening(problem, rotor, time_step, cyclic=self.cyclic[0]),
             "numbers": _numbers(problem, time_step),
         }
         self._scratch = Struct("Scratch", **self._working_arrays())

@@ -1,11 +1,13 @@
 """Arrays of the foreshortening of blades."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.solvers.kernel.structs import Struct, aligned, padded
-from bladewhirl.solvers.packing.arrangement import Arrangement
+from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor
+from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
+from bladewhirl.solvers.packing.arrangement import Arrangement, Harmonics
 from bladewhirl.solvers.packing.body import scheme_inverse
 from bladewhirl.solvers.packing.turning import turning_inverse
 
@@ -47,7 +49,7 @@ def held_steps(problem: ContactProblem, dt: float) -> tuple[int, int]:
 
 
 def pack_foreshortening(
-    problem: ContactProblem, arrangement: Arrangement, dt: float
+    problem: ContactProblem, arrangement: Arrangement, dt: float, *, cyclic: bool
 ) -> Struct | None:
     """Return the foreshortening of the blades; None without foreshortening.
 
@@ -55,6 +57,7 @@ def pack_foreshortening(
         problem: contact problem.
         arrangement: arrangement of the rotor modes.
         dt: time step [s].
+        cyclic: use the DFT columns of the modes.
     """
     rotor, shortening = problem.rotor, problem.foreshortening
     if shortening is None:
@@ -66,7 +69,8 @@ def pack_foreshortening(
         if turning
         else np.diag(scheme_inverse(rotor.frequency, rotor.damping_ratio, dt))
     )
-    rows = shortening.rows
+    waves = _waves(rotor, shortening.rows, arrangement, cyclic=cyclic)
+    rows = waves.rows
     answers = rows @ inverse.T  # response A^-1 F^T to each row
     flat = answers.reshape(-1, modes)
     sign = aligned((tips, lanes))
@@ -94,6 +98,9 @@ def pack_foreshortening(
         "Foreshortening",
         rows=arrangement.pack(rows),
         answers=arrangement.pack(answers[: tips if turning else 0]),
+        own=waves.own,
+        across=waves.across,
+        spread=waves.spread,
         sign=sign,
         by_push=by_pair(rotor.tip_radial @ inverse.T, rows),
         by_drag=by_pair(rotor.tip_tangential @ inverse.T, rows),
@@ -104,3 +111,42 @@ def pack_foreshortening(
         hold=hold,
         check=check,
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Waves:
+    """Rows F of all tips, and their weights by DFT column if they vary as the DFT columns."""
+
+    rows: FloatArray  #: rows F, (tips, terms, modes)
+    own: FloatArray  #: weights by DFT column, (terms, rows, columns); empty if they do not vary so
+    across: FloatArray  #: weights by partner column, (terms, rows, columns)
+    spread: FloatArray  #: value of each column and of its partner at each tip, (tips, 2 columns)
+
+
+def _waves(
+    rotor: ReducedRotor, rows: FloatArray, arrangement: Arrangement, *, cyclic: bool
+) -> Waves:
+    """Return the rows F by DFT column if `cyclic` and if the forms of the tips are equal.
+
+    The sign of a row is arbitrary. Blades bend equally in modes of nodal diameter zero, so the rows
+    of all tips get the same sign in these modes.
+    """
+    tips, terms, _ = rows.shape
+    plain = Waves(
+        rows=rows, own=aligned((0, 0, 0)), across=aligned((0, 0, 0)), spread=aligned((0, 0))
+    )
+    if not cyclic:
+        return plain
+    harmonics = Harmonics(tips, fold=False, unit=lib.HALF, alone=rotor.by_velocity is not None)
+    in_phase = np.flatnonzero(rotor.column == 0)
+    rows, weights = rows.copy(), aligned((2, terms, arrangement.rows, arrangement.columns))
+    for term in range(terms):
+        largest = in_phase[np.argmax(np.abs(rows[0, term, in_phase]))]
+        rows[:, term] *= np.sign(rows[:, term, [largest]])
+        try:
+            found = harmonics.amplitudes(rows[:, term], rotor.column)
+        except ValueError:
+            return plain
+        weights[:, term] = [arrangement.grid(each) for each in found]
+    spread = aligned_copy(np.hstack([harmonics.shape, harmonics.crossed]))
+    return Waves(rows=rows, own=weights[0], across=weights[1], spread=spread)
