@@ -6,7 +6,7 @@ import numpy as np
 
 from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import ReducedCasing, WallClosure
+from bladewhirl.models.stage.contact_problem import NodeCoating, ReducedCasing, WallClosure
 
 RIGID = 1e-6
 """Share of the largest residual flexibility below which a direction counts as rigid."""
@@ -41,7 +41,9 @@ class BoundaryProblem:
     massless: bool  #: whether the contact nodes have no mass
     angle: FloatArray  #: angle of each contact node from +x at t = 0 [rad], (copies, nodes)
     radius: FloatArray  #: radius of the contact nodes of a copy [m], (nodes,)
-    recess: FloatArray  #: radius from which the clearance is measured minus `radius` [m], (nodes,)
+    recess: FloatArray
+    """Radius from which the clearance is measured minus `radius` [m], (nodes,); with a coating the
+    depth of the metal below its surface is added."""
     wall: FloatArray
     """Clearance [m] and its derivative by the angle [m], at equal angles from 0, (angles, 2); at
     the nodes of a flexible casing."""
@@ -55,6 +57,7 @@ class BoundaryProblem:
     velocity: FloatArray  #: initial modal velocities [kg^1/2 m/s], (copies, modes)
     loads: tuple[BoundaryLoad, ...] = ()  #: loads
     casing: ReducedCasing | None = None  #: flexible casing; None: a rigid wall
+    coating: NodeCoating | None = None  #: abradable coating
     closure: WallClosure | None = None
     """Closure of the clearance over time; `share` has the form of `wall`."""
 

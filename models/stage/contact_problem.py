@@ -201,6 +201,34 @@ class WallCoating:
 
 
 @dataclass(frozen=True, kw_only=True)
+class NodeCoating:
+    """Abradable coating under many contact nodes: rods in tracks, one track for each axial position
+    of contact nodes. The law of a rod is that of `WallCoating`."""
+
+    strain: FloatArray  #: plastic strain of each rod at the start, (tracks, rods)
+    axial: FloatArray  #: axial position of each track [m], (tracks,)
+    width: FloatArray  #: size of each track along the axis [m], (tracks,)
+    track: IntArray  #: track of each contact node of a copy, (nodes,)
+    footprint: FloatArray  #: arc that each contact node of a copy covers [m], (nodes,)
+    radius: float  #: radius of the wall [m]
+    thickness: float  #: thickness [m]
+    young_modulus: float  #: Young's modulus [Pa]
+    yield_stress: float  #: yield stress [Pa]
+    hardening: float  #: slope of the yield stress in plastic strain [Pa]
+    limit: float  #: largest plastic strain
+
+    @property
+    def arc(self) -> float:
+        """Arc length of a rod [m]."""
+        return float(2.0 * np.pi * self.radius / self.strain.shape[1])
+
+    @property
+    def removable(self) -> float:
+        """Depth of the metal below the surface of the new coating [m]."""
+        return self.limit * self.thickness
+
+
+@dataclass(frozen=True, kw_only=True)
 class Foreshortening:
     """Quadratic forms of the distances by which tips draw back as their blades bend.
 

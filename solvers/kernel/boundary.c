@@ -25,9 +25,10 @@
  */
 #include <stddef.h>
 
-#include "ring.h"
+#include "rods.h"
 
 enum { MOST_DIRECTIONS = 100 }; /* iterations of the direction of sliding */
+enum { MOST_NEWTON = 60 };      /* iterations of the forces of a coating */
 enum { TOGETHER = 6 };          /* changes of the active set before nodes are changed one by one */
 #define SAME_DIRECTION 1e-10    /* change of the direction of sliding at which iterations end */
 #define LEAST_SHARE 0.01        /* smallest share of a change of the directions that is made */
@@ -38,6 +39,7 @@ enum { TOGETHER = 6 };          /* changes of the active set before nodes are ch
  * touch a ring. Vectors have DIRECTIONS entries for each node. */
 typedef struct {
     int64_t size;
+    const int64_t *node;      /* number among the nodes of all copies */
     const double *radius;
     const double *compliance; /* change of displacements due to unit forces, row by row */
     const double *before;     /* forces at step n */
@@ -120,15 +122,16 @@ static void respond(const Boundary *b, const Group *g, const double *multiplier,
 }
 
 /* Solve the equations of the active nodes with partial pivoting. Returns 0 if they are singular. */
-static int solve_active(const Group *g, BoundaryScratch *s, int64_t size)
+static int solve_active(int64_t nodes, const double *gap, const double *response,
+                        BoundaryScratch *s, int64_t size)
 {
-    int64_t nodes = g->size, width = size + 1;
+    int64_t width = size + 1;
     double *system = s->system.at, largest = 0.0;
     const int64_t *active = s->active.at;
     for (int64_t i = 0; i < size; i++) {
         for (int64_t j = 0; j < size; j++)
-            system[i * width + j] = s->response.at[active[i] * nodes + active[j]];
-        system[i * width + size] = -g->gap[active[i]];
+            system[i * width + j] = response[active[i] * nodes + active[j]];
+        system[i * width + size] = -gap[active[i]];
         largest = larger(largest, fabs(system[i * width + i]));
     }
     for (int64_t k = 0; k < size; k++) {
@@ -162,11 +165,11 @@ static int solve_active(const Group *g, BoundaryScratch *s, int64_t size)
  * active set in `held`. The set is changed for all nodes at a time, then node by node, which ends
  * for every matrix whose principal minors are positive (Murty 1974). Returns 0 without a solution.
  */
-static int solve_normal(const Group *g, BoundaryScratch *s)
+static int solve_normal(int64_t nodes, const double *gap, const double *response,
+                        double *multiplier, BoundaryScratch *s)
 {
-    int64_t nodes = g->size, *held = s->held.at;
-    const double *gap = g->gap;
-    double *multiplier = s->multiplier.at, scale = 0.0;
+    int64_t *held = s->held.at;
+    double scale = 0.0;
     for (int64_t i = 0; i < nodes; i++)
         scale = larger(scale, fabs(gap[i]));
     for (int64_t trial = 0; trial < TOGETHER + 20 * nodes + 20; trial++) {
@@ -174,7 +177,7 @@ static int solve_normal(const Group *g, BoundaryScratch *s)
         for (int64_t i = 0; i < nodes; i++)
             if (held[i])
                 s->active.at[size++] = i;
-        if (!solve_active(g, s, size))
+        if (!solve_active(nodes, gap, response, s, size))
             return 0;
         for (int64_t i = 0; i < nodes; i++)
             multiplier[i] = 0.0;
@@ -185,8 +188,7 @@ static int solve_normal(const Group *g, BoundaryScratch *s)
             if (!held[i]) {
                 double after = gap[i];
                 for (int64_t j = 0; j < size; j++)
-                    after += s->response.at[i * nodes + s->active.at[j]]
-                             * multiplier[s->active.at[j]];
+                    after += response[i * nodes + s->active.at[j]] * multiplier[s->active.at[j]];
                 change = after < -1e-14 * scale;
             }
             if (change) {
@@ -263,23 +265,188 @@ static double turn_directions(const Boundary *b, BoundaryScratch *s, const Group
     return most;
 }
 
+/* Compute the wall at an angle and a time, without the recess of the node. */
+static double wall_near(const Boundary *b, const Ring *ring, const Closure *closure, double angle,
+                        double closed, const RingScratch *r)
+{
+    double share;
+    if (!ring) {
+        double clearance = clearance_at(&b->wall, angle, &share, closure);
+        return clearance - closed * share;
+    }
+    const FieldScratch *f = &r->fields;
+    int64_t nodes = ring->casing.nodes, e;
+    double place = angle * (double)nodes / (2.0 * PI), weight[4];
+    hermite_weights(&place, 0.0, (double)nodes, ring->casing.element_length, 1, 1, &e, weight);
+    const double *value = f->nodal.at + e, *slope = f->nodal_slope.at + e;
+    double wall = (weight[0] * value[0] + weight[1] * slope[0])
+                  + (weight[2] * value[1] + weight[3] * slope[1]);
+    if (closure) {
+        value = closure->share.at + e;
+        slope = value + closure->share.columns;
+        wall -= closed
+                * ((weight[0] * value[0] + weight[1] * slope[0])
+                   + (weight[2] * value[1] + weight[3] * slope[1]));
+    }
+    return wall;
+}
+
+/* Find the rods under a node, and the wall there relative to the wall at the node. */
+static void place_rods(const Boundary *b, const Ring *ring, const NodeCoating *c,
+                       const Closure *closure, double closed, double time, int64_t n,
+                       BoundaryScratch *s)
+{
+    int64_t *range = s->rods.range.at + 2 * n;
+    double angle = b->angle.at[n] + b->speed * time, *offset = s->rods.offset.at;
+    offset += n * s->rods.offset.columns;
+    rods_under(c, n % b->radius.size, angle, range);
+    double here = wall_near(b, ring, closure, angle, closed, &s->ring);
+    for (int64_t k = range[0]; k <= range[1]; k++) {
+        double place = 2.0 * PI * ((double)wrapped(c, k) + 0.5) / (double)c->rods;
+        offset[k - range[0]] = wall_near(b, ring, closure, place, closed, &s->ring) - here;
+    }
+    s->rods.near.at[n] = 1;
+}
+
+/* Return the gap to the metal below which the rods under a node have to be evaluated. */
+static double reach_of_rods(const Ring *ring, const NodeCoating *c, const BoundaryScratch *s)
+{
+    double steepest = c->steepest, half = 0.0;
+    for (int64_t i = 0; i < c->half.size; i++)
+        half = larger(half, c->half.at[i]);
+    if (ring) {
+        const FieldScratch *f = &s->ring.fields;
+        for (int64_t e = 0; e < ring->casing.nodes; e++)
+            steepest = larger(steepest, larger(1.5 * fabs(f->nodal.at[e + 1] - f->nodal.at[e])
+                                                   / ring->casing.element_length,
+                                               2.0 * fabs(f->nodal_slope.at[e])));
+        steepest *= ring->casing.element_length * (double)ring->casing.nodes / (2.0 * PI);
+    }
+    return c->limit * c->thickness + steepest * (half + 0.5) * 2.0 * PI / (double)c->rods;
+}
+
+/* Find the nodes that touch the coating without contact forces of this step. */
+static void find_rods(const Boundary *b, const Ring *ring, const NodeCoating *c,
+                      const Closure *closure, double time, BoundaryState *state,
+                      BoundaryScratch *s)
+{
+    double rate, closed = closure ? closure_at(closure, time, &rate) : 0.0, slope;
+    double reach = reach_of_rods(ring, c, s);
+    int64_t nodes = b->radius.size;
+    for (int64_t n = 0; n < b->a.rows * nodes; n++) {
+        s->rods.near.at[n] = 0;
+        s->rods.pressed.at[n] = 0.0;
+        if (!(s->gap.at[n] < reach))
+            continue;
+        place_rods(b, ring, c, closure, closed, time, n, s);
+        if (press_rods(c, n % nodes, s->rods.range.at + 2 * n,
+                       s->rods.offset.at + n * s->rods.offset.columns, s->gap.at[n],
+                       state->strain.at, &slope, NULL)
+            > 0.0)
+            s->rods.near.at[n] = 2;
+    }
+    state->coating.at[STORED] = 0.0;
+}
+
+/* Compute the forces of metal and coating on a group, for given directions of sliding, and their
+ * gaps; see `rods.h`. Returns 0 without a solution. */
+static int solve_coated(const Boundary *b, const NodeCoating *c, BoundaryState *state,
+                        BoundaryScratch *s, const Group *g)
+{
+    RodScratch *r = &s->rods;
+    int64_t size = g->size, wide = size + 1, solved = 0;
+    const double *w = s->response.at;
+    double scale = b->gap_scale;
+    for (int64_t i = 0; i < size; i++)
+        scale = larger(scale, fabs(g->gap[i]));
+    for (int trial = 0; trial < MOST_NEWTON && !solved; trial++) {
+        int metal = 0;
+        for (int64_t i = 0; i < size; i++) {
+            int64_t n = g->node[i];
+            r->force.at[i] = r->slope.at[i] = r->metal.at[i] = 0.0;
+            if (r->near.at[n])
+                r->force.at[i] = press_rods(c, n % b->radius.size, r->range.at + 2 * n,
+                                            r->offset.at + n * r->offset.columns, r->gap.at[i],
+                                            state->strain.at, r->slope.at + i, NULL);
+        }
+        for (int with = 0; with < 2; with++) { /* first without metal, then with it */
+            int64_t count = with ? size + 1 : 1, columns = size + count;
+            double *system = r->system.at;
+            for (int64_t i = 0; i < size; i++) {
+                double right = g->gap[i];
+                for (int64_t j = 0; j < size; j++) {
+                    double flexible = w[i * size + j];
+                    system[i * columns + j] = (i == j) + flexible * r->slope.at[j];
+                    right += flexible * (r->force.at[j] + r->slope.at[j] * r->gap.at[j]);
+                    if (with)
+                        system[i * columns + wide + j] = flexible;
+                }
+                system[i * columns + size] = right;
+            }
+            if (!eliminate_rows(system, size, count))
+                return 0;
+            for (int64_t i = 0; i < size; i++) {
+                r->free.at[i] = system[i * columns + size];
+                metal |= r->free.at[i] < 0.0;
+                for (int64_t j = 0; with && j < size; j++)
+                    r->response.at[i * size + j] = system[i * columns + wide + j];
+            }
+            if (!metal)
+                break;
+        }
+        if (metal && !solve_normal(size, r->free.at, r->response.at, r->metal.at, s))
+            return 0;
+        double change = 0.0;
+        for (int64_t i = 0; i < size; i++) {
+            double after = r->free.at[i];
+            for (int64_t j = 0; metal && j < size; j++)
+                after += r->response.at[i * size + j] * r->metal.at[j];
+            change = larger(change, fabs(after - r->gap.at[i]));
+            r->gap.at[i] = after;
+        }
+        solved = change <= 1e-14 * scale;
+    }
+    for (int64_t i = 0; i < size; i++)
+        s->multiplier.at[i] = r->metal.at[i] + r->force.at[i];
+    return (int)solved;
+}
+
+/* Wear the rods under a group at its final gaps, and add to the sums of the coating. */
+static void wear_rods(const Boundary *b, const NodeCoating *c, BoundaryState *state,
+                      BoundaryScratch *s, const Group *g)
+{
+    double slope;
+    for (int64_t i = 0; i < g->size; i++) {
+        int64_t n = g->node[i];
+        if (s->rods.near.at[n])
+            s->rods.pressed.at[n] =
+                press_rods(c, n % b->radius.size, s->rods.range.at + 2 * n,
+                           s->rods.offset.at + n * s->rods.offset.columns, s->rods.gap.at[i],
+                           state->strain.at, &slope, state->coating.at);
+    }
+}
+
 /* Compute the contact forces of a group in contact at the end of a step, and its gaps. */
-static void contact_forces(const Boundary *b, BoundaryState *state, BoundaryScratch *s,
-                           const Group *g)
+static void contact_forces(const Boundary *b, const NodeCoating *coating, BoundaryState *state,
+                           BoundaryScratch *s, const Group *g)
 {
     int64_t nodes = g->size, solved = 1;
     double *gap = g->gap;
     double change = 1.0, share = 1.0, worst = 0.0, scale = b->gap_scale;
     for (int64_t i = 0; i < nodes; i++)
-        s->held.at[i] = gap[i] < 0.0 || g->before[DIRECTIONS * i + RADIAL] < 0.0;
+        s->held.at[i] = gap[i] < 0.0 || (!coating && g->before[DIRECTIONS * i + RADIAL] < 0.0);
+    for (int64_t i = 0; coating && i < nodes; i++)
+        s->rods.gap.at[i] = gap[i];
     for (int round = 0; round < MOST_DIRECTIONS && change > SAME_DIRECTION; round++) {
-        respond(b, g, round > 0 ? s->multiplier.at : NULL, s);
-        solved = solve_normal(g, s);
+        respond(b, g, round > 0 && !coating ? s->multiplier.at : NULL, s);
+        solved = coating ? solve_coated(b, coating, state, s, g)
+                         : solve_normal(nodes, gap, s->response.at, s->multiplier.at, s);
         set_forces(b, s, g);
         change = b->full > 0.0 && b->friction > 0.0 ? turn_directions(b, s, g, &share, round) : 0.0;
     }
     for (int64_t i = 0; i < nodes; i++) {
-        double after = gap[i], multiplier = s->multiplier.at[i];
+        double after = gap[i];
+        double multiplier = coating ? s->rods.metal.at[i] : s->multiplier.at[i];
         for (int64_t j = 0; j < nodes; j++)
             after += s->response.at[i * nodes + j] * s->multiplier.at[j];
         scale = larger(scale, fabs(gap[i]));
@@ -382,6 +549,18 @@ static void record_boundary(const Boundary *b, const Ring *ring, BoundaryState *
         r->work.at[row * WORKS + i] = state->work.at[i];
 }
 
+/* Record the sums of the coating at the start of a step. */
+static void record_coating(const double *sums, BoundaryState *state, BoundaryRecords *r, int64_t row)
+{
+    int64_t nodes = state->coating_impulse.rows * state->coating_impulse.columns;
+    for (int64_t i = 0; i < COATING_SUMS; i++)
+        r->coating.at[row * COATING_SUMS + i] = sums[i];
+    for (int64_t n = 0; n < nodes; n++) {
+        r->coating_impulse.at[row * nodes + n] = state->coating_impulse.at[n];
+        state->coating_impulse.at[n] = 0.0;
+    }
+}
+
 /* Advance a copy without contact: compute q_{n+1} and the gaps. Returns whether displacements are
  * within the limit. */
 static int advance_copy(const Boundary *b, const Ring *ring, const Closure *closure,
@@ -406,16 +585,16 @@ static int advance_copy(const Boundary *b, const Ring *ring, const Closure *clos
                      s->gap.at + copy * b->radius.size);
 }
 
-/* Return whether a node of a copy is inside the wall at the end of the step without contact, or was
+/* Return whether a node of a copy touches the wall at the end of the step without contact, or was
  * in contact at its start: the second and the first bit. */
-static int copy_contact(const Boundary *b, const BoundaryState *state, const BoundaryScratch *s,
-                        int64_t copy)
+static int copy_contact(const Boundary *b, const NodeCoating *coating, const BoundaryState *state,
+                        const BoundaryScratch *s, int64_t copy)
 {
     int64_t nodes = b->radius.size;
     const double *gap = s->gap.at + copy * nodes, *before = state->force.at + copy * b->contact.rows;
     int touching = 0, touched = 0;
     for (int64_t i = 0; i < nodes; i++) {
-        touching |= gap[i] < 0.0;
+        touching |= gap[i] < 0.0 || (coating && s->rods.near.at[copy * nodes + i] == 2);
         touched |= before[DIRECTIONS * i + RADIAL] < 0.0;
     }
     return 2 * touching + touched;
@@ -454,17 +633,21 @@ static void push_copy(const Boundary *b, BoundaryScratch *s, int64_t copy)
 
 /* Compute contact of a copy with a rigid wall at the end of a step, and add works. Returns whether
  * the copy is in contact. */
-static int touch_copy(const Boundary *b, BoundaryState *state, BoundaryScratch *s, int64_t copy)
+static int touch_copy(const Boundary *b, const NodeCoating *coating, BoundaryState *state,
+                      BoundaryScratch *s, int64_t copy)
 {
     int64_t nodes = b->radius.size, width = b->contact.rows;
-    int contact = copy_contact(b, state, s, copy);
+    int contact = copy_contact(b, coating, state, s, copy);
     double *force = s->force.at + copy * width;
     for (int64_t i = 0; i < width; i++)
         force[i] = 0.0;
     if (contact)
         move_copy(b, state, s, copy);
     if (contact >= 2) {
+        for (int64_t i = 0; i < nodes; i++)
+            s->number.at[i] = copy * nodes + i;
         Group group = {nodes,
+                       s->number.at,
                        b->radius.at,
                        b->compliance.at + copy * width * width,
                        state->force.at + copy * width,
@@ -472,7 +655,9 @@ static int touch_copy(const Boundary *b, BoundaryState *state, BoundaryScratch *
                        s->gap.at + copy * nodes,
                        force,
                        state->direction.at + 2 * copy * nodes};
-        contact_forces(b, state, s, &group);
+        contact_forces(b, coating, state, s, &group);
+        if (coating)
+            wear_rods(b, coating, state, s, &group);
         if (!(b->massless > 0.0))
             push_copy(b, s, copy);
     }
@@ -514,8 +699,8 @@ static Group collect(const Boundary *b, const Ring *ring, const BoundaryState *s
                     to[k * wide + l] = mirrored[l * wide + k] = block[k * DIRECTIONS + l];
         }
     }
-    return (Group){size,          r->radius.at, r->compliance.at, r->before.at,
-                   r->slip.at,    r->gap.at,    r->force.at,      r->direction.at};
+    return (Group){size,         r->list.at, r->radius.at, r->compliance.at, r->before.at,
+                   r->slip.at,   r->gap.at,  r->force.at,  r->direction.at};
 }
 
 /* Distribute the forces and directions of a group to its nodes, and compute the response of the
@@ -541,8 +726,12 @@ static void distribute(const Boundary *b, const Ring *ring, BoundaryState *state
 
 /* Compute the gaps of all nodes with contact. Returns the number of nodes outside the group that
  * are inside the wall, which are added to `list`. */
-static int64_t join_group(const Boundary *b, BoundaryScratch *s, int64_t size)
+static int64_t join_group(const Boundary *b, const Ring *ring, const NodeCoating *coating,
+                          const Closure *closure, double time, BoundaryState *state,
+                          BoundaryScratch *s, int64_t size)
 {
+    double rate, closed = closure ? closure_at(closure, time, &rate) : 0.0, slope;
+    double reach = coating ? reach_of_rods(ring, coating, s) : 0.0;
     RingScratch *r = &s->ring;
     int64_t nodes = b->radius.size, width = b->contact.rows, joined = 0;
     for (int64_t copy = 0; copy < b->a.rows; copy++)
@@ -552,8 +741,17 @@ static int64_t join_group(const Boundary *b, BoundaryScratch *s, int64_t size)
             const double *row = b->compliance.at + (copy * width + DIRECTIONS * i) * width;
             for (int64_t k = 0; r->pushed.at[copy] && k < width; k++)
                 gap -= row[k] * s->force.at[copy * width + k];
+            int inside = gap < -LEAST_GAP * b->gap_scale;
             r->closed.at[n] = gap;
-            if (!r->listed.at[n] && gap < -LEAST_GAP * b->gap_scale) {
+            if (coating && !r->listed.at[n] && gap < reach) {
+                if (!s->rods.near.at[n])
+                    place_rods(b, ring, coating, closure, closed, time, n, s);
+                inside |= press_rods(coating, i, s->rods.range.at + 2 * n,
+                                     s->rods.offset.at + n * s->rods.offset.columns, gap,
+                                     state->strain.at, &slope, NULL)
+                          > 0.0;
+            }
+            if (!r->listed.at[n] && inside) {
                 r->listed.at[n] = 1;
                 r->list.at[size + joined++] = n;
             }
@@ -563,8 +761,9 @@ static int64_t join_group(const Boundary *b, BoundaryScratch *s, int64_t size)
 
 /* Compute contact of all copies with a ring at the end of a step, and add works. Returns whether
  * any node is in contact, or -1 if the displacement of the ring is not a number. */
-static int touch_ring(const Boundary *b, const Ring *ring, const Closure *closure,
-                      BoundaryState *state, BoundaryScratch *s, double time, Motion y)
+static int touch_ring(const Boundary *b, const Ring *ring, const NodeCoating *coating,
+                      const Closure *closure, BoundaryState *state, BoundaryScratch *s,
+                      double time, Motion y)
 {
     RingScratch *r = &s->ring;
     int64_t copies = b->a.rows, nodes = b->radius.size, size = 0;
@@ -572,9 +771,10 @@ static int touch_ring(const Boundary *b, const Ring *ring, const Closure *closur
     for (int64_t i = 0; i < copies * b->contact.rows; i++)
         s->force.at[i] = 0.0;
     for (int64_t copy = 0; copy < copies; copy++)
-        contact |= copy_contact(b, state, s, copy);
+        contact |= copy_contact(b, coating, state, s, copy);
     for (int64_t n = 0; n < copies * nodes; n++) {
-        int near = s->gap.at[n] < 0.0 || state->force.at[DIRECTIONS * n + RADIAL] < 0.0;
+        int near = s->gap.at[n] < 0.0 || state->force.at[DIRECTIONS * n + RADIAL] < 0.0
+                   || (coating && s->rods.near.at[n] == 2);
         r->listed.at[n] = contact >= 2 && near;
         if (r->listed.at[n])
             r->list.at[size++] = n;
@@ -594,15 +794,17 @@ static int touch_ring(const Boundary *b, const Ring *ring, const Closure *closur
             r->pushed.at[copy] = 1;
         }
         Group group = collect(b, ring, state, s, size);
-        contact_forces(b, state, s, &group);
+        contact_forces(b, coating, state, s, &group);
         distribute(b, ring, state, s, &group, y);
         finite = ring_wall(ring, closure, time, r);
-        joined = finite ? join_group(b, s, size) : 0;
+        joined = finite ? join_group(b, ring, coating, closure, time, state, s, size) : 0;
+        if (coating && joined == 0)
+            wear_rods(b, coating, state, s, &group);
         size += joined;
     }
     for (int64_t copy = 0; copy < copies; copy++) {
         int pushed = r->pushed.at[copy] != 0;
-        if (!pushed && (copy_contact(b, state, s, copy) & 1))
+        if (!pushed && (copy_contact(b, coating, state, s, copy) & 1))
             move_copy(b, state, s, copy);
         else if (!pushed)
             continue;
@@ -648,7 +850,8 @@ static void modal_works(const Boundary *b, const Ring *ring, BoundaryState *stat
 }
 
 /* Add the contact of a step to the sums since the last record. */
-static void sum_contact(const Boundary *b, BoundaryState *state, const BoundaryScratch *s)
+static void sum_contact(const Boundary *b, const NodeCoating *coating, BoundaryState *state,
+                        const BoundaryScratch *s)
 {
     for (int64_t n = 0; n < b->a.rows * b->radius.size; n++) {
         const double *force = s->force.at + DIRECTIONS * n;
@@ -656,14 +859,17 @@ static void sum_contact(const Boundary *b, BoundaryState *state, const BoundaryS
         state->gap.at[n] = smaller(state->gap.at[n], s->gap.at[n]);
         state->touched.at[n] += normal > 0.0;
         impulse[RADIAL] += normal * b->time_step;
+        if (coating)
+            state->coating_impulse.at[n] += s->rods.pressed.at[n] * b->time_step;
         for (int k = TANGENTIAL; k <= AXIAL; k++)
             impulse[k] += force[k] * b->time_step;
     }
 }
 
-int boundary_march(const Boundary *boundary, const Ring *ring, const Closure *closure,
-                   BoundaryState *state, BoundaryRecords *records, BoundaryScratch *scratch,
-                   int64_t step, int64_t steps, int64_t record_every, int64_t *reached)
+int boundary_march(const Boundary *boundary, const Ring *ring, const NodeCoating *coating,
+                   const Closure *closure, BoundaryState *state, BoundaryRecords *records,
+                   BoundaryScratch *scratch, int64_t step, int64_t steps, int64_t record_every,
+                   int64_t *reached)
 {
     const Boundary *b = boundary;
     int64_t copies = b->a.rows, all = copies * b->a.columns, width = b->contact.rows;
@@ -684,21 +890,27 @@ int boundary_march(const Boundary *boundary, const Ring *ring, const Closure *cl
         }
         for (int64_t copy = 0; copy < copies; copy++)
             within &= advance_copy(b, ring, closure, state, scratch, copy, time, loaded);
-        double works[WORKS];
+        double works[WORKS], worn[COATING_SUMS];
         for (int i = 0; i < WORKS; i++)
             works[i] = state->work.at[i];
+        for (int i = 0; coating && i < COATING_SUMS; i++)
+            worn[i] = state->coating.at[i];
+        if (within && coating)
+            find_rods(b, ring, coating, closure, later, state, scratch);
         if (within && ring) {
-            touching = touch_ring(b, ring, closure, state, scratch, later, y);
+            touching = touch_ring(b, ring, coating, closure, state, scratch, later, y);
             within = touching >= 0;
         } else if (within)
             for (int64_t copy = 0; copy < copies; copy++)
-                touching |= touch_copy(b, state, scratch, copy);
+                touching |= touch_copy(b, coating, state, scratch, copy);
         if (!within || step % record_every == 0) { /* a record is from before the works of the step */
             double after[WORKS];
             for (int i = 0; i < WORKS; i++) {
                 after[i] = state->work.at[i];
                 state->work.at[i] = works[i];
             }
+            if (coating)
+                record_coating(worn, state, records, rows);
             record_boundary(b, ring, state, records, scratch, y, rows++, step, within);
             for (int i = 0; i < WORKS; i++)
                 state->work.at[i] = within ? after[i] : works[i];
@@ -707,7 +919,7 @@ int boundary_march(const Boundary *boundary, const Ring *ring, const Closure *cl
             break;
         modal_works(b, ring, state, scratch, y, loaded);
         state->counts.at[BOUNDARY_CONTACT_STEPS] += touching;
-        sum_contact(b, state, scratch);
+        sum_contact(b, coating, state, scratch);
         for (int64_t i = 0; i < copies * width; i++)
             state->force.at[i] = scratch->force.at[i];
         for (int64_t i = 0; i < all; i++) {

@@ -505,6 +505,20 @@ typedef struct {
     double elements_per_step; /* rotation of the rotor in a step, in elements */
 } Ring;
 
+/* Abradable coating under contact nodes: rods in tracks, see `rods.h`. */
+typedef struct {
+    Vector half;          /* (nodes) half of the footprint of each node of a copy, in rods */
+    IntVector track;      /* (nodes) track of each node of a copy */
+    Vector area;          /* (tracks) area of a rod of each track [m2] */
+    int64_t rods;         /* number of rods of a track */
+    double steepest;      /* largest slope of a rigid wall by the angle [m] */
+    double thickness;     /* thickness h [m] */
+    double young_modulus; /* E [Pa] */
+    double yield_stress;  /* s_y [Pa] */
+    double hardening;     /* H, slope in plastic strain [Pa] */
+    double limit;         /* largest plastic strain */
+} NodeCoating;
+
 /* State between two steps, which is advanced in place. */
 typedef struct {
     Cube q;           /* (2, copies, modes) q_{n-1} and q_n */
@@ -518,6 +532,9 @@ typedef struct {
     Matrix touched;   /* (copies, nodes) steps with contact since the last record */
     Vector work;      /* (6) works since the start, see above [J] */
     Vector counts;    /* (3) BOUNDARY_RESIDUAL ... */
+    Matrix strain;    /* (tracks, rods) plastic strain of each rod of the coating */
+    Vector coating;   /* (coating_sums) COATING_WORK (not used), REMOVED ... [J, m3] */
+    Matrix coating_impulse; /* (coated_copies, nodes) part of `impulse` on the coating [N s] */
 } BoundaryState;
 
 typedef struct {
@@ -532,6 +549,8 @@ typedef struct {
     Cube touched;     /* (records, copies, nodes) */
     Vector energy;    /* (records) */
     Matrix work;      /* (records, 6) */
+    Matrix coating;   /* (records, coating_sums) */
+    Cube coating_impulse; /* (records, coated_copies, nodes) */
 } BoundaryRecords;
 
 /* Working arrays of a ring; `tips` is the number of contact nodes of all copies. The arrays of a
@@ -558,9 +577,25 @@ typedef struct {
     Matrix compliance;   /* (all_components, all_components) */
 } RingScratch;
 
+/* Working arrays of a coating, for all contact nodes and for the nodes of a group. */
+typedef struct {
+    IntVector near;   /* (coated_tips) 1 for nodes whose rods are known, 2 for nodes that touch them */
+    IntMatrix range;  /* (coated_tips, 2) first and last rod under each node */
+    Matrix offset;    /* (coated_tips, under) wall at each of these rods, less the wall at the node */
+    Vector pressed;   /* (coated_tips) force of the rods on each node [N] */
+    Vector force;     /* (coated_group) force of the rods at the gaps of an iteration [N] */
+    Vector slope;     /* (coated_group) its decrease with the gap [N/m] */
+    Vector gap;       /* (coated_group) gaps of an iteration */
+    Vector free;      /* (coated_group) gaps without forces of the metal */
+    Vector metal;     /* (coated_group) forces of the metal [N] */
+    Matrix response;  /* (coated_group, coated_group) change of the gaps due to such forces */
+    Matrix system;    /* (coated_group, augmented) equations of an iteration */
+} RodScratch;
+
 /* Working arrays; `group` is the largest number of nodes that are solved together. */
 typedef struct {
     RingScratch ring;
+    RodScratch rods;
     Cube q;            /* (1, copies, modes) q_{n+1} */
     Vector modal;      /* (modes) modal forces */
     Vector change;     /* (modes) change of q in the step */
@@ -569,6 +604,7 @@ typedef struct {
     Matrix moved;      /* (copies, components) change of the displacements without contact */
     Matrix slip;       /* (copies, components) the same, less the flexible part at step n */
     Vector further;    /* (components) scratch */
+    IntVector number;  /* (nodes) numbers of the nodes of a copy among all nodes */
     Vector closed;     /* (group) gaps with contact */
     Vector miss;       /* (twice_group) difference between the directions of slip and of sliding */
     Vector multiplier; /* (group) normal forces */
@@ -581,8 +617,9 @@ typedef struct {
 } BoundaryScratch;
 
 /* Advance a march with many contact nodes; arguments and results as those of `march`. */
-int boundary_march(const Boundary *boundary, const Ring *ring, const Closure *closure,
-                   BoundaryState *state, BoundaryRecords *records, BoundaryScratch *scratch,
-                   int64_t step, int64_t steps, int64_t record_every, int64_t *reached);
+int boundary_march(const Boundary *boundary, const Ring *ring, const NodeCoating *coating,
+                   const Closure *closure, BoundaryState *state, BoundaryRecords *records,
+                   BoundaryScratch *scratch, int64_t step, int64_t steps, int64_t record_every,
+                   int64_t *reached);
 
 #endif

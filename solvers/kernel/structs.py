@@ -196,8 +196,8 @@ def boundary_march(
     """Advance a march with many contact nodes; results as those of `march`.
 
     Args:
-        constants: structs `Boundary`, `Ring` and `Closure` (or None), and `BoundaryState`, which is
-            advanced.
+        constants: structs `Boundary`, `Ring`, `NodeCoating`, `Closure` (None for options that the
+            march does not have) and `BoundaryState`, which is advanced.
         records: structs `BoundaryRecords` and `BoundaryScratch`.
         step: number of the first step.
         steps: number of steps to do.

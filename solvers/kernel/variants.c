@@ -42,8 +42,9 @@ CHOOSE(int64_t, dense_march,
         DenseScratch *scratch, double h, int64_t first, int64_t steps),
        (stage, closure, law, state, scratch, h, first, steps))
 CHOOSE(int, boundary_march,
-       (const Boundary *boundary, const Ring *ring, const Closure *closure, BoundaryState *state,
-        BoundaryRecords *records, BoundaryScratch *scratch, int64_t step, int64_t steps,
-        int64_t record_every, int64_t *reached),
-       (boundary, ring, closure, state, records, scratch, step, steps, record_every, reached))
+       (const Boundary *boundary, const Ring *ring, const NodeCoating *coating,
+        const Closure *closure, BoundaryState *state, BoundaryRecords *records,
+        BoundaryScratch *scratch, int64_t step, int64_t steps, int64_t record_every,
+        int64_t *reached),
+       (boundary, ring, coating, closure, state, records, scratch, step, steps, record_every, reached))
 #endif

@@ -17,7 +17,7 @@ from bladewhirl.solvers.kernel.structs import (
     padded,
     zeros,
 )
-from bladewhirl.solvers.march.march import EndReason, Statistics
+from bladewhirl.solvers.march.march import CoatingRecords, EndReason, Statistics
 from bladewhirl.solvers.packing.arrangement import Arrangement
 from bladewhirl.solvers.packing.body import lengthened
 from bladewhirl.solvers.packing.casing import nodal_response, pack_casing, pack_closure
@@ -59,7 +59,7 @@ class BoundaryChunk:
     """Modal displacements of a flexible casing [kg^1/2 m], (records, casing modes)."""
     casing_velocity: FloatArray
     """Modal velocities of a flexible casing [kg^1/2 m/s], (records, casing modes)."""
-    coating: None = None  #: there is no coating
+    coating: CoatingRecords | None = None  #: records of an abradable coating
 
     @property
     def records(self) -> int:
@@ -118,6 +118,7 @@ class BoundaryMarch:
             self._arrangement, self._ring = _pack_ring(problem, time_step)
             length = 1.0 / problem.casing.radius
         self._closure = pack_closure(problem.closure, length)
+        self._coating = _pack_coating(problem)
         group = nodes if self._ring is None else copies * nodes
         self._sizes = {
             "copies": copies,
@@ -129,7 +130,9 @@ class BoundaryMarch:
             "twice_group": 2 * group,
             "bordered": group + 1,
             "patterns": len(problem.loads),
-        } | _ring_sizes(self._ring, self._arrangement, copies * nodes)
+            **_ring_sizes(self._ring, self._arrangement, copies * nodes),
+            **_coating_sizes(self._coating, problem, group),
+        }
 
     def init(self) -> BoundaryState:
         """Return the state at t = 0."""
@@ -154,6 +157,8 @@ class BoundaryMarch:
         arrays["q"][1] = x
         arrays["direction"][:, 0::2] = np.sign(problem.speed)
         arrays["gap"][:] = problem.initial_gap
+        if problem.coating is not None:
+            arrays["strain"][:] = problem.coating.strain
         return BoundaryState(step=0, arrays=arrays)
 
     def advance(
@@ -165,7 +170,10 @@ class BoundaryMarch:
         records = zeros("BoundaryRecords", self._sizes | {"records": steps // every + 2})
         scratch = Struct("BoundaryScratch", **zeros("BoundaryScratch", self._sizes))
         status, reached, written = boundary_march(
-            (self._boundary, self._ring, self._closure, Struct("BoundaryState", **arrays)),
+            (
+                *(self._boundary, self._ring, self._coating, self._closure),
+                Struct("BoundaryState", **arrays),
+            ),
             (Struct("BoundaryRecords", **records), scratch),
             state.step,
             steps,
@@ -173,9 +181,10 @@ class BoundaryMarch:
         )
         kept = {name: array[:written] for name, array in records.items()}
         end = EndReason.DIVERGENT if status == lib.DIVERGED else None
-        return BoundaryState(step=reached, arrays=arrays), self._chunk(kept), end
+        after = BoundaryState(step=reached, arrays=arrays)
+        return after, self._chunk(kept, after), end
 
-    def _chunk(self, kept: dict[str, FloatArray]) -> BoundaryChunk:
+    def _chunk(self, kept: dict[str, FloatArray], after: BoundaryState) -> BoundaryChunk:
         rows, work = len(kept["step"]), kept["work"]
         force = kept["force"].reshape(rows, -1, DIRECTIONS)
         impulse = kept["impulse"].reshape(rows, -1, DIRECTIONS)
@@ -186,7 +195,19 @@ class BoundaryMarch:
         if self._arrangement is not None:
             casing = self._arrangement.unpack(casing)
             casing_velocity = self._arrangement.unpack(casing_velocity)
+        coating = None
+        if self._coating is not None:
+            coating = CoatingRecords(
+                coating_impulse=kept["coating_impulse"].reshape(rows, -1),
+                coating_work=np.zeros((rows, 0)),
+                wear_volume=kept["coating"][:, lib.REMOVED],
+                wear_dissipated=kept["coating"][:, lib.DISSIPATED],
+                coating_energy=kept["coating"][:, lib.STORED],
+                wear_time=np.array([after.step * self._dt]),
+                coating_strain=after.arrays["strain"][None].copy(),
+            )
         return BoundaryChunk(
+            coating=coating,
             step=np.asarray(kept["step"], dtype=np.int64),
             time=kept["step"] * self._dt,
             modal_displacement=kept["q"],
@@ -264,6 +285,51 @@ def _pack_ring(problem: BoundaryProblem, dt: float) -> tuple[Arrangement, Struct
         place=lengthened(problem.angle.ravel() * elements),
         elements_per_step=problem.speed * dt * elements,
     )
+
+
+def _pack_coating(problem: BoundaryProblem) -> Struct | None:
+    """Return the coating; None if the wall has none."""
+    coating, closure = problem.coating, problem.closure
+    if coating is None:
+        return None
+    steepest = float(np.abs(problem.wall[:, 1]).max())
+    if closure is not None:
+        most = np.abs(closure.course.value(np.linspace(0.0, 1e3, 10001))).max()
+        steepest += float(most * np.abs(closure.share[:, 1]).max())
+    return Struct(
+        "NodeCoating",
+        half=coating.footprint / coating.arc / 2.0,
+        track=coating.track,
+        area=coating.arc * coating.width,
+        rods=coating.strain.shape[1],
+        steepest=steepest,
+        thickness=coating.thickness,
+        young_modulus=coating.young_modulus,
+        yield_stress=coating.yield_stress,
+        hardening=coating.hardening,
+        limit=coating.limit,
+    )
+
+
+def _coating_sizes(
+    coating: Struct | None, problem: BoundaryProblem, group: int
+) -> dict[str, int]:
+    """Return the lengths of the arrays of a coating, zero without one."""
+    names = "coated_copies coated_tips under coated_group augmented tracks rods coating_sums"
+    if coating is None or problem.coating is None:
+        return dict.fromkeys(names.split(), 0)
+    copies, nodes = problem.angle.shape
+    tracks, rods = problem.coating.strain.shape
+    return {
+        "coated_copies": copies,
+        "coated_tips": copies * nodes,
+        "under": int(2.0 * coating.half.max()) + 2,
+        "coated_group": group,
+        "augmented": 2 * group + 1,
+        "tracks": tracks,
+        "rods": rods,
+        "coating_sums": lib.COATING_SUMS,
+    }
 
 
 def _ring_sizes(ring: Struct | None, arrangement: Arrangement | None, tips: int) -> dict[str, int]:
