@@ -70,11 +70,14 @@ class Coating(Table):
     """Slope of stress over total strain above the yield stress [Pa], in place of hardening."""
     elements: Annotated[int, fields.count(8)] | None = None
     """Number of rods around the casing; by default as many as make a rod shorter than a quarter of
-    the footprint."""
+    the footprint. Under a superelement there are as many in each track, which is the strip of one
+    axial position of contact nodes."""
     width: fields.Length | None = None
-    """Size out of the plane [m]; the width of casing.wall by default."""
+    """Size out of the plane [m]; the width of casing.wall by default. Tracks under a superelement
+    are as wide as their distances."""
     footprint: fields.Length | None = None
-    """Arc that a tip covers [m]; the thickness of the blade at its tip by default."""
+    """Arc that a tip, or a contact node of a superelement, covers [m]; by default the thickness of
+    the blade at its tip, or the distance of the contact nodes along the arc."""
     friction: fields.NumberOrZero | None = None
     """Friction coefficient; contact.friction by default."""
     limit: Annotated[float, fields.number("positive")] = 0.9

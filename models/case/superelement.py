@@ -113,7 +113,6 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         ("contact.sliding", case.contact.sliding, ("full", "permanent")),
         ("contact.tip_rotation", case.contact.tip_rotation, (False,)),
         ("coupling.stiffness", case.coupling.stiffness, (0.0,)),
-        ("casing.coating", case.casing.coating, (None,)),
         ("reduction.modes", case.reduction.modes, ("all",)),
         ("sensor", case.sensor, ((),)),
     )
@@ -121,6 +120,10 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         if value not in allowed:
             expected = _listed(allowed) or "no such key"
             yield Inconsistency(key, f"{expected} with {SOURCE}", (SOURCE,))
+    coating = case.casing.coating
+    if coating is not None and coating.friction not in (None, case.contact.friction):
+        expected = f"the value of contact.friction with {SOURCE}"
+        yield Inconsistency("casing.coating.friction", expected, (SOURCE,))
     if table.kind == "wheel" and not case.shaft.clamped:
         if case.shaft.dampings != (0.0, 0.0):
             yield Inconsistency("shaft.damping", f"no dampers with {SOURCE}", (SOURCE,))

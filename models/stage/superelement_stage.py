@@ -14,7 +14,8 @@ from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
-from bladewhirl.models.stage.contact_problem import WallClosure
+from bladewhirl.models.stage.contact_problem import NodeCoating, WallClosure
+from bladewhirl.models.stage.node_coating import node_coating
 from bladewhirl.models.stage.ring import Ring, flexible_ring
 from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
 from bladewhirl.models.stage.superelement_loads import superelement_loads
@@ -113,7 +114,7 @@ class SuperelementStage:
         ratio = np.full(modes, case.damping.ratio)
         if case.reduction.boundary == "consistent":
             ratio[reduced.kept :] = case.damping.boundary_ratio
-        limit = case.march.displacement_limit
+        limit, coating = case.march.displacement_limit, self.coating
         problem = BoundaryProblem(
             frequency=np.sqrt(self.factor)[:, None] * reduced.frequency,
             damping_ratio=np.tile(ratio, (copies, 1)),
@@ -122,7 +123,7 @@ class SuperelementStage:
             massless=case.reduction.boundary == "massless",
             angle=self.angle,
             radius=self.part.contact_radius,
-            recess=self.recess,
+            recess=self.recess + (0.0 if coating is None else coating.removable),
             wall=self.wall,
             speed=speed,
             friction=case.contact.friction,
@@ -132,12 +133,18 @@ class SuperelementStage:
             velocity=np.zeros((copies, modes)),
             closure=self._closure,
             casing=None if self.ring is None else self.ring.reduced_casing,
+            coating=coating,
             loads=superelement_loads(
                 case, reduced, self.angle, self.blade, self.table.angle, speed, self.ring
             ),
         )
         self._check_start(problem)
         return problem
+
+    @cached_property
+    def coating(self) -> NodeCoating | None:
+        """The coating of the wall; None if there is none."""
+        return node_coating(self.case, self.part, self.blade, self.casing_radius)
 
     @cached_property
     def arrays(self) -> SuperelementArrays:
@@ -189,6 +196,8 @@ class SuperelementStage:
 
     def _check_start(self, problem: BoundaryProblem) -> None:
         gap = problem.initial_gap
+        if problem.coating is not None:
+            gap = gap - problem.coating.removable
         if gap.min() < 0.0:
             copy, node = np.unravel_index(int(gap.argmin()), gap.shape)
             expected = (

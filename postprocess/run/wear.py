@@ -100,7 +100,8 @@ def wear_summary(result: xr.Dataset) -> dict[str, Any]:
     if "coating_strain" not in result:
         return {}
     strain = result["coating_strain"].values[-1]
-    share = lobe_shares(strain)
+    tracks = strain.reshape(-1, strain.shape[-1])  # one, or those under a superelement
+    share = lobe_shares(tracks.mean(axis=0))
     lobes = _lobes(share)
     metal = _metal_time(result)
     return {

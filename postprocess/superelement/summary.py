@@ -11,6 +11,7 @@ import xarray as xr
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.run.summary import MARCH_REPORT, energy_residual
+from bladewhirl.postprocess.run.wear import wear_summary
 from bladewhirl.postprocess.superelement.motion import check_superelement
 from bladewhirl.postprocess.superelement.ring import is_flexible, ring_displacement
 
@@ -41,6 +42,8 @@ class NodeSummary:
     """Largest radial displacement of a node of a flexible casing [m]; None for a rigid wall."""
     gap_min: float  #: smallest gap at any step [m]
     work: dict[str, float]  #: works of "load", "normal", "friction", "damping" [J]
+    wear: dict[str, Any]
+    """Wear of a coating, with the keys of `wear_summary`; empty without one."""
     energy_final: float  #: energy at the end [J]
     energy_residual: float  #: error of the energy balance, relative to its largest term
     complementarity_residual: float  #: largest residual of any step, relative to the gap's scale
@@ -52,7 +55,9 @@ class NodeSummary:
 
     def to_json(self) -> str:
         """Return the summary as a JSON document with full precision."""
-        return json.dumps(asdict(self), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+        values = asdict(self)
+        values |= values.pop("wear")
+        return json.dumps(values, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
     def rows(self) -> dict[str, str]:
         """Return the rows of the summary, with rounded values in convenient units."""
@@ -76,6 +81,7 @@ class NodeSummary:
                 if self.casing_displacement_max is None
                 else {"casing displacement, largest": handy(self.casing_displacement_max, "m", 4)}
             ),
+            **({"removed from the coating": _wear_text(self.wear)} if self.wear else {}),
             "work of": ", ".join(f"{name} {value:.4g} J" for name, value in self.work.items()),
             "energy at the end": f"{self.energy_final:.4g} J",
             "energy residual": f"{self.energy_residual:.3g}",
@@ -129,9 +135,20 @@ def summarise_nodes(dataset: xr.Dataset, march_report: Mapping[str, float]) -> N
             name: float(dataset[f"{key}_work"][-1]) * (-1.0 if name == "damping" else 1.0)
             for name, key in names.items()
         },
+        wear=wear_summary(dataset),
         energy_final=float(dataset["energy"][-1]),
         energy_residual=energy_residual(dataset.assign(coupling_work=0.0 * dataset["energy"])),
         **report,
+    )
+
+
+def _wear_text(wear: Mapping[str, Any]) -> str:
+    volume, dissipated = 1e9 * wear["wear_volume"], wear["wear_dissipated"]
+    metal = wear["metal_time"]
+    touched = "not touched" if metal is None else f"touched at {handy(metal, 's', 4)}"
+    return (
+        f"{volume:.4g} mm³, at most {100.0 * wear['wear_strain_max']:.3g} % of its thickness,"
+        f" {handy(dissipated, 'J', 4)}; metal {touched}"
     )
 
 

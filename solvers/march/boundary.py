@@ -311,9 +311,7 @@ def _pack_coating(problem: BoundaryProblem) -> Struct | None:
     )
 
 
-def _coating_sizes(
-    coating: Struct | None, problem: BoundaryProblem, group: int
-) -> dict[str, int]:
+def _coating_sizes(coating: Struct | None, problem: BoundaryProblem, group: int) -> dict[str, int]:
     """Return the lengths of the arrays of a coating, zero without one."""
     names = "coated_copies coated_tips under coated_group augmented tracks rods coating_sums"
     if coating is None or problem.coating is None:

@@ -23,7 +23,6 @@ from bladewhirl.solvers.march.boundary import BoundaryChunk
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords
 from bladewhirl.solvers.march.schema import (
     BEAMS,
-    COATING,
     NODES,
     RESULT_FORMAT,
     TIME,
@@ -155,17 +154,20 @@ class Recorder(AbstractContextManager["Recorder"]):
 
     def _write_coating(self, coating: CoatingRecords, first: int, last: int) -> None:
         """Append the records of a coating from the first to the last number, and its profiles."""
-        tips, rods = coating.coating_impulse.shape[1], coating.coating_strain.shape[1]
+        table, tips = self._tables.coating, coating.coating_impulse.shape[1]
+        tracks, rods = coating.coating_strain.shape[-2:]
         if "rod" not in self._file.dimensions:
-            self._file.dimensions["rod"] = rods
+            sizes = {"rod": rods, "track": tracks, "blade": tips, "contact_node": tips}
+            for name in table["coating_strain"].dimensions[1:]:
+                self._file.dimensions[name] = sizes[name]
             self._file.dimensions["wear_time"] = None
-            for name, variable in COATING.items():
+            for name, variable in table.items():
                 if name == "rod_angle":
                     self._create(name, variable, rod_angles(rods))
                 else:
-                    self._create_history(name, variable, {"rod": rods, "blade": tips})
+                    self._create_history(name, variable, sizes)
         profiles = len(self._h5["wear_time"])
-        for name, variable in COATING.items():
+        for name, variable in table.items():
             values = getattr(coating, name, None)
             if values is None:
                 continue

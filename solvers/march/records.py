@@ -7,7 +7,7 @@ import numpy as np
 from bladewhirl.models.stage.contact_problem import rod_angles
 from bladewhirl.solvers.march import recorder
 from bladewhirl.solvers.march.march import CoatingRecords, joined
-from bladewhirl.solvers.march.schema import COATING, TIME
+from bladewhirl.solvers.march.schema import TIME
 
 
 class Records:
@@ -45,11 +45,11 @@ class Records:
         histories = {name: values[: self.records] for name, values in self._room.items()}
         if self._coating:
             coating = vars(joined(self._coating))
-            for name, variable in COATING.items():
+            for name, variable in recorder.tables_of_stage(self.stage).coating.items():
                 if name in coating:
                     most = self.records if variable.dimensions[0] == TIME else None
                     histories[name] = coating[name][:most]
-            histories["rod_angle"] = rod_angles(coating["coating_strain"].shape[1])
+            histories["rod_angle"] = rod_angles(coating["coating_strain"].shape[-1])
         return histories
 
     def write(self, chunk: recorder.AnyChunk) -> None:

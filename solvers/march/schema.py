@@ -91,10 +91,18 @@ NODE_HISTORY: Mapping[str, Variable] = _read("node-history")
 NODE_STATIC: Mapping[str, Variable] = _read("node-stage")
 """Variables of the result of a superelement that are known before the march."""
 
+NODE_COATING: Mapping[str, Variable] = _read("node-coating")
+"""Variables of the result of a superelement if the wall has a coating."""
+
 NODE_INDICES: Mapping[str, Variable] = _read("node-index")
 """Names along the dimensions of the result of a superelement."""
 
-NODE_RESULT: Mapping[str, Variable] = {**NODE_HISTORY, **NODE_STATIC, **NODE_INDICES}
+NODE_RESULT: Mapping[str, Variable] = {
+    **NODE_HISTORY,
+    **NODE_COATING,
+    **NODE_STATIC,
+    **NODE_INDICES,
+}
 """All variables of the result of a superelement."""
 
 RESULT: Mapping[str, Variable] = {**HISTORY, **COATING, **STATIC, **INDICES}
@@ -116,10 +124,11 @@ class Tables(NamedTuple):
     history: Mapping[str, Variable]
     stage: Mapping[str, Variable]
     names: Mapping[str, Variable]
+    coating: Mapping[str, Variable]
 
 
-BEAMS = Tables(HISTORY, STATIC, INDICES)
-NODES = Tables(NODE_HISTORY, NODE_STATIC, NODE_INDICES)
+BEAMS = Tables(HISTORY, STATIC, INDICES, COATING)
+NODES = Tables(NODE_HISTORY, NODE_STATIC, NODE_INDICES, NODE_COATING)
 
 
 def tables_of(attributes: Mapping[str, Any]) -> Tables:

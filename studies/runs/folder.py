@@ -25,8 +25,10 @@ PROVENANCE_NAME = "provenance.json"
 SUMMARY_NAME = "summary.json"
 VTK_NAME = "vtk"
 ORBIT_NAME, ENERGY_NAME = "orbit.png", "energy.png"
-CONTACT_NAME, TIPS_NAME, CASING_NAME = "contact.png", "tips.png", "casing.png"
-"""Figures of a superelement; the last one only with a flexible casing."""
+CONTACT_NAME, TIPS_NAME = "contact.png", "tips.png"
+"""Figures of a superelement."""
+CASING_NAME, WORN_NAME = "casing.png", "wear.png"
+"""Figures of a superelement in a flexible casing, and in a coating."""
 SENSORS_NAME = "sensors.nc"
 WEAR_NAME = "wear.csv"  #: profile of the coating at the end
 REPORT_NAME = "report.html"
@@ -187,7 +189,9 @@ def sensor_files(sensors: Sequence[Sensor]) -> tuple[str, ...]:
 def files_of_run(case: Case) -> tuple[str, ...]:
     """Return the names of the files of a run of a case, without the ParaView series."""
     beams = case.bladed_disk.superelement is None
-    drawn = (ORBIT_NAME, ENERGY_NAME) if beams else (CONTACT_NAME, TIPS_NAME, CASING_NAME)
+    drawn = (
+        (ORBIT_NAME, ENERGY_NAME) if beams else (CONTACT_NAME, TIPS_NAME, CASING_NAME, WORN_NAME)
+    )
     figures = [f"{Path(name).stem}{end}" for name in drawn for end in (".png", ".nc")]
     made = (RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, CHECKPOINT_NAME)
     worn = () if case.casing.coating is None else (WEAR_NAME,)

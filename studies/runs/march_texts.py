@@ -32,13 +32,23 @@ def attributes(prepared: AnyPrepared, case_text: str) -> dict[str, Attribute]:
     }
     if isinstance(stage, Stage):
         return common | _beam_attributes(prepared, stage)
-    return common | {
-        MODEL: SUPERELEMENT,
-        "superelement": stage.part.name,
-        "boundary": stage.case.reduction.boundary,
-        "casing_radius": stage.casing_radius,
-        "tip_radius": float(stage.part.contact_radius.max()),
-    }
+    worn = stage.coating
+    layer: dict[str, Attribute] = (
+        {}
+        if worn is None
+        else {"coating_thickness": worn.thickness, "coating_removable": worn.removable}
+    )
+    return (
+        common
+        | layer
+        | {
+            MODEL: SUPERELEMENT,
+            "superelement": stage.part.name,
+            "boundary": stage.case.reduction.boundary,
+            "casing_radius": stage.casing_radius,
+            "tip_radius": float(stage.part.contact_radius.max()),
+        }
+    )
 
 
 def divergence(prepared: AnyPrepared, chunk: AnyChunk) -> str:

@@ -140,7 +140,7 @@ def _node_outputs(
 ) -> Run:
     """Write summary, figures and ParaView series of a superelement."""
     from bladewhirl.postprocess.plotting.style import save_figure
-    from bladewhirl.postprocess.superelement import figures, motion, ring
+    from bladewhirl.postprocess.superelement import figures, motion, ring, wear
     from bladewhirl.postprocess.superelement.series import export_points
     from bladewhirl.postprocess.superelement.summary import summarise_nodes
 
@@ -149,6 +149,9 @@ def _node_outputs(
     nodes, orbits = motion.contact_nodes(result), motion.tip_orbits(result)
     save_figure(figures.plot_contact_nodes(nodes), directory / folder.CONTACT_NAME, nodes, ["png"])
     save_figure(figures.plot_tip_orbits(orbits), directory / folder.TIPS_NAME, orbits, ["png"])
+    if "coating_strain" in result:
+        worn = wear.node_wear(result)
+        save_figure(wear.plot_node_wear(worn), directory / folder.WORN_NAME, worn, ["png"])
     if ring.is_flexible(result):
         moved = ring.ring_motion(result)
         save_figure(ring.plot_ring(moved), directory / folder.CASING_NAME, moved, ["png"])

@@ -14,6 +14,7 @@ from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.mass_scaling import screening_problem
+from bladewhirl.models.stage.node_coating import node_coating_faults
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 from bladewhirl.solvers.march.boundary import BoundaryMarch
@@ -117,7 +118,8 @@ def prepare_superelement(
     """Prepare the time integration of a superelement.
 
     Raises:
-        CaseError: a contact node starts inside the wall, or the time step is too long.
+        CaseError: a contact node starts inside the wall, or the time step is too long for the
+            modes or the coating.
         UserError: the environment asks for the reference in NumPy.
     """
     if os.environ.get(KERNEL, "compiled") != "compiled":
@@ -130,5 +132,8 @@ def prepare_superelement(
             ' or reduction.boundary = "massless")'
         )
         raise CaseError([case_fault(stage.case, "march.time_step", expected)])
+    faults = list(node_coating_faults(stage.case, problem.coating, stage.speed))
+    if faults:
+        raise CaseError(faults)
     scheme: Any = BoundaryMarch(problem, timing.time_step, timing.record_every)
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)

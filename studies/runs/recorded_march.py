@@ -14,7 +14,6 @@ import numpy as np
 
 from bladewhirl.files import replacing
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.march.boundary import BoundaryChunk
 from bladewhirl.solvers.march.checkpoint import (
     CHECKPOINT_NAME,
@@ -163,7 +162,7 @@ def _march_into(
         residual = first.statistics.complementarity_residual
         unsolved = first.statistics.lcp_failures
     problem = prepared.problem
-    if isinstance(problem, ContactProblem) and problem.coating is not None:
+    if problem.coating is not None:
         # There is a profile of the coating at the end of each chunk.
         chunk_steps = min(CHUNK_STEPS, timing.steps // PROFILES + 1)
     began, flushed, waiting = time.perf_counter() - before, -pause, list[Any]()
@@ -250,10 +249,13 @@ def _chunk(records: xr.Dataset, time_step: float, *, profiles: bool) -> AnyChunk
     if "coating_strain" in records:
         kept = records.isel(wear_time=slice(None if profiles else 0))
         names = [field.name for field in fields(CoatingRecords)]
-        coating = CoatingRecords(**{name: kept[name].values for name in names})
+        unknown = np.zeros((records.sizes["time"], 0))
+        coating = CoatingRecords(
+            **{name: kept[name].values if name in kept else unknown for name in names}
+        )
     step = np.rint(values["time"] / time_step).astype(np.int64)
     if tables is NODES:
-        return BoundaryChunk(step=step, **values)
+        return BoundaryChunk(step=step, coating=coating, **values)
     return Chunk(step=step, coating=coating, **values)
 
 

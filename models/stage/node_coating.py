@@ -1,0 +1,106 @@
+"""The abradable coating under the contact nodes of a superelement."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.stage.coating import PER_FOOTPRINT
+from bladewhirl.models.stage.contact_problem import NodeCoating, rod_angles
+from bladewhirl.models.superelements.superelement import Superelement
+
+SAME = 1e-6
+"""Share of the radius below which two axial positions are one track, and a footprint is zero."""
+
+
+def node_coating(
+    case: Case, part: Superelement, blade: IntArray, wall_radius: float
+) -> NodeCoating | None:
+    """Return the coating of the wall; None if there is none.
+
+    There is a track of rods for each axial position of contact nodes. The widths of the tracks are
+    the distances of these positions. A node covers an arc that is its distance from the next nodes
+    of its blade in the same track, or along the blade if it is alone in its track.
+
+    Args:
+        case: the case.
+        part: the superelement.
+        blade: blade of each contact node of a copy, (nodes,).
+        wall_radius: radius of the wall [m].
+
+    Raises:
+        CaseError: the distances of the nodes give no footprint or no width.
+    """
+    coating = case.casing.coating
+    if coating is None:
+        return None
+    axial, track = _tracks(part)
+    if len(axial) > 1:
+        width = spacing(axial)
+    else:
+        width = np.full(1, coating.width or case.casing.wall.width)
+    footprint = np.full(part.contacts, coating.footprint or 0.0)
+    if coating.footprint is None:
+        along = part.contact_angle * part.contact_radius
+        for number in np.unique(blade):
+            own = np.flatnonzero(blade == number)
+            footprint[own] = spacing(along[own])
+            for place in np.unique(track[own]):
+                row = own[track[own] == place]
+                if len(row) > 1:
+                    footprint[row] = spacing(along[row])
+        if not footprint.min() > SAME * wall_radius:
+            expected = "a length, because contact nodes of a blade are at the same angle"
+            raise CaseError([case_fault(case, "casing.coating.footprint", expected)])
+    rods = coating.elements or int(PER_FOOTPRINT * 2 * np.pi * wall_radius / footprint.min()) + 1
+    made = NodeCoating(
+        strain=np.zeros((len(axial), rods)),
+        axial=axial,
+        width=width,
+        track=track,
+        footprint=footprint,
+        radius=wall_radius,
+        thickness=coating.thickness,
+        young_modulus=coating.young_modulus,
+        yield_stress=coating.yield_stress,
+        hardening=coating.slope,
+        limit=coating.limit,
+    )
+    if coating.profile is not None:
+        made.strain[:] = coating.profile.recess(rod_angles(rods)) / coating.thickness
+    return made
+
+
+def node_coating_faults(case: Case, coating: NodeCoating | None, speed: float) -> Iterator[Fault]:
+    """Yield a fault if a node passes a rod in each time step."""
+    if coating is None:
+        return
+    step = case.march.time_step
+    if not abs(speed) * step * coating.radius < coating.arc:
+        most = int(2.0 * np.pi / (abs(speed) * step))
+        expected = f"at most {most} rods, so that a node passes less than one rod in a time step"
+        yield case_fault(case, "casing.coating.elements", expected)
+
+
+def spacing(places: FloatArray) -> FloatArray:
+    """Return the part of a line that belongs to each of some places on it, in the same shape: half
+    of the distances to both neighbours; at the ends the distance to the only neighbour."""
+    if len(places) < 2:
+        return np.zeros(len(places))
+    order = np.argsort(places, kind="stable")
+    gaps = np.diff(places[order])
+    own = 0.5 * (np.append(gaps, gaps[-1]) + np.append(gaps[0], gaps))
+    return np.asarray(own[np.argsort(order, kind="stable")])
+
+
+def _tracks(part: Superelement) -> tuple[FloatArray, IntArray]:
+    """Return the different axial positions of the contact nodes [m], ascending, and the number of
+    the position of each node."""
+    z = part.contact_position[:, 2]
+    order = np.argsort(z, kind="stable")
+    apart = np.diff(z[order], prepend=z[order[0]]) > SAME * part.contact_radius.max()
+    number = np.cumsum(apart)[np.argsort(order, kind="stable")]
+    return np.array([z[number == n].mean() for n in range(int(number.max()) + 1)]), number

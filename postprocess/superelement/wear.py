@@ -1,0 +1,76 @@
+"""Wear of the coating under the contact nodes of a superelement."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.plotting.axes import draw_map
+from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.titles import head
+from bladewhirl.postprocess.run.wear import coating_of
+from bladewhirl.postprocess.superelement.motion import check_superelement
+
+
+def node_wear(result: xr.Dataset) -> xr.Dataset:
+    """Compute the wear of the coating under contact nodes.
+
+    Args:
+        result: result of a superelement whose wall has a coating.
+
+    Returns:
+        Dataset with `recess` [m] over (track, rod), the removed depth at the end; `wear_volume`
+        [m3], `wear_dissipated` [J] and `coating_energy` [J] over time; coordinates `axial` [m] of
+        each track and `angle` [rad] of each rod.
+
+    Raises:
+        ViewError: the wall has no coating.
+    """
+    check_superelement(result)
+    coating = coating_of(result)
+    axial = np.sort(result["contact_axial"].values)
+    middles = [part.mean() for part in np.array_split(axial, result.sizes["track"])]
+    return labelled(
+        result,
+        "wear of the coating",
+        {
+            "recess": (
+                ("track", "rod"),
+                coating.thickness * result["coating_strain"].values[-1],
+                "m",
+            ),
+            **{
+                name: (("time",), result[name].values, result[name].attrs["units"])
+                for name in ("wear_volume", "wear_dissipated", "coating_energy")
+            },
+        },
+        {"time": result["time"].values},
+    ).assign_coords(
+        axial=("track", middles, {"units": "m"}),
+        angle=("rod", result["rod_angle"].values, {"units": "rad"}),
+    )
+
+
+@styled
+def plot_node_wear(data: xr.Dataset) -> Figure:
+    """Draw the removed depth on the unrolled wall, and the removed volume over time, from
+    `node_wear`."""
+    figure = new_figure(width=FULL_WIDTH, height=0.1)
+    above, below = figure.subplots(2, 1, height_ratios=[1.3, 1.0])
+    recess, axial = data["recess"].values, data["axial"].values
+    unit, scale = handy_unit(float(np.abs(axial).max()), "m")
+    depth_unit, depth_scale = handy_unit(float(recess.max()), "m")
+    half = 0.5 * (np.diff(axial).mean() if len(axial) > 1 else 1e-3)
+    middles = 0.5 * (axial[1:] + axial[:-1])
+    edges = scale * np.concatenate([axial[:1] - half, middles, axial[-1:] + half])
+    degrees = np.linspace(0.0, 360.0, recess.shape[1] + 1)
+    drawn = draw_map(above, degrees, edges, depth_scale * recess, cmap="magma_r")
+    figure.colorbar(drawn, ax=above, label=f"removed depth [{depth_unit}]")
+    above.set(xticks=np.arange(0, 361, 45), xlabel="angle on the wall, static frame [°]")
+    above.set_ylabel(f"axial position [{unit}]")
+    below.plot(data["time"], 1e9 * data["wear_volume"])
+    below.set_ylabel("removed volume [mm³]")
+    time_axis(below)
+    head(figure, data)
+    return figure
