@@ -16,7 +16,6 @@ from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, n
 from bladewhirl.postprocess.pictures.films import shared_palette, write_gif, write_mp4
 from bladewhirl.postprocess.pictures.offscreen import Pixels, off_screen_plotter, pixels_of
 from bladewhirl.postprocess.plotting.style import SEQUENTIAL
-from bladewhirl.postprocess.run.wear import coating_of
 from bladewhirl.postprocess.superelement.motion import check_superelement, deformed_points
 from bladewhirl.postprocess.superelement.ring import is_flexible, ring_displacement, wall_at
 from bladewhirl.postprocess.superelement.series import frame_meshes
@@ -188,14 +187,9 @@ def _draw_wall(plotter: Any, dataset: xr.Dataset, record: int, factor: float) ->
     def clearance(at: FloatArray) -> FloatArray:
         return wall(at + turned)
 
-    removable = 0.0
-    if "coating_strain" in dataset:  # gaps are those to the metal
-        coating = coating_of(dataset)
-        removable = coating.limit * coating.thickness
+    removable = float(dataset.attrs.get("coating_removable", 0.0))  # gaps are those to the metal
     known = dataset["gap"].values[record] + dataset["contact_displacement"].values[record, :, 0]
-    closed = float(
-        np.median(known - removable - recess - clearance(angle))
-    )  # closure since the start
+    closed = float(np.median(known - removable - recess - clearance(angle)))  # closure by now
     radius = float((dataset["contact_radius"].values + recess).max())
     margin = 0.15 * np.ptp(axial) + 0.01 * radius
     arcs = [

@@ -5,11 +5,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.plotting.axes import draw_map
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
-from bladewhirl.postprocess.run.wear import coating_of
 from bladewhirl.postprocess.superelement.motion import check_superelement
 
 
@@ -28,18 +28,16 @@ def node_wear(result: xr.Dataset) -> xr.Dataset:
         ViewError: the wall has no coating.
     """
     check_superelement(result)
-    coating = coating_of(result)
+    if "coating_strain" not in result:
+        raise ViewError("this run has no casing.coating, so nothing can be worn")
+    recess = float(result.attrs["coating_thickness"]) * result["coating_strain"].values[-1]
     axial = np.sort(result["contact_axial"].values)
     middles = [part.mean() for part in np.array_split(axial, result.sizes["track"])]
     return labelled(
         result,
         "wear of the coating",
         {
-            "recess": (
-                ("track", "rod"),
-                coating.thickness * result["coating_strain"].values[-1],
-                "m",
-            ),
+            "recess": (("track", "rod"), recess, "m"),
             **{
                 name: (("time",), result[name].values, result[name].attrs["units"])
                 for name in ("wear_volume", "wear_dissipated", "coating_energy")

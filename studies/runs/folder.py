@@ -189,9 +189,8 @@ def sensor_files(sensors: Sequence[Sensor]) -> tuple[str, ...]:
 def files_of_run(case: Case) -> tuple[str, ...]:
     """Return the names of the files of a run of a case, without the ParaView series."""
     beams = case.bladed_disk.superelement is None
-    drawn = (
-        (ORBIT_NAME, ENERGY_NAME) if beams else (CONTACT_NAME, TIPS_NAME, CASING_NAME, WORN_NAME)
-    )
+    nodes = (CONTACT_NAME, TIPS_NAME, CASING_NAME, WORN_NAME)
+    drawn = (ORBIT_NAME, ENERGY_NAME) if beams else nodes
     figures = [f"{Path(name).stem}{end}" for name in drawn for end in (".png", ".nc")]
     made = (RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, CHECKPOINT_NAME)
     worn = () if case.casing.coating is None else (WEAR_NAME,)
