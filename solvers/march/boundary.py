@@ -186,8 +186,9 @@ class BoundaryMarch:
 
     def _chunk(self, kept: dict[str, FloatArray], after: BoundaryState) -> BoundaryChunk:
         rows, work = len(kept["step"]), kept["work"]
-        force = kept["force"].reshape(rows, -1, DIRECTIONS)
-        impulse = kept["impulse"].reshape(rows, -1, DIRECTIONS)
+        nodes = self._problem.angle.size
+        force = kept["force"].reshape(rows, nodes, DIRECTIONS)
+        impulse = kept["impulse"].reshape(rows, nodes, DIRECTIONS)
         moved = kept["q"] @ self._boundary.columns
         if self._problem.massless:
             moved = moved + np.einsum("rcj,cij->rci", kept["force"], self._boundary.compliance)
@@ -198,7 +199,7 @@ class BoundaryMarch:
         coating = None
         if self._coating is not None:
             coating = CoatingRecords(
-                coating_impulse=kept["coating_impulse"].reshape(rows, -1),
+                coating_impulse=kept["coating_impulse"].reshape(rows, nodes),
                 coating_work=np.zeros((rows, 0)),
                 wear_volume=kept["coating"][:, lib.REMOVED],
                 wear_dissipated=kept["coating"][:, lib.DISSIPATED],
@@ -212,13 +213,13 @@ class BoundaryMarch:
             time=kept["step"] * self._dt,
             modal_displacement=kept["q"],
             modal_velocity=kept["velocity"],
-            contact_displacement=moved.reshape(rows, -1, DIRECTIONS),
+            contact_displacement=moved.reshape(rows, nodes, DIRECTIONS),
             contact_force=force,
-            gap=kept["gap"].reshape(rows, -1),
+            gap=kept["gap"].reshape(rows, nodes),
             contact_impulse=impulse[:, :, 0],
             friction_impulse=-impulse[:, :, 1],
             axial_impulse=impulse[:, :, 2],
-            contact_steps=kept["touched"].reshape(rows, -1).astype(np.int64),
+            contact_steps=kept["touched"].reshape(rows, nodes).astype(np.int64),
             contacts=np.asarray((force[:, :, 0] < 0.0).sum(axis=1)),
             energy=kept["energy"],
             external_work=work[:, lib.EXTERNAL],

@@ -25,6 +25,15 @@ from bladewhirl.studies.verification.case import Pair, verifies
 GAP, FLEXIBILITY, OMEGA = 1e-3, 1e-6, 100.0
 STEP = 1e-6  #: time step of the blade [s]
 TURNS, SPEED = 3, 628.0
+COATING = {
+    "thickness": 2e-3,
+    "young_modulus": 1e9,
+    "yield_stress": 1e7,
+    "hardening": 5e7,
+    "footprint": 0.01,
+    "elements": 1440,
+}
+"""Placeholder of an abradable coating."""
 
 
 def rebound(dt: float) -> BoundaryChunk:
@@ -162,11 +171,11 @@ def wheel_of_sectors() -> Pair:
 
 
 @cache
-def exported(kind: str) -> tuple[ContactProblem, BoundaryProblem, float]:
+def exported(kind: str, *, coated: bool = False) -> tuple[ContactProblem, BoundaryProblem, float]:
     """Return the contact problem of a stage of beams that a closing oval casing pinches, that of
     the same stage as superelements with mass at the contact nodes, and the time step [s]."""
     blades, kept = 6, 12
-    common = {
+    common: dict[str, Any] = {
         "casing": {
             "elements": 24,
             "support": 7.975e6,
@@ -178,6 +187,9 @@ def exported(kind: str) -> tuple[ContactProblem, BoundaryProblem, float]:
         "contact": {"friction": 0.05},
         "march": {"speed": "1200 rpm", "time_step": 2e-6},
     }
+    if coated:
+        common["casing"] |= {"support": 1e9, "coating": COATING}
+        common["casing"]["closure"] = {"amount": 6e-4, "time_constant": 0.02}
     beams: dict[str, Any] = {"blades": blades, "elements_per_blade": 4}
     if kind == "blade":
         beams["disk_kind"] = "rigid"
@@ -217,6 +229,20 @@ def march_of_an_exported_stage(kind: str) -> Pair:
     steps = round(0.05 / dt) + 1
     expected = beams.advance(beams.init(), steps)[1].rotor_displacement @ problem.rotor.tip_radial.T
     return expected, nodes.advance(nodes.init(), steps)[1].contact_displacement[:, :, 0]
+
+
+@verifies()
+def wear_of_an_exported_stage() -> Pair:
+    """Compare the volume removed from a coating by the tips of beams with that of a superelement,
+    whose contact forces follow from the displacement at the end of each step."""
+    problem, same, dt = exported("wheel", coated=True)
+    beams, nodes = CentralDifference(problem, dt, 250), BoundaryMarch(same, dt, 250)
+    steps = round(0.05 / dt) + 1
+    expected = beams.advance(beams.init(), steps)[1].coating
+    worn = nodes.advance(nodes.init(), steps)[1].coating
+    assert expected is not None  # both walls have a coating
+    assert worn is not None
+    return expected.wear_volume[-1], worn.wear_volume[-1]
 
 
 def _wheel() -> tuple[FloatArray, Superelement, int]:

@@ -1,7 +1,7 @@
 """Runs of superelements: from a file of matrices to a folder with results."""
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 import bladewhirl as bw
+from bladewhirl.models.stage.node_coating import spacing
 from bladewhirl.models.stage.superelement_hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.superelement import Superelement
@@ -19,6 +20,7 @@ from bladewhirl.postprocess.superelement.interaction import plot_interaction
 from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits, wall_contact
 from bladewhirl.postprocess.superelement.picture import render_blades
 from bladewhirl.postprocess.superelement.ring import ring_motion, wall_at
+from bladewhirl.postprocess.superelement.wear import node_wear
 from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.prepare import prepare
@@ -342,3 +344,42 @@ def test_blades_rub_in_a_flexible_ring(file: Path, tmp_path: Path) -> None:
     assert 'name="casing"' in series
     continued: Any = resume(run.directory, ["march.duration=0.007"], frames=0)
     assert continued.summary.energy_residual < 1e-9
+
+
+def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
+    layer = {"thickness": 1e-3, "young_modulus": 1e9, "yield_stress": 2e6, "footprint": 4e-3}
+    changes = {"casing__coating": layer, "march__duration": 0.006}
+    changes["casing__closure"] = {"amount": 2e-4, "time_constant": 2e-3}
+    run = bw.run(bw.case_from(tables(file, **changes)), tmp_path / "run", frames=2)
+    summary = json.loads((run.directory / "summary.json").read_text(encoding="utf-8"))
+    assert 0.0 < summary["wear_volume"]
+    assert 0.0 < summary["wear_strain_max"] < 0.9
+    assert summary["energy_residual"] < 1e-9
+    assert (run.directory / "wear.png").is_file()
+    with open_result(run.directory) as result:
+        worn = node_wear(result)
+        assert worn.sizes["track"] == 3
+        assert worn["axial"].values == pytest.approx([-0.02, 0.0, 0.02])
+        area = 0.02 * 2.0 * np.pi * 0.3 / worn.sizes["rod"]  # of a rod
+        removed = float(worn["recess"].sum()) * area
+        assert removed == pytest.approx(summary["wear_volume"], rel=1e-2)  # the last record
+    continued = resume(run.directory, ["march.duration=0.007"], frames=0)
+    whole = bw.run(
+        bw.case_from(tables(file, **changes | {"march__duration": 0.007})),
+        tmp_path / "whole",
+        frames=0,
+    )
+    assert asdict(continued.summary)["wear"] == asdict(whole.summary)["wear"]
+
+
+def test_footprints_follow_from_the_distances_of_contact_nodes(file: Path) -> None:
+    layer = {"thickness": 1e-3, "young_modulus": 1e9, "yield_stress": 2e6}
+    with pytest.raises(bw.CaseError, match="are at the same angle"):
+        prepare(bw.case_from(tables(file, casing__coating=layer)))
+    assert spacing(np.array([0.0, 3.0, 1.0])) == pytest.approx([1.0, 2.0, 1.5])
+    fast = {"casing__coating": layer | {"footprint": 1e-4}}
+    with pytest.raises(bw.CaseError, match="less than one rod in a time step"):
+        prepare(bw.case_from(tables(file, **fast)))
+    other = {"casing__coating": layer | {"friction": 0.3}}
+    with pytest.raises(bw.CaseError, match=r"the value of contact\.friction"):
+        bw.case_from(tables(file, **other))
