@@ -250,3 +250,16 @@ def test_a_stiff_ring_is_a_rigid_wall() -> None:
     gained = chunk.normal_work + chunk.friction_work - chunk.damping_work
     error = np.abs(chunk.energy - chunk.energy[0] - gained).max()
     assert error < 1e-9 * chunk.energy.max()
+
+
+def test_a_march_in_a_coating_can_be_split() -> None:
+    problem, dt = rubbing(massless=True), 4e-6
+    _, whole = advanced(problem, dt, 200)
+    scheme = BoundaryMarch(problem, dt, 50)
+    state, _, _ = scheme.advance(scheme.init(), 120)
+    state, none, _ = scheme.advance(state, 20)  # without a record
+    assert none.records == 0
+    _, rest, _ = scheme.advance(state, 61)
+    assert rest.coating is not None
+    assert rest.coating.wear_volume[-1] == whole.wear_volume[-1]
+    assert np.array_equal(rest.coating.coating_strain[-1], whole.coating_strain[-1])

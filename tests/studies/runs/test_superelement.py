@@ -1,7 +1,7 @@
 """Runs of superelements: from a file of matrices to a folder with results."""
 
 import json
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -350,7 +350,7 @@ def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
     layer = {"thickness": 1e-3, "young_modulus": 1e9, "yield_stress": 2e6, "footprint": 4e-3}
     changes = {"casing__coating": layer, "march__duration": 0.006}
     changes["casing__closure"] = {"amount": 2e-4, "time_constant": 2e-3}
-    run = bw.run(bw.case_from(tables(file, **changes)), tmp_path / "run", frames=2)
+    run = bw.run(bw.case_from(tables(file, **changes)), tmp_path / "run", frames=0)
     summary = json.loads((run.directory / "summary.json").read_text(encoding="utf-8"))
     assert 0.0 < summary["wear_volume"]
     assert 0.0 < summary["wear_strain_max"] < 0.9
@@ -363,13 +363,6 @@ def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
         area = 0.02 * 2.0 * np.pi * 0.3 / worn.sizes["rod"]  # of a rod
         removed = float(worn["recess"].sum()) * area
         assert removed == pytest.approx(summary["wear_volume"], rel=1e-2)  # the last record
-    continued = resume(run.directory, ["march.duration=0.007"], frames=0)
-    whole = bw.run(
-        bw.case_from(tables(file, **changes | {"march__duration": 0.007})),
-        tmp_path / "whole",
-        frames=0,
-    )
-    assert asdict(continued.summary)["wear"] == asdict(whole.summary)["wear"]
 
 
 def test_footprints_follow_from_the_distances_of_contact_nodes(file: Path) -> None:
