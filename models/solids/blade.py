@@ -33,6 +33,10 @@ AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
 """Coordinates of the mesh that become x, y and z, by the axis of rotation of the mesh."""
 
 
+CORIOLIS = np.array([[0.0, -2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+"""Acceleration 2 e_z x v of a velocity v at 1 rad/s, as a matrix."""
+
+
 def mesh3d(
     mesh: meshio.Mesh | str | PathLike[str],
     *,
@@ -49,6 +53,7 @@ def mesh3d(
     axis: str = "z",
     speed: float | str = 0.0,
     mass_quadrature: Literal["full", "reduced"] = "full",
+    coriolis: bool = False,
     name: str = "",
 ) -> Superelement:
     """Make a superelement of a blade or a sector from a mesh of tetrahedra or hexahedra.
@@ -61,7 +66,7 @@ def mesh3d(
     With a speed, the stiffness is that for small motions about the rotating structure, in a
     rotating frame: K_u + K_s - speed^2 M_xy. The static displacement is that of K u = speed^2 M_xy
     X; K_u is the elastic stiffness on the displaced nodes, K_s the geometric stiffness of the
-    stress, and M_xy the mass in the plane of rotation. Coriolis forces are not included.
+    stress, and M_xy the mass in the plane of rotation.
 
     Args:
         mesh: mesh of meshio, or path of a .msh file of Gmsh with physical groups, a .vtu file, or
@@ -84,6 +89,7 @@ def mesh3d(
         mass_quadrature: "full", exact for cells with plane faces and evenly spaced nodes, or
             "reduced", with the points of the stiffness. Reduced is the mass of CalculiX, whose
             frequencies of coarse meshes of tetrahedra are higher.
+        coriolis: whether to add the matrix of the Coriolis forces, 2 M e_z x v at 1 rad/s.
         name: name of the superelement; by default that of the file.
 
     Returns:
@@ -117,6 +123,11 @@ def mesh3d(
     shown, triangles = surface_triangles(volumes)
     content: dict[str, Any] = {
         "mass": sp.csr_array(select.T @ sp.kron(mass, np.eye(3), format="csr") @ select),
+        "gyroscopic": (
+            sp.csr_array(select.T @ sp.kron(mass, CORIOLIS, format="csr") @ select)
+            if coriolis
+            else None
+        ),
         "contact_position": volumes.points[touching],
         "contact_dofs": dofs[touching],
         "points": volumes.points[shown],

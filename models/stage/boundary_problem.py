@@ -32,6 +32,9 @@ class BoundaryProblem:
 
     frequency: FloatArray  #: frequency of each mode [rad/s], (copies, modes)
     damping_ratio: FloatArray  #: damping ratio of each mode, (copies, modes)
+    by_velocity: FloatArray | None = None
+    """Matrix of the forces due to velocities that `damping_ratio` does not contain, Coriolis forces
+    and damping [1/s], (modes, modes), of each copy; None without such forces."""
     contact: FloatArray
     """Radial, tangential and axial displacements of the contact nodes of a copy for unit modal
     coordinates [kg^-1/2], (3 nodes, modes)."""

@@ -13,14 +13,19 @@ ROUNDING = 1e-9
 
 
 def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
-    """Yield warnings for matrices of the file that are not used, and for a contact node that locks
-    itself against the wall with the given friction."""
-    for key, instead in (
-        ("damping", "damping.ratio is the damping of all modes"),
-        ("gyroscopic", "Coriolis forces are left out"),
-    ):
-        if getattr(stage.table.part, key) is not None:
-            yield f"the matrix {key} of the superelement is not used: {instead}"
+    """Yield warnings for matrices of the file that are not used or that add to other damping, and
+    for a contact node that locks itself against the wall with the given friction."""
+    ratio = stage.case.damping.ratio
+    for key in ("damping", "gyroscopic"):
+        if getattr(stage.table.part, key) is None:
+            continue
+        if getattr(stage.reduced, key) is None:
+            yield f"the matrix {key} of a sector is not used with massless contact nodes"
+        elif key == "damping" and ratio > 0.0:
+            yield (
+                f"the matrix damping of the superelement adds to damping.ratio = {ratio:g};"
+                " damping.ratio = 0 leaves it alone"
+            )
     limits = locking_friction(stage)
     if not limits:
         return

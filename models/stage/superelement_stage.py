@@ -118,6 +118,7 @@ class SuperelementStage:
         problem = BoundaryProblem(
             frequency=np.sqrt(self.factor)[:, None] * reduced.frequency,
             damping_ratio=np.tile(ratio, (copies, 1)),
+            by_velocity=_by_velocity(reduced, speed),
             contact=reduced.contact,
             compliance=reduced.compliance / self.factor[:, None, None],
             massless=case.reduction.boundary == "massless",
@@ -275,6 +276,19 @@ def superelement_stage(case: Case) -> SuperelementStage:
         )
         raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])
     return stage
+
+
+def _by_velocity(reduced: ReducedSuperelement, speed: float) -> FloatArray | None:
+    """Return the matrix of damping and Coriolis forces of the file at a speed [rad/s]."""
+    damping, gyroscopic = reduced.damping, reduced.gyroscopic
+    if damping is None and gyroscopic is None:
+        return None
+    modes = len(reduced.frequency)
+    still = np.zeros((modes, modes))
+    return np.asarray(
+        (still if damping is None else damping)
+        + (still if gyroscopic is None else speed * gyroscopic)
+    )
 
 
 def _on_springs(case: Case, part: Superelement) -> Superelement:

@@ -59,6 +59,9 @@ class ReducedSuperelement:
     """x and y of the centre for unit modal coordinates [kg^-1/2], (2, modes); zero without one."""
     points: FloatArray
     """x, y and z of the points of pictures for unit modal coordinates [kg^-1/2], (3p, modes)."""
+    damping: FloatArray | None = None  #: damping matrix of the file [1/s], (modes, modes)
+    gyroscopic: FloatArray | None = None
+    """Matrix of the Coriolis forces of the file at 1 rad/s, (modes, modes)."""
     kept: int
     """Number of modes that count as kept: modes above it have the damping of the boundary."""
 
@@ -142,7 +145,13 @@ def _reduced(
     points = np.zeros((0, shapes.shape[1]))
     if part.recovery is not None:
         points = np.asarray(part.recovery @ shapes)
+    by_velocity = {
+        name: shapes.T @ (matrix @ shapes)
+        for name, matrix in (("damping", part.damping), ("gyroscopic", part.gyroscopic))
+        if matrix is not None
+    }
     return ReducedSuperelement(
+        **by_velocity,
         frequency=np.sqrt(np.maximum(squares, 0.0)),
         contact=part.contact_rows @ shapes,
         compliance=compliance,

@@ -121,8 +121,8 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
 
     def assembled(matrix: Any) -> sp.csr_array:
         inner = sp.csr_array(own.T @ matrix @ own + on.T @ matrix @ on)
-        across = sp.kron(step, own.T @ matrix @ on)
-        both = sp.kron(sp.eye_array(sectors), inner) + across + across.T
+        across = sp.kron(step, own.T @ matrix @ on) + sp.kron(step.T, on.T @ matrix @ own)
+        both = sp.kron(sp.eye_array(sectors), inner) + across
         return sp.csr_array(turn @ both @ turn.T)
 
     recovery = None
@@ -138,6 +138,8 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
         picture,
         mass=assembled(part.mass),
         stiffness=assembled(part.stiffness),
+        damping=None if part.damping is None else assembled(part.damping),
+        gyroscopic=None if part.gyroscopic is None else assembled(part.gyroscopic),
         contact_dofs=dofs,
         recovery=recovery,
     )

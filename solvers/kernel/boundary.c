@@ -549,6 +549,19 @@ static void record_boundary(const Boundary *b, const Ring *ring, BoundaryState *
         r->work.at[row * WORKS + i] = state->work.at[i];
 }
 
+/* Add the response of coupled modes of a copy to modal forces. */
+static void add_response(const Boundary *b, int64_t copy, const double *force, double *new)
+{
+    int64_t modes = b->contact.columns;
+    const double *row = b->response.at + copy * modes * modes;
+    for (int64_t m = 0; m < modes; m++, row += modes) {
+        double sum = 0.0;
+        for (int64_t n = 0; n < modes; n++)
+            sum += row[n] * force[n];
+        new[m] += sum;
+    }
+}
+
 /* Record the sums of the coating at the start of a step. */
 static void record_coating(const double *sums, BoundaryState *state, BoundaryRecords *r, int64_t row)
 {
@@ -579,8 +592,15 @@ static int advance_copy(const Boundary *b, const Ring *ring, const Closure *clos
                 modal[m] += s->amplitude.at[p] * b->load.at[(p * b->a.rows + copy) * modes + m];
     if (b->massless > 0.0)
         add_rows(state->force.at + copy * width, b->contact.at, width, modes, modal);
-    for (int64_t m = 0; m < modes; m++)
-        new[m] = (x[m] * now[m] + y[m] * old[m]) + z[m] * modal[m];
+    if (b->response.layers > 0) {
+        for (int64_t m = 0; m < modes; m++) {
+            modal[m] += x[m] * now[m] + y[m] * old[m];
+            new[m] = old[m];
+        }
+        add_response(b, copy, modal, new);
+    } else
+        for (int64_t m = 0; m < modes; m++)
+            new[m] = (x[m] * now[m] + y[m] * old[m]) + z[m] * modal[m];
     return free_gaps(b, closure, copy, time + b->time_step, new, ring ? &s->ring : NULL,
                      s->gap.at + copy * b->radius.size);
 }
@@ -627,8 +647,11 @@ static void push_copy(const Boundary *b, BoundaryScratch *s, int64_t copy)
     for (int64_t m = 0; m < modes; m++)
         s->modal.at[m] = 0.0;
     add_rows(s->force.at + copy * width, b->contact.at, width, modes, s->modal.at);
-    for (int64_t m = 0; m < modes; m++)
-        s->q.at[first + m] += b->c.at[first + m] * s->modal.at[m];
+    if (b->response.layers > 0)
+        add_response(b, copy, s->modal.at, s->q.at + first);
+    else
+        for (int64_t m = 0; m < modes; m++)
+            s->q.at[first + m] += b->c.at[first + m] * s->modal.at[m];
 }
 
 /* Compute contact of a copy with a rigid wall at the end of a step, and add works. Returns whether
@@ -689,14 +712,22 @@ static Group collect(const Boundary *b, const Ring *ring, const BoundaryState *s
             double block[DIRECTIONS * DIRECTIONS] = {0.0};
             const double *from = b->compliance.at + copy * width * width
                                  + DIRECTIONS * (n % nodes) * width + DIRECTIONS * (m % nodes);
-            for (int64_t k = 0; copy == m / nodes && k < DIRECTIONS * DIRECTIONS; k++)
+            double back[DIRECTIONS * DIRECTIONS] = {0.0}; /* Coriolis forces: not symmetric */
+            const double *other = b->compliance.at + copy * width * width
+                                  + DIRECTIONS * (m % nodes) * width + DIRECTIONS * (n % nodes);
+            for (int64_t k = 0; copy == m / nodes && k < DIRECTIONS * DIRECTIONS; k++) {
                 block[k] = from[k / DIRECTIONS * width + k % DIRECTIONS];
+                back[k] = other[k / DIRECTIONS * width + k % DIRECTIONS];
+            }
             add_ring_compliance(ring, &r->fields, n, m, block, DIRECTIONS);
+            add_ring_compliance(ring, &r->fields, m, n, back, DIRECTIONS);
             double *to = r->compliance.at + DIRECTIONS * i * wide + DIRECTIONS * j;
             double *mirrored = r->compliance.at + DIRECTIONS * j * wide + DIRECTIONS * i;
             for (int64_t k = 0; k < DIRECTIONS; k++)
-                for (int64_t l = 0; l < DIRECTIONS; l++)
-                    to[k * wide + l] = mirrored[l * wide + k] = block[k * DIRECTIONS + l];
+                for (int64_t l = 0; l < DIRECTIONS; l++) {
+                    mirrored[k * wide + l] = back[k * DIRECTIONS + l];
+                    to[k * wide + l] = block[k * DIRECTIONS + l];
+                }
         }
     }
     return (Group){size,         r->list.at, r->radius.at, r->compliance.at, r->before.at,
@@ -832,6 +863,13 @@ static void modal_works(const Boundary *b, const Ring *ring, BoundaryState *stat
         double moved = 0.5 * (new[i] - old[i]);
         lost += b->damping.at[i] * moved * moved;
     }
+    for (int64_t first = 0; b->coupled.rows > 0 && first < all; first += b->a.columns)
+        for (int64_t m = 0; m < b->a.columns; m++) {
+            double moved = 0.5 * (new[first + m] - old[first + m]);
+            const double *row = b->coupled.at + m * b->a.columns;
+            for (int64_t n = 0; n < b->a.columns; n++)
+                lost += moved * row[n] * 0.5 * (new[first + n] - old[first + n]);
+        }
     if (loaded)
         for (int64_t p = 0; p < b->load.layers; p++)
             for (int64_t i = 0; i < all; i++)

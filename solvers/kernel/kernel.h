@@ -473,6 +473,9 @@ typedef struct {
     Matrix c;          /* (copies, modes) factor of forces [s2] */
     Matrix stiffness;  /* (copies, modes) omega^2 [rad2/s2] */
     Matrix damping;    /* (copies, modes) 2 xi omega [rad/s] */
+    Cube response;     /* (answered, modes, modes) inverse of A of each copy if velocities couple its
+                        * modes, otherwise empty; a, b, c then give A (q_{n+1} - q_{n-1}) [s2] */
+    Matrix coupled;    /* (coupled, modes) symmetric part of that coupling, or empty [1/s] */
     Matrix contact;    /* (components, modes) P: displacements of unit modal coordinates */
     Matrix columns;    /* (modes, components) transpose of `contact` */
     Matrix normal;     /* (modes, nodes) radial columns of `columns` */

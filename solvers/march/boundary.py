@@ -144,6 +144,8 @@ class BoundaryMarch:
             if load.ramp <= 0.0 < load.end:
                 force = force + load.amplitude * np.cos(load.phase)
         drag = 2.0 * problem.damping_ratio * problem.frequency * v
+        if problem.by_velocity is not None:
+            drag = drag + v @ problem.by_velocity.T
         arrays = zeros("BoundaryState", self._sizes)
         if self._arrangement is not None:  # a casing at rest
             pushed = sum(
@@ -235,16 +237,28 @@ def _constants(problem: BoundaryProblem, dt: float) -> Struct:
     frequency, contact = problem.frequency, np.ascontiguousarray(problem.contact)
     squares, damping = frequency**2, 2.0 * problem.damping_ratio * frequency
     inverse = 1.0 / (1.0 / dt**2 + 0.5 * damping / dt)
-    compliance = problem.compliance
+    compliance, modes = problem.compliance, contact.shape[1]
+    response, coupled = np.zeros((0, modes, modes)), np.zeros((0, modes))
+    if problem.by_velocity is not None:
+        coupled = np.ascontiguousarray(0.5 * (problem.by_velocity + problem.by_velocity.T))
+        velocity = 0.5 / dt * problem.by_velocity
+        response = np.array([np.linalg.inv(np.diag(1.0 / row) + velocity) for row in inverse])
     if not problem.massless:
         compliance = np.array([(contact * row) @ contact.T for row in inverse])
+        if len(response):
+            compliance = contact @ response @ contact.T
+    weight, before = inverse, 0.5 * damping / dt - 1.0 / dt**2
+    if len(response):
+        weight, before = np.ones_like(inverse), np.full_like(inverse, -2.0 / dt**2)
     loads = [[load.end, load.ramp, load.frequency, load.phase] for load in problem.loads]
     patterns = [load.amplitude for load in problem.loads]
     return Struct(
         "Boundary",
-        a=inverse * (2.0 / dt**2 - squares),
-        b=inverse * (0.5 * damping / dt - 1.0 / dt**2),
-        c=inverse,
+        a=weight * (2.0 / dt**2 - squares),
+        b=weight * before,
+        c=weight,
+        response=response,
+        coupled=coupled,
         stiffness=squares,
         damping=damping,
         contact=contact,

@@ -69,6 +69,16 @@ def test_solids_resist_no_rigid_motion_and_have_the_energy_of_uniform_strain(kin
     assert moved @ part.stiffness @ moved == pytest.approx(volume * density, rel=close)
 
 
+def test_a_body_at_rest_in_the_static_frame_needs_no_force() -> None:
+    """In axes that turn at 1 rad/s it moves as q(t) with q' = -e_z x q and q'' = -q."""
+    part = mesh3d(cantilever("tetra", (2, 1, 1)), **STEEL, clamped=None, coriolis=True)
+    resting = np.tile([0.3, -0.8, 0.0], part.size // 3)
+    moving = -np.tile([0.8, 0.3, 0.0], part.size // 3)
+    assert part.gyroscopic is not None
+    force = part.mass @ -resting + part.gyroscopic @ moving - part.mass @ resting  # centrifugal
+    assert force == pytest.approx(0.0, abs=1e-15)
+
+
 def test_the_surface_is_closed_and_recovered() -> None:
     for kind in CELL_TYPES:
         part = mesh3d(bladed_sector(kind), **STEEL)

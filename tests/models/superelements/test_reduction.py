@@ -8,8 +8,8 @@ import pytest
 from bladewhirl.models.superelements import reduction
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 from bladewhirl.models.superelements.reduction import consistent, massless
-from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
-from bladewhirl.models.superelements.wheel import massless_wheel
+from bladewhirl.models.superelements.superelement import Superelement, SuperelementError, dense
+from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
 
 STIFFNESS = (3e8, 2e7, 1e7)  #: of the springs along x, y and z [N/m]
 
@@ -134,3 +134,15 @@ def test_a_wheel_from_a_sector_is_the_whole_wheel(sectors: int) -> None:
     assert kept + reduced.compliance == pytest.approx(static, rel=1e-9, abs=1e-16)
     moved = wheel.contact_position + np.array([0.0, 0.0, 0.01])
     assert nodes.contact_position == pytest.approx(moved, abs=1e-15)
+    # The assembled wheel has the same static flexibility, and the matrices of velocities.
+    coriolis = np.kron(np.eye(4), [[0.0, -0.02, 0.0], [0.02, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    coriolis[9:] = 0.0  # the node on the right face has no mass
+    assembled = whole_wheel(replace(sector, damping=sector.mass, gyroscopic=coriolis), sectors)
+    rows = assembled.contact_rows
+    flexibility = rows @ np.linalg.solve(dense(assembled.stiffness), rows.toarray().T)
+    assert np.sort(np.linalg.eigvalsh(flexibility)) == pytest.approx(
+        np.sort(np.linalg.eigvalsh(kept + reduced.compliance)), rel=1e-9
+    )
+    assert dense(assembled.damping) == pytest.approx(dense(assembled.mass))
+    whole_coriolis = np.kron(np.eye(3 * sectors), coriolis[:3, :3])
+    assert dense(assembled.gyroscopic) == pytest.approx(whole_coriolis, abs=1e-15)

@@ -68,14 +68,19 @@ def test_a_massless_contact_rebounds_without_loss_and_its_force_is_gap_over_flex
     assert max(errors) < 3e-5
 
 
-def blades(*, massless: bool, full: bool, modes: int = 6, nodes: int = 4) -> BoundaryProblem:
-    """Two blades of random modes in an oval wall that closes in on them."""
+def blades(
+    *, massless: bool, full: bool, coupled: bool = False, modes: int = 6, nodes: int = 4
+) -> BoundaryProblem:
+    """Two blades of random modes in an oval wall that closes in on them; velocities may couple
+    their modes."""
     random = np.random.default_rng(4)
     grid = 2.0 * np.pi / 64 * np.arange(64)
     square = random.standard_normal((3 * nodes, 3 * nodes))
     flexibility = 1e-8 * (square @ square.T / nodes + np.eye(3 * nodes))
     pitch = 0.02 * np.arange(nodes)
+    turning = np.random.default_rng(5).standard_normal((modes, modes))
     return BoundaryProblem(
+        by_velocity=300.0 * (turning - turning.T) + 20.0 * turning @ turning.T if coupled else None,
         frequency=np.linspace(300.0, 9e3, modes) * np.array([[1.0], [1.05]]),
         damping_ratio=np.full((2, modes), 0.01),
         contact=random.standard_normal((3 * nodes, modes)),
@@ -108,6 +113,9 @@ def plain(problem: BoundaryProblem, dt: float, steps: int) -> dict[str, FloatArr
     p, squares = problem, problem.frequency**2
     drag = p.damping_ratio * p.frequency / dt
     copies, nodes = p.angle.shape
+    modes = p.contact.shape[1]
+    velocity = np.zeros((modes, modes)) if p.by_velocity is None else 0.5 / dt * p.by_velocity
+    inverse = [np.linalg.inv(np.diag(1.0 / dt**2 + row) + velocity) for row in drag]
     rows = p.contact.reshape(nodes, 3, -1)
     now = p.displacement
     old = now - 0.5 * dt**2 * squares * now
@@ -135,11 +143,12 @@ def plain(problem: BoundaryProblem, dt: float, steps: int) -> dict[str, FloatArr
                 one.amplitude * rise * np.cos(one.frequency * time + one.phase) * (time < one.end)
             )
         push = np.einsum("ikm,cik->cm", rows, force) if p.massless else 0.0
-        inertia = 1.0 / dt**2 + drag
-        new = ((2.0 / dt**2 - squares) * now + (drag - 1.0 / dt**2) * old + load + push) / inertia
+        pulled = (2.0 / dt**2 - squares) * now + (drag - 1.0 / dt**2) * old + load + push
+        new = np.array([a @ b for a, b in zip(inverse, pulled + old @ velocity.T, strict=True)])
         after = np.zeros_like(force)
         for copy in range(copies):
-            flexible = p.compliance[copy] if p.massless else p.contact / inertia[copy] @ p.contact.T
+            answer = p.contact @ inverse[copy] @ p.contact.T
+            flexible = p.compliance[copy] if p.massless else answer
             u = rows @ new[copy]
             angle = p.angle[copy] + p.speed * (time + dt)
             gap = np.array([wall(one) for one in angle]) + p.recess - u[:, 0]
@@ -166,15 +175,18 @@ def plain(problem: BoundaryProblem, dt: float, steps: int) -> dict[str, FloatArr
             if gap.min() < 0.0:
                 after[copy] = normal[:, None] * ways
             if not p.massless:
-                new[copy] += np.einsum("ikm,ik->m", rows, after[copy]) / inertia[copy]
+                new[copy] += inverse[copy] @ np.einsum("ikm,ik->m", rows, after[copy])
         old, now, force = now, new, after
     return {name: np.array(values) for name, values in out.items()}
 
 
 @pytest.mark.parametrize("massless", [True, False])
-@pytest.mark.parametrize("full", [True, False])
-def test_the_compiled_march_is_that_of_plain_numpy(*, massless: bool, full: bool) -> None:
-    problem, dt, steps = blades(massless=massless, full=full), 2e-5, 400
+@pytest.mark.parametrize(("full", "coupled"), [(True, False), (False, False), (True, True)])
+def test_the_compiled_march_is_that_of_plain_numpy(
+    *, massless: bool, full: bool, coupled: bool
+) -> None:
+    problem = blades(massless=massless, full=full, coupled=coupled)
+    dt, steps = 2e-5, 400
     expected, chunk = plain(problem, dt, steps), advanced(problem, dt, steps)
     force = chunk.contact_force.reshape(expected["force"].shape)
     assert (expected["force"][:, :, :, 0] < 0.0).any(axis=(0, 2)).all()  # both blades touch
