@@ -9,7 +9,7 @@ from pathlib import Path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command line does, for the pages
 sys.path.insert(0, str(Path(__file__).parent / "extensions"))
 
-for library in ("fontTools", "skfem"):
+for library in ("fontTools", "matplotlib", "skfem"):
     logging.getLogger(library).setLevel(logging.WARNING)
 
 project = "bladewhirl"

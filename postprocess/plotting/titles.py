@@ -62,7 +62,18 @@ def _cut(line: str, figure: Figure) -> str:
     most = WIDEST * 72.0 * figure.get_figwidth()  # [points]
     size = FontProperties(size=rcParams["figure.titlesize"]).get_size_in_points()
     cut = line
-    while cut and TextPath((0, 0), cut, size=size, usetex=False).get_extents().width > most:
+    while cut and _width(cut, size) > most:
         line = line[: min(len(line) - 1, int(0.97 * len(line)))].rstrip(" ,;:")
         cut = f"{line} …"
     return cut
+
+
+def _width(line: str, size: float) -> float:
+    """Return the width of a line of text [points].
+
+    The widest points of letters are ends of their curves, so that the corners of the outline give
+    the same width as its curves, in a fraction of the time.
+    """
+    outline = TextPath((0, 0), line, size=size, usetex=False)
+    corners = np.asarray(outline.vertices)[outline.codes != TextPath.CLOSEPOLY]
+    return float(np.ptp(corners[:, 0])) if len(corners) else 0.0

@@ -1,5 +1,6 @@
 """Opening results from disk, and reading them portion by portion."""
 
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -21,12 +22,20 @@ from bladewhirl.postprocess.fields.result import (
 from bladewhirl.solvers.march.schema import RESULT_FORMAT
 
 
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A result on disk."""
+    file = tmp_path_factory.mktemp("stored") / "result.nc"
+    synthetic_result(records=21).to_netcdf(file, engine="h5netcdf")
+    return file
+
+
 @pytest.fixture
-def run(tmp_path: Path) -> Path:
+def run(stored: Path, tmp_path: Path) -> Path:
     """The folder of a run with its result."""
     folder = tmp_path / "run"
     folder.mkdir()
-    synthetic_result(records=21).to_netcdf(folder / "result.nc", engine="h5netcdf")
+    shutil.copy(stored, folder)
     return folder
 
 

@@ -1,5 +1,6 @@
 """Opening sweeps: values as they were given, coordinates of the points, formats."""
 
+import shutil
 from pathlib import Path
 
 import h5py
@@ -23,14 +24,21 @@ RPM = np.array([2500.0, 2600.0])
 RAD_PER_S = RPM * np.pi / 30
 
 
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A sweep over two speeds in rpm, the second of which is missing."""
+    folder = tmp_path_factory.mktemp("made")
     grid = Grid(axes=(Axis(key="march.speed", values=("2500 rpm", "2600 rpm")),))
-    create(tmp_path, grid, {"march.speed": (RAD_PER_S, "rad/s")}, LAYOUT, {"title": "rpm"})
-    with Store(tmp_path, grid) as store:
+    create(folder, grid, {"march.speed": (RAD_PER_S, "rad/s")}, LAYOUT, {"title": "rpm"})
+    with Store(folder, grid) as store:
         store.write(0, digest(synthetic_result(speed=RAD_PER_S[0]), REPORT, LAYOUT))
-    return tmp_path
+    return folder
+
+
+@pytest.fixture
+def folder(made: Path, tmp_path: Path) -> Path:
+    """A copy of the sweep, which a test may change."""
+    return Path(shutil.copytree(made, tmp_path, dirs_exist_ok=True))
 
 
 def test_speeds_in_rpm_stay_beside_si_and_the_ratio(folder: Path) -> None:

@@ -1,5 +1,6 @@
 """`bladewhirl plot`: figures by name, windows, and what it refuses."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +12,16 @@ from command_line import answer, refusal
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 
 
-@pytest.fixture
-def directory(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a run."""
-    return made(tmp_path / "run", synthetic.SPEED)
+    return made(tmp_path_factory.mktemp("runs") / "run", synthetic.SPEED)
+
+
+@pytest.fixture
+def directory(run: Path, tmp_path: Path) -> Path:
+    """A copy of the folder."""
+    return Path(shutil.copytree(run, tmp_path / "run"))
 
 
 def made(folder: Path, speed: float) -> Path:
