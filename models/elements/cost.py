@@ -1,13 +1,13 @@
 """Estimate of the memory and time of a stage before anything is assembled."""
 
 import logging
-import os
 from dataclasses import dataclass
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.build import case_beam_model
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.inputs.machine import memory
 
 logger = logging.getLogger(__name__)
 
@@ -95,11 +95,3 @@ def tell_cost(cost: Cost) -> None:
         raise CaseError([Fault(key="bladed_disk", expected=expected)])
     if cost.memory > LARGE_BYTES or cost.time > LARGE_SECONDS:
         logger.warning("Large stage: %s.", cost)
-
-
-def memory() -> float:
-    """Return the memory of this machine [bytes]; infinite if the system does not report it."""
-    try:
-        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    except (AttributeError, ValueError, OSError):
-        return float("inf")

@@ -15,10 +15,8 @@ displacement, so that no mode is left out.
 nodes have mass, and C is zero.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
-from importlib.util import find_spec
+from typing import Any
 
 import numpy as np
 import scipy.linalg as la
@@ -26,6 +24,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.superelements.solver import announce, factorised
 from bladewhirl.models.superelements.superelement import (
     Matrix,
     Superelement,
@@ -76,8 +75,10 @@ def massless(part: Superelement, modes: int) -> ReducedSuperelement:
     Raises:
         SuperelementError: there are fewer modes, or the matrices have no such modes.
     """
-    squares, shapes = lowest_modes(part, modes)
     rows = part.contact_rows
+    if part.size > DENSE:
+        announce(part.size, modes, rows.shape[0])
+    squares, shapes = lowest_modes(part, modes)
     contact = rows @ shapes
     rigid = shapes[:, squares <= rigid_limit(part)]
     elastic = squares > rigid_limit(part)
@@ -110,7 +111,13 @@ def consistent(part: Superelement, fixed_interface_modes: int, kept: int) -> Red
     Raises:
         SuperelementError: there are fewer fixed-interface modes.
     """
-    mass, stiffness = dense(part.mass), dense(part.stiffness)
+    small = part.size <= DENSE
+    mass: Any = part.mass
+    stiffness: Any = part.stiffness
+    if small:
+        mass, stiffness = dense(mass), dense(stiffness)
+    else:
+        mass, stiffness = sp.csc_array(mass), sp.csc_array(stiffness)
     boundary = part.contact_dofs[part.contact_dofs >= 0]
     if part.centre_dofs is not None:
         boundary = np.concatenate([boundary, part.centre_dofs])
@@ -122,16 +129,29 @@ def consistent(part: Superelement, fixed_interface_modes: int, kept: int) -> Red
         )
     basis = np.zeros((part.size, len(boundary) + fixed_interface_modes))
     basis[boundary, np.arange(len(boundary))] = 1.0
-    inner = stiffness[np.ix_(inside, inside)]
-    if len(inside):
-        edge = stiffness[np.ix_(inside, boundary)]
-        basis[inside, : len(boundary)] = -la.solve(inner, edge, assume_a="pos")
-    if fixed_interface_modes:
-        _, vectors = la.eigh(
-            inner, mass[np.ix_(inside, inside)], subset_by_index=[0, fixed_interface_modes - 1]
-        )
-        basis[inside, len(boundary) :] = vectors
-    squares, vectors = la.eigh(basis.T @ stiffness @ basis, basis.T @ mass @ basis)
+    inner, edge = stiffness[np.ix_(inside, inside)], stiffness[np.ix_(inside, boundary)]
+    if small:
+        if len(inside):
+            basis[inside, : len(boundary)] = -la.solve(inner, edge, assume_a="pos")
+        if fixed_interface_modes:
+            _, vectors = la.eigh(
+                inner, mass[np.ix_(inside, inside)], subset_by_index=[0, fixed_interface_modes - 1]
+            )
+            basis[inside, len(boundary) :] = vectors
+    else:
+        announce(part.size, fixed_interface_modes, len(boundary))
+        solve = factorised(sp.csc_array(inner))
+        basis[inside, : len(boundary)] = -np.column_stack([solve(c) for c in edge.toarray().T])
+        inertia = sp.csc_array(mass[np.ix_(inside, inside)])
+        if fixed_interface_modes:
+            inverse = spla.LinearOperator(inner.shape, matvec=solve)
+            _, basis[inside, len(boundary) :] = spla.eigsh(
+                *(inner, fixed_interface_modes, inertia),
+                sigma=0.0,
+                OPinv=inverse,
+                v0=_start(len(inside)),
+            )
+    squares, vectors = la.eigh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))
     compliance = np.zeros((3 * part.contacts, 3 * part.contacts))
     return _reduced(part, squares, basis @ vectors, compliance, kept)
 
@@ -198,11 +218,17 @@ def _sparse_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArra
         mass.shape, matvec=factorised(sp.csc_array(stiffness - shift * mass))
     )
     squares, shapes = spla.eigsh(
-        stiffness, count, mass, sigma=shift, OPinv=inverse, v0=np.ones(part.size)
+        stiffness, count, mass, sigma=shift, OPinv=inverse, v0=_start(part.size)
     )
     order = np.argsort(squares)
     shapes = shapes[:, order]
     return squares[order], shapes / np.sqrt(np.sum(shapes * (mass @ shapes), axis=0))
+
+
+def _start(size: int) -> FloatArray:
+    """Return the start of the Lanczos method: always the same, and without any symmetry, which
+    would hide modes."""
+    return np.random.default_rng(0).standard_normal(size)
 
 
 def static_flexibility(part: Superelement, rows: sp.csr_array, rigid: FloatArray) -> FloatArray:
@@ -235,21 +261,6 @@ def _solve(stiffness: Matrix, held: FloatArray, loads: FloatArray) -> FloatArray
     solve = factorised(sp.csc_array(matrix))
     padded = np.vstack([loads, np.zeros((extra, loads.shape[1]))])
     return np.column_stack([solve(column)[:n] for column in padded.T])
-
-
-def factorised(matrix: sp.csc_array) -> Callable[[FloatArray], FloatArray]:
-    """Return a function that solves linear systems with a sparse symmetric matrix.
-
-    Pardiso is used if it is installed (`pip install pypardiso`), otherwise SuperLU of SciPy.
-    """
-    if find_spec("pypardiso") is None:
-        symmetric = {"SymmetricMode": True}
-        solve: Callable[[FloatArray], FloatArray]
-        solve = spla.splu(matrix, permc_spec="MMD_AT_PLUS_A", options=symmetric).solve
-        return solve
-    solver, rows = import_module("pypardiso").PyPardisoSolver(), sp.csr_matrix(matrix)
-    solver.factorize(rows)
-    return lambda right: np.asarray(solver.solve(rows, right))
 
 
 def rigid_limit(part: Superelement) -> float:

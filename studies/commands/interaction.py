@@ -7,7 +7,7 @@ import typer
 
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, table
-from bladewhirl.studies.commands.progress import progress_bar
+from bladewhirl.studies.commands.progress import progress_bar, reduction_bar
 from bladewhirl.studies.modal.columns import Column, rows_of
 
 SPEEDS: Any = "0.1:1:91"
@@ -70,11 +70,10 @@ def interaction(
     values = overrides or []
     read = read_case(case, values)
     with faults_from(case, values), progress_bar("speeds", lines="speeds") as update:
-        reference = (
-            1.0
-            if read.bladed_disk.superelement is None
-            else superelement_stage(read).reference_frequency
-        )
+        reference = 1.0
+        if read.bladed_disk.superelement is not None:
+            with reduction_bar():
+                reference = superelement_stage(read).reference_frequency
         data = interaction_map(
             read,
             speeds.values(reference).tolist(),

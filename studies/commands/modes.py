@@ -10,6 +10,7 @@ import typer
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, table
+from bladewhirl.studies.commands.progress import reduction_bar
 from bladewhirl.studies.modal.columns import rows_of
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ def modes(
     if checked.bladed_disk.superelement is not None:
         if output is not None:
             raise UserError("--output: expected beams; pictures of a superelement are made by run")
-        with faults_from(case, overrides or []):
+        with faults_from(case, overrides or []), reduction_bar():
             document = superelement_modes(checked, count)
         rows = document["bladed_disk"]
         emit(document, table(rows, MODES, "Superelement without contact"), json=json)

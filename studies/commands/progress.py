@@ -47,6 +47,15 @@ def _console() -> Console:
 
 
 @contextmanager
+def reduction_bar() -> Iterator[None]:
+    """Show a bar while a large superelement is reduced."""
+    from bladewhirl.models.superelements.solver import reduction_progress
+
+    with progress_bar("reducing the superelement") as update, reduction_progress(update):
+        yield
+
+
+@contextmanager
 def progress_bar(label: str, *, lines: str = "") -> Iterator[Update]:
     """Show a bar that disappears at the end of the job.
 

@@ -11,7 +11,7 @@ import typer
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.exits import INTERRUPTED
-from bladewhirl.studies.commands.progress import progress_bar
+from bladewhirl.studies.commands.progress import progress_bar, reduction_bar
 
 if TYPE_CHECKING:
     from bladewhirl.studies.runs.recorded_march import Activity
@@ -67,7 +67,7 @@ def run(
         raise UserError(f"--resume {resume}: expected no --output, --overwrite, --from and --to")
     source = case or (resume or Path()) / CASE_NAME
     step, begun = read_case(source, values).march.time_step, 0.0
-    with faults_from(source, values), progress_bar("preparing") as update:
+    with faults_from(source, values), progress_bar("preparing") as update, reduction_bar():
 
         def progress(activity: Activity, done: int, total: int) -> None:
             nonlocal begun

@@ -8,6 +8,7 @@ import typer
 from bladewhirl.models.inputs.errors import CaseError, UserError, writing
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, facts, table
+from bladewhirl.studies.commands.progress import reduction_bar
 from bladewhirl.studies.modal.columns import Column, texts
 
 RATES = (
@@ -103,7 +104,7 @@ def show(
     values = overrides or []
     checked = read_case(case, values)
     if checked.bladed_disk.superelement is not None:
-        with faults_from(case, values):
+        with faults_from(case, values), reduction_bar():
             built = superelement_stage(checked)
             derived = superelement_properties(built)
         for hint in superelement_hints(built):

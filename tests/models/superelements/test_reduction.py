@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bladewhirl.models.superelements import reduction
+from bladewhirl.models.superelements import reduction, solver
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError, dense
@@ -46,6 +46,26 @@ def test_static_flexibility_is_exact_for_any_number_of_modes(
         kept = (reduced.contact / reduced.frequency**2) @ reduced.contact.T
         assert kept + reduced.compliance == pytest.approx(static, rel=1e-10, abs=1e-16)
     assert static[2, 2] == pytest.approx(20 / STIFFNESS[2])
+    some, compared = consistent(part, 9, 5), massless(part, 12)
+    assert some.frequency[:3] == pytest.approx(compared.frequency[:3], rel=1e-3)
+    stretched = (some.contact / some.frequency**2) @ some.contact.T
+    assert stretched == pytest.approx(static, rel=1e-9, abs=1e-16)  # constraint modes are exact
+
+
+def test_the_cost_of_a_large_superelement_is_told_before_and_its_progress(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(reduction, "DENSE", 5)
+    monkeypatch.setattr(solver, "LARGE", 5)
+    steps: list[tuple[int, int]] = []
+    with solver.reduction_progress(lambda done, total: steps.append((done, total))):
+        massless(chain(20), 3)
+    assert "Large superelement: 60 coordinates take about" in caplog.text
+    assert steps == sorted(steps)
+    assert 0 < steps[-1][0] <= steps[-1][1]
+    monkeypatch.setattr(solver, "memory", lambda: 1e3)
+    with pytest.raises(SuperelementError, match="expected a smaller superelement: 60"):
+        massless(chain(20), 3)
 
 
 def test_rigid_modes_are_left_out_of_the_flexibility() -> None:

@@ -1,0 +1,11 @@
+"""Memory of the machine."""
+
+import os
+
+
+def memory() -> float:
+    """Return the memory of this machine [bytes]; infinite if the system does not report it."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, ValueError, OSError):
+        return float("inf")
