@@ -142,6 +142,6 @@ def lowest_critical_speed(matrices: RotationMatrices) -> float:
         M=matrices.structure.stiffness.tocsc(),
         which="LA",
         return_eigenvectors=False,
-        v0=np.ones(matrices.structure.size),
+        v0=np.random.default_rng(0).standard_normal(matrices.structure.size),
     )
     return float(1.0 / np.sqrt(share)) if share > 0.0 else np.inf
