@@ -5,6 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.energy.growth_rates import (
+    ABOUT_MEAN,
     CERTAINTY,
     growth_windows,
     rate_text,
@@ -127,7 +128,7 @@ def plot_growth(growth: xr.Dataset) -> Figure:
     axes.plot(time, growth["fit"], color=COLOURS["k = 1"], label=f"fit, {growth.attrs['span']}")
     shown = [growth["energy"].values, growth["ripple"].values]
     if np.isfinite(shown[1]).any():
-        axes.plot(time, shown[1], "--", color=COLOURS["suspension"], label="ripple")
+        axes.plot(time, shown[1], "--", color=COLOURS["suspension"], label=ABOUT_MEAN)
     smallest, largest = np.nanmin(shown), np.nanmax(shown)
     if smallest > 0 and largest > 10 * smallest:
         axes.set_yscale("log")
@@ -146,12 +147,12 @@ def plot_growth(growth: xr.Dataset) -> Figure:
         linewidth=0,
         label=f"± {CERTAINTY:g} standard errors of the rate",
     )
-    misfits.plot(time, misfit, "o-", color=COLOURS["k = 1"], markersize=2.5, linewidth=0.6)
-    misfits.axhline(0.0, color=COLOURS["rotor"], linewidth=0.6)
+    misfits.plot(time, misfit, "o-", color=COLOURS["rotor"], markersize=2.5, linewidth=0.6)
+    misfits.axhline(0.0, color=COLOURS["k = 1"])
     reach = 1.2 * max(float(abs(line).max()) for line in (misfit, low, high)) or 1.0
     misfits.set(ylabel="misfit of\namplitude [%]", ylim=(-reach, reach))
     time_axis(axes, misfits)
-    rates = [("amplitude", "rate", "error"), ("ripple", "ripple_rate", "ripple_error")]
+    rates = [("amplitude", "rate", "error"), (ABOUT_MEAN, "ripple_rate", "ripple_error")]
     words = [
         f"growth rate of the {what} {rate_text(growth.attrs[rate], growth.attrs[error])} 1/s"
         for what, rate, error in rates

@@ -29,6 +29,7 @@ RIGID = 1e-6  #: a mode below this share of the highest frequency is regarded as
 #: least ratio of the last amplitude of the ripple to its largest amplitude in the middle third
 RIPPLE_RISE = 1.5
 RIPPLE_SHARE = 0.01  #: least ratio of a growing ripple to the amplitude, in the last window
+ABOUT_MEAN = "motion about its mean position"  #: name of the ripple in texts for users
 RIPPLE_PERIODS = 2.0  #: shortest window from which a mean position is computed [periods]
 
 

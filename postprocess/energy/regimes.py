@@ -13,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.postprocess.energy.growth_rates import (
+    ABOUT_MEAN,
     CERTAINTY,
     RIPPLE_RISE,
     RIPPLE_SHARE,
@@ -33,7 +34,7 @@ CLOSING = 0.01  #: least share of the clearance by which a tip approaches in a d
 
 MOST_RIPPLE = 0.9  #: ratio of ripple to amplitude above which only the amplitude is described
 
-#: remark on a sustained motion whose amplitude, or ripple, grows
+#: remark on a sustained motion whose amplitude, or motion about its mean position, grows
 GROWS_SO_FAR = "the {} grows, but ends below {:g} times its earlier value: extend the march"
 CRITERION: Mapping[RegimeName, str] = {
     "divergent": "the march ended at its displacement limit, or over the last third of the time "
@@ -43,9 +44,9 @@ CRITERION: Mapping[RegimeName, str] = {
     f"slowing (rate of the second half, plus {CERTAINTY:g} standard errors, at least "
     f"{STEADINESS:g} times the rate of the first), ends at {RISE:g} times the amplitude of any "
     f"earlier window or more, and the motion takes up at least {CLOSING:.0%} of the clearance; or "
-    "the ripple (the motion about the mean position in each window) grows in the same way, in "
-    f"windows of at least two periods, to at least {RIPPLE_RISE:g} times its value in the middle "
-    f"third and at least {RIPPLE_SHARE:.0%} of the amplitude",
+    f"the {ABOUT_MEAN} (the mean of each window of at least two periods) grows in the same way, to "
+    f"at least {RIPPLE_RISE:g} times its value in the middle third and at least {RIPPLE_SHARE:.0%} "
+    "of the amplitude",
     "no-contact": "no tip ever touched",
     "damped": "no contact in the last tenth of the time",
     "sustained": "every other run",
@@ -100,7 +101,7 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
         return regime("damped", f"last contact recorded at {last:.6g} s; {grown}")
     so_far = [
         GROWS_SO_FAR.format(what, one.least_rise)
-        for what, one in (("amplitude", growth), ("ripple", ripple))
+        for what, one in (("amplitude", growth), (ABOUT_MEAN, ripple))
         if one is not None and one.goes_on
     ]
     return regime("sustained", "; ".join([f"contact up to {last:.6g} s", *so_far, grown]))
@@ -112,5 +113,6 @@ def _growth_text(growth: Growth | None, ripple: Growth | None) -> str:
     whole = f"growth rate of the amplitude {growth.sentence}"
     if ripple is None or ripple.share > MOST_RIPPLE:
         return whole
-    part = f"growth rate of the ripple, {ripple.share:.2g} of the amplitude, {ripple.sentence}"
+    size = f"{ripple.share:.2g} of the amplitude"
+    part = f"growth rate of the {ABOUT_MEAN}, {size}, {ripple.sentence}"
     return f"{part}; {whole}" if ripple.is_significant else f"{whole}; {part}"

@@ -13,6 +13,9 @@ from bladewhirl.postprocess.plotting.titles import set_title
 SHOWN = 4
 """Largest number of nodal diameters with a colour of their own: those with the largest peaks."""
 
+OTHER_COLOURS = [COLOURS[name] for name in ("suspension", "contact", "casing", "rest")]
+"""Colours of nodal diameters above 1."""
+
 LOWEST = 1e-4
 """Smallest amplitude that is drawn, as a share of the largest one."""
 
@@ -74,11 +77,12 @@ def plot_response(data: xr.Dataset) -> Figure:
         row[0].plot(speed, tips, color=COLOURS["rest"], linewidth=0.5)
         alike = np.allclose(tips, tips[:, [most]], rtol=1e-6)
         label = "all blades" if alike else f"blade {most}"
-        row[0].plot(speed, tips[:, most], color=COLOURS["k = 1"], label=label)
-        largest = waves.max(axis=0)
+        row[0].plot(speed, tips[:, most], color=COLOURS["total"], label=label)
+        largest, others = waves.max(axis=0), iter(OTHER_COLOURS)
         for k in np.argsort(-largest, kind="stable")[:SHOWN].tolist():
             if largest[k] > LOWEST * largest.max():
-                row[1].plot(speed, waves[:, k], label=f"k = {k}")
+                colour = COLOURS[f"k = {k}"] if k < 2 else next(others)
+                row[1].plot(speed, waves[:, k], color=colour, label=f"k = {k}")
         for axes, what in zip(row, ("blades", "nodal diameters"), strict=True):
             axes.set_yscale("log")
             axes.set_title(f"engine order {order}, {what}")

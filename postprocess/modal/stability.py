@@ -90,10 +90,8 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     mode that does not grow is damped. A branch is named by the wave from which it begins, a growing
     branch by the two waves that coincide. If there are many branches, only the frequencies near
     growing modes are shown. The spectrum is symmetric about zero frequency, so only its upper half
-    is drawn.
+    is drawn. If all real parts are zero, the panel of growth rates is replaced by a sentence.
     """
-    figure = new_figure(width=FULL_WIDTH, height=0.12)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.0, 1.5))
     reference = float(data.attrs["reference_frequency"])
     speed, real = data["speed"].values, data["real"].values
     frequency = data["imaginary"].values / reference
@@ -105,9 +103,13 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
         "damped": real < -limit,
         "divergent": real > limit,
     }
-    entries = []
+    neutral = bool(kinds["oscillatory"].all())
+    figure = new_figure(width=FULL_WIDTH, height=0.08 if neutral else 0.12)
+    ratios = (1.5,) if neutral else (1.0, 1.5)
+    rows = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios, squeeze=False)[:, 0]
+    lower, entries = rows[-1], []
     for kind, here in kinds.items():
-        for axes, values in ((upper, real), (lower, frequency)):
+        for axes, values in zip(rows[::-1], (frequency, real), strict=False):
             thin = many and kind != "divergent"
             lines = axes.plot(
                 speed,
@@ -120,19 +122,20 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
             entries.append((lines[0], f"{kind} mode"))
     growing = kinds["divergent"]
     above = np.abs(frequency[growing if many and growing.any() else ...]).max()
-    lower.set(ylim=(0.0, (1.5 if many else 1.05) * above), xlim=(speed[0], speed[-1]))
-    upper.set(ylabel="growth rate [1/s]")
-    reach = 1.3 * np.abs(real[growing] if many and growing.any() else real).max()
-    if reach > 0.0:
-        upper.set_ylim(-reach, reach)
-    panels.speed_axis(upper, reference / (2.0 * np.pi))
-    upper.set_xlabel("")
-    lower.set_xlabel(panels.SPEED)
+    first = speed[0] - (0.0 if many else NAMED * (speed[-1] - speed[0]))
+    lower.set(ylim=(0.0, (1.5 if many else 1.05) * above), xlim=(first, speed[-1]))
+    panels.speed_axis(rows[0], reference / (2.0 * np.pi))
+    if not neutral:
+        reach = 1.5 * np.abs(real[growing] if many and growing.any() else real).max()
+        rows[0].set(ylabel="growth rate [1/s]", ylim=(-reach, reach), xlabel="")
+        lower.set_xlabel(panels.SPEED)
     panels.frequency_axis(lower, reference / (2.0 * np.pi))
     shown = _words(f"Eigenvalues along κ = {handy(data.attrs['kappa'], 'N/m', 4)}", data)
-    set_title(figure, data.attrs["case"], f"{shown}, frame turning at Ω/2")
+    sentence = "\nNo mode grows or decays: the real parts are zero." if neutral else ""
+    set_title(figure, data.attrs["case"], f"{shown}, frame turning at Ω/2{sentence}")
     legends_below(figure, Group(entries))
-    _name_meetings(upper, data, data["zone_growth"].values)
+    if not neutral:
+        _name_meetings(rows[0], data, data["zone_growth"].values)
     if many:
         _name_meetings(lower, data, _growing_frequencies(data, frequency, growing))
     else:
@@ -222,13 +225,10 @@ def _name_meetings(axes: Axes, data: xr.Dataset, heights: FloatArray) -> None:
 
 def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray) -> None:
     """Name each branch at its left end by the wave from which it begins."""
-    first, last = data["speed"].values[[0, -1]]
-    axes.set_xlim(first - NAMED * (last - first), last)
-    labels = panels.Labels(axes)
-    for branch in np.argsort(frequency[0]):
-        if frequency[0, branch] > 0.0:
-            name = str(data["branch_name"].values[branch])
-            labels.add(first, frequency[0, branch], name, COLOURS["total"], panels.LEFT)
+    first = float(data["speed"].values[0])
+    shown = frequency[0] > 0.0
+    names = data["branch_name"].values[shown].astype(str).tolist()
+    panels.name_ends(axes, first, frequency[0, shown], names, COLOURS["total"], right=False)
 
 
 def _growing_frequencies(data: xr.Dataset, frequency: FloatArray, growing: BoolArray) -> FloatArray:

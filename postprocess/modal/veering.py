@@ -12,11 +12,10 @@ from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.postprocess.plotting.axes import (
     AROUND,
     FREQUENCY,
-    LEFT,
-    RIGHT,
     Labels,
     coloured_line,
     frequency_axis,
+    name_ends,
 )
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
@@ -37,10 +36,6 @@ ROOM = 0.12
 LOWEST = 0.05
 """Lowest normalised frequency drawn; at a critical speed a frequency is zero, which a logarithmic
 axis cannot show."""
-
-NAMED = 0.3
-"""Width of the space to the left of the branches, for their names, as a share of the width of the
-branches on the logarithmic axis."""
 
 ALIKE = 1.05  #: largest ratio of the frequencies of branches of one family that share one label
 FREE, CLAMPED = (
@@ -89,7 +84,7 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
             axes.set_yscale("log")
             axes.margins(y=0.1)
         frequency_axis(axes, reference)
-        axes.set_xlim(-0.5, last + 2.0)
+        axes.set_xlim(-0.5, last + 0.19 * (last + 2.0))
     if broken:
         for axes in panels:
             axes.set_ylabel("")
@@ -101,9 +96,7 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
     set_title(figure, data.attrs["case"], f"Frequencies by nodal diameter{_at_speed(data)}")
     legends_below(figure, Group(entries_of(*panels)))
     for axes, shown in zip(panels, [[name] for name in names] if broken else [names], strict=True):
-        labels = Labels(axes)
-        for name in shown[::-1]:  # the lowest first
-            _label_family(labels, data, name)
+        _name_families(axes, data, shown)
     return figure
 
 
@@ -112,9 +105,10 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     """Draw the modes with one nodal diameter from `veering` over the stiffness of the shaft.
 
     The colour is the share of the shaft springs in the strain energy of a mode. Where two branches
-    veer, the suspension mode passes from one branch to the other. Dashed lines are the frequencies
-    with a clamped centre, which the branches approach as the stiffness increases. With Coriolis
-    forces the lines of forward waves are thin.
+    veer, the suspension mode passes from one branch to the other. A branch has the name of its
+    mode at the stiffness of the case. Dashed lines are the frequencies with a clamped centre, which
+    the branches approach as the stiffness increases. With Coriolis forces the lines of forward
+    waves are thin.
     """
     ways = data["branch_direction"].values
     turns = "forward" in ways  # backward and forward waves have different branches
@@ -124,18 +118,21 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     frequency, share = (
         data[name].values for name in ("normalised_branch_frequency", "branch_spring_share")
     )
-    first = stiffness[0] * (stiffness[0] / stiffness[-1]) ** (NAMED if turns else 0.0)
     axes.set(
         xscale="log",
-        xlim=(first, stiffness[-1]),
+        xlim=(stiffness[0], stiffness[-1]),
         yscale="log",
         ylim=(max(0.7 * frequency[frequency > 0.0].min(), LOWEST), 1.4 * frequency.max()),
         xlabel="stiffness of each shaft spring [N/m]",
     )
     frequency_axis(axes, float(data.attrs["reference_frequency_hz"]))
     look: dict[str, Any] = {"linewidth": 0.8, "zorder": 1}
-    axes.axvline(data.attrs["case_stiffness"], color=COLOURS["k = 1"], label="the case", **look)
-    texts = _characters(share[0], frequency[0], 1 + turns)
+    at_case: dict[str, Any] = {
+        "color": COLOURS["total"],
+        "linestyle": ":",
+        "label": "the case, black names",
+    }
+    axes.axvline(data.attrs["case_stiffness"], **at_case, **look)
     for branch, way in enumerate(ways):
         lines = coloured_line(axes, stiffness, frequency[:, branch], share[:, branch])
         lines.set_linewidth(0.7 if way == "forward" else 1.4)
@@ -152,38 +149,20 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
             axes.plot([], [], color=COLOURS["total"], linewidth=width, label=label)
     legends_below(figure, Group(entries_of(axes)))
     labels = Labels(axes)
+    case = np.clip(data.attrs["case_stiffness"], stiffness[0], stiffness[-1])
+    near = np.argsort(np.abs(np.log(stiffness / case)), kind="stable")
     last = "", 0.0
-    for branch in np.argsort(frequency[0]):
-        if turns:
-            named = texts[branch], float(frequency[0, branch])
-            if named[0] != last[0] or named[1] > ALIKE * last[1]:
-                labels.add(stiffness[0], named[1], named[0], COLOURS["total"], LEFT)
-                last = named
-        else:
-            labels.add(stiffness, frequency[:, branch], texts[branch], COLOURS["total"])
+    for branch in np.argsort(frequency[near[0]]):
+        named = str(data["branch_family"].values[branch]), float(frequency[near[0], branch])
+        if named[0] != last[0] or named[1] > ALIKE * last[1]:
+            labels.add(stiffness[near], frequency[near, branch], named[0], COLOURS["total"])
+        last = named
     for branch, level in enumerate(data["normalised_clamped_frequency"].values):
         if ways[branch] == "forward":  # close to the backward wave
             continue
         rank = int(np.count_nonzero(ways[:branch] == ways[branch])) + 1
         labels.add(stiffness[::-1], np.full_like(stiffness, level), f"{rank}F", "#555555")
     return figure
-
-
-def _characters(share: FloatArray, frequency: FloatArray, pairs: int) -> list[str]:
-    """Return the family of each branch at the softest springs; the suspension is the branch with
-    the largest share of the springs in the strain energy.
-
-    Args:
-        share: share of the springs in the strain energy at the softest springs, (branches,).
-        frequency: frequency at the softest springs, (branches,).
-        pairs: number of branches of each family: 2 if backward and forward waves have different
-            branches, otherwise 1.
-    """
-    names = ["suspension"] * len(share)
-    others = np.argsort(share, kind="stable")[:-pairs]
-    for place, branch in enumerate(others[np.argsort(frequency[others], kind="stable")]):
-        names[branch] = f"{1 + place // pairs}F"
-    return names
 
 
 def _at_speed(data: xr.Dataset) -> str:
@@ -226,17 +205,21 @@ def _draw_family(axes: Axes, data: xr.Dataset, family: str) -> None:
             )
 
 
-def _label_family(labels: Labels, data: xr.Dataset, family: str) -> None:
-    """Name a family at its last nodal diameter."""
-    k = data["nodal_diameter"].values[_is(data, family)]
-    frequency = data["normalised_frequency"].values[_is(data, family)]
-    last = np.lexsort((-frequency, k))[-1]
-    end = float(k[last]), float(frequency[last])
-    if family == "suspension":
-        labels.keep_free(k, frequency)
-        labels.add(*end, family, COLOURS[family], AROUND)
-    else:
-        labels.add(*end, family, COLOURS["total"], RIGHT)
+def _name_families(axes: Axes, data: xr.Dataset, families: list[str]) -> None:
+    """Name families to the right of the largest nodal diameter, and the suspension at its mark."""
+    largest = float(data["nodal_diameter"].values.max())
+    heights = {}
+    for family in families:
+        k = data["nodal_diameter"].values[_is(data, family)]
+        frequency = data["normalised_frequency"].values[_is(data, family)]
+        last = np.lexsort((-frequency, k))[-1]
+        if family == "suspension":
+            labels = Labels(axes)
+            labels.keep_free(k, frequency)
+            labels.add(float(k[last]), float(frequency[last]), family, COLOURS[family], AROUND)
+        else:
+            heights[family] = float(frequency[last])
+    name_ends(axes, largest, [*heights.values()], [*heights], COLOURS["total"], right=True)
 
 
 def _ways(data: xr.Dataset) -> list[str]:

@@ -10,6 +10,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
+from scipy.optimize import isotonic_regression
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.postprocess.plotting.style import SEQUENTIAL
@@ -22,12 +23,9 @@ Offsets = Sequence[tuple[float, float]]
 ON: Offsets = [(0, 0)]  #: offset of a label from its point [points]: the label covers the point
 #: offsets of a label above, below and at the sides of its point [points]
 AROUND: Offsets = [(0, 4), (-4, 3), (4, -3), (0, -4), (4, 3), (-4, -3), (5, 0), (-5, 0)]
-#: offsets of a label to the right of the end of a line and upwards [points]
-RIGHT: Offsets = [(8, step) for step in range(0, 31, 3)]
-LEFT: Offsets = [(-x, y) for x, y in RIGHT]  #: offsets to the left of a line and upwards [points]
 
-#: vertical offset above which a leader connects a label to the end of its line [points]
-LONGEST_LEADER = 3.0
+LETTERS = 7.0  #: size of labels [points]
+LEADER = 12.0  #: horizontal distance of a name from the end of its line [points]
 CANDIDATES = 40  #: largest number of points of a line at which a label is tried
 
 
@@ -72,16 +70,71 @@ def decades(top: float, number: float) -> LogNorm:
     return LogNorm(top * 10**-number, top)
 
 
+def name_ends(
+    axes: Axes, x: float, heights: ArrayLike, names: Sequence[str], colour: str, *, right: bool
+) -> None:
+    """Name lines beside their ends, at one abscissa, each with a leader from the line to its name.
+
+    Names keep their order and are moved up or down as little as necessary (least squares), so that
+    they neither overlap nor leave the panel. The figure must be complete except for its names.
+
+    Args:
+        axes: the panel.
+        x: abscissa of the ends.
+        heights: ordinates of the ends, (lines,).
+        names: names of the lines, (lines,).
+        colour: colour of names and leaders.
+        right: true for names to the right of the ends, false for names to the left.
+    """
+    _lay_out(axes)
+    heights = np.asarray(heights, dtype=np.float64)
+    order = np.argsort(heights, kind="stable")
+    point = axes.figure.dpi / 72.0
+    pixels = axes.transData.transform(np.column_stack([np.full(len(order), x), heights[order]]))
+    ends = pixels[:, 1]
+    apart = 1.2 * LETTERS * point
+    steps = apart * np.arange(len(order))
+    low, high = axes.bbox.y0 + 0.5 * apart, axes.bbox.y1 - 0.5 * apart
+    moved = isotonic_regression(ends - steps).x
+    places = np.clip(moved, low, max(low, high - apart * (len(order) - 1))) + steps
+    for i, line in enumerate(order):
+        axes.annotate(
+            names[line],
+            (x, float(heights[line])),
+            (LEADER if right else -LEADER, float(places[i] - ends[i]) / point),
+            textcoords="offset points",
+            ha="left" if right else "right",
+            va="center",
+            color=colour,
+            fontsize=LETTERS,
+            zorder=7,
+            arrowprops={
+                "arrowstyle": "-",
+                "color": colour,
+                "linewidth": 0.4,
+                "relpos": (0.0 if right else 1.0, 0.5),
+                "shrinkA": 0.0,
+                "shrinkB": 3.0,
+            },
+        )
+
+
+def _lay_out(axes: Axes) -> None:
+    """Lay out the figure of a panel, so that positions in the panel are final."""
+    figure = axes.get_figure(root=True)
+    layout = figure.get_layout_engine() if figure else None
+    if figure and layout:
+        layout.execute(figure)
+
+
 class Labels:
     """Labels in a panel; a label that would cover another label or leave the panel is left out."""
 
     def __init__(self, axes: Axes, *, laid_out: bool = False) -> None:
         """Lay out the figure of a panel, unless it is laid out; the figure must be complete except
         for its labels."""
-        figure = axes.get_figure(root=True)
-        layout = figure.get_layout_engine() if figure and not laid_out else None
-        if figure and layout:
-            layout.execute(figure)
+        if not laid_out:
+            _lay_out(axes)
         self._axes = axes
         self._taken: list[Bbox] = []
 
@@ -109,21 +162,17 @@ class Labels:
         places = places[np.isfinite(places).all(axis=1)]
         for place in places[:: max(1, len(places) // CANDIDATES)]:
             for dx, dy in offsets:
-                leader = abs(dx) == abs(RIGHT[0][0]) and abs(dy) > LONGEST_LEADER
                 label = self._axes.annotate(
                     text,
                     (float(place[0]), float(place[1])),
                     (dx, dy),
                     textcoords="offset points",
                     ha="left" if dx > 0 else "right" if dx < 0 else "center",
-                    va="bottom" if dy > 0 and not leader else "top" if dy < 0 else "center",
+                    va="bottom" if dy > 0 else "top" if dy < 0 else "center",
                     color=colour,
-                    fontsize=7,
+                    fontsize=LETTERS,
                     zorder=7,
                     bbox={"boxstyle": "square,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.8},
-                    arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.4}
-                    if leader
-                    else None,
                 )
                 label.get_window_extent()  # moves the label to its position
                 box = Text.get_window_extent(label)

@@ -11,6 +11,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import matplotlib.style
 import xarray as xr
+from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -39,6 +40,9 @@ COLOURS: Mapping[str, str] = {
 """Colours of Okabe and Ito, distinct for colour-blind readers; a colour has the same meaning in all
 figures."""
 
+#: colours of lines without a meaning of their own; orange is reserved for k = 1
+LINES = [COLOURS[name] for name in ("k = 0", "suspension", "contact", "total", "casing", "rest")]
+
 #: colour map of magnitudes; its lightness increases evenly, also for colour-blind readers
 SEQUENTIAL = "cividis"
 STYLE: Mapping[str, Any] = {
@@ -56,6 +60,7 @@ STYLE: Mapping[str, Any] = {
     "axes.linewidth": 0.6,
     "axes.grid": True,
     "axes.axisbelow": True,
+    "axes.prop_cycle": cycler(color=LINES),
     "grid.linewidth": 0.4,
     "grid.color": "#DDDDDD",
     "xtick.major.width": 0.6,

@@ -36,7 +36,10 @@ GAP_COLOURS = ["#9AA5B8", "#FFFFFF"]
 
 #: ratio of the largest force to the percentile `BRIGHTEST` above which colours are clipped
 PEAK = 1.5
-FEW_PERCENT = 40.0  #: largest share of the time in contact [%] below which its axis is shortened
+FEW_PERCENT = 40.0
+"""Largest share of the time in contact [%] below which its axis, or its scale of colours, is
+shortened."""
+
 BRIEF, BRIEF_MARGIN = 0.5, 0.1
 """Largest share of the time for which contact is called brief: time axes then only show the time of
 contact. The second number is their margin at both ends, as a share of the time of contact."""
@@ -145,8 +148,10 @@ def plot_gaps(maps: xr.Dataset) -> Figure:
     pale = LinearSegmentedColormap.from_list("gaps", GAP_COLOURS)
     picture = draw_map(axes, maps["edge"], _blade_edges(maps), gap, vmin=0.0, cmap=pale)
     if maps["share"].any():
-        touching = draw_share(axes, maps["edge"], _blade_edges(maps), maps["share"])
-        figure.colorbar(touching, ax=axes, label="time in contact [%]", pad=0.02)
+        limit = share_limit(maps["share"])
+        touching = draw_share(axes, maps["edge"], _blade_edges(maps), maps["share"], limit)
+        label = share_label("time in contact [%]", limit)
+        figure.colorbar(touching, ax=axes, label=label, pad=0.02)
     figure.colorbar(picture, ax=axes, label=f"smallest gap [{unit}]", pad=0.02)
     time_axis(axes)
     head(figure, maps)
@@ -222,10 +227,29 @@ def contact_span(edge: Array, touching: BoolArray) -> tuple[float, float]:
     return max(begin, first - margin), min(end, last + margin)
 
 
-def draw_share(axes: Axes, across: ArrayLike, up: ArrayLike, share: xr.DataArray) -> QuadMesh:
-    """Draw shares (time, row) of the time in contact in percent; permanent contact is darkest."""
+def share_limit(*shares: xr.DataArray) -> float:
+    """Return the share of the time in contact [%] that has the darkest colour: 100 or, if all
+    shares are below `FEW_PERCENT`, the least of 1, 2, 5, 10, ... that no share exceeds."""
+    largest = 100.0 * max(float(share.max()) for share in shares)
+    if not 0.0 < largest < FEW_PERCENT:
+        return 100.0
+    decade = 10.0 ** np.floor(np.log10(largest))
+    return float(next(step * decade for step in (1, 2, 5, 10) if largest <= step * decade))
+
+
+def share_label(words: str, limit: float) -> str:
+    """Return the label of a scale of shares that ends at `limit` [%]; a scale that does not end at
+    100 % is mentioned."""
+    return words if limit == 100.0 else f"{words}\nscale ends at {limit:g} %"
+
+
+def draw_share(
+    axes: Axes, across: ArrayLike, up: ArrayLike, share: xr.DataArray, limit: float
+) -> QuadMesh:
+    """Draw shares (time, row) of the time in contact in percent; `limit` [%] is darkest, see
+    `share_limit`."""
     percent = np.ma.masked_less_equal(100.0 * np.nan_to_num(share.values.T), 0.0)
-    return draw_map(axes, across, up, percent, cmap=CONTACT, vmin=0.0, vmax=100.0)
+    return draw_map(axes, across, up, percent, cmap=CONTACT, vmin=0.0, vmax=limit)
 
 
 def force_limit(force: Array) -> float:

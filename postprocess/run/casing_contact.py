@@ -11,7 +11,13 @@ from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import select_window
 from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
-from bladewhirl.postprocess.run.blade_contact import COLUMNS, contact_span, draw_share
+from bladewhirl.postprocess.run.blade_contact import (
+    COLUMNS,
+    contact_span,
+    draw_share,
+    share_label,
+    share_limit,
+)
 
 SECTORS = 4  #: largest number of sectors of the casing per blade pitch
 LAST_TURNS = 8.0
@@ -102,11 +108,13 @@ def plot_casing_contact(contact: xr.Dataset) -> Figure:
     both = "last_share" in contact
     figure = new_figure(height=0.105 if both else 0.06)
     panels = figure.subplots(1 + both, squeeze=False)[:, 0]
-    for axes, which in zip(panels, ("", "last_"), strict=False):
-        picture = _draw(axes, contact, which)
+    parts = ("", "last_")[: len(panels)]
+    limit = share_limit(*(contact[f"{which}share"] for which in parts))
+    for axes, which in zip(panels, parts, strict=True):
+        picture = _draw(axes, contact, which, limit)
     turning = float(contact.attrs["speed"]) != 0
     words = "passes in contact [%]" if turning else "time in contact [%]"
-    figure.colorbar(picture, ax=[*panels], label=words)
+    figure.colorbar(picture, ax=[*panels], label=share_label(words, limit))
     panels[0].set_xlim(*((_turns_each(contact) or 1.0) * limit for limit in _limits(contact)))
     if not turning:
         time_axis(panels[0])
@@ -119,12 +127,13 @@ def _limits(contact: xr.Dataset) -> tuple[float, float]:
     return contact_span(contact["time_edge"].values, (contact["share"] > 0).any("sector").values)
 
 
-def _draw(axes: Axes, contact: xr.Dataset, which: str) -> QuadMesh:
-    """Draw a panel: the complete time if `which` is "", the last revolutions if it is "last_"."""
+def _draw(axes: Axes, contact: xr.Dataset, which: str, limit: float) -> QuadMesh:
+    """Draw a panel: the complete time if `which` is "", the last revolutions if it is "last_".
+    The share `limit` [%] is darkest."""
     turns_each = _turns_each(contact)
     across = (turns_each or 1.0) * contact[f"{which}time_edge"]
     angle = np.degrees(contact[f"{which}angle_edge"].values)
-    picture = draw_share(axes, across, angle, contact[f"{which}share"])
+    picture = draw_share(axes, across, angle, contact[f"{which}share"], limit)
     axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=angle[[0, -1]])
     if turns_each:
         axes.set_xlabel("revolutions of the rotor")

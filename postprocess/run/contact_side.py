@@ -118,7 +118,10 @@ def plot_contact_phase(phases: xr.Dataset) -> Figure:
     upper.set_ylabel(f"phase in the\n{frame} frame [°]")
     lead = np.degrees(shown["shaft_lead"])
     touching = shown["impulse"].values > 0.0
-    looks = ((~touching, "rest", "nothing touches"), (touching, "k = 1", "contact"))
+    looks = (
+        (~touching, "rest", "difference, no contact"),
+        (touching, "rotor", "difference, contact"),
+    )
     for here, colour, name in looks:
         if here.any():
             look = {"color": COLOURS[colour], "markersize": 1.4}

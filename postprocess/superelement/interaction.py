@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.plotting.axes import decades, draw_map
-from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.solvers.march.boundary import BoundaryChunk
 
@@ -60,12 +60,13 @@ def plot_interaction(data: xr.Dataset) -> Figure:
     rpm = data["speed"].values * 30.0 / np.pi
     order = np.argsort(rpm)
     rpm, data = rpm[order], data.isel(speed=order)
-    impulse.plot(rpm, data["contact_impulse"], ".-", markersize=2, linewidth=0.7)
+    look: dict[str, Any] = {"markersize": 2, "linewidth": 0.7}
+    impulse.plot(rpm, data["contact_impulse"], ".-", color=COLOURS["total"], **look)
     impulse.set_ylabel("normal impulse\nper revolution [N s]")
     largest = max(float(data[name].max()) for name in DIRECTIONS)
     unit, scale = handy_unit(largest, "m")
     for name in DIRECTIONS:
-        motion.plot(rpm, scale * data[name], ".-", markersize=2, linewidth=0.7, label=name)
+        motion.plot(rpm, scale * data[name], ".-", label=name, **look)
     motion.set_ylabel(f"largest\ndisplacement [{unit}]")
     if data["divergent"].any():
         bad = rpm[data["divergent"].values]

@@ -1,5 +1,7 @@
 """Figure of the regime and of the growth rate at each point of a sweep."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -47,7 +49,7 @@ def plot_regimes(data: xr.Dataset) -> Figure:
         for line in lines:
             _draw_growth(panels[1], line)
         if threshold := linear_threshold(rate, error):
-            panels[1].set_yscale("symlog", linthresh=threshold)
+            groups.append(Group([_scale_change(panels[1], threshold)]))
         panels[1].axhline(0.0, color=COLOURS["total"], linewidth=0.6, zorder=1)
         panels[1].set_ylabel(f"growth rate\n± {CERTAINTY:g} errors [1/s]")
         groups.append(drawing.lines_group(lines, marked=False))
@@ -116,6 +118,16 @@ def _draw_strips(axes: Axes, lines: list[drawing.Line]) -> None:
     draw_regimes(axes, lines[0].place, at, rows)
     axes.set(ylim=(len(lines) - 0.5, -0.5), yticks=at)
     axes.set_yticklabels([line.label or "regime" for line in lines])
+
+
+def _scale_change(axes: Axes, threshold: float) -> tuple[Patch, str]:
+    """Make an axis logarithmic beyond `threshold` [1/s] in both directions; shade its linear part,
+    and return the legend entry of the shading."""
+    axes.set_yscale("symlog", linthresh=threshold)
+    look: dict[str, Any] = {"facecolor": COLOURS["casing"], "alpha": 0.25, "linewidth": 0.0}
+    axes.axhspan(-threshold, threshold, zorder=0, **look)
+    words = f"linear scale up to ±{threshold:g} 1/s, logarithmic scale beyond"
+    return Patch(**look), words
 
 
 def _draw_growth(axes: Axes, line: drawing.Line) -> None:

@@ -92,11 +92,13 @@ def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
 def plot_blade_contacts(data: xr.Dataset) -> Figure:
     """Draw the share of the time in contact of each blade, and the number of blades of each class,
     from `blade_contacts`."""
-    label = "time in contact [%], white: none"
-    return two_columns(data, _draw_shares, _draw_counts, coloured=0, label=label)
+    limit = blade_contact.share_limit(data["late_contact_share"])
+    label = blade_contact.share_label("time in contact [%], white: none", limit)
+    shares = partial(_draw_shares, limit=limit)
+    return two_columns(data, shares, _draw_counts, coloured=0, label=label)
 
 
-def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
+def _draw_shares(axes: Axes, one: xr.Dataset, limit: float) -> QuadMesh:
     edges = key_edges(one)
     blades = np.arange(one.sizes["blade"] + 1) - 0.5
     axes.set(ylabel="blade, by its number")
@@ -105,7 +107,7 @@ def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
     draw_map(axes, edges, blades, free, cmap=ListedColormap(["white"]))
     # The hatching remains visible where there is no result.
     axes.patch.set(hatch=HATCH, edgecolor=blade_contact.CLASS_COLOURS["free"])
-    return blade_contact.draw_share(axes, edges, blades, one["late_contact_share"])
+    return blade_contact.draw_share(axes, edges, blades, one["late_contact_share"], limit)
 
 
 def _draw_counts(axes: Axes, one: xr.Dataset) -> None:

@@ -52,6 +52,7 @@ def veering(
     of the strain energy in the shaft springs. Variables over `branch`: clamped_frequency [Hz], the
     limit for rigid springs, and normalised_clamped_frequency. With Coriolis forces, modes and
     branches are waves of both directions: modes have `direction`, branches branch_direction.
+    branch_family is the family of the mode of a branch at the stiffness of the case, as in `modes`.
     `diagrams.reset_index("mode")` can be saved to a file; `bladewhirl.plot.veering` and
     `shaft_veering` draw the frequencies.
 
@@ -68,12 +69,12 @@ def veering(
     stage = full_stage(case_or_stage)
     families = min(families, stage.disk_modes.count)
     springs = spring_stiffnesses(stage.case, None) if stiffnesses is None else stiffnesses
-    branches = _over_shaft(stage, springs)
+    branches, computed = _over_shaft(stage, springs), modes(stage)
     reference, hertz = stage.reference_frequency, 2.0 * np.pi
     share = "share of the strain energy in the shaft springs"
     plane = ("stiffness", "branch")
     return (
-        _families(modes(stage), families)
+        _families(computed, families)
         .assign(
             branch_frequency=quantity(plane, branches.frequency / hertz, "Hz"),
             normalised_branch_frequency=quantity(plane, branches.frequency / reference, "1"),
@@ -81,6 +82,7 @@ def veering(
             clamped_frequency=quantity("branch", branches.clamped / hertz, "Hz"),
             normalised_clamped_frequency=quantity("branch", branches.clamped / reference, "1"),
             branch_direction=quantity("branch", list(branches.direction), ""),
+            branch_family=quantity("branch", _families_at_case(stage, computed), ""),
         )
         .assign_coords(stiffness=quantity("stiffness", branches.stiffness, "N/m"))
         .assign_attrs(
@@ -189,6 +191,14 @@ def _families(computed: xr.Dataset, families: int) -> xr.Dataset:
     data = computed.isel(mode=chosen).reset_index("mode").drop_vars(("body", "number", "pattern"))
     whirls = computed.attrs["rotation_effects"] == "full"
     return data.set_index(mode=[*MODE_LEVELS, *(("direction",) if whirls else ())])
+
+
+def _families_at_case(stage: ModalStage, computed: xr.Dataset) -> list[str]:
+    """Return the family of each branch at the stiffness of the case, from all modes `computed`."""
+    at_case = _over_shaft(stage, np.array([stage.case.shaft.stiffness])).frequency[0]
+    chosen = computed.sel(body="bladed-disk", centre="free", nodal_diameter=1)
+    distance = np.abs(at_case[:, None] / (2.0 * np.pi) - chosen["frequency"].values)
+    return [str(name) for name in chosen["family"].values[distance.argmin(axis=1)]]
 
 
 def _over_shaft(stage: ModalStage, springs: FloatArray) -> ShaftVeering:

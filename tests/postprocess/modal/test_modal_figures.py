@@ -1,6 +1,7 @@
 """Figures and films of modal analysis: what they show, and that it can be read."""
 
 from functools import cache
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -21,6 +22,8 @@ from bladewhirl.postprocess.modal.mode_shapes import plot_mode_shapes, plot_trav
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
 from bladewhirl.postprocess.modal.scenarios import plot_scenario
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
+from bladewhirl.postprocess.plotting.axes import name_ends
+from bladewhirl.postprocess.plotting.style import new_figure
 from bladewhirl.solvers.stability.coupled_modes import phase_rate, wave_coefficient
 from bladewhirl.studies.modal.campbell import campbell
 from bladewhirl.studies.modal.scenarios import scenario_dataset, whirling_modes
@@ -253,6 +256,21 @@ def test_families_are_drawn_with_both_centres_and_differ_for_one_nodal_diameter(
     assert whole.get_yscale() == "log"
 
 
+def test_names_beside_lines_keep_the_order_of_the_lines_and_do_not_overlap() -> None:
+    axes = new_figure(height=0.06).subplots()
+    axes.set(xlim=(0.0, 2.0), ylim=(0.0, 10.0))
+    heights = [9.9, 5.0, 9.8, 5.1, 9.85]
+    name_ends(axes, 1.0, heights, ["e", "a", "c", "b", "d"], "black", right=True)
+    new = axes.get_figure(root=True)
+    assert new is not None
+    new.draw_without_rendering()
+    extents = [(Text.get_window_extent(text), text.get_text()) for text in axes.texts]
+    boxes = sorted(extents, key=lambda extent: extent[0].y0)
+    assert "".join(name for _, name in boxes) == "abcde"
+    assert all(low.y1 <= high.y0 for (low, _), (high, _) in pairwise(boxes))
+    assert boxes[-1][0].y1 <= axes.bbox.y1
+
+
 @cache
 def whirling() -> xr.Dataset:
     own = stage(effects="full")
@@ -274,6 +292,8 @@ def test_veering_at_speed_tells_waves_both_ways() -> None:
         np.testing.assert_allclose(drawn, found.frequency[here][:size], rtol=1e-8)
         share = branches["branch_spring_share"].sel(stiffness=own.case.shaft.stiffness)
         np.testing.assert_allclose(share, found.spring_share[here][:size], rtol=1e-6, atol=1e-9)
+        names = np.array(own.disk_whirl.family)[here][:size]
+        assert branches["branch_family"].values.tolist() == names.tolist()
     first = data.frequency.sel(centre="free", family="1F", nodal_diameter=1)
     assert sorted(first["direction"].values.tolist()) == ["backward", "forward"]
     for figure in (plot_families(data), plot_families(data, 2), plot_shaft_veering(data)):

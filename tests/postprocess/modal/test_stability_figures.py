@@ -90,6 +90,13 @@ def test_spectrum_shows_three_types_of_modes() -> None:
     assert [np.nanmin(drawn), np.nanmax(drawn)] == pytest.approx([-growth, growth])
 
 
+def test_a_spectrum_without_growth_has_no_panel_of_growth_rates() -> None:
+    data = spectrum_along(system(six_modes()), np.array([1.6, 1.9]) * UNIT, 50.0)
+    figure = plot_spectrum(data)
+    assert [axes.get_ylabel() for axes in figure.axes] == ["frequency / ω₁ [–]"]
+    assert "No mode grows or decays" in figure.get_suptitle()
+
+
 def test_truncation_shows_zones_that_six_modes_hide() -> None:
     six = six_modes()
     second = replace(six, nodal_diameter=np.full(3, 2), name=("casing 2", "1F 2", "s 2"))

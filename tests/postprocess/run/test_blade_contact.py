@@ -13,6 +13,7 @@ from bladewhirl.postprocess.run.blade_contact import (
     contact_span,
     plot_forces,
     plot_gaps,
+    share_limit,
 )
 from bladewhirl.postprocess.run.contact_side import contact_phase, plot_contact_phase
 from bladewhirl.postprocess.run.figures import RunFigures
@@ -147,3 +148,10 @@ def test_an_axis_of_time_follows_brief_contact(
 ) -> None:
     spans = np.isin(np.arange(10), touching)
     assert contact_span(np.linspace(0.0, 0.1, 11), spans) == pytest.approx(limits)
+
+
+@pytest.mark.parametrize(
+    ("shares", "limit"), [([0.0], 100.0), ([0.004, 0.07], 10.0), ([0.2], 20.0), ([0.4], 100.0)]
+)
+def test_a_scale_of_shares_follows_small_shares(shares: list[float], limit: float) -> None:
+    assert share_limit(xr.DataArray(shares)) == pytest.approx(limit)

@@ -385,7 +385,7 @@ class TestRegimes:
         assert found.ripple.rate == pytest.approx(ripple, abs=0.05)
         assert abs(found.growth.rate) < 0.1
         assert found.ripple.residual < 0.05
-        assert "growth rate of the ripple" in found.reason
+        assert "growth rate of the motion about its mean position" in found.reason
 
     def test_a_curved_record_has_its_rate_at_the_end_and_a_misfit(self) -> None:
         """The logarithm goes as the square of time: its slope doubles from middle to end."""
