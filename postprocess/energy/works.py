@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.windows import late_part
-from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
 SOURCES = {
@@ -67,6 +67,17 @@ LEDGER = {
 """Works of the energy balance, with their names. `normal`, the sum of `closing` and `passing`, is
 used if a result does not contain these two parts."""
 
+WORK_COLOURS = {
+    "load": COLOURS["suspension"],
+    "closing": COLOURS["k = 0"],
+    "passing": COLOURS["contact"],
+    "normal": COLOURS["contact"],
+    "friction": COLOURS["total"],
+    "springs": COLOURS["other k"],
+    "damping": COLOURS["casing"],
+}
+"""Colours of works, the same in all figures."""
+
 
 def work_histories(dataset: xr.Dataset) -> xr.Dataset:
     """Return the works since the start of a run; work that adds energy to the motion is positive.
@@ -102,7 +113,7 @@ def plot_work(histories: xr.Dataset) -> Figure:
     time = histories["time"].values
     for name, label in LEDGER.items():
         if name in histories and histories[name].any():
-            axes.plot(time, histories[name].values, linewidth=1.0, label=label)
+            axes.plot(time, histories[name].values, color=WORK_COLOURS[name], label=label)
     energy = histories["energy"].values
     axes.plot(time, energy, color="0.75", linewidth=2.5, zorder=1, label="energy, their sum")
     axes.set_ylabel("work since the start [J]")

@@ -79,17 +79,19 @@ def plot_response(data: xr.Dataset) -> Figure:
         label = "all blades" if alike else f"blade {most}"
         row[0].plot(speed, tips[:, most], color=COLOURS["total"], label=label)
         largest, others = waves.max(axis=0), iter(OTHER_COLOURS)
-        for k in np.argsort(-largest, kind="stable")[:SHOWN].tolist():
-            if largest[k] > LOWEST * largest.max():
-                colour = COLOURS[f"k = {k}"] if k < 2 else next(others)
-                row[1].plot(speed, waves[:, k], color=colour, label=f"k = {k}")
+        most_moved = np.argsort(-largest, kind="stable")[:SHOWN].tolist()
+        shown = [k for k in most_moved if largest[k] > LOWEST * largest.max()]
+        for k in shown:
+            colour = COLOURS[f"k = {k}"] if k < 2 else next(others)
+            row[1].plot(speed, waves[:, k], color=colour, label=f"k = {k}")
         for axes, what in zip(row, ("blades", "nodal diameters"), strict=True):
             axes.set_yscale("log")
             axes.set_title(f"engine order {order}, {what}")
             axes.legend()
         top = float(tips.max())
+        low = 0.5 * min(float(tips.min()), *largest[shown].tolist())
         for axes in row:
-            axes.set_ylim(LOWEST * top, 2.0 * top)
+            axes.set_ylim(max(LOWEST * top, low), 2.0 * top)
         row[0].set_ylabel(f"amplitude of the tips [{unit}]")
     for axes in panels[-1]:
         axes.set_xlabel("speed Ω / ω₁ [–]")

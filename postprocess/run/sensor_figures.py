@@ -13,6 +13,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import ABOUT
 from bladewhirl.postprocess.fields.windows import evenly_spaced, span_starts
 from bladewhirl.postprocess.plotting.axes import Labels, decades, draw_map
+from bladewhirl.postprocess.plotting.legends import entries_of
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     FULL_WIDTH,
@@ -260,15 +261,23 @@ def plot_sensor_spectra(spectra: xr.Dataset) -> Figure:
         for low, high in spectra[f"{name}_mode"].values:
             least = 0.5 * max(high - low, 2e-3 * edge)
             middle = 0.5 * (low + high)
-            axes.axvspan(middle - least, middle + least, color=COLOURS["casing"], alpha=0.5)
+            look: dict[str, Any] = {
+                "color": COLOURS["casing"],
+                "alpha": 0.5,
+                "label": "frequencies of modes",
+            }
+            axes.axvspan(middle - least, middle + least, **look)
         for order in np.arange(1.0, edge / turns) if turns else []:
-            axes.axvline(order * turns, color=COLOURS["rest"], linestyle=":", linewidth=0.8)
+            look = {"color": COLOURS["rest"], "linestyle": ":", "label": "engine orders"}
+            axes.axvline(order * turns, linewidth=0.8, **look)
     if turns:
         functions = (lambda x: np.asarray(x) / turns, lambda x: np.asarray(x) * turns)
         panels[0].secondary_xaxis("top", functions=functions)
         panels[0].set_title("engine order", loc="right")
     panels[-1].set_xlabel("frequency [Hz]")
     head(figure, spectra, _count(spectra))
+    if entries := entries_of(*panels):
+        figure.legend(*zip(*entries, strict=True), loc="outside lower center", ncols=2)
     figure.align_ylabels(panels)
     for axes, name in zip(panels, names, strict=True):
         labels = Labels(axes, laid_out=axes is not panels[0])
