@@ -105,7 +105,7 @@ class Initial(Table):
         default=None, examples=["[[0.0, 0.0], [0.0, 0.0], ...]"]
     )
     """Velocity of each tip, radial and tangential [m/s], blades x 2; default 0. The blade follows
-    statically."""
+    statically. Under a superelement it is the mean of the contact nodes of each blade."""
     tip_displacement: fields.DisplacementRows | None = Field(
         default=None, examples=["[[0.0, 0.0], [0.0, 0.0], ...]"]
     )

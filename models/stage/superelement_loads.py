@@ -1,6 +1,7 @@
-"""Loads on a superelement and on the flexible casing around it."""
+"""Loads and initial motion of a superelement and of the flexible casing around it."""
 
 from collections.abc import Iterator
+from typing import Literal
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.models.stage.loads import centre_loads, distortion_loads
 from bladewhirl.models.stage.ring import Ring
 from bladewhirl.models.superelements.reduction import ReducedSuperelement
+
+RANK, SAME = 1e-10, 1e-6
+"""Relative size of flexibilities that count as zero, and of errors of the initial motion."""
 
 
 def superelement_loads(
@@ -106,3 +110,43 @@ def engine_order_loads(
             yield BoundaryLoad(
                 amplitude=pattern, frequency=order * speed, phase=phase, ramp=load.ramp
             )
+
+
+def static_shapes(
+    case: Case,
+    key: Literal["tip_displacement", "tip_velocity"],
+    reduced: ReducedSuperelement,
+    blade: IntArray,
+    copies: int,
+) -> FloatArray:
+    """Return the modal coordinates of least strain energy for the initial motion of the tips,
+    (copies, modes).
+
+    Args:
+        case: the case, with the radial and tangential motion of each blade, the mean of its contact
+            nodes.
+        key: key of this motion in the table `initial`.
+        reduced: the reduced superelement, without rigid modes.
+        blade: blade of each contact node of a copy, (nodes,).
+        copies: number of copies.
+
+    Raises:
+        CaseError: the modes cannot move in this way.
+    """
+    tips = getattr(case.initial, key)
+    if tips is None:
+        return np.zeros((copies, len(reduced.frequency)))
+    member = (blade == np.arange(int(blade.max()) + 1)[:, None]).astype(float)
+    member /= member.sum(axis=1, keepdims=True)
+    rows = np.stack([member @ reduced.contact[0::3], member @ reduced.contact[1::3]], axis=1)
+    rows = rows.reshape(-1, rows.shape[-1])
+    flexible = rows / reduced.frequency**2
+    values = np.reshape(tips, (copies, len(rows)))
+    forces = np.linalg.lstsq(flexible @ rows.T, values.T, rcond=RANK)[0]
+    moved = np.asarray(forces.T @ flexible)
+    if np.abs(moved @ rows.T - values).max() > SAME * np.abs(values).max():
+        expected = (
+            'motions that the modes can have; more modes, or reduction.boundary = "consistent"'
+        )
+        raise CaseError([case_fault(case, f"initial.{key}", expected)])
+    return moved

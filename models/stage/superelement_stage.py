@@ -18,7 +18,7 @@ from bladewhirl.models.stage.contact_problem import NodeCoating, WallClosure
 from bladewhirl.models.stage.node_coating import node_coating
 from bladewhirl.models.stage.ring import Ring, flexible_ring
 from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
-from bladewhirl.models.stage.superelement_loads import superelement_loads
+from bladewhirl.models.stage.superelement_loads import static_shapes, superelement_loads
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
     boundary_size,
@@ -130,8 +130,8 @@ class SuperelementStage:
             friction=case.contact.friction,
             full_sliding=case.contact.sliding == "full",
             displacement_limit=limit or LIMIT * float(self.part.contact_radius.max()),
-            displacement=np.zeros((copies, modes)),
-            velocity=np.zeros((copies, modes)),
+            displacement=static_shapes(case, "tip_displacement", reduced, self.blade, copies),
+            velocity=static_shapes(case, "tip_velocity", reduced, self.blade, copies),
             closure=self._closure,
             casing=None if self.ring is None else self.ring.reduced_casing,
             coating=coating,
@@ -153,7 +153,8 @@ class SuperelementStage:
         part, copies = self.part, self.copies
         turn = self.table.angle
         points = np.zeros((0, 3)) if part.points is None else turned_points(part.points, turn)
-        shapes = turned(self.reduced.points, turn).reshape(len(points), 3, -1)
+        modes = len(self.reduced.frequency)
+        shapes = turned(self.reduced.points, turn).reshape(len(points), 3, modes)
         within = np.bincount(self.blade)[0]
         return SuperelementArrays(
             modal_frequency=np.sqrt(self.factor)[:, None] * self.reduced.frequency,

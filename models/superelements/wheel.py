@@ -185,7 +185,7 @@ def turned(vectors: FloatArray, angle: float) -> FloatArray:
     """Return vectors turned about z, (3n, m), with x, y and z of each point in rows."""
     c, s = np.cos(angle), np.sin(angle)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    each = vectors.reshape(-1, 3, vectors.shape[1])
+    each = vectors.reshape(len(vectors) // 3, 3, vectors.shape[1])
     return np.asarray(np.einsum("ab,pbm->pam", turn, each)).reshape(vectors.shape)
 
 

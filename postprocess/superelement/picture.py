@@ -107,7 +107,7 @@ def _pictures(
     furthest = largest
     if is_flexible(dataset):
         furthest = max(largest, float(np.abs(ring_displacement(dataset, records)).max()))
-    factor = exaggeration or _rounded(LARGE * size / furthest if furthest > 0.0 else 1.0)
+    factor = exaggeration or rounded(LARGE * size / furthest if furthest > 0.0 else 1.0)
     strongest = float(np.abs(dataset["contact_force"].values[:, :, 0]).max())
     unit, scale = handy_unit(largest, "m")
     with off_screen_plotter(SIZE) as plotter:
@@ -228,7 +228,7 @@ def _draw_forces(plotter: Any, mesh: Any, factor: float, strongest: float, lengt
     plotter.add_mesh(glyphs, color="#CC79A7", name="forces")
 
 
-def _rounded(value: float) -> float:
+def rounded(value: float) -> float:
     """Return the largest of 1, 2, 5, 10, ... that is not above a value, at least 1."""
     power = 10.0 ** np.floor(np.log10(max(value, 1.0)))
     return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= max(value, 1.0)))

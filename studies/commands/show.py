@@ -98,6 +98,7 @@ def show(
     )
     from bladewhirl.studies.modal.superelement import PROPERTIES as SUPERELEMENT
     from bladewhirl.studies.runs.properties import MARCHES, stage_properties
+    from bladewhirl.studies.runs.superelement_picture import draw_superelement
 
     if output is not None and not png:
         raise UserError("--output: allowed with --png only, which draws the stage")
@@ -109,6 +110,12 @@ def show(
             derived = superelement_properties(built)
         for hint in superelement_hints(built):
             typer.echo(f"Hint: {hint}.", err=True)
+        if png:
+            target = output or Path(f"{case.stem}.png")
+            options.claim_output(target, named=True, overwrite=overwrite)
+            with faults_from(case, values), writing(target):
+                draw_superelement(built, target)
+            typer.echo(f"Wrote {target}.", err=True)
         document = {"case": checked.model_dump(mode="json", exclude_none=True), "derived": derived}
         tables = [
             facts(texts(derived, SUPERELEMENT)),

@@ -109,7 +109,7 @@ def test_clamping_changes_one_nodal_diameter_and_the_suspension_is_between_the_f
 def test_past_a_critical_speed_where_both_waves_of_the_suspension_go_backward() -> None:
     """More families than there are modes are all of them."""
     past = {"rotation.effects": "full", "march.speed": 2.0, "shaft.stiffness": 5e6}
-    springs = np.array([1e7, 3.4e7])
+    springs = np.geomspace(1e7, 3.4e7, 7)
     found = veering(with_values(Case(), past), families=10**11, stiffnesses=springs)
     waves = veering_facts(found)["suspension, rotating frame"]
     assert waves.count("backward") == 2

@@ -15,6 +15,7 @@ from bladewhirl.models.stage.node_coating import spacing
 from bladewhirl.models.stage.superelement_hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.superelement.interaction import plot_interaction
 from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits, wall_contact
@@ -26,6 +27,7 @@ from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.runs.run import resume
+from bladewhirl.studies.runs.superelement_picture import draw_superelement
 
 
 def blade(nodes: int = 3, levels: int = 6) -> Superelement:
@@ -376,3 +378,41 @@ def test_footprints_follow_from_the_distances_of_contact_nodes(file: Path) -> No
     other = {"casing__coating": layer | {"friction": 0.3}}
     with pytest.raises(bw.CaseError, match=r"the value of contact\.friction"):
         bw.case_from(tables(file, **other))
+
+
+def test_blades_start_with_the_motion_of_their_tips(file: Path) -> None:
+    moved = [[1e-5, 2e-4], [0.0, 0.0], [-2e-5, 1e-4]]
+    given = tables(file, initial={"tip_displacement": moved, "tip_velocity": moved})
+    with pytest.raises(bw.CaseError, match="motions that the modes can have"):
+        prepare(bw.case_from(given))  # the first modes are not radial
+    given["reduction"] = {"free_interface_modes": 50}
+    given["march"] |= {"duration": 1e-3, "time_step": 5e-7}
+    problem = superelement_stage(bw.case_from(given)).problem
+    nodes = problem.displacement @ problem.contact.T
+    assert nodes.reshape(3, 3, 3).mean(axis=1)[:, :2] == pytest.approx(np.array(moved), abs=1e-15)
+    assert problem.velocity == pytest.approx(problem.displacement)
+    least = 0.5 * ((problem.frequency * problem.displacement) ** 2).sum(axis=1)
+    other = (
+        problem.displacement[0]
+        + np.linalg.svd(
+            np.array([problem.contact[0::3].mean(axis=0), problem.contact[1::3].mean(axis=0)])
+        )[2][5]
+        * 1e-6
+    )
+    assert 0.5 * ((problem.frequency[0] * other) ** 2).sum() > least[0]
+    chunk = march_in_memory(prepare(bw.case_from(given)))[0]
+    assert float(abs(chunk["contact_displacement"][0, 0:3, 1].mean()) - 2e-4) < 1e-9
+    with pytest.raises(bw.CaseError, match="motion of the tips only"):
+        bw.case_from(tables(file, initial={"centre_velocity": [1.0, 0.0]}))
+
+
+def test_show_draws_the_blades_and_the_wall(file: Path, tmp_path: Path) -> None:
+    stage = superelement_stage(bw.case_from(tables(file)))
+    draw_superelement(stage, tmp_path / "stage.png")
+    picture = np.asarray(Image.open(tmp_path / "stage.png").convert("RGB")).reshape(-1, 3)
+    assert len(np.unique(picture, axis=0)) > 20
+    bare = replace(blade(), points=None, recovery=None, triangles=None)
+    bw.write_superelement(tmp_path / "bare.npz", bare)
+    stage = superelement_stage(bw.case_from(tables(tmp_path / "bare.npz")))
+    with pytest.raises(ViewError, match="points, recovery and triangles"):
+        draw_superelement(stage, tmp_path / "bare.png")
