@@ -26,6 +26,7 @@ FRAMES = 60  #: default number of pictures of a film
 TURNS = 0.5  #: default length of a film, in revolutions around the largest force
 LARGE = 0.08  #: largest drawn displacement by default, as a share of the size of a blade
 REACH = 0.06  #: angle of the wall that is drawn on both sides of a blade [rad]
+STILL = "#4C78A8"  #: colour of blades that do not move
 ARROW = 0.35  #: length of the arrow of the largest force, as a share of the size of a blade
 
 
@@ -126,15 +127,12 @@ def _pictures(
         faces = np.column_stack([np.full(len(first.cells[0].data), 3), first.cells[0].data])
         blades = pyvista.PolyData(first.points.copy(), faces.ravel())
         blades["shown"] = np.zeros(len(first.points))
-        plotter.add_mesh(
-            blades,
-            scalars="shown",
-            cmap=SEQUENTIAL,
-            clim=(0.0, scale * largest or 1.0),
-            smooth_shading=True,
-            ambient=0.25,
-            scalar_bar_args=bar,
-        )
+        colours: dict[str, Any] = {"color": STILL}
+        if largest > 0.0:
+            limits = (0.0, scale * largest)
+            colours = {"scalars": "shown", "cmap": SEQUENTIAL, "clim": limits}
+            colours["scalar_bar_args"] = bar
+        plotter.add_mesh(blades, smooth_shading=True, ambient=0.25, **colours)
         _aim(plotter, dataset, size)
         for number, record in enumerate(records):
             meshes = frame_meshes(dataset, int(record), rotating=True)
@@ -143,10 +141,11 @@ def _pictures(
             blades["shown"] = scale * np.linalg.norm(moved, axis=1)
             _draw_wall(plotter, dataset, int(record), factor)
             _draw_forces(plotter, meshes["contact"], factor, strongest, ARROW * size)
+            force = f", force at most {handy(strongest, 'N', 3)}" if strongest > 0.0 else ""
+            enlarged = "displacement and clearance" if largest > 0.0 else "clearance"
             plotter.add_text(
                 f"{dataset.attrs['title']}\nt = {handy(float(dataset['time'][record]), 's', 4)},"
-                f" displacement and clearance x {factor:g},"
-                f" force at most {handy(strongest, 'N', 3)}",
+                f" {enlarged} x {factor:g}{force}",
                 font_size=18,
                 color="black",
                 name="text",
