@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.stage.contact_problem import NodeCoating
 from bladewhirl.models.stage.superelement_hints import locking_friction, static_response
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 from bladewhirl.models.superelements.reduction import lowest_modes
@@ -35,6 +36,10 @@ PROPERTIES = (
     Column("speed.normalised", "speed / lowest frequency", ".5g"),
     Column("modes", "modes of each copy", "d"),
     Column("smallest_clearance", "smallest clearance [mm]", ".4g", 1e3),
+    Column("coating.tracks", "tracks of the coating", "d"),
+    Column("coating.rods", "rods of each track", "d"),
+    Column("coating.footprint", "arc under a contact node [mm]", ".3g", 1e3),
+    Column("coating.width", "width of a track [mm]", ".3g", 1e3),
     Column("critical_time_step", "critical time step [s]", ".4g"),
     Column("dt_over_critical", "time step / critical", ".3g"),
     Column("steps", "steps", "d"),
@@ -88,7 +93,8 @@ def superelement_properties(stage: SuperelementStage) -> dict[str, Any]:
             "normalised": speed / reference,
         },
         "modes": problem.frequency.shape[1],
-        "smallest_clearance": float(problem.wall[:, 0].min() + problem.recess.min()),
+        "smallest_clearance": float(problem.wall[:, 0].min() + stage.recess.min()),
+        **_layer(problem.coating),
         "contact_nodes": list(_nodes(stage)),
         "critical_time_step": limit,
         "dt_over_critical": timing.time_step / limit,
@@ -96,6 +102,15 @@ def superelement_properties(stage: SuperelementStage) -> dict[str, Any]:
         "records": timing.records,
         "result_bytes": result_bytes(stage.arrays, timing.records),
     }
+
+
+def _layer(coating: NodeCoating | None) -> dict[str, Any]:
+    """Return the sizes of a coating, with the smallest footprint and width; nothing without one."""
+    if coating is None:
+        return {}
+    tracks, rods = coating.strain.shape
+    sizes = {"footprint": float(coating.footprint.min()), "width": float(coating.width.min())}
+    return {"coating": {"tracks": tracks, "rods": rods, **sizes}}
 
 
 def _nodes(stage: SuperelementStage) -> Iterator[dict[str, Any]]:

@@ -24,6 +24,7 @@ from bladewhirl.postprocess.superelement.ring import ring_motion, wall_at
 from bladewhirl.postprocess.superelement.wear import node_wear
 from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.modal.superelement import superelement_properties
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.runs.run import resume
@@ -372,6 +373,12 @@ def test_footprints_follow_from_the_distances_of_contact_nodes(file: Path) -> No
     with pytest.raises(bw.CaseError, match="are at the same angle"):
         prepare(bw.case_from(tables(file, casing__coating=layer)))
     assert spacing(np.array([0.0, 3.0, 1.0])) == pytest.approx([1.0, 2.0, 1.5])
+    coated = bw.case_from(tables(file, casing__coating=layer | {"footprint": 4e-3}))
+    plain = superelement_properties(superelement_stage(bw.case_from(tables(file))))
+    shown = superelement_properties(superelement_stage(coated))
+    assert shown["smallest_clearance"] == plain["smallest_clearance"]
+    assert shown["coating"]["tracks"] == 3
+    assert shown["coating"]["width"] == pytest.approx(0.02)
     fast = {"casing__coating": layer | {"footprint": 1e-4}}
     with pytest.raises(bw.CaseError, match="less than one rod in a time step"):
         prepare(bw.case_from(tables(file, **fast)))
