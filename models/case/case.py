@@ -135,6 +135,9 @@ class Case(Table):
             if not self.casing.coating.thickness < self.tip_radius:
                 expected = f"less than the radius of the tips, {self.tip_radius:.6g} m"
                 yield Inconsistency("casing.coating.thickness", expected)
+            if not (self.casing.coating.footprint or 0.0) < self.tip_radius:
+                expected = f"less than the radius of the tips, {self.tip_radius:.6g} m"
+                yield Inconsistency("casing.coating.footprint", expected)
         yield from self._unknown_materials()
         yield from sensor_faults(self.sensor, self.blades)
         if self.shaft.damping_frame == "static" and self.rotation.effects != "full":

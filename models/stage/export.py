@@ -106,11 +106,11 @@ def part_superelement(
     inside = ((ends == 0) | (ends == -1)).all(axis=1) & (ends == 0).any(axis=1)
     if kind == "blade":
         chosen = inside & (np.array(mesh.line_parts) == BLADES)
-        held = np.intersect1d(mesh.node_sets["roots"], mesh.lines[chosen])
+        clamped = np.intersect1d(mesh.node_sets["roots"], mesh.lines[chosen])
     else:
         chosen = inside | (np.sort(ends, axis=1) == [0, 1]).all(axis=1)
-        held = np.array([model.centre])
-    nodes = np.setdiff1d(mesh.lines[chosen], held)
+        clamped = np.array([model.centre])
+    nodes = np.setdiff1d(mesh.lines[chosen], clamped)
     mass_matrix, stiffness = _lines_alone(disk, chosen, nodes)
     dofs = COMPONENTS * np.arange(len(nodes))[:, None] + np.arange(COMPONENTS)
     tip = int(np.flatnonzero(np.isin(nodes, model.tips[of_sector[model.tips] == 0]))[0])

@@ -266,18 +266,18 @@ static void place_rods(const Boundary *b, const Ring *ring, const NodeCoating *c
 /* Return the gap to the metal below which the rods under a node have to be evaluated. */
 static double reach_of_rods(const Ring *ring, const NodeCoating *c, const BoundaryScratch *s)
 {
-    double steepest = c->steepest, half = 0.0;
+    double slope = 0.0, half = 0.0;
     for (int64_t i = 0; i < c->half.size; i++)
         half = larger(half, c->half.at[i]);
     if (ring) {
+        const Casing *casing = &ring->casing;
         const FieldScratch *f = &s->ring.fields;
-        for (int64_t e = 0; e < ring->casing.nodes; e++)
-            steepest = larger(steepest, larger(1.5 * fabs(f->nodal.at[e + 1] - f->nodal.at[e])
-                                                   / ring->casing.element_length,
-                                               2.0 * fabs(f->nodal_slope.at[e])));
-        steepest *= ring->casing.element_length * (double)ring->casing.nodes / (2.0 * PI);
+        for (int64_t e = 0; e < casing->nodes; e++)
+            slope = larger(slope, steepest(casing, e, f->nodal.at, f->nodal_slope.at));
+        slope *= casing->element_length * (double)casing->nodes / (2.0 * PI);
     }
-    return c->limit * c->thickness + steepest * (half + 0.5) * 2.0 * PI / (double)c->rods;
+    slope += c->steepest;
+    return c->limit * c->thickness + slope * (half + 0.5) * 2.0 * PI / (double)c->rods;
 }
 
 /* Find the nodes that touch the coating without contact forces of this step. */

@@ -514,7 +514,7 @@ typedef struct {
     IntVector track;      /* (nodes) track of each node of a copy */
     Vector area;          /* (tracks) area of a rod of each track [m2] */
     int64_t rods;         /* number of rods of a track */
-    double steepest;      /* largest slope of a rigid wall by the angle [m] */
+    double steepest;      /* largest slope of a rigid wall and of the closure by the angle [m] */
     double thickness;     /* thickness h [m] */
     double young_modulus; /* E [Pa] */
     double yield_stress;  /* s_y [Pa] */

@@ -12,6 +12,7 @@
 #ifndef RODS_H
 #define RODS_H
 
+#include "coating.h"
 #include "ring.h"
 
 /* Return the first and the last rod under the footprint of a node at an angle [rad]. */

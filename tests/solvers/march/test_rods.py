@@ -263,3 +263,21 @@ def test_a_march_in_a_coating_can_be_split() -> None:
     assert rest.coating is not None
     assert rest.coating.wear_volume[-1] == whole.wear_volume[-1]
     assert np.array_equal(rest.coating.coating_strain[-1], whole.coating_strain[-1])
+
+
+def test_rods_are_touched_where_a_short_closure_is_steep() -> None:
+    """The wall is even, but a closure of some milliseconds leaves a narrow ridge beside a node."""
+    problem = still_node([1e-4])
+    grid = 2.0 * np.pi / 64 * np.arange(64)
+    share = np.column_stack([np.cos(8 * grid), -8.0 * np.sin(8 * grid)])
+    assert problem.closure is not None
+    ridged = replace(problem, closure=replace(problem.closure, share=share))
+    whole = replace(ridged, coating=coating(np.zeros(1), np.full(1, 0.2)))
+    _, worn = advanced(whole, 1e-5, 1001)
+    most = CLEARANCE + 1e-4
+    middle = 2.0 * np.pi * (np.arange(720) + 0.5) / 720
+    under = np.abs(np.angle(np.exp(1j * (middle - 0.3)))) * 0.3 <= 0.1
+    depth = most * np.cos(8 * middle) - CLEARANCE
+    expected = np.maximum(0.0, (E * depth / THICK - YIELD) / (E + HARD)) * under
+    assert expected.max() > 0.02
+    assert worn.coating_strain[-1, 0] == pytest.approx(expected, abs=1e-2 * expected.max())

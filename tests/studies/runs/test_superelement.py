@@ -382,6 +382,8 @@ def test_footprints_follow_from_the_distances_of_contact_nodes(file: Path) -> No
     fast = {"casing__coating": layer | {"footprint": 1e-4}}
     with pytest.raises(bw.CaseError, match="less than one rod in a time step"):
         prepare(bw.case_from(tables(file, **fast)))
+    with pytest.raises(bw.CaseError, match="less than the radius of the tips"):
+        bw.case_from(tables(file, casing__coating=layer | {"footprint": 5.0}))
     other = {"casing__coating": layer | {"friction": 0.3}}
     with pytest.raises(bw.CaseError, match=r"the value of contact\.friction"):
         bw.case_from(tables(file, **other))
