@@ -20,7 +20,7 @@ from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES, FigureKind
-from bladewhirl.solvers.march.schema import NODE_RESULT, RESULT, SWEEP, schema_table
+from bladewhirl.solvers.march.schema import NODE_RESULT, NODE_SWEEP, RESULT, SWEEP, schema_table
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.sweeps.sweep import Sweep
@@ -199,6 +199,7 @@ GENERATED = {
     "results": partial(schema_table, RESULT),
     "nodes": partial(schema_table, NODE_RESULT),
     "sweeps": partial(schema_table, SWEEP),
+    "node-sweeps": partial(schema_table, NODE_SWEEP),
     "run-figures": partial(figures, RUN_FIGURES, drawn=True),
     "sweep-figures": partial(figures, SWEEP_FIGURES, drawn=False),
     "api": api,

@@ -41,7 +41,7 @@ def case_beam_model(case: Case) -> BeamModel:
     """
     mesh = case.bladed_disk.mesh
     if case.bladed_disk.superelement is not None:
-        expected = "beams; with a superelement run, interaction, modes and show work"
+        expected = "beams; with a superelement run, sweep, interaction, modes and show work"
         raise CaseError([case_fault(case, "bladed_disk.superelement.file", expected)])
     if mesh is not None:
         model = mesh_beam_model(mesh, case.material)

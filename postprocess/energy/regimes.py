@@ -20,6 +20,7 @@ from bladewhirl.postprocess.energy.growth_rates import (
     RISE,
     STEADINESS,
     Growth,
+    Windows,
     fit_growth,
     fit_ripple,
     growth_windows,
@@ -72,13 +73,35 @@ class Regime:
 def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
     """Classify a run by `CRITERION`; `strain_energy` is the energy of bladed disk and shaft springs
     at each record [J], (time,)."""
+    windows = growth_windows(dataset, strain_energy)
+    around = ripple_windows(dataset, strain_energy) if windows and windows.is_third else None
+    source, clearance = leading_source(dataset), smallest_clearance(dataset)
+    return classify_windows(dataset, windows, around, clearance=clearance, source=source)
+
+
+def classify_windows(
+    dataset: xr.Dataset,
+    windows: Windows | None,
+    around: Windows | None = None,
+    *,
+    clearance: float,
+    source: str = "",
+) -> Regime:
+    """Classify a run by `CRITERION`.
+
+    Args:
+        dataset: the result of the run.
+        windows: amplitude of the motion, from `growth_windows` or `windowed_amplitude`; None if
+            growth cannot be judged.
+        around: amplitude of the ripple, from `ripple_windows`; None if it cannot be separated.
+        clearance: smallest clearance of a tip [m].
+        source: largest energy source of the run in words.
+    """
     time = dataset["time"].values
     touched: NDArray[np.bool_] = np.any(dataset["contact_steps"].values > 0, axis=1)
-    windows = growth_windows(dataset, strain_energy)
     growth = fit_growth(windows) if windows else None
-    around = ripple_windows(dataset, strain_energy) if windows and windows.is_third else None
     ripple = fit_ripple(around, windows) if around and windows else None
-    grown, source = _growth_text(growth, ripple), leading_source(dataset)
+    grown = _growth_text(growth, ripple)
 
     def regime(name: RegimeName, reason: str) -> Regime:
         reasons = [reason] if name == "no-contact" else [reason, source]
@@ -90,9 +113,7 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
         what = str(message).partition("; ")[0]  # the rest says what to do about it
         return regime("divergent", f"{what}; {grown}" if growth else what)
     grows = any(one is not None and one.is_significant for one in (growth, ripple))
-    if grows and (
-        touched.any() or float(dataset["gap"].min()) <= (1 - CLOSING) * smallest_clearance(dataset)
-    ):
+    if grows and (touched.any() or float(dataset["gap"].min()) <= (1 - CLOSING) * clearance):
         return regime("divergent", grown)
     if not touched.any():
         return regime("no-contact", f"no tip touched; {grown}")

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 POSTPROCESS = "bladewhirl.postprocess"
 
+BEAMS, SUPERELEMENT = "beams", "superelement"
+"""Kinds of models."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class FigureKind:
@@ -30,6 +33,7 @@ class FigureKind:
     about: str  #: content of the figure, in one line
     reading: str = ""  #: help for reading the figure: units, signs, marks of dangerous motion
     section: str = ""  #: section of the report that shows the figure; empty for no section
+    models: tuple[str, ...] = (BEAMS,)  #: kinds of models that have the figure
     wide: bool = False  #: true for the width of the page of a report, false for half of it
     data: str  #: attribute of `RunFigures`, or "module:function", that computes the dataset
     plot: str  #: "module:function" in postprocess that draws the dataset
@@ -66,7 +70,8 @@ def captions(kinds: Mapping[str, FigureKind]) -> list[str]:
 def _figures(source: str) -> Mapping[str, FigureKind]:
     text = resources.files(f"{POSTPROCESS}.plotting").joinpath("figures.toml").read_text("utf-8")
     return {
-        name: FigureKind(name=name, **entry) for name, entry in tomllib.loads(text)[source].items()
+        name: FigureKind(name=name, **{**entry, "models": tuple(entry.get("models", [BEAMS]))})
+        for name, entry in tomllib.loads(text)[source].items()
     }
 
 

@@ -20,9 +20,16 @@ from bladewhirl.postprocess.sweep.drawing import line_label
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.probability import probability
-from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key, other_keys, table_keys
+from bladewhirl.postprocess.sweep.quantities import (
+    LINE,
+    along,
+    largest_motion,
+    main_key,
+    other_keys,
+    table_keys,
+)
 
-WINDOWED = ("frequency-map", "energy-families")
+WINDOWED = ("frequency-map", "energy-families", "node-spectra")
 """Figures of spectra and mean energies; the attribute `window` of a sweep states their time window.
 All other figures describe the last third of the time."""
 
@@ -63,7 +70,7 @@ def sweep_report(
         blocks["points"].append(table)
     if points is not None:
         blocks["regimes"].insert(0, points_explorer(points))
-        if POINT not in dataset.dims:
+        if POINT not in dataset.dims and "frequency-map" in SweepFigures(dataset).names:
             explorer = frequency_explorer(frequency_map(dataset, main_key(dataset)))
             windowed = replace(explorer, caption=_windowed(dataset, explorer.caption))
             blocks["frequencies"].insert(0, windowed)
@@ -103,12 +110,14 @@ def _keys(dataset: xr.Dataset) -> list[str]:
 def _points(dataset: xr.Dataset) -> xr.Dataset:
     """Return the quantities of every point, with dimensions as in `sweep.quantities`; the swept
     keys are in convenient units."""
-    names = ["regime", "shaft_radius_max", "growth_rate", "growth_error", "end_time"]
+    largest, what = largest_motion(dataset)
+    names = ["regime", largest, "growth_rate", "growth_error", "end_time"]
     names += [SCREENED] if SCREENED in dataset else []
     points = in_handy_units(along(dataset, main_key(dataset), [*names, "contact_share"]))
     touched = (points["contact_share"] > 0).sum("blade")
     regime = points["regime"].where(points["state"] == "done", "no result")
-    return points.assign(touched=touched, regime=regime).drop_vars("contact_share")
+    points = points.assign(touched=touched, regime=regime).drop_vars("contact_share")
+    return points.rename({largest: "largest_displacement"}).assign_attrs(moving=what)
 
 
 def _counts(points: xr.Dataset | None) -> dict[str, int]:
@@ -199,6 +208,7 @@ def _glance(
 def _drawn(dataset: xr.Dataset, section: str) -> list[page.ReportFigure]:
     """Return the figures of a section, without maps of a single key, probability without
     draws and wear without a coating."""
+    figures = SweepFigures(dataset)
     worn = "wear_volume" in dataset and bool(np.isfinite(dataset["wear_volume"]).any())
     without = {
         "maps": len(swept(dataset)) == 1,
@@ -207,14 +217,14 @@ def _drawn(dataset: xr.Dataset, section: str) -> list[page.ReportFigure]:
     }
     kinds = [
         kind
-        for kind in SWEEP_FIGURES.values()
+        for kind in (SWEEP_FIGURES[name] for name in figures.names)
         if kind.section == section and not without.get(kind.name)
     ]
     return [
         replace(figure, caption=_windowed(dataset, figure.caption))
         if figure.name in WINDOWED
         else figure
-        for figure in page.report_figures(SweepFigures(dataset).draw, kinds)
+        for figure in page.report_figures(figures.draw, kinds)
     ]
 
 
@@ -237,7 +247,7 @@ def _point_table(points: xr.Dataset) -> page.Table:
             *(f"{other.values[line]:.6g}" for other in others),
             str(column["regime" if column["state"][line, n] == "done" else "state"][line, n])
             + (", screened" if screened[line, n] else ""),
-            _number(MILLI * column["shaft_radius_max"][line, n]),
+            _number(MILLI * column["largest_displacement"][line, n]),
             rate_text(column["growth_rate"][line, n], column["growth_error"][line, n]),
             _number(column["touched"][line, n] if column["state"][line, n] == "done" else np.nan),
             _number(column["end_time"][line, n]),
@@ -254,7 +264,7 @@ def _point_table(points: xr.Dataset) -> page.Table:
         head=(
             *map(key_heading, (key, *listed, *others)),
             "regime",
-            "largest shaft displacement [mm]",
+            f"largest displacement of the {points.attrs['moving']} [mm]",
             "growth rate [1/s]",
             "blades that touched",
             "end [s]",

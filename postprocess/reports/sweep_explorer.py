@@ -64,17 +64,19 @@ def frequency_explorer(maps: xr.Dataset) -> Explorer:
 
 
 def points_explorer(points: xr.Dataset) -> Explorer:
-    """Return a plot of the largest displacement of the shaft at every point over a swept key.
+    """Return a plot of the largest displacement, of the shaft or of a contact node, at every point
+    over a swept key.
 
     Args:
-        points: quantities over (line, key), see `sweep.quantities`: `regime`, `shaft_radius_max`
-            [m], `growth_rate` and `growth_error` [1/s], `end_time` [s], number of blades `touched`.
+        points: quantities over (line, key), see `sweep.quantities`: `regime`,
+            `largest_displacement` [m], `growth_rate` and `growth_error` [1/s], `end_time` [s],
+            number of blades `touched`.
     """
     points = in_handy_units(points)
     key = points[str(points.attrs["along"])]
     regime, texts = points["regime"].values, _texts(points)
     keys = np.broadcast_to(key.values, regime.shape)
-    radius = MILLI * points["shaft_radius_max"].values
+    radius = MILLI * points["largest_displacement"].values
     traces = [
         go.Scatter(
             x=keys[here],
@@ -94,7 +96,7 @@ def points_explorer(points: xr.Dataset) -> Explorer:
         traces,
         xaxis=_key_axis(key),
         yaxis={
-            "title_text": "largest shaft displacement [mm]",
+            "title_text": f"largest displacement of the {points.attrs['moving']} [mm]",
             "type": "log" if wide else "linear",
             "rangemode": "normal" if wide else "tozero",
         },
@@ -202,7 +204,8 @@ def _texts(points: xr.Dataset) -> Any:
             rate, error = float(point["growth_rate"]), float(point["growth_error"])
             growth = f"{rate_text(rate, error)} 1/s" if np.isfinite(rate) else "not determined"
             lines += [
-                f"largest shaft displacement {MILLI * float(point['shaft_radius_max']):.4g} mm",
+                f"largest displacement of the {points.attrs['moving']}"
+                f" {MILLI * float(point['largest_displacement']):.4g} mm",
                 f"growth rate {growth}",
                 f"blades that touched {int(point['touched'])}",
                 f"end {float(point['end_time']):.4g} s",

@@ -49,6 +49,11 @@ class RunFigures:
         self.result = select_window(dataset, start, end)
         self._is_run = start is None and end is None
 
+    @property
+    def names(self) -> list[str]:
+        """Names of the figures of a run."""
+        return [*RUN_FIGURES]
+
     def draw(self, name: str) -> tuple[Figure, xr.Dataset]:
         """Draw a figure of `RUN_FIGURES`; return the figure and its dataset.
 

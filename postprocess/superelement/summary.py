@@ -9,10 +9,12 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.inputs.units import handy
+from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, RegimeName
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.run.summary import MARCH_REPORT, energy_residual
 from bladewhirl.postprocess.run.wear import wear_summary
 from bladewhirl.postprocess.superelement.motion import check_superelement
+from bladewhirl.postprocess.superelement.regime import node_regime
 from bladewhirl.postprocess.superelement.ring import is_flexible, ring_displacement
 
 DIRECTIONS = ("radial", "tangential", "axial")
@@ -28,6 +30,12 @@ class NodeSummary:
     end_reason: str  #: "completed", "divergent" or "interrupted"
     end_time: float  #: time of the last record [s]
     revolutions: float  #: number of revolutions
+    regime: RegimeName
+    regime_criterion: str  #: criterion of the regimes, and the reason for the regime of this run
+    growth_rate: float | None
+    """Growth rate of the amplitude [1/s], see `regime.node_regime`; None if growth cannot be
+    judged."""
+    growth_rate_error: float | None  #: standard error of `growth_rate` [1/s]
     contact_impulse: float  #: sum of the normal impulses on all nodes [N s]
     contact_impulse_by_blade: list[float]  #: sum for each blade [N s]
     impulse_per_revolution: float | None
@@ -65,6 +73,8 @@ class NodeSummary:
         touched = sum(share > 0.0 for share in self.contact_share)
         per_turn = self.impulse_per_revolution
         return {
+            "regime": self.regime,
+            "because": self.regime_criterion.rpartition("Here: ")[2],
             "end time": f"{self.end_time:.6g} s, {self.end_reason}, {self.revolutions:.4g} turns",
             "contact nodes that touched": f"{touched} of {len(self.contact_share)}",
             "normal impulse": f"{self.contact_impulse:.6g} N s; per revolution at the end "
@@ -109,11 +119,16 @@ def summarise_nodes(dataset: xr.Dataset, march_report: Mapping[str, float]) -> N
     record, node = np.unravel_index(int(force.argmax()), force.shape)
     moved = np.abs(dataset["contact_displacement"].values).max(axis=(0, 1))
     names = {"load": "external", "normal": "normal", "friction": "friction", "damping": "damping"}
+    regime = node_regime(dataset)
     turns = speed * float(time[-1]) / (2.0 * np.pi)
     return NodeSummary(
         end_reason=str(dataset.attrs["end_reason"]),
         end_time=float(time[-1]),
         revolutions=turns,
+        regime=regime.name,
+        regime_criterion=f"{CRITERION_TEXT}. Here: {regime.reason}.",
+        growth_rate=regime.growth.rate if regime.growth else None,
+        growth_rate_error=regime.growth.error if regime.growth else None,
         contact_impulse=float(impulse.sum()),
         contact_impulse_by_blade=np.bincount(blade, impulse.sum(axis=0)).tolist(),
         impulse_per_revolution=_late_impulse(time, impulse.sum(axis=1), speed),

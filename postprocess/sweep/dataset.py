@@ -19,7 +19,17 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields import netcdf
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.solvers.march.schema import SCREENING, SWEEP, SWEEP_FORMAT, index_values
+from bladewhirl.solvers.march.schema import (
+    BEAMS,
+    NODES,
+    SCREENING,
+    SWEEP,
+    SWEEP_FORMAT,
+    Tables,
+    Variable,
+    index_values,
+    tables_of,
+)
 
 SWEEP_NAME = "sweep.nc"  #: name of the dataset's file in the folder of a sweep
 MISSING, DONE, FAILED, NOT_NEEDED = range(4)  #: codes of the variable `state` of a point
@@ -36,6 +46,10 @@ at most this share of the march."""
 
 
 LINE, GROUP, SAMPLE, SECTION = "mode", "energy_group", "sample", "section"
+DIRECTION = "direction"  #: name of the dimension of the directions of a contact node's displacement
+
+NATURAL = 8
+"""Number of natural frequencies of a superelement that are stored."""
 
 SECTIONS = 64
 """Largest number of points of the Poincaré map, and of local maxima of the displacement, that are
@@ -56,8 +70,14 @@ class Layout:
 
     frequency: Array  #: of the spectra [Hz], integer multiples of 1 / window, (frequencies,)
     samples: int  #: number of samples of the decimated histories
-    nodal_diameters: int  #: number of nodal diameters of the first blade family, from 0
+    nodal_diameters: int = 0  #: number of nodal diameters of the first blade family, from 0
     blades: int
+    superelement: bool = False  #: whether the points are those of a superelement
+
+    @property
+    def tables(self) -> Tables:
+        """Variables of the points."""
+        return NODES if self.superelement else BEAMS
 
     @property
     def window(self) -> float:
@@ -72,25 +92,28 @@ class Layout:
     @property
     def sizes(self) -> dict[str, int]:
         """Length of each dimension in addition to the swept keys."""
-        return {
-            "frequency": len(self.frequency),
-            SAMPLE: self.samples,
-            GROUP: len(self.groups),
-            LINE: len(MODE_LINES),
-            SECTION: SECTIONS,
-            "blade": self.blades,
-        }
+        sizes = {"frequency": len(self.frequency), SAMPLE: self.samples, "blade": self.blades}
+        if self.superelement:
+            return {**sizes, LINE: NATURAL, DIRECTION: len(self.names[DIRECTION])}
+        return {**sizes, GROUP: len(self.groups), LINE: len(MODE_LINES), SECTION: SECTIONS}
+
+    @property
+    def names(self) -> dict[str, tuple[str, ...]]:
+        """Names along dimensions."""
+        if self.superelement:
+            return {DIRECTION: self.tables.names[DIRECTION].labels}
+        return {GROUP: self.groups, LINE: tuple(MODE_LINES)}
 
     def shape(self, name: str) -> tuple[int, ...]:
         """Shape of a variable at one point."""
-        return tuple(self.sizes[dimension] for dimension in SWEEP[name].dimensions)
+        return tuple(self.sizes[dimension] for dimension in self.tables.sweep[name].dimensions)
 
     @property
     def bytes_per_point(self) -> int:
         """Size of a point in the dataset [bytes]."""
         return sum(
             np.dtype(variable.kind).itemsize * int(np.prod(self.shape(name), dtype=np.int64))
-            for name, variable in SWEEP.items()
+            for name, variable in self.tables.sweep.items()
         )
 
 
@@ -105,25 +128,31 @@ def flag(variable: str, meaning: str) -> int:
     return SWEEP[variable].labels.index(meaning)
 
 
-def checksum(numbers: Mapping[str, Array], coordinates: Iterable[Array]) -> int:
+def checksum(
+    variables: Mapping[str, Variable], numbers: Mapping[str, Array], coordinates: Iterable[Array]
+) -> int:
     """Return the CRC-32 of the arrays of a point, by name, and of the coordinates: the values of
     every swept key, and the frequencies of the spectra."""
     crc = 0
     for values in coordinates:
         crc = crc32(np.ascontiguousarray(values, dtype="f8").tobytes(), crc)
-    for name, variable in SWEEP.items():
+    for name, variable in variables.items():
         if name in numbers and name not in ("state", "checksum"):
             crc = crc32(np.ascontiguousarray(numbers[name], variable.kind).tobytes(), crc)
     return crc
 
 
 def changed_point(
-    read: Callable[[str, slice], Array], shape: tuple[int, ...], coordinates: Iterable[Array]
+    variables: Mapping[str, Variable],
+    read: Callable[[str, slice], Array],
+    shape: tuple[int, ...],
+    coordinates: Iterable[Array],
 ) -> int | None:
     """Return the number of the first finished point whose data do not have the stored checksum;
     None if all data are as written by the sweep.
 
     Args:
+        variables: variables of the sweep.
         read: function that returns rows of a variable along the first swept key.
         shape: number of values of each swept key.
         coordinates: values of every swept key, and frequencies of the spectra.
@@ -131,11 +160,11 @@ def changed_point(
     width, given = prod(shape[1:]), list(coordinates)
     for first in range(0, shape[0], max(1, BLOCK // width)):
         rows = slice(first, first + max(1, BLOCK // width))
-        block = {name: read(name, rows) for name in SWEEP}
+        block = {name: read(name, rows) for name in variables}
         flat = {n: values.reshape(-1, *values.shape[len(shape) :]) for n, values in block.items()}
         for point in np.flatnonzero(flat["state"] == DONE):
             numbers = {name: values[point] for name, values in flat.items()}
-            if checksum(numbers, given) != numbers["checksum"]:
+            if checksum(variables, numbers, given) != numbers["checksum"]:
                 return int(first * width + point)
     return None
 
@@ -161,7 +190,7 @@ def open_sweep(path: str | Path) -> xr.Dataset:
         raise netcdf.ResultError(f"{file}: expected a sweep of bladewhirl, {fault}")
     named: dict[str, Any] = {
         name: (dataset[name].dims, np.array(variable.labels)[dataset[name].values])
-        for name, variable in {**SWEEP, **SCREENING}.items()
+        for name, variable in {**tables_of(dataset.attrs).sweep, **SCREENING}.items()
         if variable.labels and name in dataset
     }
     if "mode_forward_frequency" not in dataset and "mode_frequency" in dataset:  # before format 4
@@ -189,9 +218,10 @@ def _fault(dataset: xr.Dataset) -> str:
         return (
             f"of format {SWEEP_FORMAT} or older, found format {made_by}; a newer version reads it"
         )
-    for name, variable in {**SWEEP, **SCREENING}.items():
+    tables = tables_of(dataset.attrs)
+    for name, variable in {**tables.sweep, **SCREENING}.items():
         if name not in dataset:
-            if variable.since <= made_by and name in SWEEP:
+            if variable.since <= made_by and name in tables.sweep:
                 return f"it has no {name!r}"
             continue
         if dataset[name].dims != (*swept(dataset), *variable.dimensions):
@@ -212,7 +242,15 @@ def _fault(dataset: xr.Dataset) -> str:
             or not np.isfinite(values).all()
         ):
             return f"with finite numbers along {name!r}"
-    for name, labels in ((LINE, [*MODE_LINES]), (GROUP, groups_of(dataset.sizes[GROUP] - 2))):
+    blades, groups = dataset.sizes["blade"], dataset.sizes.get(GROUP, 2)
+    layout = Layout(
+        frequency=dataset["frequency"].values,
+        samples=dataset.sizes[SAMPLE],
+        nodal_diameters=groups - 2,
+        blades=blades,
+        superelement=tables is NODES,
+    )
+    for name, labels in layout.names.items():
         if name not in dataset or dataset[name].values.tolist() != [*labels]:
             return f"with other names along {name!r}"
     if np.any(np.diff(dataset["frequency"].values) <= 0.0):
@@ -225,7 +263,10 @@ def _changed(dataset: xr.Dataset, made_by: int) -> str:
         return ""
     coordinates = [dataset[name].values for name in stored_coordinates(dataset)]
     point = changed_point(
-        lambda name, rows: dataset[name][rows].values, dataset["state"].shape, coordinates
+        tables_of(dataset.attrs).sweep,
+        lambda name, rows: dataset[name][rows].values,
+        dataset["state"].shape,
+        coordinates,
     )
     return "" if point is None else f"but point {point} was changed after it was written"
 

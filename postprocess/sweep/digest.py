@@ -7,14 +7,13 @@ import xarray as xr
 
 from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.strain import strain_energies
-from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.run.late_motion import late_motion
 from bladewhirl.postprocess.run.summary import energy_residual
 from bladewhirl.postprocess.run.wear import wear_summary
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Complex, spectrum
 from bladewhirl.postprocess.sweep.dataset import MODE_LINES, SECTIONS, WINDOW_SHARE, Layout, flag
-from bladewhirl.solvers.march.schema import SWEEP
 
 Digest = dict[str, np.ndarray]
 """Arrays by name; `Layout` determines their shapes and `SWEEP` their dtypes."""
@@ -52,10 +51,10 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         "shaft_radius_max": radius.max(),
         "shaft_radius_final": radius[-1],
         "strain_energy_max": energies["total"].max(),
-        "contact_share": _padded(touched, layout.blades),
+        "contact_share": padded(touched, layout.blades),
         "smallest_clearance": orbit.attrs["smallest_clearance"],
         **_late(dataset, orbit, layout),
-        **_wear(dataset),
+        **wear_numbers(dataset),
         "gap_violation_max": max(0.0, -float(dataset["gap"].min())),
         "energy_residual": energy_residual(dataset),
         "complementarity_residual": report["complementarity_residual"],
@@ -70,11 +69,17 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         "energy_max": groups.max(axis=0),
         **_thinned(time, motion, groups, layout.samples),
     }
+    return coded(values, layout)
+
+
+def coded(values: Mapping[str, object], layout: Layout) -> Digest:
+    """Return values as arrays of the variables of a sweep, with codes in place of words."""
+    variables = layout.tables.sweep
     numbers = {
-        name: flag(name, str(value)) if SWEEP[name].labels else value
+        name: flag(name, str(value)) if variables[name].labels else value
         for name, value in values.items()
     }
-    return {name: np.asarray(value, dtype=SWEEP[name].kind) for name, value in numbers.items()}
+    return {name: np.asarray(value, dtype=variables[name].kind) for name, value in numbers.items()}
 
 
 def magnitudes(motion: Complex, step: float, frequency: Array) -> Array:
@@ -102,14 +107,14 @@ def _late(dataset: xr.Dataset, orbit: xr.Dataset, layout: Layout) -> dict[str, o
     section = late["section"].values[-SECTIONS:]
     return {
         **{str(name): values.item() for name, values in late.data_vars.items() if not values.ndim},
-        "late_contact_share": _padded(late["late_contact_share"].values, layout.blades),
-        "section_x": _padded(section[:, 0], SECTIONS),
-        "section_y": _padded(section[:, 1], SECTIONS),
-        "radius_peak": _padded(late["radius_peak"].values[-SECTIONS:], SECTIONS),
+        "late_contact_share": padded(late["late_contact_share"].values, layout.blades),
+        "section_x": padded(section[:, 0], SECTIONS),
+        "section_y": padded(section[:, 1], SECTIONS),
+        "radius_peak": padded(late["radius_peak"].values[-SECTIONS:], SECTIONS),
     }
 
 
-def _wear(dataset: xr.Dataset) -> dict[str, float]:
+def wear_numbers(dataset: xr.Dataset) -> dict[str, float]:
     """Return the wear of the coating; NaN without a coating."""
     wear = wear_summary(dataset)
     names = ("wear_volume", "wear_strain_max", "wear_dissipated")
@@ -143,19 +148,24 @@ def _mode_frequencies(dataset: xr.Dataset, way: str) -> Array:
 def _thinned(time: Array, motion: Array, groups: Array, samples: int) -> dict[str, Array]:
     """Return histories thinned to at most `samples` equal spans of records: time and position at
     the start of each span, the largest radius and the mean energies in the span."""
-    spans = min(samples, len(time))
-    first = np.arange(spans) * len(time) // spans
+    first = span_starts(len(time), samples)
     counts = np.diff(first, append=len(time))
     return {
-        "history_time": _padded(time[first], samples),
-        "orbit_x": _padded(motion.real[first], samples),
-        "orbit_y": _padded(motion.imag[first], samples),
-        "radius_history": _padded(np.maximum.reduceat(np.abs(motion), first), samples),
-        "energy_history": _padded(np.add.reduceat(groups, first) / counts[:, None], samples),
+        "history_time": padded(time[first], samples),
+        "orbit_x": padded(motion.real[first], samples),
+        "orbit_y": padded(motion.imag[first], samples),
+        "radius_history": padded(np.maximum.reduceat(np.abs(motion), first), samples),
+        "energy_history": padded(np.add.reduceat(groups, first) / counts[:, None], samples),
     }
 
 
-def _padded(values: Array, length: int) -> Array:
+def span_starts(records: int, samples: int) -> IntArray:
+    """Return the first record of each of at most `samples` equal spans."""
+    spans = min(samples, records)
+    return np.asarray(np.arange(spans) * records // spans, dtype=np.int64)
+
+
+def padded(values: Array, length: int) -> Array:
     """Return values padded with NaN to `length` along the first axis."""
     out = np.full((length, *values.shape[1:]), np.nan)
     out[: len(values)] = values

@@ -15,9 +15,9 @@ from matplotlib.lines import Line2D
 
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
-from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure
 from bladewhirl.postprocess.plotting.titles import set_title
-from bladewhirl.postprocess.sweep.axes import key_words, rpm_on_top
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_words, rpm_on_top
 from bladewhirl.postprocess.sweep.dataset import POINT
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
 
@@ -111,6 +111,32 @@ def label_figure(figure: Figure, data: xr.Dataset, *groups: Group) -> None:
     rpm_on_top(data, figure.axes[0])
     title_figure(figure, data)
     legends_below(figure, *groups)
+
+
+def plot_quantities(data: xr.Dataset, panels: Mapping[str, tuple[float, str]]) -> Figure:
+    """Draw quantities over the swept key, with a panel each; divergent points have open marks.
+
+    Args:
+        data: Dataset over (line, key) with the quantities and `regime`.
+        panels: factor and label of each quantity.
+    """
+    data = in_handy_units(data)
+    lines = lines_of(data)
+    figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.04 * len(panels))
+    axes_of = figure.subplots(len(panels), sharex=True)
+    for axes, (name, (scale, label)) in zip(axes_of, panels.items(), strict=True):
+        for line in lines:
+            size = scale * line.data[name].values
+            axes.plot(line.place, size, color=line.colour, linestyle=line.dash)
+            draw_marks(axes, line, size, filled=line.data["regime"].values != "divergent")
+        axes.margins(y=0.1)
+        axes.set_ylim(bottom=0.0)
+        axes.set_ylabel(label)
+    key_axis(axes_of[-1], data)
+    divergent = (data["regime"] == "divergent").any()
+    marks = [open_mark("divergent (open marks)")] if divergent else []
+    label_figure(figure, data, Group(marks), lines_group(lines))
+    return figure
 
 
 def title_figure(

@@ -6,13 +6,14 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
-from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
+from bladewhirl.postprocess.plotting.registry import BEAMS, SWEEP_FIGURES
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.quantities import main_key
+from bladewhirl.solvers.march.schema import MODEL
 
-LEFT_BY_A_SWEEP = ("frequency-map", "shaft-radius", "regimes")
-"""Names of the figures that a sweep writes into its folder."""
+LEFT_BY_A_SWEEP = ("frequency-map", "shaft-radius", "contact-nodes", "node-spectra", "regimes")
+"""Names of the figures that a sweep writes into its folder, if its model has them."""
 
 
 class SweepFigures:
@@ -21,6 +22,9 @@ class SweepFigures:
     def __init__(self, dataset: xr.Dataset) -> None:
         """Use a dataset from `open_sweep`, which must stay open."""
         self._sweep = dataset
+        model = str(dataset.attrs.get(MODEL, BEAMS))
+        #: names of the figures that a sweep of this model has
+        self.names = [name for name, kind in SWEEP_FIGURES.items() if model in kind.models]
 
     def draw(self, name: str) -> tuple[Figure, xr.Dataset]:
         """Draw a figure of `SWEEP_FIGURES`; return the figure and its data.
@@ -29,8 +33,8 @@ class SweepFigures:
             ViewError: there is no figure of this name, or it cannot be drawn for this sweep, for
                 instance because no point is finished.
         """
-        if name not in SWEEP_FIGURES:
-            raise ViewError(f"figure {name!r}: expected one of {', '.join(SWEEP_FIGURES)}")
+        if name not in self.names:
+            raise ViewError(f"figure {name!r}: expected one of {', '.join(self.names)}")
         return SWEEP_FIGURES[name].draw(self._sweep, main_key(self._sweep))
 
 
@@ -43,7 +47,7 @@ def leave_figures(directory: Path) -> dict[str, str]:
     left_out = {}
     with open_sweep(directory) as dataset:
         figures = SweepFigures(dataset)
-        for name in LEFT_BY_A_SWEEP:
+        for name in (name for name in LEFT_BY_A_SWEEP if name in figures.names):
             try:
                 figure, data = figures.draw(name)
             except ViewError as error:

@@ -27,7 +27,13 @@ from bladewhirl.postprocess.sweep.axes import (
 )
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, line_values, title_figure
-from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, in_order, need_a_grid
+from bladewhirl.postprocess.sweep.quantities import (
+    LINE,
+    as_lines,
+    in_order,
+    largest_motion,
+    need_a_grid,
+)
 from bladewhirl.postprocess.sweep.regimes import (
     HATCH,
     NOT_JUDGED,
@@ -52,8 +58,9 @@ def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
     Returns:
         Dataset over (line, vertical key, key), with a line for each combination of all further
-        keys: `regime`, `shaft_radius_max`, `growth_rate` and its standard error `growth_error`;
-        attributes `along`, the horizontal key, and `across`, the vertical key.
+        keys: `regime`, `shaft_radius_max` (`displacement_max` of a superelement), `growth_rate` and
+        its standard error `growth_error`; attributes `along`, the horizontal key, and `across`, the
+        vertical key.
 
     Raises:
         ViewError: only one key is swept, no point is finished, or there is a table of points.
@@ -63,12 +70,14 @@ def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
     if not others:
         raise ViewError("maps need two swept keys, but this sweep has only one")
     across, *lines = others
-    data = in_order(dataset, ["regime", "shaft_radius_max", "growth_rate", "growth_error"])
+    largest, what = largest_motion(dataset)
+    data = in_order(dataset, ["regime", largest, "growth_rate", "growth_error"])
     growth = ", growth" if np.isfinite(data["growth_rate"].values).any() else ""
     return (
         as_lines(data, lines)
         .transpose(LINE, across, key)
-        .assign_attrs(title="regime, displacement of the shaft" + growth, along=key, across=across)
+        .assign_attrs(title=f"regime, displacement of the {what}{growth}")
+        .assign_attrs(along=key, across=across, largest=largest)
     )
 
 
@@ -82,11 +91,14 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     maps = in_handy_units(maps)
     shown, titles = chosen(maps.sizes[LINE], MOST_ROWS), line_values(maps)
     along, across = str(maps.attrs["along"]), str(maps.attrs["across"])
-    unit, scale = handy_unit(float(maps["shaft_radius_max"].max().fillna(0.0)), "m")
-    radius = scale * maps["shaft_radius_max"].values
+    largest = maps[str(maps.attrs["largest"])]
+    unit, scale = handy_unit(float(largest.max().fillna(0.0)), "m")
+    radius = scale * largest.values
     growth, error = maps["growth_rate"].values, maps["growth_error"].values
     doubtful = np.abs(growth) <= CERTAINTY * error
-    pictures = [(radius, f"largest radius [{unit}]", style.SEQUENTIAL, _of_magnitudes(radius))]
+    pictures = [
+        (radius, f"largest displacement [{unit}]", style.SEQUENTIAL, _of_magnitudes(radius))
+    ]
     if np.isfinite(growth).any():
         top = float(np.nanmax(np.abs(growth))) or 1.0
         threshold = linear_threshold(growth, error)

@@ -13,7 +13,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, swept, swept_keys
-from bladewhirl.solvers.march.schema import SWEEP_FORMAT
+from bladewhirl.solvers.march.schema import NODES, SWEEP_FORMAT, tables_of
 
 LINE = "line"  #: name of the dimension `line`, see the module docstring
 MOTION = 1e-3
@@ -45,6 +45,14 @@ def table_keys(data: xr.Dataset) -> list[xr.DataArray]:
         for name, values in data.coords.items()
         if values.dims == (POINT,) and name != POINT and "long_name" in values.attrs
     ]
+
+
+def largest_motion(dataset: xr.Dataset) -> tuple[str, str]:
+    """Return the name of the variable with the largest displacement of each march, and what moves:
+    the shaft, or a contact node of a superelement."""
+    if tables_of(dataset.attrs) is NODES:
+        return "displacement_max", "contact node"
+    return "shaft_radius_max", "shaft"
 
 
 def need_a_grid(dataset: xr.Dataset) -> None:

@@ -5,10 +5,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
-from bladewhirl.postprocess.plotting.legends import Group
-from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.sweep import drawing
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
+from bladewhirl.postprocess.plotting.style import styled
+from bladewhirl.postprocess.sweep.drawing import plot_quantities
 from bladewhirl.postprocess.sweep.quantities import along
 
 PANELS = {
@@ -35,20 +33,4 @@ def wear_quantities(dataset: xr.Dataset, key: str) -> xr.Dataset:
 def plot_wear_quantities(data: xr.Dataset) -> Figure:
     """Draw removed volume, deepest cut and number of lobes over the swept key, from
     `wear_quantities`. Divergent points have open marks."""
-    data = in_handy_units(data)
-    lines = drawing.lines_of(data)
-    figure = new_figure(width=FULL_WIDTH, height=0.14)
-    panels = figure.subplots(len(PANELS), sharex=True)
-    for axes, (name, (scale, label)) in zip(panels, PANELS.items(), strict=True):
-        for line in lines:
-            size = scale * line.data[name].values
-            axes.plot(line.place, size, color=line.colour, linestyle=line.dash)
-            drawing.draw_marks(axes, line, size, filled=line.data["regime"].values != "divergent")
-        axes.margins(y=0.1)
-        axes.set_ylim(bottom=0.0)
-        axes.set_ylabel(label)
-    key_axis(panels[-1], data)
-    divergent = (data["regime"] == "divergent").any()
-    marks = [drawing.open_mark("divergent (open marks)")] if divergent else []
-    drawing.label_figure(figure, data, Group(marks), drawing.lines_group(lines))
-    return figure
+    return plot_quantities(data, PANELS)

@@ -21,7 +21,7 @@ RESULT_FORMAT = 9
 older format lacks variables with a higher number in the column "since"; coordinates, recess and
 growth of tips, and frequencies of waves are added when such a file is opened."""
 
-SWEEP_FORMAT = 6
+SWEEP_FORMAT = 7
 """Current format of sweep.nc. A file of an older format lacks variables with a higher number in the
 column "since"; formats 1 and 2 do not store swept values in the unit in which they were given. A
 sweep of an older format can be read but not resumed."""
@@ -69,7 +69,7 @@ def _read(table: str) -> dict[str, Variable]:
             labels=tuple(row["labels"].split()),
         )
         for row in csv.DictReader(text.splitlines())
-        if row["table"] == table
+        if table in row["table"].split()
     }
 
 
@@ -111,28 +111,32 @@ RESULT: Mapping[str, Variable] = {**HISTORY, **COATING, **STATIC, **INDICES}
 SWEEP: Mapping[str, Variable] = _read("sweep")
 """Variables of sweep.nc, which are stored for every point of a sweep."""
 
+NODE_SWEEP: Mapping[str, Variable] = _read("node-sweep")
+"""Variables of sweep.nc for every point of a sweep of a superelement."""
+
 SCREENING: Mapping[str, Variable] = _read("screening")
 """Variables of sweep.nc if points are screened."""
 
 MODEL, SUPERELEMENT = "model", "superelement"
-"""Attribute of a result with the kind of its model, and the value for a superelement."""
+"""Attribute of a result or a sweep with the kind of its model, and the value for a superelement."""
 
 
 class Tables(NamedTuple):
-    """Variables of the results of one kind of model."""
+    """Variables of the results and the sweeps of one kind of model."""
 
     history: Mapping[str, Variable]
     stage: Mapping[str, Variable]
     names: Mapping[str, Variable]
     coating: Mapping[str, Variable]
+    sweep: Mapping[str, Variable]
 
 
-BEAMS = Tables(HISTORY, STATIC, INDICES, COATING)
-NODES = Tables(NODE_HISTORY, NODE_STATIC, NODE_INDICES, NODE_COATING)
+BEAMS = Tables(HISTORY, STATIC, INDICES, COATING, SWEEP)
+NODES = Tables(NODE_HISTORY, NODE_STATIC, NODE_INDICES, NODE_COATING, NODE_SWEEP)
 
 
 def tables_of(attributes: Mapping[str, Any]) -> Tables:
-    """Return the variables of a result with these attributes."""
+    """Return the variables of a result or a sweep with these attributes."""
     return NODES if attributes.get(MODEL) == SUPERELEMENT else BEAMS
 
 
@@ -146,7 +150,7 @@ def schema_table(file: Mapping[str, Variable]) -> str:
     """Return a Markdown table with a row for each variable of a file, for the documentation.
 
     Args:
-        file: `RESULT`, `NODE_RESULT` or `SWEEP`.
+        file: `RESULT`, `NODE_RESULT`, `SWEEP` or `NODE_SWEEP`.
     """
     return "\n".join(_rows(file)) + "\n"
 

@@ -100,7 +100,7 @@ def plot(
     formats = [format_name] if format_name else FORMATS
     with _opened(directory, start, end) as figures:
         left_out: dict[str, list[str]] = {}
-        for name in figure_names if ALL in names else dict.fromkeys(names):
+        for name in figures.names if ALL in names else dict.fromkeys(names):
             try:
                 figure, drawn = figures.draw(name)
             except ViewError as error:

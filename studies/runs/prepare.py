@@ -11,7 +11,7 @@ from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
-from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build import contact_problem, march_faults
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.mass_scaling import screening_problem
 from bladewhirl.models.stage.node_coating import node_coating_faults
@@ -53,10 +53,15 @@ def prepare(case: Case) -> AnyPrepared:
     Raises:
         CaseError: all errors that prevent time integration.
     """
-    stage = any_stage(case)
+    return prepare_any(any_stage(case))
+
+
+def prepare_any(stage: AnyStage, change: Change | None = None) -> AnyPrepared:
+    """Prepare the time integration of a stage, see `prepare_stage` and `prepare_superelement`."""
     if isinstance(stage, SuperelementStage):
+        assert change is None  # screening and carried motion are refused before
         return prepare_superelement(stage)
-    return prepare_stage(stage)
+    return prepare_stage(stage, change)
 
 
 def any_stage(case: Case) -> AnyStage:
@@ -112,6 +117,28 @@ def screened(case: Case, problem: ContactProblem, timing: Timing) -> tuple[Conta
         raise UserError(f"--screen: expected {error}") from None
 
 
+def check_march(stage: AnyStage) -> None:
+    """Check that a stage can be marched.
+
+    Raises:
+        CaseError: all errors that prevent time integration.
+        UserError: as for `prepare_superelement`.
+    """
+    if isinstance(stage, SuperelementStage):
+        checked_problem(stage)
+    elif faults := list(march_faults(stage)):
+        raise CaseError(faults)
+
+
+def problem_of(stage: AnyStage) -> ContactProblem | BoundaryProblem:
+    """Return the contact problem of a stage.
+
+    Raises:
+        CaseError: all errors that prevent time integration.
+    """
+    return stage.problem if isinstance(stage, SuperelementStage) else contact_problem(stage)
+
+
 def prepare_superelement(
     stage: SuperelementStage,
 ) -> Prepared[SuperelementStage, BoundaryProblem]:
@@ -122,6 +149,13 @@ def prepare_superelement(
             modes or the coating.
         UserError: the environment asks for the reference in NumPy.
     """
+    problem, timing = checked_problem(stage), stage.case.march.timing
+    scheme: Any = BoundaryMarch(problem, timing.time_step, timing.record_every)
+    return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
+
+
+def checked_problem(stage: SuperelementStage) -> BoundaryProblem:
+    """Return the contact problem of a superelement, checked as for `prepare_superelement`."""
     if os.environ.get(KERNEL, "compiled") != "compiled":
         raise UserError(f"{KERNEL}: expected compiled, there is no reference for superelements")
     problem, timing = stage.problem, stage.case.march.timing
@@ -135,5 +169,4 @@ def prepare_superelement(
     faults = list(node_coating_faults(stage.case, problem.coating, stage.speed))
     if faults:
         raise CaseError(faults)
-    scheme: Any = BoundaryMarch(problem, timing.time_step, timing.record_every)
-    return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
+    return problem

@@ -8,9 +8,10 @@ from math import inf
 import numpy as np
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.postprocess.sweep.dataset import WINDOW_SHARE, Layout
 from bladewhirl.solvers.march.recorder import result_bytes
+from bladewhirl.studies.runs.prepare import AnyStage
 
 REACH = 10.0
 """Highest frequency of the spectra, divided by the reference frequency of the first point; it is
@@ -58,26 +59,30 @@ def march_extent(cases: Iterable[Case]) -> Extent:
     return extent
 
 
-def make_layout(extent: Extent, stage: Stage) -> Layout:
+def make_layout(extent: Extent, stage: AnyStage) -> Layout:
     """Return the layout of a sweep, whose first point has the given stage.
 
     The spacing of the frequencies is one over the window of the shortest march, at which a Hann
     window separates the periodic parts of a motion. The highest frequency is at most half of the
-    sampling rate of the longest record step.
+    sampling rate of the longest record step. The real motion of a superelement has no negative
+    frequencies.
     """
     nyquist = 0.5 / extent.record_step
     highest = min(REACH * stage.reference_frequency / (2.0 * np.pi), nyquist)
     window = WINDOW_SHARE * extent.shortest
     each_side = int(np.clip(highest * window, 1, MOST_LINES // 2))
+    nodes = isinstance(stage, SuperelementStage)
+    lines = np.arange(0 if nodes else -each_side, each_side + 1)
     return Layout(
-        frequency=np.arange(-each_side, each_side + 1) / max(window, 1.0 / highest),
+        superelement=nodes,
+        frequency=lines / max(window, 1.0 / highest),
         samples=min(MOST_SAMPLES, extent.records),
         nodal_diameters=extent.blades // 2 + 1,
         blades=extent.blades,
     )
 
 
-def history_bytes(extent: Extent, stage: Stage) -> int:
+def history_bytes(extent: Extent, stage: AnyStage) -> int:
     """Estimate the size of all full histories of a sweep [bytes], assuming that all points have as
     many modes as the first point."""
     return sum(

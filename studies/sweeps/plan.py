@@ -13,13 +13,14 @@ from bladewhirl.files import write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.plausibility import case_hints
-from bladewhirl.models.inputs.errors import CaseError, UserError
-from bladewhirl.models.stage.build import contact_problem, march_faults
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, Layout
 from bladewhirl.solvers.march.free_motion import RULE, STOPS, FreeMotion, StopWhen
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 from bladewhirl.studies.runs import folder
-from bladewhirl.studies.runs.prepare import screened
+from bladewhirl.studies.runs.prepare import check_march, problem_of, screened
 from bladewhirl.studies.sweeps.axes import (
     OVER,
     Grid,
@@ -175,7 +176,13 @@ def plan_sweep(
                 f"{OVER}: {steps:.3g} {what} are more than {most:.0e}; --yes runs them all"
             )
     coordinates = _coordinates(case, grid)
+    if case.bladed_disk.superelement is not None and (screen or carry):
+        raise UserError(
+            f"{SCREEN if screen else CONTINUE}: expected a bladed disk of beams, not"
+            " bladed_disk.superelement"
+        )
     _check_stages(case, grid, screen=screen)
+    stage = stage_at(with_values(case, grid.values(0)))
     if screen and (grid.draws is None or grid.draws.count < FEWEST_SCREENED or histories):
         raise UserError(
             f"{SCREEN}: expected --draws of at least {FEWEST_SCREENED}, and no --histories: a"
@@ -184,10 +191,9 @@ def plan_sweep(
     if carry is not None:
         others = histories or screen or stop_when or (grid.draws and grid.draws.until)
         _check_carry(case, grid, coordinates, others=bool(others))
-    stage = stage_at(with_values(case, grid.values(0)))
     if stop_when is not None:
         try:
-            FreeMotion.of(contact_problem(stage), case.march.timing.time_step)
+            FreeMotion.of(problem_of(stage), case.march.timing.time_step)
         except ValueError as error:
             expected = "expected that motion without contact decays"
             raise UserError(f"{STOP_WHEN} {stop_when}: {expected}, but {error}") from None
@@ -369,8 +375,6 @@ def _check_stages(case: Case, grid: Grid, *, screen: bool) -> None:
         with grid.naming(point):
             at_point = with_values(case, grid.values(point))
             stage = stage_at(at_point)
-            faults = [*march_faults(stage)]
-            if faults:
-                raise CaseError(faults)
-            if screen:
+            check_march(stage)
+            if isinstance(stage, Stage) and screen:
                 screened(at_point, contact_problem(stage), at_point.march.timing)

@@ -20,15 +20,22 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import NoExcitation
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.postprocess.superelement.digest import node_digest
 from bladewhirl.postprocess.sweep.dataset import Layout
 from bladewhirl.postprocess.sweep.digest import Digest, digest
 from bladewhirl.solvers.march.free_motion import FreeMotion, StopWhen
 from bladewhirl.solvers.march.march import EndReason
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.folder import portable_case
-from bladewhirl.studies.runs.prepare import Change, prepare_stage, screened
+from bladewhirl.studies.runs.prepare import (
+    AnyStage,
+    Change,
+    any_stage,
+    prepare_any,
+    screened,
+)
 from bladewhirl.studies.runs.recorded_march import expected_bytes, march_in_memory, march_to_file
 from bladewhirl.studies.sweeps.axes import Value
 from bladewhirl.studies.sweeps.carried import continued, late_state, read_state, write_state
@@ -93,7 +100,7 @@ def march_point(work: Work, point: Point) -> Outcome:
         return Failure(reason=f"{type(error).__name__}: {text}")
 
 
-def stage_at(case: Case) -> Stage:
+def stage_at(case: Case) -> AnyStage:
     """Return the stage of a case; cases that differ only in load and march use the same models.
 
     With rotation effects the models also depend on the speed.
@@ -113,13 +120,13 @@ def stage_at(case: Case) -> Stage:
 
 
 @lru_cache(maxsize=KEPT_STAGES)
-def _body(case: Case) -> Stage:
-    return build_stage(case)
+def _body(case: Case) -> AnyStage:
+    return any_stage(case)
 
 
 def _march_point(work: Work, case: Case, point: Point) -> Digest:
     name = point.history
-    prepared = prepare_stage(stage := stage_at(case), _change(work, stage, point))
+    prepared = prepare_any(stage := stage_at(case), _change(work, stage, point))
     if work.stop_when is not None:
         with suppress(ValueError):  # a march that cannot end early runs to its end
             stop = FreeMotion.of(prepared.problem, prepared.timing.time_step)
@@ -128,7 +135,7 @@ def _march_point(work: Work, case: Case, point: Point) -> Digest:
         room = _OWN.__dict__.setdefault("room", {})
         result, report = march_in_memory(prepared, room)
         _keep_state(work, stage, result, point)
-        return digest(result, report, work.layout)
+        return _reduced(result, report, work.layout)
     # A history to keep is written into its final folder, under another name until it is complete.
     folder = work.histories if name is not None else None
     with TemporaryDirectory(prefix=".point-", dir=folder) as scratch:
@@ -138,14 +145,21 @@ def _march_point(work: Work, case: Case, point: Point) -> Digest:
         if work.layout is not None:
             with open_result(path) as result:
                 _keep_state(work, stage, result, point)
-                kept = digest(result, report, work.layout)
+                kept = _reduced(result, report, work.layout)
         if name is not None:
             os.replace(path, Path(work.histories) / name)
     return kept
 
 
-def _change(work: Work, stage: Stage, point: Point) -> Change | None:
+def _reduced(result: xr.Dataset, report: Mapping[str, float], layout: Layout) -> Digest:
+    """Reduce a result to the data of the sweep."""
+    return (node_digest if layout.superelement else digest)(result, report, layout)
+
+
+def _change(work: Work, stage: AnyStage, point: Point) -> Change | None:
     """Return the change of the contact problem of a point."""
+    if not isinstance(stage, Stage):
+        return None
     if point.screen:
         return partial(screened, stage.case)
     if point.before is None:
@@ -154,7 +168,8 @@ def _change(work: Work, stage: Stage, point: Point) -> Change | None:
     return lambda problem, timing: (continued(stage, problem, state), timing)
 
 
-def _keep_state(work: Work, stage: Stage, result: xr.Dataset, point: Point) -> None:
+def _keep_state(work: Work, stage: AnyStage, result: xr.Dataset, point: Point) -> None:
     """Write the state that is carried to the next speed, unless the march ended early."""
-    if point.after is not None and result.attrs["end_reason"] == EndReason.COMPLETED.value:
+    completed = result.attrs["end_reason"] == EndReason.COMPLETED.value
+    if isinstance(stage, Stage) and point.after is not None and completed:
         write_state(Path(work.states) / point.after, late_state(stage, result))

@@ -23,7 +23,13 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT
 from bladewhirl.postprocess.sweep import dataset
-from bladewhirl.solvers.march.schema import SCREENING, SWEEP, SWEEP_FORMAT
+from bladewhirl.solvers.march.schema import (
+    MODEL,
+    SCREENING,
+    SUPERELEMENT,
+    SWEEP_FORMAT,
+    tables_of,
+)
 from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
 from bladewhirl.studies.sweeps.axes import Grid
 from bladewhirl.studies.sweeps.points import Failure, Outcome
@@ -67,13 +73,10 @@ def create(
         for name, dimension, values, unit, label in along:
             made = file.create_variable(name, (dimension,), np.float64, data=values)
             made.attrs.update({"units": unit, "long_name": label})
-        for name, labels in (
-            (dataset.GROUP, layout.groups),
-            (dataset.LINE, tuple(dataset.MODE_LINES)),
-        ):
+        for name, labels in layout.names.items():
             text = np.array(labels, dtype=object)
             file.create_variable(name, (name,), h5py.string_dtype(), data=text)
-        for name, variable in {**SWEEP, **(SCREENING if screen else {})}.items():
+        for name, variable in {**layout.tables.sweep, **(SCREENING if screen else {})}.items():
             lengths = {dimension: layout.sizes[dimension] for dimension in variable.dimensions}
             made = _reserve(h5, file, name, np.dtype(variable.kind), {**sizes, **lengths})
             made.attrs.update(variable.attributes)
@@ -88,6 +91,8 @@ def create(
         if grid.table:
             file.attrs["table"] = json.dumps(grid.listed)
         file.attrs["format"] = SWEEP_FORMAT
+        if layout.superelement:
+            file.attrs[MODEL] = SUPERELEMENT
         file.attrs["criterion"] = CRITERION_TEXT
         file.attrs["window"] = (
             f"spectra and mean energies are over the last {layout.window:.6g} s of each march,"
@@ -129,10 +134,14 @@ class Store(AbstractContextManager["Store"]):
             raise UserError(
                 f"{path}: expected the dataset of the plan in this folder, not of another plan"
             )
+        self._table = tables_of(self._h5.attrs).sweep
         names = (*(axis.name for axis in (*grid.axes, *grid.table)), "frequency")
         self._coordinates = [self._h5[name][()] for name in names]
         changed = dataset.changed_point(
-            lambda name, rows: np.asarray(self._h5[name][rows]), grid.shape, self._coordinates
+            self._table,
+            lambda name, rows: np.asarray(self._h5[name][rows]),
+            grid.shape,
+            self._coordinates,
         )
         if changed is not None:
             self._h5.close()
@@ -141,7 +150,7 @@ class Store(AbstractContextManager["Store"]):
             )
         # The variables are kept, because a lookup by name takes a third of the time of writing a
         # point.
-        self._variables = {name: self._h5[name] for name in SWEEP}
+        self._variables = {name: self._h5[name] for name in self._table}
         #: state of every point as written, (points,)
         self.state = np.asarray(self._h5["state"][()], dtype=np.int8).ravel()
         self._screened = self._h5.get(dataset.SCREENED)
@@ -185,7 +194,7 @@ class Store(AbstractContextManager["Store"]):
     def read(self, point: int) -> dict[str, FloatArray]:
         """Read the data of a finished point."""
         index = np.unravel_index(point, self._grid.shape)
-        names = (name for name in SWEEP if name not in ("state", "checksum"))
+        names = (name for name in self._table if name not in ("state", "checksum"))
         return {name: np.asarray(self._variables[name][index]) for name in names}
 
     def write(self, point: int, outcome: Outcome, *, screened: bool = False) -> None:
@@ -208,7 +217,8 @@ class Store(AbstractContextManager["Store"]):
             self.failures.pop(point, None)
             for name, values in outcome.items():
                 self._variables[name][index] = values
-            self._variables["checksum"][index] = dataset.checksum(outcome, self._coordinates)
+            checksum = dataset.checksum(self._table, outcome, self._coordinates)
+            self._variables["checksum"][index] = checksum
         self._h5.flush()
         self._write_state(point, dataset.FAILED if isinstance(outcome, Failure) else dataset.DONE)
 

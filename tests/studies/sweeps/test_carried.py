@@ -15,6 +15,7 @@ import bladewhirl.studies.sweeps.sweep as sweep_module
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.contact_problem import NEVER
+from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, flag, open_sweep
 from bladewhirl.studies.runs.prepare import prepare_stage
 from bladewhirl.studies.runs.recorded_march import march_in_memory
@@ -65,7 +66,8 @@ def test_a_march_in_two_parts_is_one_march(effects: str) -> None:
     order are those of the start."""
     changes = {**FREE, "rotation.effects": effects, "march.record_step": 8e-6}
     turn = 2.0 * np.pi / stage_at(small(**changes)).speed
-    stage = stage_at(small(**changes, **{"march.duration": 8e-6 * round(2.5 * turn / 8e-6)}))
+    case = small(**changes, **{"march.duration": 8e-6 * round(2.5 * turn / 8e-6)})
+    stage = build_stage(case)
     first, _ = march_in_memory(prepare_stage(stage))
     state = late_state(stage, first)
     prepared = prepare_stage(
@@ -82,7 +84,7 @@ def test_a_march_in_two_parts_is_one_march(effects: str) -> None:
 
 def test_loads_go_on_without_ramp_and_pulses_are_over() -> None:
     loads: Any = [{"type": "casing-distortion"}, {"type": "engine-order", "ramp": 0.3}]
-    stage = stage_at(small(excitation=loads))
+    stage = build_stage(small(excitation=loads))
     prepared = prepare_stage(stage)
     result, _ = march_in_memory(prepared)
     after = continued(stage, prepared.problem, late_state(stage, result))

@@ -1,0 +1,130 @@
+"""Figures of sweeps of a superelement: contact and displacement, and spectra, over a swept key."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
+
+from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.plotting.axes import decades, draw_map
+from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges, rpm_on_top
+from bladewhirl.postprocess.sweep.dataset import DIRECTION
+from bladewhirl.postprocess.sweep.drawing import (
+    MOST_ROWS,
+    chosen,
+    line_values,
+    plot_quantities,
+    title_figure,
+)
+from bladewhirl.postprocess.sweep.frequency_map import OUTLINE
+from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges, need_a_grid
+
+DECADES = 3
+"""Number of decades below the largest amplitude in a map."""
+
+VISIBLE = 1e-2
+"""Smallest amplitude that a map shows in any case, as a share of the largest."""
+
+ABOVE = 1.3
+"""Highest frequency of a map, divided by the highest one with a visible amplitude."""
+
+ORDERS = range(1, 13)
+"""Engine orders that are drawn as lines."""
+
+
+def contact_quantities(dataset: xr.Dataset, key: str) -> xr.Dataset:
+    """Load contact and displacement of a sweep of a superelement along a key.
+
+    Returns:
+        Dataset over (line, key), see `quantities.along`: `impulse_per_revolution` [N s],
+        `contact_force_max` [N], `radial`, `tangential` and `axial` [m], the largest displacements
+        of a contact node over the last third of each march, and `regime`.
+    """
+    names = ["impulse_per_revolution", "contact_force_max", "late_displacement", "regime"]
+    data = along(dataset, key, names)
+    moved = data["late_displacement"]
+    parts = {str(name): moved.sel({DIRECTION: name}, drop=True) for name in moved[DIRECTION].values}
+    return (
+        data.assign(parts)
+        .drop_dims(DIRECTION)
+        .assign_attrs(title="contact, and displacement over the last third of each march")
+    )
+
+
+@styled
+def plot_contact_quantities(data: xr.Dataset) -> Figure:
+    """Draw impulse, force and displacements from `contact_quantities`."""
+    force, by_force = handy_unit(float(data["contact_force_max"].max().fillna(0.0)), "N")
+    panels = {
+        "impulse_per_revolution": (1.0, "impulse per\nrevolution [N s]"),
+        "contact_force_max": (by_force, f"largest normal\nforce [{force}]"),
+    }
+    for name in ("radial", "tangential", "axial"):
+        unit, scale = handy_unit(float(data[name].max().fillna(0.0)), "m")
+        panels[name] = (scale, f"{name} displace-\nment [{unit}]")
+    return plot_quantities(data, panels)
+
+
+def node_spectra(dataset: xr.Dataset, key: str) -> xr.Dataset:
+    """Load spectra of a sweep of a superelement along a key.
+
+    Returns:
+        Dataset over (line, key), see `quantities.along`: `spectrum` [m] over `frequency` [Hz],
+        `natural_frequency` [Hz] and `rotation_speed` [rad/s].
+
+    Raises:
+        ViewError: no point is finished, the sweep is over a table of points, or the marches have
+            too few records.
+    """
+    need_a_grid(dataset)
+    data = along(dataset, key, ["spectrum", "natural_frequency", "rotation_speed"])
+    frequency, amplitude = data["frequency"].values, data["spectrum"].values
+    if not np.isfinite(amplitude).any():
+        raise ViewError("the marches have too few records for spectra")
+    seen = (amplitude >= VISIBLE * np.nanmax(amplitude)).any(axis=(0, 1))
+    inside = frequency <= ABOVE * frequency[seen].max(initial=0.0)
+    resolution = float(np.diff(frequency[:2]).sum())
+    return data.isel(frequency=inside).assign_attrs(
+        title=f"spectra of the tangential displacement, resolution {resolution:.3g} Hz; dotted:"
+        " engine orders, dashed: natural frequencies",
+        window=dataset.attrs["window"],
+    )
+
+
+@styled
+def plot_node_spectra(data: xr.Dataset) -> Figure:
+    """Draw the amplitude over the swept key and the frequency from `node_spectra`; dotted lines are
+    engine orders, dashed lines natural frequencies."""
+    data = in_handy_units(data)
+    unit, scale = handy_unit(float(data["spectrum"].max().fillna(0.0)), "m")
+    shown, titles = chosen(data.sizes[LINE], MOST_ROWS), line_values(data)
+    figure = new_figure(width=FULL_WIDTH, height=0.1 if len(shown) == 1 else 0.065 * len(shown))
+    panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+    top = scale * float(data["spectrum"].max().fillna(0.0)) or 1.0
+    for number, axes in zip(shown, panels, strict=True):
+        picture = _draw_spectra(axes, data.isel({LINE: number}), scale, top)
+        axes.set_title(titles[number], loc="left")
+    key_axis(panels[-1], data, share=0.9)
+    rpm_on_top(data, panels[0])
+    figure.colorbar(picture, ax=list(panels), label=f"tangential amplitude [{unit}]", pad=0.01)
+    figure.supylabel(f"frequency [{data['frequency'].attrs['units']}]", fontsize="medium")
+    title_figure(figure, data, most=MOST_ROWS)
+    return figure
+
+
+def _draw_spectra(axes: Axes, one: xr.Dataset, scale: float, top: float) -> QuadMesh:
+    heights = cell_edges(one["frequency"].values, logarithmic=False)
+    amplitude = np.maximum(scale * one["spectrum"].values.T, top * 10.0**-DECADES)
+    picture = draw_map(axes, key_edges(one), heights, amplitude, norm=decades(top, DECADES))
+    axes.set_ylim(0.0, float(heights[-1]))
+    place = one[str(one.attrs["along"])].values
+    hertz = 1e-3 if one["frequency"].attrs["units"] == "kHz" else 1.0
+    turning = hertz * np.abs(one["rotation_speed"].values) / (2.0 * np.pi)
+    for order in ORDERS:
+        axes.plot(place, order * turning, ":", color="white", linewidth=0.6)
+    for natural in one["natural_frequency"].values.T:
+        axes.plot(place, hertz * natural, "--", color="white", linewidth=0.6, path_effects=OUTLINE)
+    return picture

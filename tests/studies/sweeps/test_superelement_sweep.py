@@ -1,0 +1,155 @@
+"""Sweeps of superelements."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command_line import answer, refusal
+from numpy.testing import assert_array_equal
+from rod_blade import blade, tables
+from sweep_work import march_in_process
+
+import bladewhirl as bw
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.reports import page as report_page
+from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
+from bladewhirl.solvers.march.free_motion import FreeMotion
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
+from bladewhirl.studies.sweeps import sweep
+from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
+
+SPEEDS = {"march.speed": ("6000 rpm", "9000 rpm")}
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("part") / "rods.npz"
+    bw.write_superelement(path, blade())
+    return path
+
+
+@pytest.fixture(scope="module")
+def case(file: Path) -> Case:
+    return bw.case_from(tables(file, march__record_step=2e-5, march__duration=0.025))
+
+
+@pytest.fixture(scope="module")
+def swept(case: Case, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("sweep") / "swept"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sweep, "march_points", march_in_process)
+        done = run_sweep(case, SPEEDS | {"contact.friction": (0.0, 0.1)}, folder)
+    assert (done.points, done.done, done.left_out) == (4, 4, {})
+    return folder
+
+
+def test_a_point_is_the_run_of_its_case(case: Case, swept: Path, tmp_path: Path) -> None:
+    part = case.bladed_disk.superelement
+    assert part is not None
+    fast = bw.case_from(
+        tables(
+            Path(part.file),
+            march__speed="9000 rpm",
+            march__record_step=2e-5,
+            march__duration=0.025,
+            contact__friction=0.0,
+        )
+    )
+    summary: Any = bw.run(fast, tmp_path / "run", frames=0).summary
+    with open_sweep(swept) as found:
+        point = found.isel(march_speed=1, contact_friction=0)
+        for name in ("impulse_per_revolution", "energy_residual", "steps"):
+            assert float(point[name]) == getattr(summary, name)
+        assert float(point["contact_force_max"]) == summary.contact_force_max["force"]
+        assert float(point["displacement_max"]) == max(summary.contact_displacement_max.values())
+        assert point["contact_share"].shape == (3,)
+        assert float(point["contact_share"].max()) == max(summary.contact_share)
+        assert str(point["regime"].values) == "sustained"
+        spectrum = point["spectrum"].values
+        near = abs(float(point["frequency"][spectrum.argmax()]) % 150.0)
+        assert min(near, 150.0 - near) <= float(point["frequency"][1])  # an engine order
+
+
+def test_a_lost_point_is_marched_again_with_the_same_bits(swept: Path, tmp_path: Path) -> None:
+    before = (swept / SWEEP_NAME).read_bytes()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sweep, "march_points", march_in_process)
+        (swept / SWEEP_NAME).unlink()
+        assert resume_sweep(swept).marched == 4
+    assert (swept / SWEEP_NAME).read_bytes() == before
+
+
+@pytest.mark.usefixtures("pictures_unsaved")
+def test_it_has_figures_and_a_report(
+    swept: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = answer("plot", swept, "all", "-o", tmp_path).stderr
+    assert "probability left out" in told
+    assert "wear left out" in told
+    names = {path.stem for path in tmp_path.glob("*.nc")}
+    assert names == {"contact-nodes", "node-spectra", "regimes", "contact-classes", "maps"}
+    assert "expected one of contact-nodes, node-spectra" in refusal("plot", swept, "whirl")
+    monkeypatch.setattr(report_page, "_as_png", lambda figure: "AAAA")
+    answer("report", swept)
+    words = (swept / "report.html").read_text(encoding="utf-8")
+    assert "largest displacement of the contact node [mm]" in words
+
+
+def test_what_only_beams_can_do_is_refused(case: Case, tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="--continue: expected a bladed disk of beams"):
+        run_sweep(case, SPEEDS, tmp_path / "c", carry="up")
+    with pytest.raises(UserError, match="--screen: expected a bladed disk of beams"):
+        run_sweep(
+            case, SPEEDS, tmp_path / "s", screen=True, draws=5, perturb=["contact.friction = 0.1"]
+        )
+    with pytest.raises(
+        UserError, match=r"point casing.clearance = 1e-4: .*a wall outside all contact"
+    ):
+        run_sweep(case, {"casing.clearance": (3e-4, 1e-4)}, tmp_path / "w")
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_stopped_march_begins_as_the_whole_one_and_nothing_touches_later(file: Path) -> None:
+    thrown = {"tip_velocity": [[6.0, 0.0], [0.0, 0.0], [0.0, 0.0]]}
+    round_wall = {"type": "rigid", "clearance": 5e-5}
+    case = bw.case_from(
+        tables(
+            file,
+            initial=thrown,
+            reduction={"free_interface_modes": 40},
+            casing=round_wall,
+            damping__ratio=0.05,
+            march__duration=0.6,
+            march__record_step=2e-4,
+        )
+    )
+    whole = prepare(case)
+    long, _ = march_in_memory(whole)
+    stop = FreeMotion.of(whole.problem, 2e-6)
+    short, report = march_in_memory(replace(whole, stop=stop))
+    assert short.attrs["end_reason"] == "damped"
+    assert report["steps"] < 250_000
+    for name in ("modal_displacement", "energy", "contact_steps"):
+        assert_array_equal(short[name], long[name][: short.sizes["time"]])
+    assert long["contact_steps"].values.any()
+    assert not long["contact_steps"][short.sizes["time"] // 2 :].any()
+
+
+def test_no_motion_with_so_little_energy_closes_the_gap(file: Path) -> None:
+    problem = prepare(
+        bw.case_from(tables(file, casing={"type": "rigid", "clearance": 3e-4}))
+    ).problem
+    stop = FreeMotion.of(problem, 2e-6)
+    reach = []
+    for frequency in problem.frequency:
+        way = problem.contact[::3] / frequency  # of each node, scaled by the worst state
+        reach.append(np.sqrt(2.0 * stop.enough) * np.linalg.norm(way, axis=1).max())
+    share = np.sqrt(1.0 - (2e-6 / problem.critical_time_step) ** 2)
+    assert max(reach) <= 0.8 * 3e-4 * share
+    feeding = replace(problem, by_velocity=-1e6 * np.eye(problem.frequency.shape[1]))
+    with pytest.raises(ValueError, match="feeds energy"):
+        FreeMotion.of(feeding, 2e-6)
