@@ -16,16 +16,38 @@ Stress = Annotated[float, fields.quantity("Pa", "not negative")]
 Point = tuple[fields.Angle, fields.LengthOrZero]
 
 
+Points = Annotated[tuple[Point, ...], fields.rows('[angle, recess], as in ["90 deg", "0.1 mm"]')]
+
+
+class WornTrack(Table):
+    """Removed depth of one track of a coating under a superelement."""
+
+    axial: Annotated[float, fields.quantity("m", "any")]
+    """Axial position of the track [m]."""
+    points: Points
+    """Points of the worn surface, rows as in casing.coating.profile.points."""
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield an error for too few or too many points, and for two points at one angle."""
+        if fault := angle_fault([angle for angle, _ in self.points]):
+            yield Inconsistency("points", fault)
+
+
 class WornProfile(Table):
     """Depth to which a coating is worn before the march."""
 
-    points: Annotated[
-        tuple[Point, ...], fields.rows('[angle, recess], as in ["90 deg", "0.1 mm"]')
-    ] = ()
+    points: Points = ()
     """Points of a worn surface, rows of [angle, recess]: angle from the x axis [rad] and removed
-    depth [m], with linear interpolation around the casing. file = "wear.csv" reads the points from
-    a file whose first line is "angle [deg],recess [mm]", with any units; a run with a coating
-    writes such a file."""
+    depth [m], with linear interpolation around the casing; the same in all tracks under a
+    superelement. file = "wear.csv" reads the points from a file whose first line is
+    "angle [deg],recess [mm]", with any units; a run with a coating writes such a file."""
+    tracks: Annotated[
+        tuple[WornTrack, ...],
+        fields.rows('{ axial = "5 mm", points = [["90 deg", "0.1 mm"], ...] }'),
+    ] = ()
+    """Points of each track under a superelement, in place of points. file = "wear.csv" reads them
+    from a file whose first line is "angle [deg],recess at -5 mm [mm],recess at 5 mm [mm]", with
+    the axial positions of the contact nodes; a run of a superelement writes such a file."""
     lobes: Annotated[
         tuple[Lobe, ...], fields.rows('{ lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }')
     ] = ()
@@ -35,22 +57,40 @@ class WornProfile(Table):
     @model_validator(mode="before")
     @classmethod
     def _from_file(cls, values: Any) -> Any:
-        return with_points_of_file(values, "recess")
+        return with_points_of_file(values, "recess", tracked=True)
+
+    @property
+    def axial(self) -> FloatArray:
+        """Axial position of each of the tracks [m], ascending, (tracks,)."""
+        return np.sort([track.axial for track in self.tracks])
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for too few or too many points, and for two points at one angle."""
+        """Yield an error for too few or too many points, for two points at one angle, for points
+        together with tracks, and for two tracks at one position."""
         if self.points and (fault := angle_fault([angle for angle, _ in self.points])):
             yield Inconsistency("points", fault)
+        if self.points and self.tracks:
+            yield Inconsistency("tracks", "either points or tracks", ("points",))
+        if len(np.unique(self.axial)) < len(self.tracks):
+            yield Inconsistency("tracks", "one track at each axial position")
 
     def recess(self, angle: FloatArray) -> FloatArray:
-        """Return the removed depth at angles [rad], in the same shape [m]."""
+        """Return the removed depth at angles [rad] [m], in the same shape, or
+        (tracks, *angle.shape), in the order of `axial`, if there are tracks."""
         total = np.zeros(angle.shape)
         if self.points:
-            places, depths = np.array(self.points).T
-            total = np.interp(angle, places, depths, period=TURN)
+            total = _interpolated(self.points, angle)
+        elif self.tracks:
+            ordered = sorted(self.tracks, key=lambda track: track.axial)
+            total = np.array([_interpolated(track.points, angle) for track in ordered])
         for wave in self.lobes:
             total += wave.amplitude * (1.0 + np.cos(wave.lobes * (angle - wave.phase))) / 2.0
         return np.asarray(total)
+
+
+def _interpolated(points: tuple[Point, ...], angle: FloatArray) -> FloatArray:
+    places, depths = np.array(points).T
+    return np.asarray(np.interp(angle, places, depths, period=TURN))
 
 
 class Coating(Table):

@@ -27,6 +27,14 @@ SET = "--set"
 
 LOAD_TYPE = re.compile(r"excitation(\.[0-9]+)?\.type")
 
+FILES = (
+    "bladed_disk.mesh",
+    "bladed_disk.superelement",
+    "casing.profile",
+    "casing.coating.profile",
+)
+"""Tables with the path of a file."""
+
 SPRINGS = ("shaft.stiffness", "shaft.suspension_frequency")
 """Two keys that exclude each other: setting one of them removes the other."""
 
@@ -154,15 +162,12 @@ def case_fault(case: Case, key: str, expected: str) -> Fault:
 
 
 def _find_beside(tables: dict[str, Any], folder: str) -> None:
-    """Convert the paths of a mesh file and of a wall profile from relative to the case file to
-    relative to the working directory."""
-    for first, second in (
-        ("bladed_disk", "mesh"),
-        ("bladed_disk", "superelement"),
-        ("casing", "profile"),
-    ):
-        outer = tables.get(first)
-        table = outer.get(second) if isinstance(outer, dict) else None
+    """Convert the paths of the files that a case names from relative to the case file to relative
+    to the working directory."""
+    for key in FILES:
+        table: Any = tables
+        for name in key.split("."):
+            table = table.get(name) if isinstance(table, dict) else None
         if isinstance(table, dict) and isinstance(table.get("file"), str):
             table["file"] = os.path.join(folder, table["file"])
 

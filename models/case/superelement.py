@@ -91,6 +91,10 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         if case.contact.sliding == "full":
             expected = f'"permanent" or "signed", or a {SOURCE}'
             yield Inconsistency("contact.sliding", expected, (SOURCE,))
+        worn = None if case.casing.coating is None else case.casing.coating.profile
+        if worn is not None and worn.tracks:
+            expected = f"points without axial positions, or a {SOURCE}"
+            yield Inconsistency("casing.coating.profile", expected, (SOURCE,))
         return
     if case.sketch is not None:
         yield Inconsistency("sketch", f"no sketch together with {SOURCE}", (SOURCE,))

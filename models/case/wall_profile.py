@@ -18,7 +18,8 @@ from bladewhirl.models.sections.wall import TURN, Lobe
 FEWEST, MOST = 8, 20_000
 """Smallest and largest number of points of a profile."""
 
-HEADING = re.compile(r"\s*(\w+)\s*\[([^\]]+)\]\s*")
+HEADING = re.compile(r"\s*(\w+)(?:\s+at\s+([^\[\]]*[^\[\]\s]))?\s*\[([^\]]+)\]\s*")
+"""Pattern of the heading of a column: name, axial position if there is one, unit."""
 
 Point = tuple[fields.Angle, Annotated[float, fields.quantity("m", "any")]]
 
@@ -59,21 +60,37 @@ def angle_fault(given: list[float]) -> str:
     return "" if apart else "one value at each angle of a turn"
 
 
-def with_points_of_file(values: Any, column: str) -> Any:
-    """Return the values of a table with `points` in place of the name of a `file`."""
+def with_points_of_file(values: Any, column: str, *, tracked: bool = False) -> Any:
+    """Return the values of a table with `points` in place of the name of a `file`; with `tracks` if
+    columns of the file have axial positions, which only a `tracked` table may have."""
     if not isinstance(values, dict) or "file" not in values:
         return values
-    if values.get("points"):
+    if values.get("points") or values.get("tracks"):
         raise fields.expectation("either points or file, not both")
     rest = {name: value for name, value in values.items() if name != "file"}
-    return rest | {"points": read_points(values["file"], column)}
+    columns = read_columns(values["file"], column)
+    if list(columns) == [None]:
+        return rest | {"points": columns[None]}
+    if not tracked:
+        raise fields.expectation(f"one column without an axial position in {values['file']}")
+    return rest | {"tracks": [{"axial": z, "points": rows} for z, rows in columns.items()]}
 
 
-def read_points(file: Any, column: str) -> list[list[float]]:
-    """Return the points of a file, rows of angle [rad] and of the values of a column [m].
+def read_columns(file: Any, column: str) -> dict[float | None, list[list[float]]]:
+    """Read the points of a wall, of one line around it or of several at axial positions.
+
+    Args:
+        file: path of a CSV file. Its first line has headings such as "angle [deg],recess [mm]", or
+            "angle [deg],recess at -5 mm [mm],recess at 5 mm [mm]", in any order.
+        column: name of the columns of lengths.
+
+    Returns:
+        Rows of angle [rad] and length [m] by axial position [m]; by None if a single column has no
+        axial position.
 
     Raises:
-        PydanticCustomError: the file cannot be read, or a line does not have two numbers.
+        PydanticCustomError: the file cannot be read, or a line does not have a number for each
+            heading.
     """
     if not isinstance(file, str | os.PathLike) or "\0" in os.fspath(file):
         raise fields.expectation('the path of a file such as "wall.csv"')
@@ -82,13 +99,8 @@ def read_points(file: Any, column: str) -> list[list[float]]:
             lines = [line for line, _ in zip(csv.reader(stream), range(MOST + 2), strict=False)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise fields.expectation(f"a readable file of a wall profile, {file}", error) from None
-    matches = [HEADING.fullmatch(cell) for cell in lines[0]] if lines else []
-    names = [match[1].lower() if match else "" for match in matches]
-    units = {"angle": "rad", column: "m"}
     try:
-        if sorted(names) != sorted(units):
-            raise ValueError("other columns")
-        scales = [to_si(f"1 {match[2]}", units[match[1].lower()]) for match in matches if match]
+        angle, places, scales = _headings(lines[0] if lines else [], column)
     except ValueError as error:
         phrase = f'"angle [deg],{column} [mm]", with any units, as the first line of {file}'
         raise fields.expectation(phrase, error) from None
@@ -97,9 +109,35 @@ def read_points(file: Any, column: str) -> list[list[float]]:
         if not any(cell.strip() for cell in line):
             continue
         try:
-            first, second = (scale * float(cell) for scale, cell in zip(scales, line, strict=True))
+            row = [scale * float(cell) for scale, cell in zip(scales, line, strict=True)]
         except ValueError:
-            raise fields.expectation(f"two numbers in line {number} of {file}") from None
-        points.append([first, second] if names[0] == "angle" else [second, first])
-    again = len(points) > 1 and np.allclose(points[-1], np.add(points[0], [TURN, 0.0]), 1e-9, 1e-12)
-    return points[:-1] if again else points
+            count = "two" if len(scales) == 2 else str(len(scales))
+            raise fields.expectation(f"{count} numbers in line {number} of {file}") from None
+        points.append([row.pop(angle), *row])
+    turn = [TURN] + [0.0] * len(places)
+    again = len(points) > 1 and np.allclose(points[-1], np.add(points[0], turn), 1e-9, 1e-12)
+    points = points[:-1] if again else points
+    return {z: [[row[0], row[n]] for row in points] for n, z in enumerate(places, 1)}
+
+
+def _headings(cells: list[str], column: str) -> tuple[int, list[float | None], list[float]]:
+    """Return the number of the column of angles, the axial position of each other column [m], and
+    the SI value of the unit of each column.
+
+    Raises:
+        ValueError: a unit is not one of angles or lengths, or there are other columns.
+    """
+    matches = [match for cell in cells if (match := HEADING.fullmatch(cell))]
+    names = [match[1].lower() for match in matches]
+    lengths = [match for match, name in zip(matches, names, strict=True) if name == column]
+    at = [match[2] for match in lengths if match[2]]
+    if not lengths or names.count("angle") != 1 or len(lengths) + 1 != len(cells):
+        raise ValueError("other columns")
+    if len(lengths) != 1 and len(at) != len(lengths):
+        raise ValueError(f"several columns without axial positions, as in {column} at 5 mm [mm]")
+    units = {"angle": "rad", column: "m"}
+    scales = [to_si(f"1 {m[3]}", units[name]) for m, name in zip(matches, names, strict=True)]
+    places: list[float | None] = [to_si(text, "m") for text in at] or [None]
+    if len(set(places)) < len(places):
+        raise ValueError("two columns of one axial position")
+    return names.index("angle"), places, scales

@@ -6,6 +6,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.coating import WornProfile
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.stage.coating import PER_FOOTPRINT
@@ -14,6 +15,12 @@ from bladewhirl.models.superelements.superelement import Superelement
 
 SAME = 1e-6
 """Share of the radius below which two axial positions are one track, and a footprint is zero."""
+
+MISPLACED = 0.01
+"""Share of the width of a track by which a track of a worn profile may be elsewhere."""
+
+LISTED = 8
+"""Number of axial positions up to which a message has all of them."""
 
 
 def node_coating(
@@ -32,12 +39,13 @@ def node_coating(
         wall_radius: radius of the wall [m].
 
     Raises:
-        CaseError: the distances of the nodes give no footprint or no width.
+        CaseError: the distances of the nodes give no footprint or no width, or a worn profile has
+            other tracks.
     """
     coating = case.casing.coating
     if coating is None:
         return None
-    axial, track = _tracks(part)
+    axial, track = axial_tracks(part.contact_position[:, 2], part.contact_radius)
     if len(axial) > 1:
         width = spacing(axial)
     else:
@@ -70,6 +78,7 @@ def node_coating(
         limit=coating.limit,
     )
     if coating.profile is not None:
+        _check_tracks(case, coating.profile, made)
         made.strain[:] = coating.profile.recess(rod_angles(rods)) / coating.thickness
     return made
 
@@ -96,11 +105,40 @@ def spacing(places: FloatArray) -> FloatArray:
     return np.asarray(own[np.argsort(order, kind="stable")])
 
 
-def _tracks(part: Superelement) -> tuple[FloatArray, IntArray]:
-    """Return the different axial positions of the contact nodes [m], ascending, and the number of
-    the position of each node."""
-    z = part.contact_position[:, 2]
-    order = np.argsort(z, kind="stable")
-    apart = np.diff(z[order], prepend=z[order[0]]) > SAME * part.contact_radius.max()
+def axial_tracks(axial: FloatArray, radius: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return the different axial positions of contact nodes [m], ascending, and the number of the
+    position of each node.
+
+    Args:
+        axial: axial position of each node [m], (nodes,).
+        radius: radius of each node [m], (nodes,).
+    """
+    order = np.argsort(axial, kind="stable")
+    apart = np.diff(axial[order], prepend=axial[order[0]]) > SAME * radius.max()
     number = np.cumsum(apart)[np.argsort(order, kind="stable")]
-    return np.array([z[number == n].mean() for n in range(int(number.max()) + 1)]), number
+    return np.array([axial[number == n].mean() for n in range(int(number.max()) + 1)]), number
+
+
+def _check_tracks(case: Case, profile: WornProfile, made: NodeCoating) -> None:
+    """Check that the tracks of a worn profile are those of the contact nodes.
+
+    Raises:
+        CaseError: their number is another one, or a track is elsewhere.
+    """
+    axial, worn = made.axial, profile.axial
+    if not profile.tracks:
+        return
+    if len(worn) != len(axial) or (np.abs(worn - axial) > MISPLACED * made.width).any():
+        expected = (
+            f"tracks at the axial positions of the contact nodes, {_listed(axial)},"
+            f" not at {_listed(worn)}"
+        )
+        raise CaseError([case_fault(case, "casing.coating.profile", expected)])
+
+
+def _listed(places: FloatArray) -> str:
+    """Return positions in mm; number, first and last position of a long list."""
+    texts = [f"{1e3 * place:.5g}" for place in places]
+    if len(texts) > LISTED:
+        return f"{len(texts)} positions from {texts[0]} to {texts[-1]} mm"
+    return f"{', '.join(texts)} mm"

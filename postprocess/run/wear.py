@@ -1,5 +1,6 @@
 """Wear of an abradable coating: profile around the casing, its lobes, volume and forces."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -119,8 +120,13 @@ def wear_summary(result: xr.Dataset) -> dict[str, Any]:
 def write_profile(result: xr.Dataset, path: Path) -> None:
     """Write the last profile of the coating as a CSV file, which `casing.coating.profile` reads."""
     recess = coating_of(result).thickness * result["coating_strain"].values[-1]
-    rows = zip(result["rod_angle"].values.tolist(), recess.tolist(), strict=True)
-    lines = ["angle [rad],recess [m]", *(f"{angle!r},{depth!r}" for angle, depth in rows)]
+    write_columns(path, {"angle [rad]": result["rod_angle"].values, "recess [m]": recess})
+
+
+def write_columns(path: Path, columns: Mapping[str, Array]) -> None:
+    """Write columns at full precision as a CSV file, with their headings."""
+    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
     write_atomically(path, "\n".join(lines) + "\n")
 
 

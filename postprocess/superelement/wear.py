@@ -1,15 +1,19 @@
 """Wear of the coating under the contact nodes of a superelement."""
 
+from pathlib import Path
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.models.stage.node_coating import axial_tracks
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.plotting.axes import draw_map
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
+from bladewhirl.postprocess.run.wear import write_columns
 from bladewhirl.postprocess.superelement.motion import check_superelement
 
 
@@ -31,8 +35,7 @@ def node_wear(result: xr.Dataset) -> xr.Dataset:
     if "coating_strain" not in result:
         raise ViewError("this run has no casing.coating, so nothing can be worn")
     recess = float(result.attrs["coating_thickness"]) * result["coating_strain"].values[-1]
-    axial = np.sort(result["contact_axial"].values)
-    middles = [part.mean() for part in np.array_split(axial, result.sizes["track"])]
+    axial, _ = axial_tracks(result["contact_axial"].values, result["contact_radius"].values)
     return labelled(
         result,
         "wear of the coating",
@@ -45,9 +48,17 @@ def node_wear(result: xr.Dataset) -> xr.Dataset:
         },
         {"time": result["time"].values},
     ).assign_coords(
-        axial=("track", middles, {"units": "m"}),
+        axial=("track", axial, {"units": "m"}),
         angle=("rod", result["rod_angle"].values, {"units": "rad"}),
     )
+
+
+def write_tracks(data: xr.Dataset, path: Path) -> None:
+    """Write the removed depth of each track, from `node_wear`, as a CSV file, which
+    `casing.coating.profile` reads."""
+    tracks = zip(data["axial"].values.tolist(), data["recess"].values, strict=True)
+    columns = {f"recess at {axial!r} m [m]": depth for axial, depth in tracks}
+    write_columns(path, {"angle [rad]": data["angle"].values, **columns})
 
 
 @styled

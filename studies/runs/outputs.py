@@ -152,6 +152,7 @@ def _node_outputs(
     if "coating_strain" in result:
         worn = wear.node_wear(result)
         save_figure(wear.plot_node_wear(worn), directory / folder.WORN_NAME, worn, ["png"])
+        wear.write_tracks(worn, directory / folder.WEAR_NAME)
     if ring.is_flexible(result):
         moved = ring.ring_motion(result)
         save_figure(ring.plot_ring(moved), directory / folder.CASING_NAME, moved, ["png"])

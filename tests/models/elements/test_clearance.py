@@ -121,3 +121,62 @@ def test_a_measured_wall_that_cannot_be(
 ) -> None:
     with pytest.raises(CaseError, match=complaint):
         measured(tmp_path, heading, np.array(rows))
+
+
+def test_a_clearance_has_no_axial_positions(tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match=r"one column without an axial position in .*wall\.csv"):
+        measured(tmp_path, "angle [deg],clearance at 1 mm [mm]", np.ones((9, 2)))
+
+
+def worn(folder: Path, *lines: str) -> Case:
+    """A case with a worn profile beside it."""
+    (folder / "wear.csv").write_text("\n".join(lines), encoding="utf-8")
+    coating = 'thickness = "1 mm"\nyoung_modulus = "1 GPa"\nyield_stress = "1 MPa"\n'
+    text = f'[casing.coating]\n{coating}profile.file = "wear.csv"\n'
+    (folder / "case.toml").write_text(text, encoding="utf-8")
+    return read_case(folder / "case.toml")
+
+
+def test_a_worn_profile_is_read_beside_the_case(tmp_path: Path) -> None:
+    case = worn(tmp_path, "recess [um],angle [deg]", *(f"{k},{40 * k}" for k in range(9)))
+    assert case.casing.coating is not None
+    assert case.casing.coating.profile is not None
+    assert len(case.casing.coating.profile.points) == 9
+    assert case.casing.coating.profile.recess(np.radians([60.0, 80.0])) == pytest.approx(
+        [1.5e-6, 2e-6]
+    )
+
+
+@pytest.mark.parametrize(
+    ("heading", "row", "complaint"),
+    [
+        ("recess at 0 mm [mm]", "1", "as the first line of"),
+        ("angle [deg],recess [mm],recess [mm]", "{},0,0", "without axial positions"),
+        ("angle [deg],recess at 1 mm [mm],recess [mm]", "{},0,0", "without axial positions"),
+        ("angle [deg],recess at 1 mm [mm],recess at 0.1 cm [mm]", "{},0,0", "two columns"),
+        ("angle [deg],recess at 1 kg [mm]", "{},0", "kilogram is"),
+        ("angle [deg],recess at 1 mm [mm],recess at 2 mm [mm]", "{},0", "3 numbers in line 2"),
+        ("angle [deg],recess at 1 mm [mm]", "0,{}", "one value at each angle"),
+        ("angle [deg],recess at 1 mm [mm],recess at 2 mm [mm]", "{},0,0.95", "a recess up to"),
+        ("angle [deg],recess at 1 mm [mm],recess at 2 mm [mm]", "{},0,0.1", "or a bladed_disk"),
+    ],
+)
+def test_a_worn_profile_that_cannot_be(
+    heading: str, row: str, complaint: str, tmp_path: Path
+) -> None:
+    with pytest.raises(CaseError, match=complaint) as error:
+        worn(tmp_path, heading, *(row.format(30 * k) for k in range(12)))
+    assert len(error.value.lines) == 1
+
+
+def test_tracks_exclude_points_and_each_other() -> None:
+    points = [[float(k), 0.0] for k in range(6)] + [[5.5, 0.0], [5.8, 0.0]]
+    layer = {"thickness": 1e-3, "young_modulus": 1e9, "yield_stress": 1e6}
+    track = {"axial": "1 mm", "points": points}
+    for profile, complaint in (
+        ({"tracks": [track], "points": points}, "either points or tracks"),
+        ({"tracks": [track, track]}, "one track at each axial position"),
+        ({"tracks": [track], "file": "wear.csv"}, "either points or file"),
+    ):
+        with pytest.raises(CaseError, match=complaint):
+            case_from({"casing": {"coating": layer | {"profile": profile}}})

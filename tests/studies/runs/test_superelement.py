@@ -12,7 +12,9 @@ from rod_blade import blade, tables
 from typer.testing import CliRunner
 
 import bladewhirl as bw
-from bladewhirl.models.stage.node_coating import spacing
+from bladewhirl.models.case.file import loads
+from bladewhirl.models.case.template import dumps_case
+from bladewhirl.models.stage.node_coating import axial_tracks, spacing
 from bladewhirl.models.stage.superelement_hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.postprocess.fields.kinematics import ViewError
@@ -29,6 +31,14 @@ from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.runs.run import resume
 from bladewhirl.studies.runs.superelement_picture import draw_superelement
+
+LAYER = {"thickness": 1e-3, "young_modulus": 1e9, "yield_stress": 2e6, "footprint": 4e-3}
+"""Coating of the wall."""
+
+WAVE = {"lobes": 3, "amplitude": 2e-5}
+
+LEANING = np.array([[0.29995, 0.0, -0.02], [0.3, 0.0, 0.0], [0.30005, 0.0, 0.02]])
+"""Contact nodes at other radii, of which the last one touches first."""
 
 
 @pytest.fixture
@@ -285,8 +295,7 @@ def test_blades_rub_in_a_flexible_ring(file: Path, tmp_path: Path) -> None:
 
 
 def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
-    layer = {"thickness": 1e-3, "young_modulus": 1e9, "yield_stress": 2e6, "footprint": 4e-3}
-    changes = {"casing__coating": layer, "march__duration": 0.006}
+    changes: dict[str, Any] = {"casing__coating": LAYER, "march__duration": 0.006}
     changes["casing__closure"] = {"amount": 2e-4, "time_constant": 2e-3}
     run = bw.run(bw.case_from(tables(file, **changes)), tmp_path / "run", frames=0)
     summary = json.loads((run.directory / "summary.json").read_text(encoding="utf-8"))
@@ -301,6 +310,52 @@ def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
         area = 0.02 * 2.0 * np.pi * 0.3 / worn.sizes["rod"]  # of a rod
         removed = float(worn["recess"].sum()) * area
         assert removed == pytest.approx(summary["wear_volume"], rel=1e-2)  # the last record
+
+
+def test_a_second_run_begins_with_the_tracks_of_the_first(file: Path, tmp_path: Path) -> None:
+    changes: dict[str, Any] = {"march__duration": 0.004, "casing__coating": LAYER}
+    changes["casing__closure"] = {"amount": 2e-4, "time_constant": 2e-3}
+    changes["casing__radius"] = 0.30005
+    bw.write_superelement(file, replace(blade(), contact_position=LEANING))
+    run = bw.run(bw.case_from(tables(file, **changes)), tmp_path / "run", frames=0)
+    with open_result(run.directory) as result:
+        worn = result["coating_strain"].values[-1]
+    deepest = worn.max(axis=1)
+    assert deepest[2] > 1.1 * deepest[1] > 1.2 * deepest[0]  # each track is another one
+    given = tables(file, **changes)
+    given["casing"]["coating"] = LAYER | {"profile": {"file": str(run.directory / "wear.csv")}}
+    again = bw.case_from(given)
+    second = superelement_stage(again).coating
+    assert second is not None
+    np.testing.assert_allclose(second.strain, worn, rtol=0.0, atol=1e-15)
+    assert loads(dumps_case(again)) == again
+    with pytest.raises(bw.CaseError, match=r"without axial positions, or a bladed_disk\.super"):
+        bw.case_from({"casing": {"coating": given["casing"]["coating"]}})
+    moved = replace(blade(), contact_position=np.add(LEANING, [0.0, 0.0, 1e-3]))
+    bw.write_superelement(file, moved)
+    with pytest.raises(bw.CaseError, match=r"nodes, -19, 1, 21 mm, not at -20, 0, 20 mm$"):
+        prepare(bw.case_from(given))
+
+
+def test_a_profile_without_axial_positions_is_that_of_all_tracks(file: Path) -> None:
+    profile = {"points": [[0.7 * k, 1e-5 * k] for k in range(8)], "lobes": [WAVE]}
+    given = tables(file, casing__coating=LAYER | {"profile": profile})
+    same = superelement_stage(bw.case_from(given)).coating
+    tracks = [{"axial": z, "points": profile["points"]} for z in ("2 cm", 0.0, "-20 mm")]
+    profile = {"tracks": tracks, "lobes": [WAVE]}
+    each = superelement_stage(
+        bw.case_from(tables(file, casing__coating=LAYER | {"profile": profile}))
+    ).coating
+    assert same is not None
+    assert each is not None
+    assert same.strain.max() > 0.05
+    np.testing.assert_array_equal(same.strain, each.strain)
+
+
+def test_tracks_of_unequal_numbers_of_nodes() -> None:
+    axial, track = axial_tracks(np.array([0.01, 0.0, 0.0, 1e-9, 0.02, 0.01]), np.full(6, 0.3))
+    assert axial == pytest.approx([0.0, 0.01, 0.02], abs=1e-9)
+    assert track.tolist() == [1, 0, 0, 0, 2, 1]
 
 
 def test_footprints_follow_from_the_distances_of_contact_nodes(file: Path) -> None:
