@@ -1,4 +1,4 @@
-"""A page for each case in examples/: header, drawing, properties, Campbell diagram, film, orbit.
+"""A page for each case in examples/: header, drawing, properties, Campbell diagram, film, figures.
 
 Like other pages, the pages of the gallery contain code blocks that are executed.
 """
@@ -12,7 +12,15 @@ from blocks import ROOT
 import bladewhirl as bw
 
 LONGEST, FRAMES = 0.5, 10
-"""Longest duration of a march under a load [s], and number of pictures of a film."""
+"""Longest duration of a march under a load [s], and number of pictures of a film of beams."""
+
+ORBIT = {"orbit.png": "Orbit of the shaft"}
+NODES = {
+    "contact.png": "Normal force on the blade and on each contact node",
+    "tips.png": "Path of contact nodes in the last revolutions",
+}
+WEAR = {"wear.png": "Removed depth on the unrolled wall, and removed volume over time"}
+"""Figures of a run: of beams, of contact nodes, and of contact nodes in a coating."""
 
 
 def write(pages: Path) -> None:
@@ -60,11 +68,22 @@ def _page(example: Path, case: bw.Case) -> Iterator[str]:
     if moves or case.initial.model_fields_set:
         march = f"bladewhirl run {file} --set march.duration={duration:g} -o run --frames 0"
         yield f"## The first {duration:.3g} s"
-        yield _console(march, f"bladewhirl render run --gif --frames {FRAMES}")
+        frames = FRAMES if case.bladed_disk.superelement is None else 2 * FRAMES
+        yield _console(march, f"bladewhirl render run --gif --frames {frames}")
         yield _picture("run/animation.gif", "Blades and casing where contact is strongest")
-        yield _picture("run/orbit.png", "Orbit of the shaft")
-    yield f"## The case\n\n{{download}}`{example.name} <../../{file}>`"
+        for figure, words in _figures(case).items():
+            yield _picture(f"run/{figure}", words)
+    beside = sorted(example.parent.glob(f"{name}.*"), key=lambda path: path != example)
+    links = (f"{{download}}`{path.name} <../../examples/{path.name}>`" for path in beside)
+    yield f"## The case\n\n{', '.join(links)}"
     yield f"```{{literalinclude}} ../../{file}\n:language: toml\n```"
+
+
+def _figures(case: bw.Case) -> dict[str, str]:
+    """Return the name and the description of each figure in the folder of a run."""
+    if case.bladed_disk.superelement is None:
+        return ORBIT
+    return NODES if case.casing.coating is None else NODES | WEAR
 
 
 def _picture(file: str, words: str) -> str:

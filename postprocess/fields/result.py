@@ -106,7 +106,7 @@ def result_of(
         attributes: attributes of the result.
     """
     tables = schema.tables_of(attributes)
-    variables = {**schema.RESULT, **tables.history, **tables.stage}
+    variables = {**schema.RESULT, **tables.history, **tables.stage, **tables.coating}
     described = {field.name: np.asarray(getattr(stage, field.name)) for field in fields(stage)}
     dataset = xr.Dataset(
         {

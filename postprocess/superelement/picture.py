@@ -21,12 +21,15 @@ from bladewhirl.postprocess.superelement.ring import is_flexible, ring_displacem
 from bladewhirl.postprocess.superelement.series import frame_meshes
 
 SIZE = (900, 700)  #: size of a picture [pixels]
-LEVELS = 96  #: number of colours of displacements in a GIF
+LEVELS = 32  #: number of colours of the scale of displacements in a GIF; others are shaded
+SHADES = 12  #: number of colours of arrows in a GIF
+SAMPLES = 6  #: number of pictures from which the other colours of a GIF follow
 FRAMES = 60  #: default number of pictures of a film
 TURNS = 0.5  #: default length of a film, in revolutions around the largest force
 LARGE = 0.08  #: largest drawn displacement by default, as a share of the size of a blade
 REACH = 0.06  #: angle of the wall that is drawn on both sides of a blade [rad]
 STILL = "#4C78A8"  #: colour of blades that do not move
+FORCE = "#CC79A7"  #: colour of forces
 ARROW = 0.35  #: length of the arrow of the largest force, as a share of the size of a blade
 
 
@@ -88,7 +91,9 @@ def render_blades(
         else:
             every = list(pictures)
             scale = matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 1.0, LEVELS))[:, :3]
-            write_gif(draft, every, shared_palette(scale, every[len(every) // 2]))
+            sample = np.concatenate(every[:: max(1, len(every) // SAMPLES)])
+            shades = np.linspace(0.3, 1.0, SHADES)[:, None] * matplotlib.colors.to_rgb(FORCE)
+            write_gif(draft, every, shared_palette(np.concatenate([scale, shades]), sample))
     return target
 
 
@@ -156,8 +161,8 @@ def _pictures(
 
 
 def _aim(plotter: Any, dataset: xr.Dataset, size: float) -> None:
-    """Look at the face of a single blade, slightly from its root; or at all blades along the
-    axis."""
+    """Look at the face of a single blade from the side, where its bending is visible, and slightly
+    from its root; or at all blades along the axis."""
     if dataset.sizes["copy"] > 1 or len(np.unique(dataset["blade"].values)) > 1:
         plotter.view_vector((0.4, -0.3, 1.0), viewup=(0.0, 1.0, 0.0))
         plotter.reset_camera()
@@ -167,8 +172,9 @@ def _aim(plotter: Any, dataset: xr.Dataset, size: float) -> None:
     face = np.linalg.svd(points - middle, full_matrices=False)[2][2]  # normal to the blade
     out = middle * [1.0, 1.0, 0.0] / np.hypot(*middle[:2])
     face = face if face[2] >= 0.0 else -face
-    plotter.camera.focal_point = middle + 0.2 * size * out
-    plotter.camera.position = middle + 3.1 * size * (face - 0.35 * out + 0.25 * np.cross(out, face))
+    towards = face - 0.35 * out + 1.1 * np.cross(out, face)
+    plotter.camera.focal_point = middle + 0.18 * size * out
+    plotter.camera.position = middle + 2.0 * size * towards
     plotter.camera.up = out
     plotter.reset_camera_clipping_range()
 
@@ -224,7 +230,7 @@ def _draw_forces(plotter: Any, mesh: Any, factor: float, strongest: float, lengt
     tails = pyvista.PolyData(nodes.points[touching] - arrows)
     tails["vectors"] = arrows
     glyphs = tails.glyph(orient="vectors", scale="vectors", factor=1.0)
-    plotter.add_mesh(glyphs, color="#CC79A7", name="forces")
+    plotter.add_mesh(glyphs, color=FORCE, name="forces")
 
 
 def rounded(value: float) -> float:
