@@ -42,7 +42,7 @@ class Records:
     @property
     def histories(self) -> dict[str, recorder.Values]:
         """All records, by the names of the schema."""
-        histories = {name: values[: self.records] for name, values in self._room.items()}
+        histories = {name: self._room[name][: self.records] for name in self._history}
         if self._coating:
             coating = vars(joined(self._coating))
             for name, variable in recorder.tables_of_stage(self.stage).coating.items():
