@@ -33,7 +33,9 @@ class SuperelementTable(Table):
     file: Annotated[str, BeforeValidator(_path)]
     """Path of a .npz or .mat file, relative to the case file."""
     copies: Annotated[int, fields.count(1)] = 1
-    """Number of blades at equal angles, clamped at their roots, or of sectors of the wheel."""
+    """Number of blades at equal angles, clamped at their roots, or of sectors of the wheel; of a
+    wheel, the number of its blades, whose contact nodes follow one another blade by blade. With 1,
+    the blades of a wheel are not told apart."""
     kind: Literal["blade", "sector", "wheel"] = "blade"
     """"blade": clamped at the root; "sector": a sector of a wheel, with left_dofs and right_dofs;
     "wheel": a bladed disk, which shaft.stiffness supports at its centre if the file has
@@ -71,8 +73,8 @@ class SuperelementTable(Table):
             yield Inconsistency("kind", "a file with left_dofs and right_dofs for a sector")
         if self.kind == "sector" and self.copies < 2:
             yield Inconsistency("copies", "at least 2 sectors")
-        if self.kind == "wheel" and self.copies != 1:
-            yield Inconsistency("copies", "1 for a wheel, which has all blades")
+        if self.kind == "wheel" and part.contacts % self.copies:
+            yield Inconsistency("copies", f"a divisor of the {part.contacts} contact nodes")
         if self.kind != "wheel" and part.centre_dofs is not None:
             yield Inconsistency("kind", '"wheel" for a file with centre_dofs')
 
@@ -134,10 +136,15 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         if case.shaft.anisotropy:
             expected = f'the value of shaft.stiffness, or shaft.frame = "rotating", with {SOURCE}'
             yield Inconsistency("shaft.stiffness_y", expected, (SOURCE,))
-    for key, value in case.initial.model_dump(exclude_defaults=True).items():
-        if value is not None and (key.startswith("centre") or table.kind == "wheel"):
-            expected = f'motion of the tips only, with {SOURCE}.kind = "blade" or "sector"'
+    moved = [key for key, value in case.initial.model_dump(exclude_defaults=True).items() if value]
+    for key in moved:
+        if key.startswith("centre") and (table.kind != "wheel" or table.part.centre_dofs is None):
+            expected = f'motion of the tips only, or {SOURCE}.kind = "wheel" with centre_dofs'
             yield Inconsistency(f"initial.{key}", expected, (SOURCE,))
+    by_order = [key for key, load in case.excitations.items() if load.type == "engine-order"]
+    if table.kind == "wheel" and table.copies == 1 and (moved or by_order):
+        reason = f"initial.{moved[0]}" if moved else f'{by_order[0]}.type = "engine-order"'
+        yield Inconsistency(f"{SOURCE}.copies", f"the number of blades of the wheel, for {reason}")
 
 
 def _listed(allowed: tuple[object, ...]) -> str:

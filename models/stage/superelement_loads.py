@@ -48,8 +48,7 @@ def superelement_loads(
     modes, casing_modes = len(reduced.frequency), 0
     if ring is not None:
         casing_modes = ring.casing_modes.count
-    c, s = np.cos(turned), np.sin(turned)
-    centre = np.array([[c, -s], [s, c]]) @ reduced.centre
+    centre = centre_rows(reduced, turned)
     for load in case.excitations.values():
         if isinstance(load, EngineOrder):
             loads += engine_order_loads(load, reduced.contact, angle, blade, speed)
@@ -64,6 +63,13 @@ def superelement_loads(
             whole = distortion_loads(ring, load, modes)
             loads += [_on_copies(each, len(angle)) for each in whole]
     return tuple(loads)
+
+
+def centre_rows(reduced: ReducedSuperelement, turned: float) -> FloatArray:
+    """Return x and y of the centre of a superelement that is turned about the axis by an angle
+    [rad], for unit modal coordinates [kg^-1/2], (2, modes)."""
+    c, s = np.cos(turned), np.sin(turned)
+    return np.array([[c, -s], [s, c]]) @ reduced.centre
 
 
 def _on_copies(load: Load, copies: int) -> BoundaryLoad:
@@ -114,39 +120,50 @@ def engine_order_loads(
 
 def static_shapes(
     case: Case,
-    key: Literal["tip_displacement", "tip_velocity"],
+    key: Literal["displacement", "velocity"],
     reduced: ReducedSuperelement,
     blade: IntArray,
     copies: int,
 ) -> FloatArray:
-    """Return the modal coordinates of least strain energy for the initial motion of the tips,
-    (copies, modes).
+    """Return the modal coordinates of least strain energy for the initial motion of the tips and of
+    the centre, (copies, modes).
 
     Args:
         case: the case, with the radial and tangential motion of each blade, the mean of its contact
             nodes.
-        key: key of this motion in the table `initial`.
-        reduced: the reduced superelement, without rigid modes.
+        key: kind of the motion in the table `initial`.
+        reduced: the reduced superelement.
         blade: blade of each contact node of a copy, (nodes,).
         copies: number of copies.
 
     Raises:
-        CaseError: the modes cannot move in this way.
+        CaseError: the modes cannot move in this way, or one of them is rigid.
     """
-    tips = getattr(case.initial, key)
-    if tips is None:
+    tips, centre = getattr(case.initial, f"tip_{key}"), getattr(case.initial, f"centre_{key}")
+    if tips is None and not any(centre):
         return np.zeros((copies, len(reduced.frequency)))
+    name = f"initial.{'centre' if tips is None else 'tip'}_{key}"
+    if reduced.frequency.min() <= RANK * reduced.frequency.max():
+        expected = "no initial motion of a superelement with rigid modes"
+        raise CaseError([case_fault(case, name, expected)])
     member = (blade == np.arange(int(blade.max()) + 1)[:, None]).astype(float)
     member /= member.sum(axis=1, keepdims=True)
     rows = np.stack([member @ reduced.contact[0::3], member @ reduced.contact[1::3]], axis=1)
     rows = rows.reshape(-1, rows.shape[-1])
+    values = np.zeros((copies, len(rows)))
+    if tips is not None:
+        values = np.reshape(tips, values.shape)
+    if reduced.centre.any():
+        table = case.bladed_disk.superelement
+        assert table is not None
+        rows = np.vstack([rows, centre_rows(reduced, table.angle)])
+        values = np.column_stack([values, np.tile(centre, (copies, 1))])
     flexible = rows / reduced.frequency**2
-    values = np.reshape(tips, (copies, len(rows)))
     forces = np.linalg.lstsq(flexible @ rows.T, values.T, rcond=RANK)[0]
     moved = np.asarray(forces.T @ flexible)
     if np.abs(moved @ rows.T - values).max() > SAME * np.abs(values).max():
         expected = (
             'motions that the modes can have; more modes, or reduction.boundary = "consistent"'
         )
-        raise CaseError([case_fault(case, f"initial.{key}", expected)])
+        raise CaseError([case_fault(case, name, expected)])
     return moved

@@ -130,8 +130,8 @@ class SuperelementStage:
             friction=case.contact.friction,
             full_sliding=case.contact.sliding == "full",
             displacement_limit=limit or LIMIT * float(self.part.contact_radius.max()),
-            displacement=static_shapes(case, "tip_displacement", reduced, self.blade, copies),
-            velocity=static_shapes(case, "tip_velocity", reduced, self.blade, copies),
+            displacement=static_shapes(case, "displacement", reduced, self.blade, copies),
+            velocity=static_shapes(case, "velocity", reduced, self.blade, copies),
             closure=self._closure,
             casing=None if self.ring is None else self.ring.reduced_casing,
             coating=coating,
@@ -260,7 +260,7 @@ def superelement_stage(case: Case) -> SuperelementStage:
     if table.kind == "blade":
         _check_clamped(part, reduced)
     factor = case.bladed_disk.mistuning.factors("stiffness", table.copies)
-    per_blade = part.contacts // table.copies if table.kind == "sector" else part.contacts
+    per_blade = part.contacts if table.kind == "blade" else part.contacts // table.copies
     stage = SuperelementStage(
         case=case,
         part=part,

@@ -1,6 +1,7 @@
 """A stage of beams as a superelement."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ import scipy.linalg as la
 
 import bladewhirl as bw
 from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
 
 
 @pytest.mark.parametrize("clamped", [True, False])
@@ -40,3 +43,61 @@ def test_a_stage_as_a_wheel_has_its_frequencies_and_motions(
     angle = stage.disk.tip_angles[:, None]
     radial = np.cos(angle) * tips[:, 0] + np.sin(angle) * tips[:, 1]
     assert radial == pytest.approx(wheel.reduced.contact[::3], abs=1e-9)
+
+
+def test_initial_motion_and_blade_forces_of_a_wheel_are_those_of_beams(tmp_path: Path) -> None:
+    """With all fixed-interface modes both models have the same coordinates, so that the marches are
+    equal to rounding."""
+    tables = {
+        "bladed_disk": {"blades": 4, "elements_per_blade": 2},
+        "shaft": {"stiffness": 2e7},
+        "casing": {"support": 7.975e6},
+        "initial": {
+            "centre_velocity": [0.2, -0.1],
+            "centre_displacement": [1e-5, 2e-5],
+            "tip_displacement": [[1e-6, 2e-4], [0.0, 1e-4], [-1e-6, 0.0], [0.0, -1e-4]],
+        },
+        "excitation": {"type": "engine-order", "order": [3], "amplitude": 20.0, "ramp": 0.0},
+        "reduction": {"fixed_interface_modes": 5},
+        "march": {"speed": "600 rpm", "time_step": 1e-6, "duration": 3e-3, "record_step": 1e-4},
+    }
+    beams = bw.case_from(tables)
+    part = bw.build_stage(beams).to_superelement()
+    bw.write_superelement(tmp_path / "wheel.npz", part)
+    given = {"file": str(tmp_path / "wheel.npz"), "kind": "wheel", "copies": 4}
+    nodes = {
+        "bladed_disk": {"superelement": given},
+        "reduction": {"boundary": "consistent", "fixed_interface_modes": 5},
+        "damping": {"boundary_ratio": beams.damping.ratio},
+    }
+    wheel = bw.case_from(tables | nodes)
+    first, _ = march_in_memory(prepare(beams))
+    second, _ = march_in_memory(prepare(wheel))
+    expected = bw.tip_displacement(first)["displacement"]
+    found = second["contact_displacement"].values
+    scale = float(np.abs(expected).max())
+    for number, name in enumerate(("radial", "tangential")):
+        assert found[:, :, number] == pytest.approx(
+            expected.sel(component=name).values, abs=1e-6 * scale
+        )
+    assert scale > 1e-4
+    assert second["blade"].values.tolist() == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("copies", "changes", "expected"),
+    [
+        (1, {"excitation": {"type": "engine-order"}}, 'for excitation.type = "engine-order"'),
+        (1, {"initial": {"centre_velocity": [1.0, 0.0]}}, "for initial.centre_velocity"),
+        (3, {}, "copies = 3: expected a divisor of the 4 contact nodes"),
+    ],
+)
+def test_blades_of_a_wheel_have_to_be_known(
+    tmp_path: Path, copies: int, changes: dict[str, Any], expected: str
+) -> None:
+    small = {"bladed_disk": {"blades": 4, "elements_per_blade": 1}}
+    part = bw.build_stage(bw.case_from(small)).to_superelement()
+    bw.write_superelement(tmp_path / "wheel.npz", part)
+    given = {"file": str(tmp_path / "wheel.npz"), "kind": "wheel", "copies": copies}
+    with pytest.raises(bw.CaseError, match=expected):
+        bw.case_from({"bladed_disk": {"superelement": given}} | changes)
