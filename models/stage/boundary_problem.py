@@ -58,6 +58,10 @@ class BoundaryProblem:
     displacement_limit: float  #: largest radial displacement of a contact node [m]
     displacement: FloatArray  #: initial modal displacements [kg^1/2 m], (copies, modes)
     velocity: FloatArray  #: initial modal velocities [kg^1/2 m/s], (copies, modes)
+    casing_displacement: FloatArray | None = None
+    """Initial modal displacements of a flexible casing [kg^1/2 m], (casing modes,); None: zero."""
+    casing_velocity: FloatArray | None = None
+    """Initial modal velocities of a flexible casing [kg^1/2 m/s], (casing modes,); None: zero."""
     loads: tuple[BoundaryLoad, ...] = ()  #: loads
     casing: ReducedCasing | None = None  #: flexible casing; None: a rigid wall
     coating: NodeCoating | None = None  #: abradable coating

@@ -143,14 +143,9 @@ class BoundaryMarch:
         if problem.by_velocity is not None:
             drag = drag + v @ problem.by_velocity.T
         arrays = zeros("BoundaryState", self._sizes)
-        if self._arrangement is not None:  # a casing at rest
-            pushed = sum(
-                load.casing * np.cos(load.phase)
-                for load in problem.loads
-                if load.casing is not None and load.ramp <= 0.0 < load.end
-            )
-            start = 0.5 * dt**2 * pushed + np.zeros(len(self._arrangement.entry))
-            arrays["casing"][0] = self._arrangement.pack(start)
+        if self._arrangement is not None:
+            for number, moved in enumerate(self._casing_start()):
+                arrays["casing"][number] = self._arrangement.pack(moved)
         arrays["q"][0] = x - dt * v + 0.5 * dt**2 * (force - squares * x - drag)
         arrays["q"][1] = x
         arrays["direction"][:, 0::2] = np.sign(problem.speed)
@@ -158,6 +153,23 @@ class BoundaryMarch:
         if problem.coating is not None:
             arrays["strain"][:] = problem.coating.strain
         return BoundaryState(step=0, arrays=arrays)
+
+    def _casing_start(self) -> tuple[FloatArray, FloatArray]:
+        """Return the modal displacements of the casing one step before the start and at the
+        start."""
+        problem, casing, dt = self._problem, self._problem.casing, self._dt
+        assert casing is not None
+        still = np.zeros(len(casing.frequency))
+        x = still if problem.casing_displacement is None else problem.casing_displacement
+        v = still if problem.casing_velocity is None else problem.casing_velocity
+        pushed = sum(
+            load.casing * np.cos(load.phase)
+            for load in problem.loads
+            if load.casing is not None and load.ramp <= 0.0 < load.end
+        )
+        restored = casing.frequency**2 * x + 2.0 * casing.damping_ratio * casing.frequency * v
+        restored += casing.dampers.T @ (casing.dampers @ v)
+        return x - dt * v + 0.5 * dt**2 * (pushed - restored), x
 
     def advance(
         self, state: BoundaryState, steps: int, record_every: int | None = None

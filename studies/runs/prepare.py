@@ -22,7 +22,10 @@ from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.solvers.march.march import Scheme
 from bladewhirl.solvers.march.scheme import KERNEL, make_scheme
 
-Change = Callable[[ContactProblem, Timing], tuple[ContactProblem, Timing]]
+AnyProblem = ContactProblem | BoundaryProblem
+"""A contact problem of beams, or of a superelement."""
+
+Change = Callable[[Any, Timing], tuple[Any, Timing]]
 """Function that changes a contact problem and its timing."""
 
 AnyStage = Stage | SuperelementStage
@@ -59,8 +62,7 @@ def prepare(case: Case) -> AnyPrepared:
 def prepare_any(stage: AnyStage, change: Change | None = None) -> AnyPrepared:
     """Prepare the time integration of a stage, see `prepare_stage` and `prepare_superelement`."""
     if isinstance(stage, SuperelementStage):
-        assert change is None  # screening and carried motion are refused before
-        return prepare_superelement(stage)
+        return prepare_superelement(stage, change)
     return prepare_stage(stage, change)
 
 
@@ -130,7 +132,7 @@ def check_march(stage: AnyStage) -> None:
         raise CaseError(faults)
 
 
-def problem_of(stage: AnyStage) -> ContactProblem | BoundaryProblem:
+def problem_of(stage: AnyStage) -> AnyProblem:
     """Return the contact problem of a stage.
 
     Raises:
@@ -140,9 +142,9 @@ def problem_of(stage: AnyStage) -> ContactProblem | BoundaryProblem:
 
 
 def prepare_superelement(
-    stage: SuperelementStage,
+    stage: SuperelementStage, change: Change | None = None
 ) -> Prepared[SuperelementStage, BoundaryProblem]:
-    """Prepare the time integration of a superelement.
+    """Prepare the time integration of a superelement, see `prepare_stage`.
 
     Raises:
         CaseError: a contact node starts inside the wall, or the time step is too long for the
@@ -150,6 +152,8 @@ def prepare_superelement(
         UserError: the environment asks for the reference in NumPy.
     """
     problem, timing = checked_problem(stage), stage.case.march.timing
+    if change is not None:
+        problem, timing = change(problem, timing)
     scheme: Any = BoundaryMarch(problem, timing.time_step, timing.record_every)
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
 

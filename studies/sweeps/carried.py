@@ -8,7 +8,7 @@ chains are marched in parallel.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Literal, TypeVar, get_args
 from zipfile import BadZipFile
 
 import numpy as np
@@ -19,9 +19,13 @@ from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.contact_problem import ContactProblem, Start
+from bladewhirl.models.stage.boundary_problem import BoundaryLoad, BoundaryProblem
+from bladewhirl.models.stage.contact_problem import Load, Start
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.sweep.dataset import DONE, flag
+from bladewhirl.studies.runs.prepare import AnyProblem, AnyStage
+
+LoadT = TypeVar("LoadT", Load, BoundaryLoad)
 
 CONTINUE = "--continue"
 
@@ -55,34 +59,53 @@ COMPLETED = flag("end_reason", "completed")
 @dataclass(frozen=True, kw_only=True)
 class CarriedState:
     """Motion that is carried to the next speed: fields on the free degrees of freedom of the bladed
-    disk, whose modes can depend on the speed, and modal coordinates of the casing."""
+    disk, whose modes can depend on the speed, and modal coordinates of the casing. The bladed disk
+    of a superelement is in modal coordinates."""
 
-    rotor: FloatArray  #: displacements of the bladed disk [m, rad], (size,)
-    rotor_velocity: FloatArray  #: their rates in rotating axes, (size,)
+    rotor: FloatArray
+    """Displacements of the bladed disk [m, rad], (size,); of a superelement [kg^1/2 m], (copies,
+    modes)."""
+    rotor_velocity: FloatArray  #: their rates in rotating axes
     casing: FloatArray  #: modal displacements of the casing [kg^1/2 m], (casing modes,)
     casing_velocity: FloatArray  #: modal velocities of the casing [kg^1/2 m/s], (casing modes,)
 
 
-def late_state(stage: Stage, result: xr.Dataset) -> CarriedState:
+def late_state(stage: AnyStage, result: xr.Dataset) -> CarriedState:
     """Return the motion of a result that is carried to the next speed, see `CARRY_RULE`."""
     time = result["time"].values
     late = np.flatnonzero(time >= (1.0 - LATE_SHARE) * time[-1])[::-1]
     angle = stage.speed * time[late]
     record = int(late[np.abs(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi))).argmin()])
-    shapes = stage.reduction.modes.shapes[:, stage.kept.rotor]
+    rotor = "rotor" if isinstance(stage, Stage) else "modal"
     motion = {
-        name: result[f"{body}_{kind}"][record].values
-        for body in ("rotor", "casing")
-        for name, kind in ((body, "displacement"), (f"{body}_velocity", "velocity"))
+        name: result[variable][record].values if variable in result else np.zeros(0)
+        for name, variable in (
+            ("rotor", f"{rotor}_displacement"),
+            ("rotor_velocity", f"{rotor}_velocity"),
+            ("casing", "casing_displacement"),
+            ("casing_velocity", "casing_velocity"),
+        )
     }
-    for name in ("rotor", "rotor_velocity"):
-        motion[name] = shapes @ motion[name]
+    if isinstance(stage, Stage):
+        shapes = stage.reduction.modes.shapes[:, stage.kept.rotor]
+        for name in ("rotor", "rotor_velocity"):
+            motion[name] = shapes @ motion[name]
     return CarriedState(**motion)
 
 
-def continued(stage: Stage, problem: ContactProblem, state: CarriedState) -> ContactProblem:
+def continued(stage: AnyStage, problem: AnyProblem, state: CarriedState) -> AnyProblem:
     """Return the contact problem of a march that starts from a state, without ramps of its loads,
     and without loads that end."""
+    if isinstance(problem, BoundaryProblem):
+        return replace(
+            problem,
+            loads=_lasting(problem.loads),
+            displacement=state.rotor,
+            velocity=state.rotor_velocity,
+            casing_displacement=state.casing,
+            casing_velocity=state.casing_velocity,
+        )
+    assert isinstance(stage, Stage)
     weighted = stage.disk.structure.mass @ stage.reduction.modes.shapes[:, stage.kept.rotor]
     start = Start(
         rotor=np.asarray(state.rotor @ weighted),
@@ -90,8 +113,12 @@ def continued(stage: Stage, problem: ContactProblem, state: CarriedState) -> Con
         casing=state.casing,
         casing_velocity=state.casing_velocity,
     )
-    loads = tuple(replace(load, ramp=0.0) for load in problem.loads if np.isinf(load.end))
-    return replace(problem, start=start, loads=loads)
+    return replace(problem, start=start, loads=_lasting(problem.loads))
+
+
+def _lasting(loads: tuple[LoadT, ...]) -> tuple[LoadT, ...]:
+    """Return the loads that do not end, without their ramps."""
+    return tuple(replace(load, ramp=0.0) for load in loads if np.isinf(load.end))
 
 
 def write_state(path: Path, state: CarriedState) -> None:

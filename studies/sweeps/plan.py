@@ -176,11 +176,8 @@ def plan_sweep(
                 f"{OVER}: {steps:.3g} {what} are more than {most:.0e}; --yes runs them all"
             )
     coordinates = _coordinates(case, grid)
-    if case.bladed_disk.superelement is not None and (screen or carry):
-        raise UserError(
-            f"{SCREEN if screen else CONTINUE}: expected a bladed disk of beams, not"
-            " bladed_disk.superelement"
-        )
+    if case.bladed_disk.superelement is not None and screen:
+        raise UserError(f"{SCREEN}: expected a bladed disk of beams, not bladed_disk.superelement")
     _check_stages(case, grid, screen=screen)
     stage = stage_at(with_values(case, grid.values(0)))
     if screen and (grid.draws is None or grid.draws.count < FEWEST_SCREENED or histories):

@@ -20,7 +20,6 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import NoExcitation
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.superelement.digest import node_digest
 from bladewhirl.postprocess.sweep.dataset import Layout
@@ -158,8 +157,6 @@ def _reduced(result: xr.Dataset, report: Mapping[str, float], layout: Layout) ->
 
 def _change(work: Work, stage: AnyStage, point: Point) -> Change | None:
     """Return the change of the contact problem of a point."""
-    if not isinstance(stage, Stage):
-        return None
     if point.screen:
         return partial(screened, stage.case)
     if point.before is None:
@@ -170,6 +167,5 @@ def _change(work: Work, stage: AnyStage, point: Point) -> Change | None:
 
 def _keep_state(work: Work, stage: AnyStage, result: xr.Dataset, point: Point) -> None:
     """Write the state that is carried to the next speed, unless the march ended early."""
-    completed = result.attrs["end_reason"] == EndReason.COMPLETED.value
-    if isinstance(stage, Stage) and point.after is not None and completed:
+    if point.after is not None and result.attrs["end_reason"] == EndReason.COMPLETED.value:
         write_state(Path(work.states) / point.after, late_state(stage, result))

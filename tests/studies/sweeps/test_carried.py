@@ -14,7 +14,7 @@ from sweep_work import same_bits
 import bladewhirl.studies.sweeps.sweep as sweep_module
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.contact_problem import NEVER
+from bladewhirl.models.stage.contact_problem import NEVER, Load
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, flag, open_sweep
 from bladewhirl.studies.runs.prepare import prepare_stage
@@ -92,6 +92,7 @@ def test_loads_go_on_without_ramp_and_pulses_are_over() -> None:
     assert all(load.end == NEVER for load in after.loads)
     expected = [replace(load, ramp=0.0) for load in prepared.problem.loads[1:]]
     for load, other in zip(after.loads, expected, strict=True):
+        assert isinstance(load, Load)
         np.testing.assert_array_equal(load.rotor, other.rotor)
 
 

@@ -14,12 +14,14 @@ from sweep_work import march_in_process
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.postprocess.reports import page as report_page
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
 from bladewhirl.solvers.march.free_motion import FreeMotion
-from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.prepare import prepare, prepare_any
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.sweeps import sweep
+from bladewhirl.studies.sweeps.carried import continued, late_state
 from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
 
 SPEEDS = {"march.speed": ("6000 rpm", "9000 rpm")}
@@ -100,8 +102,6 @@ def test_it_has_figures_and_a_report(
 
 
 def test_what_only_beams_can_do_is_refused(case: Case, tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="--continue: expected a bladed disk of beams"):
-        run_sweep(case, SPEEDS, tmp_path / "c", carry="up")
     with pytest.raises(UserError, match="--screen: expected a bladed disk of beams"):
         run_sweep(
             case, SPEEDS, tmp_path / "s", screen=True, draws=5, perturb=["contact.friction = 0.1"]
@@ -153,3 +153,37 @@ def test_no_motion_with_so_little_energy_closes_the_gap(file: Path) -> None:
     feeding = replace(problem, by_velocity=-1e6 * np.eye(problem.frequency.shape[1]))
     with pytest.raises(ValueError, match="feeds energy"):
         FreeMotion.of(feeding, 2e-6)
+
+
+def test_a_carried_march_goes_on(file: Path) -> None:
+    """At the same speed the carried motion goes on: after whole revolutions the forces of an engine
+    order are those of the start, and the ring moves on too."""
+    pushed = [
+        {"type": "engine-order", "order": [3], "amplitude": 300.0, "ramp": 0.0},
+        {"type": "casing-distortion", "modal_force": 100.0, "duration": "15 ms"},
+    ]
+    casing = {"clearance": 3e-4, "support": 1e9, "elements": 24}
+    case = bw.case_from(
+        tables(
+            file,
+            excitation=pushed,
+            casing=casing,
+            contact={"friction": 0.0},
+            initial={"tip_velocity": [[6.0, 0.0]] * 3},
+            reduction={"free_interface_modes": 40},
+            march__duration=0.025,
+            march__record_step=1e-4,
+        )
+    )
+    stage = superelement_stage(case)
+    first, _ = march_in_memory(prepare_any(stage))
+    state = late_state(stage, first)
+    second, _ = march_in_memory(
+        prepare_any(stage, lambda problem, timing: (continued(stage, problem, state), timing))
+    )
+    record = int(np.abs(first["time"].values - 0.02).argmin())  # two revolutions
+    for name in ("modal_displacement", "casing_displacement"):
+        expected, found = first[name].values[record:], second[name].values
+        scale = np.abs(expected).max()
+        np.testing.assert_allclose(found[: len(expected)], expected, rtol=0.0, atol=1e-2 * scale)
+        assert np.abs(first[name].values[: len(expected)] - expected).max() > 0.1 * scale
