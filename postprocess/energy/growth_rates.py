@@ -128,7 +128,7 @@ def growth_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
 
     `strain_energy` is the energy of bladed disk and shaft springs at each record [J], (time,).
     """
-    time, shortest = dataset["time"].values, longest_half_period(dataset)
+    time, shortest = dataset.variables["time"].values, longest_half_period(dataset)
     windows = windowed_amplitude(time, strain_energy, shortest)
     if windows is not None or dataset.attrs.get("end_reason") != "divergent" or len(time) < 2:
         return windows
@@ -149,17 +149,17 @@ def ripple_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
     window is at least two periods of the slowest wave of the rotor long, so that a mean position
     can be computed. `strain_energy` is the same as for `growth_windows`.
     """
-    time = dataset["time"].values
+    time = dataset.variables["time"].values
     slower = np.abs(_wave_frequencies(dataset)).min(axis=0)
     shortest = 2 * RIPPLE_PERIODS * _half_period(slower)
     motion = windowed_amplitude(time, strain_energy, shortest)
     if motion is None:
         return None
     first = np.append(np.searchsorted(time, motion.begin - 1e-9 * motion.length), len(time))
-    weights = 0.5 * dataset["rotor_frequency"].values ** 2
+    weights = 0.5 * dataset.variables["rotor_frequency"].values ** 2
     middle = motion.late // 2
     energy = np.empty(len(motion.begin) - middle)
-    history = dataset["rotor_displacement"].variable
+    history = dataset.variables["rotor_displacement"]
     for number, (begin, end) in enumerate(zip(first[middle:-1], first[middle + 1 :], strict=True)):
         parts = (slice(at, min(at + PORTION, end)) for at in range(begin, end, PORTION))
         total = sum(history[part].values.sum(axis=0) for part in parts)
@@ -237,7 +237,8 @@ def longest_half_period(dataset: xr.Dataset) -> float:
 
 def _wave_frequencies(dataset: xr.Dataset) -> list[Array]:
     """Return the frequencies of the backward and forward wave of each rotor mode [rad/s]."""
-    return [dataset[f"rotor_{way}_frequency"].values for way in ("backward", "forward")]
+    ways = ("backward", "forward")
+    return [dataset.variables[f"rotor_{way}_frequency"].values for way in ways]
 
 
 def _half_period(frequency: Array) -> float:

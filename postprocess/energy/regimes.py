@@ -97,8 +97,8 @@ def classify_windows(
         clearance: smallest clearance of a tip [m].
         source: largest energy source of the run in words.
     """
-    time = dataset["time"].values
-    touched: NDArray[np.bool_] = np.any(dataset["contact_steps"].values > 0, axis=1)
+    time = dataset.variables["time"].values
+    touched: NDArray[np.bool_] = np.any(dataset.variables["contact_steps"].values > 0, axis=1)
     growth = fit_growth(windows) if windows else None
     ripple = fit_ripple(around, windows) if around and windows else None
     grown = _growth_text(growth, ripple)

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from bladewhirl.postprocess.fields import windows
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.plotting.axes import decades, draw_map
@@ -54,14 +55,7 @@ def strain_energies(
         ``strain_energies(result)["first_family"].sel(nodal_diameter=1).plot()``
     """
     result = windows.in_window(result, start, end)
-    family = result["rotor_family"].values
-    diameter = result["rotor_nodal_diameter"].values
-    first = family == FIRST_FAMILY
-    diameters = np.unique(diameter[first])
-    groups = [family == SUSPENSION, *(first & (diameter == k) for k in diameters)]
-    groups.append(~np.logical_or.reduce(groups))
-    weights = 0.5 * result["rotor_frequency"].values ** 2 * np.array(groups, dtype=float)
-    energy = reduce_modes(result, "rotor_displacement", weights, np.square)
+    energy, diameters = group_energies(result)
     return labelled(
         result,
         "strain energy of the bladed disk with its shaft springs",
@@ -73,6 +67,22 @@ def strain_energies(
         },
         {"time": result["time"].values, "nodal_diameter": diameters},
     )
+
+
+def group_energies(result: xr.Dataset) -> tuple[Array, IntArray]:
+    """Return the strain energy of each group of modes [J], (time, group), and the nodal diameters
+    of the first blade family, (group - 2,).
+
+    The groups are the suspension, the first blade family by nodal diameter, and all other modes.
+    """
+    stage = result.variables
+    family, diameter = stage["rotor_family"].values, stage["rotor_nodal_diameter"].values
+    first = family == FIRST_FAMILY
+    diameters = np.unique(diameter[first])
+    groups = [family == SUSPENSION, *(first & (diameter == k) for k in diameters)]
+    groups.append(~np.logical_or.reduce(groups))
+    weights = 0.5 * stage["rotor_frequency"].values ** 2 * np.array(groups, dtype=float)
+    return reduce_modes(result, "rotor_displacement", weights, np.square), diameters
 
 
 def energy_terms(energies: xr.Dataset) -> dict[str, xr.DataArray]:

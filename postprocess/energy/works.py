@@ -19,6 +19,9 @@ SOURCES = {
 }
 """Energy sources of a motion."""
 
+SUMMED = ("external", "normal", "closing", "friction", "coupling", "damping")
+"""Works that a result contains."""
+
 
 class Works(TypedDict):
     """Works since the start [J]; work that adds energy to the motion is positive.
@@ -40,16 +43,16 @@ class Works(TypedDict):
 
 def works(dataset: xr.Dataset) -> Works:
     """Return the works of a run up to its last record."""
-    normal, friction = (float(dataset[f"{name}_work"][-1]) for name in ("normal", "friction"))
+    last = {name: float(dataset.variables[f"{name}_work"][-1].values) for name in SUMMED}
+    normal, friction, closing = last["normal"], last["friction"], last["closing"]
     drive = float(drive_work(dataset)[-1])
-    closing = float(dataset["closing_work"][-1])
     return Works(
-        load=float(dataset["external_work"][-1]),
+        load=last["external"],
         normal=normal,
         closing=None if np.isnan(closing) else closing,
         friction=friction,
-        springs=float(dataset["coupling_work"][-1]),
-        damping=float(dataset["damping_work"][-1]),
+        springs=last["coupling"],
+        damping=last["damping"],
         drive=drive,
         heat=drive - normal - friction,
     )
@@ -130,9 +133,10 @@ def drive_work(dataset: xr.Dataset) -> Array:
     nothing: the work that they do on rotor and casing, as the wall turns past the tips, comes from
     the drive.
     """
-    dragged = np.cumsum(dataset["friction_impulse"].values.sum(axis=1))
+    histories = dataset.variables
+    dragged = np.cumsum(histories["friction_impulse"].values.sum(axis=1))
     reach = float(dataset.attrs["speed"]) * float(dataset.attrs["tip_radius"])
-    return np.asarray(dataset["normal_work"].values + reach * dragged)
+    return np.asarray(histories["normal_work"].values + reach * dragged)
 
 
 def late_drive_power(dataset: xr.Dataset) -> float:
@@ -154,8 +158,10 @@ def leading_source(dataset: xr.Dataset) -> str:
     balance = works(dataset)
     supplied = {name: float(balance[name]) for name in SOURCES}  # type: ignore[literal-required]
     name = max(supplied, key=lambda source: supplied[source])
-    energy, lost, most = float(dataset["energy"][-1]), balance["damping"], supplied[name]
-    if dataset["rotor_frequency"].values.min() < 0.0 and energy < 0.0 and lost > 2.0 * most:
+    energy = float(dataset.variables["energy"][-1].values)
+    lost, most = balance["damping"], supplied[name]
+    softest = dataset.variables["rotor_frequency"].values.min()
+    if softest < 0.0 and energy < 0.0 and lost > 2.0 * most:
         return (
             "damping of the bladed disk drives its whirl above the critical speed; in rotating axes"
             f" it removes {lost:.3g} J"

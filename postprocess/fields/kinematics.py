@@ -235,7 +235,8 @@ def recess_at_rest(dataset: xr.Dataset) -> Array:
 def smallest_clearance(dataset: xr.Dataset) -> float:
     """Return the smallest clearance plus the smallest recess of a tip [m], without vibration; the
     static growth of the tips at speed is subtracted if the case gives the clearance at rest."""
-    return float(dataset["clearance"].values.min() + dataset["tip_recess"].values.min())
+    stage = dataset.variables
+    return float(stage["clearance"].values.min() + stage["tip_recess"].values.min())
 
 
 def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:

@@ -27,6 +27,7 @@ from bladewhirl.postprocess.fields.netcdf import (
 from bladewhirl.solvers.march import schema
 
 PORTION = 4096  #: records read at a time: 5 MB for 156 modes
+BLOCK = 256  #: records multiplied at a time, which remain in the cache
 ATTRIBUTES = (
     *("title", "speed", "reference_frequency", "casing_radius", "tip_radius"),
     *("time_step", "record_step"),
@@ -90,7 +91,8 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     if "closing_work" not in dataset and "normal_work" in dataset:
         unknown = xr.full_like(dataset["normal_work"], np.nan)
         constant["closing_work"] = unknown.assign_attrs(schema.HISTORY["closing_work"].attributes)
-    return dataset.assign(constant).assign_coords(indices).set_coords(described)
+    complete = dataset.assign(constant) if constant else dataset
+    return complete.assign_coords(indices).set_coords(described)
 
 
 def result_of(
@@ -211,8 +213,12 @@ def reduce_modes(
         transform: applied to the modal coordinates first, such as `numpy.square`.
     """
     out = np.empty((dataset.sizes["time"], len(rows)))
-    history = dataset[variable].variable  # without coordinates, which take time to cut
+    history = dataset.variables[variable]  # without coordinates, which take time to cut
+    columns = np.ascontiguousarray(rows.T)
     for portion in portions(dataset):
-        coordinates = history[portion].values
-        out[portion] = (coordinates if transform is None else transform(coordinates)) @ rows.T
+        coordinates, reduced = history[portion].values, out[portion]
+        for first in range(0, len(coordinates), BLOCK):
+            block = coordinates[first : first + BLOCK]
+            block = block if transform is None else transform(block)
+            np.matmul(block, columns, out=reduced[first : first + BLOCK])
     return out

@@ -49,7 +49,7 @@ def in_window(result: xr.Dataset, start: float | None, end: float | None) -> xr.
 
 def late_part(dataset: xr.Dataset) -> xr.Dataset:
     """Return the records in the last third of the time; values are read when used."""
-    time = dataset["time"].values
+    time = dataset.variables["time"].values
     begin = time[-1] - LATE_SHARE * (time[-1] - time[0])
     return dataset.isel(time=slice(int(np.searchsorted(time, begin)), None))
 
@@ -62,7 +62,7 @@ def evenly_spaced(dataset: xr.Dataset, fewest: int) -> tuple[xr.Dataset, float]:
     Raises:
         ViewError: the records are not equally spaced, or there are fewer than `fewest`.
     """
-    time = dataset["time"].values
+    time = dataset.variables["time"].values
     steps = np.diff(time)
     step = float(np.median(steps)) if len(steps) else 0.0
     uneven = np.abs(steps - step) > EVEN * step
@@ -104,6 +104,6 @@ def span_edges(time: Array, starts: IntArray, begin: float) -> Array:
 
 def window_label(dataset: xr.Dataset) -> str:
     """Return the time interval of a Dataset as text, such as "10 to 20 ms"."""
-    first, last = dataset["time"].values[[0, -1]]
+    first, last = dataset.variables["time"].values[[0, -1]]
     unit, scale = handy_unit(float(last), "s")
     return f"{scale * first:.3g} to {scale * last:.3g} {unit}"

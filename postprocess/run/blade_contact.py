@@ -121,10 +121,7 @@ def contact_classes(
         ``contact_classes(result, start=2.0)["share"].sel(blade=3)``
     """
     dataset = windows.select_window(result, start, end)
-    time = dataset["time"].values
-    # Each record counts the steps with contact since the previous record.
-    touching = dataset["contact_steps"].isel(time=slice(1, None)).sum("time").values
-    share = _share(touching, time[-1] - time[0], dataset)
+    time, share = dataset["time"].values, contact_share(dataset)
     names = np.select([share >= PERMANENT, share > 0], ["permanent", "intermittent"], "free")
     touched = result["time"].values[(result["contact_steps"].values > 0).any(axis=1)]
     first = float(touched[0]) if len(touched) else np.inf
@@ -136,6 +133,15 @@ def contact_classes(
         window=windows.window_label(dataset),
         first_contact=first if time[0] < first <= time[-1] else np.nan,
     )
+
+
+def contact_share(dataset: xr.Dataset) -> Array:
+    """Return the share of time steps at which each blade is in contact, (blade,); there must be at
+    least two records."""
+    time = dataset.variables["time"].values
+    # Each record counts the steps with contact since the previous record.
+    touching = dataset.variables["contact_steps"][1:].values.sum(axis=0)
+    return _share(touching, time[-1] - time[0], dataset)
 
 
 @styled

@@ -58,20 +58,12 @@ def contact_phase(
     """
     dataset = in_window(result, start, end)
     orbit = shaft_orbit(dataset if orbit is None else orbit, start=start, end=end)
-    impulse = dataset["contact_impulse"].values
-    tip = dataset["tip_angle"].values
-    total = impulse.sum(axis=1)
-    push = impulse @ np.exp(1j * tip)
-    on_one_side = (total > 0) & (np.abs(push) >= STEADY * total)
-    gap = dataset["gap"].values
-    spread = np.ptp(gap, axis=1)
-    distinct = spread > ALIKE * spread.max(initial=0.0)
-    nearest = np.where(distinct, smallest_clearance_angle(gap, tip), np.nan)
-    clearance = np.where(on_one_side, np.angle(push), nearest)
+    clearance, total = _clearance(dataset)
     shaft = orbit["rotating"].values
     lead = shaft_lead(shaft, clearance)
     time = dataset["time"].values
     judged = slice(0 if since is None else int(np.searchsorted(time, since)), None)
+    kind, mean, steadiness = _scenario(shaft[judged], clearance[judged], total[judged])
     turned = dataset.attrs["speed"] * time
     at = np.where(np.isnan(lead), np.nan, np.arctan2(shaft[:, 1], shaft[:, 0]))
     return labelled(
@@ -85,17 +77,39 @@ def contact_phase(
         },
         {"time": time},
         window=window_label(dataset.isel(time=judged)),
-        **_scenario(shaft[judged], clearance[judged], total[judged]),
+        scenario=kind,
+        lead=mean,
+        steadiness=steadiness,
     )
 
 
-def _scenario(shaft: Array, clearance: Array, impulse: Array) -> dict[str, str | float]:
+def contact_scenario(dataset: xr.Dataset, orbit: xr.Dataset) -> tuple[str, float, float]:
+    """Return the attributes `scenario`, `lead` and `steadiness` of `contact_phase`."""
+    return _scenario(orbit.variables["rotating"].values, *_clearance(dataset))
+
+
+def _clearance(dataset: xr.Dataset) -> tuple[Array, Array]:
+    """Return the angle of the smallest clearance in rotating axes [rad], and the impulse of all
+    contacts [N s], (time,) each; see `contact_phase`."""
+    impulse, gap, tip = (
+        dataset.variables[name].values for name in ("contact_impulse", "gap", "tip_angle")
+    )
+    total = impulse.sum(axis=1)
+    push = impulse @ np.exp(1j * tip)
+    on_one_side = (total > 0) & (np.abs(push) >= STEADY * total)
+    spread = np.ptp(gap, axis=1)
+    distinct = spread > ALIKE * spread.max(initial=0.0)
+    nearest = np.where(distinct, smallest_clearance_angle(gap, tip), np.nan)
+    return np.where(on_one_side, np.angle(push), nearest), total
+
+
+def _scenario(shaft: Array, clearance: Array, impulse: Array) -> tuple[str, float, float]:
     weight = impulse if impulse.any() else None
     try:
         scenario = motion_scenario(shaft=shaft, clearance_angle=clearance, weight=weight)
     except ValueError:  # the shaft is at rest
-        return {"scenario": "at rest", "lead": np.nan, "steadiness": 0.0}
-    return {"scenario": scenario.kind, "lead": scenario.lead, "steadiness": scenario.steadiness}
+        return "at rest", np.nan, 0.0
+    return scenario.kind, scenario.lead, scenario.steadiness
 
 
 @styled

@@ -1,60 +1,67 @@
 """Measures of the last third of a run: whirl, contact side, contact of blades, Poincaré map."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
-from bladewhirl.postprocess.fields.windows import late_part
-from bladewhirl.postprocess.run.blade_contact import contact_classes
-from bladewhirl.postprocess.run.contact_side import contact_phase
-from bladewhirl.postprocess.shaft.poincare import poincare_map
-from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
-from bladewhirl.postprocess.shaft.whirl_history import whirl_history
+from bladewhirl.postprocess.run.blade_contact import contact_share
+from bladewhirl.postprocess.run.contact_side import contact_scenario
+from bladewhirl.postprocess.shaft.poincare import section_places
+from bladewhirl.postprocess.shaft.whirl import Direction, whirls
+from bladewhirl.postprocess.shaft.whirl_history import rotating_rates
 
 
-def late_motion(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
+@dataclass(frozen=True, kw_only=True)
+class LateMotion:
+    """Measures of a motion, with the names of the variables of a sweep."""
+
+    late_radius: float  #: root mean square displacement of the shaft [m]
+    whirl_rotating: Direction  #: direction of whirl in rotating axes
+    whirl_static: Direction  #: direction of whirl in static axes
+    whirl_frequency: float
+    """Frequency of the whirl in rotating axes, forward positive, nan at rest [Hz]; the frequency in
+    the static frame is higher by the speed."""
+    whirl_scatter: float
+    """Standard deviation of the frequency over the time spans of `whirl_history`, nan for a single
+    span [Hz]."""
+    scenario: str  #: scenario of `contact_phase`, with hyphens
+    shaft_lead: float  #: `lead` of `contact_phase` [rad]
+    lead_steadiness: float  #: `steadiness` of `contact_phase`
+    late_contact_share: Array
+    """Share of the time in contact, nan for a single record, (blade,)."""
+    section: Array
+    """Positions of the Poincaré map, which are the same in both frames [m], (revolution, 2)."""
+    radius_peak: Array  #: local maxima of the displacement [m], (peak,)
+
+
+def late_motion(late: xr.Dataset, orbit: xr.Dataset) -> LateMotion:
     """Measure the motion in the last third of a run.
 
     Args:
-        dataset: a result.
+        late: result, from `windows.late_part`.
         orbit: from `orbits.shaft_orbit`, for the same time window.
-
-    Returns:
-        Dataset of measures. `late_radius` [m]: root mean square displacement of the shaft.
-        `whirl_rotating` and `whirl_static`: directions of whirl in the two frames.
-        `whirl_frequency` [Hz]: frequency in the rotating frame, forward positive, nan at rest; the
-        frequency in the static frame is higher by the speed. `whirl_scatter` [Hz]: standard
-        deviation of the frequency over the time spans of `whirl_history`, nan for a single span.
-        `scenario`, `shaft_lead` [rad] and `lead_steadiness`: from `contact_phase`.
-        `late_contact_share` (blade,): share of the time in contact, nan for a single record.
-        `section` (revolution, axis) [m]: positions of the Poincaré map, which are the same in both
-        frames. `radius_peak` (peak,) [m]: local maxima of the displacement.
     """
-    late, path = late_part(dataset), late_part(orbit)
-    phases = contact_phase(late, path)
-    turning = {frame: whirl(path, frame) for frame in FRAMES}
-    radius = float(np.sqrt(np.mean(path["radius"].values ** 2)))
-    rates = whirl_history(path)["rate"].sel(frame="rotating").dropna("time").values
-    hertz = {"units": "Hz"}
-    scatter = rates.std() if len(rates) > 1 else np.nan
-    if path.sizes["time"] > 1:
-        share = contact_classes(late)["share"].values
-    else:
-        share = np.full(dataset.sizes["blade"], np.nan)
-    return xr.Dataset(
-        {
-            "late_radius": ((), radius, {"units": "m"}),
-            **{f"whirl_{frame}": ((), turning[frame].direction) for frame in FRAMES},
-            "whirl_frequency": ((), turning["rotating"].rate / (2 * np.pi), hertz),
-            "whirl_scatter": ((), scatter / (2 * np.pi), hertz),
-            "scenario": ((), phases.attrs["scenario"].replace(" ", "-")),
-            "shaft_lead": ((), phases.attrs["lead"], {"units": "rad"}),
-            "lead_steadiness": ((), phases.attrs["steadiness"], {"units": "1"}),
-            "late_contact_share": ("blade", share, {"units": "1"}),
-            "section": (("revolution", "axis"), _sections(path), {"units": "m"}),
-            "radius_peak": ("peak", radius_peaks(path), {"units": "m"}),
-        }
+    scenario, lead, steadiness = contact_scenario(late, orbit)
+    turning, rates = whirls(orbit), rotating_rates(orbit)
+    rates = rates[~np.isnan(rates)]
+    share = np.full(late.sizes["blade"], np.nan)
+    if orbit.sizes["time"] > 1:
+        share = contact_share(late)
+    return LateMotion(
+        late_radius=float(np.sqrt(np.mean(orbit.variables["radius"].values ** 2))),
+        whirl_rotating=turning["rotating"].direction,
+        whirl_static=turning["static"].direction,
+        whirl_frequency=turning["rotating"].rate / (2 * np.pi),
+        whirl_scatter=float(rates.std() / (2 * np.pi)) if len(rates) > 1 else np.nan,
+        scenario=scenario.replace(" ", "-"),
+        shaft_lead=lead,
+        lead_steadiness=steadiness,
+        late_contact_share=share,
+        section=_sections(orbit),
+        radius_peak=radius_peaks(orbit),
     )
 
 
@@ -64,8 +71,9 @@ def radius_peaks(orbit: xr.Dataset) -> Array:
     The square of the displacement is interpolated by cubics through the values and rates at the
     records. A maximum is where the rate, interpolated linearly between records, falls through zero.
     """
-    time = orbit["time"].values
-    place, velocity = orbit["rotating"].values, orbit["rotating_velocity"].values
+    time, place, velocity = (
+        orbit.variables[name].values for name in ("time", "rotating", "rotating_velocity")
+    )
     square, rate = np.sum(place**2, axis=1), 2.0 * np.sum(place * velocity, axis=1)
     before = np.flatnonzero((rate[:-1] > 0) & (rate[1:] <= 0))
     if not before.size:
@@ -79,6 +87,6 @@ def _sections(orbit: xr.Dataset) -> Array:
     """Return the positions of the Poincaré map (revolutions, 2) [m]; an empty array if the time is
     shorter than a revolution."""
     try:
-        return np.asarray(poincare_map(orbit)["place"].values)
+        return section_places(orbit)[1]
     except ViewError:
         return np.empty((0, 2))

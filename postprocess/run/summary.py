@@ -189,10 +189,10 @@ def energy_residual(dataset: xr.Dataset) -> float:
     damping work is positive.
     """
     works = {
-        name: dataset[f"{name}_work"].values
+        name: dataset.variables[f"{name}_work"].values
         for name in ("external", "normal", "friction", "coupling", "damping")
     }
-    energy = dataset["energy"].values
+    energy = dataset.variables["energy"].values
     since: dict[str, Array] = {name: work - work[0] for name, work in works.items()}
     taken = since.pop("damping")
     gained = sum(since.values()) - taken

@@ -56,12 +56,11 @@ def shaft_orbit(
     result = in_window(result, start, end)
     if "rotating" in result:
         return result
-    centre = result["rotor_shape"].isel(rotor_node=int(result["centre_node"]))
-    rows = centre.values[:2]  # x and y of each mode
-    rotating = reduce_modes(result, "rotor_displacement", rows)
-    velocity = reduce_modes(result, "rotor_velocity", rows)
-    speed, time = float(result.attrs["speed"]), result["time"].values
+    rotating = centre_displacement(result)
+    velocity = reduce_modes(result, "rotor_velocity", _centre_rows(result))
+    speed, time = float(result.attrs["speed"]), result.variables["time"].values
     carried = speed * np.column_stack([-rotating[:, 1], rotating[:, 0]])
+    static, static_velocity = rotate(np.stack([rotating, velocity + carried]), speed * time)
     plane = ("time", "axis")
     return labelled(
         result,
@@ -69,13 +68,25 @@ def shaft_orbit(
         {
             "rotating": (plane, rotating, "m"),
             "rotating_velocity": (plane, velocity, "m/s"),
-            "static": (plane, rotate(rotating, speed * time), "m"),
-            "static_velocity": (plane, rotate(velocity + carried, speed * time), "m/s"),
+            "static": (plane, static, "m"),
+            "static_velocity": (plane, static_velocity, "m/s"),
             "radius": ("time", np.hypot(*rotating.T), "m"),
         },
         {"time": time, "axis": ["x", "y"]},
         smallest_clearance=smallest_clearance(result),
     )
+
+
+def centre_displacement(result: xr.Dataset) -> Array:
+    """Return the displacement of the shaft's centre in rotating axes at every record of a result
+    [m], (time, 2)."""
+    return reduce_modes(result, "rotor_displacement", _centre_rows(result))
+
+
+def _centre_rows(result: xr.Dataset) -> Array:
+    """Return x and y of the shaft's centre for unit modal coordinates, (2, rotor_mode)."""
+    node = int(result.variables["centre_node"].values)
+    return np.asarray(result.variables["rotor_shape"][node].values[:2])
 
 
 @styled

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from bladewhirl.models.inputs.units import handy_unit
-from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import late_part, window_label
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
@@ -40,7 +40,29 @@ def poincare_map(
         ViewError: the rotor does not turn, or the time window is shorter than a revolution.
     """
     orbit = shaft_orbit(result, start=start, end=end)
-    time = orbit["time"].values
+    instants, place = section_places(orbit, frame)
+    velocity = orbit[f"{frame}_velocity"].values
+    plane = ("time", "axis")
+    return labelled(
+        orbit,
+        "Poincaré map of the shaft, once a revolution",
+        {
+            "place": (plane, place, "m"),
+            "velocity": (plane, CubicSpline(orbit["time"].values, velocity)(instants), "m/s"),
+        },
+        {"time": instants, "axis": ["x", "y"]},
+        frame=frame,
+    )
+
+
+def section_places(orbit: xr.Dataset, frame: Frame = "static") -> tuple[Array, Array]:
+    """Return the instants of `poincare_map` [s], (revolutions,), and the positions of the shaft
+    [m], (revolutions, 2).
+
+    Raises:
+        ViewError: the rotor does not turn, or the orbit is shorter than a revolution.
+    """
+    time = orbit.variables["time"].values
     speed = abs(float(orbit.attrs["speed"]))
     turned = speed * time[[0, -1]] / (2 * np.pi)
     first, last = np.ceil(turned[0] - 1e-9), np.floor(turned[1] + 1e-9)
@@ -50,18 +72,8 @@ def poincare_map(
             f"revolutions in {window_label(orbit)}"
         )
     instants = np.clip(2 * np.pi * np.arange(first, last + 1) / speed, time[0], time[-1])
-    place, velocity = orbit[frame].values, orbit[f"{frame}_velocity"].values
-    plane = ("time", "axis")
-    return labelled(
-        orbit,
-        "Poincaré map of the shaft, once a revolution",
-        {
-            "place": (plane, CubicHermiteSpline(time, place, velocity)(instants), "m"),
-            "velocity": (plane, CubicSpline(time, velocity)(instants), "m/s"),
-        },
-        {"time": instants, "axis": ["x", "y"]},
-        frame=frame,
-    )
+    place, velocity = (orbit.variables[name].values for name in (frame, f"{frame}_velocity"))
+    return instants, np.asarray(CubicHermiteSpline(time, place, velocity)(instants))
 
 
 def state_space(orbit: xr.Dataset) -> xr.Dataset:

@@ -5,7 +5,9 @@ motion. A circular motion of radius r has the amplitude r at one frequency. A st
 amplitude a has the amplitude a / 2 at two frequencies of opposite sign.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -20,6 +22,7 @@ Complex = NDArray[np.complex128]
 
 FEWEST_RECORDS = 16  #: smallest number of records for a spectrum
 MOST_LINES, LEAST_SHARE = 3, 0.02  #: largest number and least share of the strongest lines
+KEPT_TRANSFORMS = 4  #: number of zoomed transforms that are kept: most marches are as long
 LOBE = 2  #: half width of a line under the Hann window, in multiples of the resolution
 
 
@@ -34,7 +37,7 @@ class SpectralLine:
 def phasor(orbit: xr.Dataset, frame: Frame) -> Complex:
     """Return x + i y of the shaft, or x - i y if the rotor turns clockwise, so that forward motion
     has positive frequencies."""
-    x, y = orbit[frame].values.T
+    x, y = orbit.variables[frame].values.T
     return np.asarray(x + (-1j if orbit.attrs["speed"] < 0 else 1j) * y)
 
 
@@ -60,12 +63,19 @@ def spectrum(
         length = padding * len(window)
         amplitude = np.fft.fftshift(np.fft.fft(weighted, length), axes=-1)
         return np.fft.fftshift(np.fft.fftfreq(length, step)), amplitude
-    from scipy.signal import zoom_fft  # slow to import, and needed by sweeps only
-
-    # zoom_fft begins at zero: shift the lowest frequency to zero.
+    # The transform begins at zero: shift the lowest frequency to zero.
     weighted *= np.exp(-2j * np.pi * frequency[0] * step * np.arange(len(window)))
-    band = [0.0, frequency[-1] - frequency[0]]
-    return frequency, zoom_fft(weighted, band, m=len(frequency), fs=1.0 / step, endpoint=True)
+    width = float(frequency[-1] - frequency[0])
+    return frequency, _zoomed(len(window), width, len(frequency), 1.0 / step)(weighted)
+
+
+@lru_cache(maxsize=KEPT_TRANSFORMS)
+def _zoomed(samples: int, width: float, lines: int, rate: float) -> Callable[[Complex], Complex]:
+    """Return the transform of `samples` values, taken at a rate [Hz], to `lines` frequencies from
+    zero to `width` [Hz]."""
+    from scipy.signal import ZoomFFT  # slow to import, and needed by sweeps only
+
+    return ZoomFFT(samples, [0.0, width], m=lines, fs=rate, endpoint=True)  # type: ignore[no-any-return]
 
 
 def strongest_lines(orbit: xr.Dataset, frame: Frame) -> tuple[SpectralLine, ...]:

@@ -6,7 +6,9 @@ contributes its own rate, weighted by its squared amplitude. Rates and frequenci
 forward motion, in the sense of rotation (+theta at standstill).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, partial
 from typing import Literal
 
 import numpy as np
@@ -16,7 +18,13 @@ from bladewhirl.meshes.line_mesh import BoolArray
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.windows import span_starts
-from bladewhirl.postprocess.shaft.transforms import LOBE, Frame, phasor, strongest_lines
+from bladewhirl.postprocess.shaft.transforms import (
+    LOBE,
+    Frame,
+    SpectralLine,
+    phasor,
+    strongest_lines,
+)
 
 Direction = Literal["forward", "backward", "none"]
 FRAMES: tuple[Frame, Frame] = ("rotating", "static")
@@ -77,37 +85,62 @@ def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
     If the position turns by more than a quarter turn between two records, the path may have passed
     the centre on either side: each such pair of records adds one turn to the oscillation.
     """
-    time = orbit["time"].values
-    if len(time) < 2 or not orbit["radius"].values.any():
-        return Whirl(rate=float("nan"), error=float("nan"), goes_round=False)
-    angle, doubtful = phase(orbit, frame)
-    rate = _slope(time, angle)
+    return whirls(orbit)[frame]
+
+
+def whirls(orbit: xr.Dataset) -> dict[Frame, Whirl]:
+    """Compute the net turns in both frames, see `whirl`."""
+    time = orbit.variables["time"].values
+    if len(time) < 2 or not orbit.variables["radius"].values.any():
+        still = Whirl(rate=float("nan"), error=float("nan"), goes_round=False)
+        return dict.fromkeys(FRAMES, still)
+    angle, doubtful = phase(orbit, "rotating")
+    lost = 2 * np.pi * np.count_nonzero(doubtful)
+    lines = cache(partial(strongest_lines, orbit, "rotating"))  # of both frames
+    return {
+        frame: _whirl(time, angle + speed * time, lost, speed, lines)
+        for frame, speed in zip(FRAMES, (0.0, abs(float(orbit.attrs["speed"]))), strict=True)
+    }
+
+
+def _whirl(
+    time: Array,
+    angle: Array,
+    lost: float,
+    speed: float,
+    lines: Callable[[], tuple[SpectralLine, ...]],
+) -> Whirl:
+    """Return the net turns of an unwrapped angle (time,) [rad].
+
+    Args:
+        time: times of the records [s], (time,).
+        angle: angle in a frame.
+        lost: possible turns between records [rad].
+        speed: speed of the rotating axes in this frame [rad/s].
+        lines: function that returns the spectral lines in rotating axes.
+    """
+    rate, error = _slope(time, angle), _slope_error(time, angle)
     turned = abs(rate) * np.ptp(time)
-    swing = np.ptp(angle - rate * time) + 2 * np.pi * np.count_nonzero(doubtful)
-    error = _slope_error(time, angle)
     return Whirl(
         rate=rate,
         error=error,
         goes_round=bool(
             turned >= LEAST_TURN * 2 * np.pi
-            and turned > swing
+            and turned > np.ptp(angle - rate * time) + lost
             and not abs(rate) <= LEAST_CERTAIN * error
-            and _has_line(orbit, frame, rate, error)
+            and _has_line(lines(), rate - speed, error, float(np.ptp(time)))
         ),
     )
 
 
-def _has_line(orbit: xr.Dataset, frame: Frame, rate: float, error: float) -> bool:
-    """Return true if the spectrum has a line with half of the mean square or more at the rate,
-    within the width of the line or the error of the rate; also if there is no spectral line, for
-    instance because the motion is too short.
+def _has_line(lines: tuple[SpectralLine, ...], rate: float, error: float, length: float) -> bool:
+    """Return true if the spectrum of a motion of some length [s] has a line with half of the mean
+    square or more at the rate, within the width of the line or the error of the rate; also if there
+    is no spectral line, for instance because the motion is too short.
     """
-    lines = strongest_lines(orbit, "rotating")
-    time = orbit["time"].values
-    near = max(2 * np.pi * LOBE / np.ptp(time), CERTAINTY * np.nan_to_num(error))
-    rotating = rate - (abs(float(orbit.attrs["speed"])) if frame == "static" else 0.0)
+    near = max(2 * np.pi * LOBE / length, CERTAINTY * np.nan_to_num(error))
     return not lines or any(
-        abs(2 * np.pi * line.frequency - rotating) <= near and line.share >= LARGEST_SHARE
+        abs(2 * np.pi * line.frequency - rate) <= near and line.share >= LARGEST_SHARE
         for line in lines
     )
 
@@ -123,7 +156,7 @@ def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, BoolArray]:
     angle = np.unwrap(np.angle(phasor(orbit, "rotating")))
     doubtful = np.abs(np.diff(angle)) > DOUBTFUL
     speed = abs(float(orbit.attrs["speed"]))
-    carried = speed * orbit["time"].values if frame == "static" else 0.0
+    carried = speed * orbit.variables["time"].values if frame == "static" else 0.0
     return angle + carried, doubtful
 
 
@@ -145,8 +178,8 @@ def span_rates(time: Array, angle: Array, starts: IntArray) -> Array:
 
 def _slope(time: Array, angle: Array) -> float:
     """Return the slope of the straight line fitted to the angle by least squares [rad/s]."""
-    covariance = np.cov(time, angle, bias=True)
-    return float(covariance[0, 1] / covariance[0, 0])
+    about = time - time.mean()
+    return float(about @ (angle - angle.mean()) / (about @ about))
 
 
 def _slope_error(time: Array, angle: Array) -> float:

@@ -48,10 +48,7 @@ def whirl_history(
     """
     orbit = shaft_orbit(result, start=start, end=end)
     time = orbit["time"].values
-    period = 2 * np.pi / orbit.attrs["reference_frequency"]
-    spans = int(np.clip(np.ptp(time) / (PERIODS * period), 1, MOST_SPANS))
-    starts = span_starts(time, spans)
-    length = np.ptp(time) / spans
+    starts, length = _spans(orbit)
     square = span_means(orbit["radius"].values ** 2, starts)
     turning = [_turning(orbit, frame, starts, square, length) for frame in FRAMES]
     both = ("frame", "time")
@@ -68,12 +65,33 @@ def whirl_history(
     )
 
 
+def rotating_rates(orbit: xr.Dataset) -> Array:
+    """Return the rates of `whirl_history` in rotating axes [rad/s], (span,)."""
+    starts, _ = _spans(orbit)
+    square = span_means(orbit.variables["radius"].values ** 2, starts)
+    return _rates(orbit, phase(orbit, "rotating")[0], starts, square)
+
+
+def _spans(orbit: xr.Dataset) -> tuple[IntArray, float]:
+    """Return the first record of each span, and the length of a span [s]."""
+    time = orbit.variables["time"].values
+    period = 2 * np.pi / orbit.attrs["reference_frequency"]
+    spans = int(np.clip(np.ptp(time) / (PERIODS * period), 1, MOST_SPANS))
+    return span_starts(time, spans), float(np.ptp(time) / spans)
+
+
+def _rates(orbit: xr.Dataset, angle: Array, starts: IntArray, square: Array) -> Array:
+    """Return the rate in each span [rad/s]; nan where the shaft is at rest, (span,)."""
+    rate = span_rates(orbit.variables["time"].values, angle, starts)
+    return np.where(square > 0, rate, np.nan)
+
+
 def _turning(
     orbit: xr.Dataset, frame: Frame, starts: IntArray, square: Array, length: float
 ) -> tuple[Array, IntArray]:
     """Return rate and direction in each span, both positive for forward whirl."""
     angle, doubtful = phase(orbit, frame)
-    rate = np.where(square > 0, span_rates(orbit["time"].values, angle, starts), np.nan)
+    rate = _rates(orbit, angle, starts, square)
     turns = np.nan_to_num(rate) * length / (2 * np.pi)
     lost = np.add.reduceat(np.append(doubtful, False).astype(np.int64), starts)
     clear = np.abs(turns) >= np.maximum(LEAST_TURN, lost)

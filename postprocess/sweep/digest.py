@@ -6,17 +6,21 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.energy.regimes import classify
-from bladewhirl.postprocess.energy.strain import strain_energies
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray
+from bladewhirl.postprocess.energy.strain import group_energies
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, smallest_clearance
+from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.late_motion import late_motion
 from bladewhirl.postprocess.run.summary import energy_residual
 from bladewhirl.postprocess.run.wear import wear_summary
-from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.orbits import centre_displacement, shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Complex, spectrum
 from bladewhirl.postprocess.sweep.dataset import MODE_LINES, SECTIONS, WINDOW_SHARE, Layout, flag
 
 Digest = dict[str, np.ndarray]
 """Arrays by name; `Layout` determines their shapes and `SWEEP` their dtypes."""
+
+NOT_REDUCED = ("casing_displacement", "casing_velocity")
+"""Histories of a result that `digest` does not use."""
 
 
 def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> Digest:
@@ -27,18 +31,17 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         report: `complementarity_residual`, `dt_over_critical` and `steps` of the march.
         layout: sizes of the arrays; elements without a value are NaN.
     """
-    time = dataset["time"].values
-    orbit = shaft_orbit(dataset)
-    energies = strain_energies(dataset)
-    regime = classify(dataset, energies["total"].values)
-    radius = orbit["radius"].values
-    groups = _groups(energies, layout)
+    time = dataset.variables["time"].values
+    place = centre_displacement(dataset)
+    radius, motion = np.hypot(*place.T), place @ np.array([1.0, 1.0j])
+    energies, diameters = group_energies(dataset)
+    strain_energy, groups = energies.sum(axis=1), _groups(energies, diameters, layout)
+    regime = classify(dataset, strain_energy)
     steps = int(report["steps"])
     step = float(dataset.attrs["record_step"])
     first = len(time) - max(1, round(min(layout.window, WINDOW_SHARE * np.ptp(time)) / step))
     sense = -1.0 if dataset.attrs["speed"] < 0.0 else 1.0
-    motion = orbit["rotating"].values @ np.array([1.0, 1.0j])
-    touched = dataset["contact_steps"].sum("time").values / max(steps, 1)
+    touched = dataset.variables["contact_steps"].values.sum(axis=0) / max(steps, 1)
     values = {
         "regime": regime.name,
         "end_reason": dataset.attrs["end_reason"],
@@ -50,12 +53,12 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         "growth_error": regime.growth.error if regime.growth else np.nan,
         "shaft_radius_max": radius.max(),
         "shaft_radius_final": radius[-1],
-        "strain_energy_max": energies["total"].max(),
+        "strain_energy_max": strain_energy.max(),
         "contact_share": padded(touched, layout.blades),
-        "smallest_clearance": orbit.attrs["smallest_clearance"],
-        **_late(dataset, orbit, layout),
+        "smallest_clearance": smallest_clearance(dataset),
+        **_late(dataset, layout),
         **wear_numbers(dataset),
-        "gap_violation_max": max(0.0, -float(dataset["gap"].min())),
+        "gap_violation_max": max(0.0, -float(dataset.variables["gap"].values.min())),
         "energy_residual": energy_residual(dataset),
         "complementarity_residual": report["complementarity_residual"],
         "dt_over_critical": report["dt_over_critical"],
@@ -101,16 +104,17 @@ def magnitudes(motion: Complex, step: float, frequency: Array) -> Array:
     return np.abs(spectrum(motion, step, window, frequency=frequency)[1])
 
 
-def _late(dataset: xr.Dataset, orbit: xr.Dataset, layout: Layout) -> dict[str, object]:
+def _late(dataset: xr.Dataset, layout: Layout) -> dict[str, object]:
     """Return the measures of `late_motion`, with arrays padded with NaN to the layout's sizes."""
-    late = late_motion(dataset, orbit)
-    section = late["section"].values[-SECTIONS:]
+    late = late_part(dataset)
+    motion = late_motion(late, shaft_orbit(late))
+    section = motion.section[-SECTIONS:]
     return {
-        **{str(name): values.item() for name, values in late.data_vars.items() if not values.ndim},
-        "late_contact_share": padded(late["late_contact_share"].values, layout.blades),
+        **{name: value for name, value in vars(motion).items() if name in layout.tables.sweep},
+        "late_contact_share": padded(motion.late_contact_share, layout.blades),
         "section_x": padded(section[:, 0], SECTIONS),
         "section_y": padded(section[:, 1], SECTIONS),
-        "radius_peak": padded(late["radius_peak"].values[-SECTIONS:], SECTIONS),
+        "radius_peak": padded(motion.radius_peak[-SECTIONS:], SECTIONS),
     }
 
 
@@ -122,12 +126,14 @@ def wear_numbers(dataset: xr.Dataset) -> dict[str, float]:
     return values | {"wear_lobes": wear.get("lobes", np.nan)}
 
 
-def _groups(energies: xr.Dataset, layout: Layout) -> Array:
-    """Return the strain energy of each group of the layout [J], (time, groups)."""
-    family = np.full((energies.sizes["time"], layout.nodal_diameters), np.nan)
-    diameters = energies["nodal_diameter"].values
-    family[:, diameters] = energies["first_family"].values
-    return np.column_stack([energies["suspension"].values, family, energies["rest"].values])
+def _groups(energies: Array, diameters: IntArray, layout: Layout) -> Array:
+    """Return the energies of `group_energies` by the groups of the layout, NaN for nodal diameters
+    without a mode [J], (time, groups)."""
+    if len(diameters) == layout.nodal_diameters:
+        return energies
+    groups = np.full((len(energies), len(layout.groups)), np.nan)
+    groups[:, [0, *(1 + diameters), -1]] = energies
+    return groups
 
 
 def _mode_frequencies(dataset: xr.Dataset, way: str) -> Array:
@@ -136,11 +142,11 @@ def _mode_frequencies(dataset: xr.Dataset, way: str) -> Array:
     differ with Coriolis forces."""
     frequencies = []
     for body, family in MODE_LINES.values():
-        candidates = dataset[f"{body}_nodal_diameter"].values == 1
+        candidates = dataset.variables[f"{body}_nodal_diameter"].values == 1
         if family is not None:
-            candidates &= dataset[f"{body}_family"].values == family
+            candidates &= dataset.variables[f"{body}_family"].values == family
         wave = f"_{way}" if body == "rotor" else ""
-        frequency = dataset[f"{body}{wave}_frequency"].values[candidates]
+        frequency = dataset.variables[f"{body}{wave}_frequency"].values[candidates]
         frequencies.append(frequency.min() / (2.0 * np.pi) if frequency.size else np.nan)
     return np.array(frequencies)
 

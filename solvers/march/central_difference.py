@@ -10,7 +10,6 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.structs import (
     Arrays,
     Struct,
-    aligned_copy,
     lib,
     march,
     padded,
@@ -102,6 +101,10 @@ class CentralDifference:
             "numbers": _numbers(problem, time_step),
         }
         self._scratch = Struct("Scratch", **self._working_arrays())
+        # State and records are copied to and from arrays that are used again, as making and
+        # checking new ones takes longer.
+        self._state = Struct("State", **zeros("State", self._sizes()))
+        self._records = Struct("Records", **zeros("Records", self._sizes() | {"records": 0}))
 
     def init(self) -> CentralDifferenceState:
         """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
@@ -154,20 +157,25 @@ class CentralDifference:
     ) -> tuple[CentralDifferenceState, Chunk, EndReason | None]:
         """Advance by a number of steps; see `Scheme.advance`."""
         every = self._record_every if record_every is None else record_every
-        arrays = {name: aligned_copy(array) for name, array in state.arrays.items()}
-        records = zeros("Records", self._sizes() | {"records": steps // every + 2})
+        for name, array in state.arrays.items():
+            getattr(self._state, name)[...] = array
+        most = steps // every + 2
+        if len(self._records.step) < most:
+            records = zeros("Records", self._sizes() | {"records": most})
+            self._records = Struct("Records", **records)
         status, reached, written = march(
             self._stage,
-            Struct("State", **arrays),
-            Struct("Records", **records),
+            self._state,
+            self._records,
             self._scratch,
             state.step,
             steps,
             every,
         )
         end = EndReason.DIVERGENT if status == lib.DIVERGED else None
+        arrays = {name: getattr(self._state, name).copy() for name in state.arrays}
         after = CentralDifferenceState(step=reached, arrays=arrays)
-        return after, self._chunk(records, written, after), end
+        return after, self._chunk(written, after), end
 
     def _sizes(self) -> dict[str, int]:
         """Return the lengths of the arrays in state and records, by their names in `kernel.h`."""
@@ -222,33 +230,35 @@ class CentralDifference:
         scratch["contact"]["others"] += 1.0 - np.eye(tips, wide)
         return scratch
 
-    def _chunk(self, records: Arrays, written: int, after: CentralDifferenceState) -> Chunk:
-        kept = {name: array[:written] for name, array in records.items()}
-        rotor, casing = self._arrangements
-        work, coating = kept["work"], None
+    def _chunk(self, written: int, after: CentralDifferenceState) -> Chunk:
+        """Return a copy of the records written."""
+        records, (rotor, casing) = self._records, self._arrangements
+        step, work = records.step[:written].copy(), records.work[:written].copy()
+        coating = None
         if self._problem.coating is not None:
+            sums = records.coating[:written].copy()
             coating = CoatingRecords(
-                coating_impulse=kept["coating_impulse"],
-                coating_work=kept["coating"][:, lib.COATING_WORK],
-                wear_volume=kept["coating"][:, lib.REMOVED],
-                wear_dissipated=kept["coating"][:, lib.DISSIPATED],
-                coating_energy=kept["coating"][:, lib.STORED],
+                coating_impulse=records.coating_impulse[:written].copy(),
+                coating_work=sums[:, lib.COATING_WORK],
+                wear_volume=sums[:, lib.REMOVED],
+                wear_dissipated=sums[:, lib.DISSIPATED],
+                coating_energy=sums[:, lib.STORED],
                 wear_time=np.array([after.step * self._time_step]),
                 coating_strain=after.arrays["strain"][None, : -lib.HALF],
             )
         return Chunk(
-            step=kept["step"],
-            time=kept["step"] * self._time_step,
-            rotor_displacement=rotor.unpack(kept["rotor"]),
-            rotor_velocity=rotor.unpack(kept["rotor_velocity"]),
-            casing_displacement=casing.unpack(kept["casing"]),
-            casing_velocity=casing.unpack(kept["casing_velocity"]),
-            gap=kept["gap"],
-            contact_impulse=kept["impulse"],
-            friction_impulse=kept["drag"],
-            contact_steps=kept["touched"].astype(np.int64),
-            contacts=kept["contacts"].astype(np.int64),
-            energy=kept["energy"],
+            step=step,
+            time=step * self._time_step,
+            rotor_displacement=rotor.unpack(records.rotor[:written]),
+            rotor_velocity=rotor.unpack(records.rotor_velocity[:written]),
+            casing_displacement=casing.unpack(records.casing[:written]),
+            casing_velocity=casing.unpack(records.casing_velocity[:written]),
+            gap=records.gap[:written].copy(),
+            contact_impulse=records.impulse[:written].copy(),
+            friction_impulse=records.drag[:written].copy(),
+            contact_steps=records.touched[:written].astype(np.int64),
+            contacts=records.contacts[:written].astype(np.int64),
+            energy=records.energy[:written].copy(),
             external_work=work[:, lib.EXTERNAL],
             normal_work=work[:, lib.NORMAL],
             friction_work=work[:, lib.FRICTION],

@@ -1,6 +1,6 @@
 """Records of a march in memory, for marches whose histories are not written to a file."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -19,6 +19,7 @@ class Records:
         most: largest number of records, for which memory is allocated.
         room: arrays of an earlier march whose records are no longer needed. Large enough arrays are
             reused, because new memory pages cost more time than writing.
+        left_out: names of histories that are not stored.
     """
 
     def __init__(
@@ -27,6 +28,7 @@ class Records:
         attributes: Mapping[str, recorder.Attribute],
         most: int,
         room: dict[str, recorder.Values] | None = None,
+        left_out: Collection[str] = (),
     ) -> None:
         self.stage, self.records, self.steps = stage, 0, 0
         self.attributes = dict(attributes)
@@ -34,15 +36,17 @@ class Records:
         self._coating: list[CoatingRecords] = []
         self._room: dict[str, recorder.Values] = {} if room is None else room
         self._history = recorder.tables_of_stage(stage).history
-        for name, variable in self._history.items():
+        self._stored = [name for name in self._history if name not in left_out]
+        for name in self._stored:
+            variable = self._history[name]
             widths, stored = tuple(recorder.widths_of(variable, sizes)), self._room.get(name)
             if stored is None or len(stored) < most or stored.shape[1:] != widths:
                 self._room[name] = np.empty((most, *widths), dtype=variable.kind)
 
     @property
     def histories(self) -> dict[str, recorder.Values]:
-        """All records, by the names of the schema."""
-        histories = {name: self._room[name][: self.records] for name in self._history}
+        """All records that are stored, by the names of the schema."""
+        histories = {name: self._room[name][: self.records] for name in self._stored}
         if self._coating:
             coating = vars(joined(self._coating))
             for name, variable in recorder.tables_of_stage(self.stage).coating.items():
@@ -61,8 +65,8 @@ class Records:
         history = {name: np.asarray(getattr(chunk, name)) for name in self._history}
         finite = recorder.finite_records(history)
         last = self.records + finite
-        for name, values in history.items():
-            self._room[name][self.records : last] = values[:finite]
+        for name in self._stored:
+            self._room[name][self.records : last] = history[name][:finite]
         self.records = last
         if chunk.coating is not None:
             self._coating.append(chunk.coating)

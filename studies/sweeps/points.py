@@ -23,7 +23,7 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.superelement.digest import node_digest
 from bladewhirl.postprocess.sweep.dataset import Layout
-from bladewhirl.postprocess.sweep.digest import Digest, digest
+from bladewhirl.postprocess.sweep.digest import NOT_REDUCED, Digest, digest
 from bladewhirl.solvers.march.free_motion import FreeMotion, StopWhen
 from bladewhirl.solvers.march.march import EndReason
 from bladewhirl.solvers.march.schema import RESULT_NAME
@@ -91,12 +91,17 @@ def march_point(work: Work, point: Point) -> Outcome:
     complete.
     """
     try:
-        return _march_point(work, with_values(loads(work.case), point.values), point)
+        return _march_point(work, with_values(_varied(work.case), point.values), point)
     except UserError as error:
         return Failure(reason=error.lines[0])
     except Exception as error:  # any error is the failure of this point
         text = " ".join(str(error).split())
         return Failure(reason=f"{type(error).__name__}: {text}")
+
+
+@lru_cache(maxsize=1)
+def _varied(text: str) -> Case:
+    return loads(text)
 
 
 def stage_at(case: Case) -> AnyStage:
@@ -132,7 +137,9 @@ def _march_point(work: Work, case: Case, point: Point) -> Digest:
             prepared = replace(prepared, stop=stop)
     if work.layout is not None and name is None and expected_bytes(prepared) <= IN_MEMORY:
         room = _OWN.__dict__.setdefault("room", {})
-        result, report = march_in_memory(prepared, room)
+        whole = work.layout.superelement or point.after is not None
+        left_out = () if whole else NOT_REDUCED
+        result, report = march_in_memory(prepared, room, left_out)
         _keep_state(work, stage, result, point)
         return _reduced(result, report, work.layout)
     # A history to keep is written into its final folder, under another name until it is complete.

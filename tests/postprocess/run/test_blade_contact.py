@@ -6,7 +6,7 @@ import synthetic_result as synthetic
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.fields.windows import select_window
+from bladewhirl.postprocess.fields.windows import late_part, select_window
 from bladewhirl.postprocess.run.blade_contact import (
     contact_classes,
     contact_maps,
@@ -106,9 +106,10 @@ class TestPhase:
         for name in ("contact_impulse", "gap"):
             result[name][early] = onset[name].values[early]
         figure, phases = RunFigures(result).draw("contact-phase")
-        of_sweep = late_motion(result, shaft_orbit(result))
-        assert phases.attrs["scenario"] == of_sweep["scenario"].item() == "standard"
-        assert phases.attrs["lead"] == of_sweep["shaft_lead"].item() == pytest.approx(0.4, abs=0.02)
+        late = late_part(result)
+        of_sweep = late_motion(late, shaft_orbit(late))
+        assert phases.attrs["scenario"] == of_sweep.scenario == "standard"
+        assert phases.attrs["lead"] == of_sweep.shaft_lead == pytest.approx(0.4, abs=0.02)
         assert "standard contact, shaft ahead by 23°" in figure.axes[1].get_xlabel()
         assert phases["time"].values[0] == 0.0  # all of it is drawn
         end = result["time"].values[-1]

@@ -5,12 +5,14 @@ import pytest
 import synthetic_result as synthetic
 import xarray as xr
 
-from bladewhirl.postprocess.run.late_motion import late_motion, radius_peaks
+from bladewhirl.postprocess.fields.windows import late_part
+from bladewhirl.postprocess.run.late_motion import LateMotion, late_motion, radius_peaks
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 
 
-def of(result: xr.Dataset) -> xr.Dataset:
-    return late_motion(result, shaft_orbit(result))
+def of(result: xr.Dataset) -> LateMotion:
+    late = late_part(result)
+    return late_motion(late, shaft_orbit(late))
 
 
 def test_a_drifting_whirl_scatters() -> None:
@@ -25,8 +27,8 @@ def test_a_drifting_whirl_scatters() -> None:
     result["rotor_velocity"][:, :2] = 1e-3 * rate[:, None] * (circle[:, ::-1] * [-1.0, 1.0])
     result["rotor_displacement"][:, 2:] = 0.0
     found = of(result)
-    assert found["whirl_frequency"].item() == pytest.approx(20.0, rel=1e-3)
-    assert found["whirl_scatter"].item() == pytest.approx(10.0 / np.sqrt(12.0), rel=0.02)
+    assert found.whirl_frequency == pytest.approx(20.0, rel=1e-3)
+    assert found.whirl_scatter == pytest.approx(10.0 / np.sqrt(12.0), rel=0.02)
 
 
 def test_maxima_of_an_ellipse_are_its_long_half_axis() -> None:
@@ -48,8 +50,8 @@ def test_maxima_of_an_ellipse_are_its_long_half_axis() -> None:
 def test_a_shaft_at_rest_has_no_whirl(records: int) -> None:
     result = synthetic.synthetic_result(shaft_radius=0.0, records=records, speed=0.0)
     found = of(result)
-    assert found["late_radius"].item() == 0.0
-    assert np.isnan(found["whirl_frequency"].item())
-    assert found["whirl_rotating"].item() == "none"
-    assert found["scenario"].item() == "at-rest"
-    assert found.sizes["revolution"] == found.sizes["peak"] == 0
+    assert found.late_radius == 0.0
+    assert np.isnan(found.whirl_frequency)
+    assert found.whirl_rotating == "none"
+    assert found.scenario == "at-rest"
+    assert len(found.section) == len(found.radius_peak) == 0
