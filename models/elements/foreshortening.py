@@ -19,6 +19,7 @@ of a bent blade moves along a tangent, farther from the axis.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
@@ -26,6 +27,14 @@ from bladewhirl.models.geometry.beam_model import BeamModel
 
 
 def blade_beams(model: BeamModel, tip: int) -> IntArray:
+    """Return the beams of a blade of a model, see `chain_of_beams`."""
+    mesh = model.mesh
+    return chain_of_beams(mesh.points, mesh.lines, np.array(mesh.line_parts), tip)
+
+
+def chain_of_beams(
+    points: FloatArray, lines: IntArray, parts: NDArray[np.str_], tip: int
+) -> IntArray:
     """Return the beams of a blade from tip to root, each as (end at the root, end at the tip),
     (beams, 2).
 
@@ -33,14 +42,15 @@ def blade_beams(model: BeamModel, tip: int) -> IntArray:
     the same part of the mesh up to a node where this part ends or branches.
 
     Args:
-        model: beam model.
+        points: nodes, (nodes, 2) [m].
+        lines: nodes at the ends of each beam, (lines, 2).
+        parts: part of the mesh of each beam, (lines,).
         tip: node of the tip.
 
     Returns:
         the beams; empty if no beam ends at the tip.
     """
-    lines, parts = model.mesh.lines, np.array(model.mesh.line_parts)
-    points, node = model.mesh.points, tip
+    node = tip
     chain: list[tuple[int, int]] = []
     left = np.ones(len(lines), dtype=np.bool_)
     while True:

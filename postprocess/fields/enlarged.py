@@ -12,7 +12,10 @@ Small displacements are no longer small after multiplication. Each body is there
 along a straight line by its mean motion: the motion of the centre for the rotor, the mean over the
 circumference for the casing. The remaining displacement is drawn in polar coordinates about the
 shifted centre, (r, theta) -> (r + factor u_r, theta + factor u_theta / r). A bent blade thus swings
-along an arc and keeps its length, as it does in the linear model.
+along an arc and keeps its length, as it does in the linear model. With `contact.foreshortening` the
+distance d by which each point of a blade draws back, of second order in the true displacement, is
+drawn with the same factor, r + factor (u_r - d), so that the drawn gap remains the factor times the
+gap of the march.
 """
 
 from functools import cached_property
@@ -22,6 +25,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.blades import line_blades, with_recess
+from bladewhirl.postprocess.fields.drawback import drawn_back
 from bladewhirl.postprocess.fields.kinematics import (
     Array,
     IntArray,
@@ -89,6 +93,11 @@ class EnlargedStage:
         )
         self.ring_displacement = rotate(ring, self.angle)
         self.wall_thickness = np.repeat(dataset["casing_thickness"].values, per_element)
+        self._moved = self.rotor_displacement
+        stations = (len(records), *self.line.shape)
+        drawn = drawn_back(dataset, records, self.line, self._moved.reshape(stations))
+        if drawn is not None:
+            self._draw_back(drawn)
         bodies = (self.rotor_displacement, self.ring_displacement)
         self.largest_displacement = max(float(np.linalg.norm(u, axis=-1).max()) for u in bodies)
         recess = dataset["tip_recess"].values
@@ -104,11 +113,20 @@ class EnlargedStage:
         if shift.any():
             self.nodes, self.line = with_recess(dataset, self.line, shift)
 
+    def _draw_back(self, drawn: Array) -> None:
+        """Subtract the distances (record, rotor_line, station) [m] by which blades draw back from
+        the radial displacements of stations and nodes."""
+        flat, nodes = self.line.reshape(-1, 2), self._dataset["rotor_point"].values
+        self._moved = self._moved - drawn.reshape(len(drawn), -1, 1) * unit(flat)
+        of_nodes = np.zeros(self._node.shape[:2])
+        of_nodes[:, self._dataset["rotor_line"].values] = drawn[:, :, [0, -1]]
+        self._node = self._node - of_nodes[..., None] * unit(nodes)
+
     def rotor_line(self, index: int) -> Array:
         """Return drawn stations of beams (rotor_line, station, 2) [m] at the index-th record."""
         shift = self.centre[index]
         flat = self.line.reshape(-1, 2)
-        line = magnify(flat, self.rotor_displacement[index], shift, self.factor)
+        line = magnify(flat, self._moved[index], shift, self.factor)
         return line.reshape(self.line.shape)
 
     def rotor_nodes(self, index: int) -> Array:

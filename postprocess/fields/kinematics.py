@@ -135,8 +135,14 @@ def line_slope_rows(dataset: xr.Dataset, per_line: int) -> Array:
     the stations of `line_rows`, for unit modal coordinates: the slope of the cubic transverse
     displacement.
     """
+    return slope_rows_at(dataset, np.linspace(0.0, 1.0, per_line + 1))
+
+
+def slope_rows_at(dataset: xr.Dataset, x: Array) -> Array:
+    """Return the rotation of the cross-sections of beams at places x from 0 to 1 along each beam,
+    for unit modal coordinates, (rotor_line, place, rotor_mode)."""
     _, span, _, local, turn_rows = line_shapes(dataset)
-    slopes = slope_weights(np.linspace(0.0, 1.0, per_line + 1))
+    slopes = slope_weights(x)
     across = np.einsum("es,lem->lsm", slopes[::2], local[:, :, 1])
     across /= np.linalg.norm(span, axis=1)[:, None, None]
     return np.asarray(across + np.einsum("es,lem->lsm", slopes[1::2], turn_rows))

@@ -75,7 +75,8 @@ def export_vtk(
 
     `warp` [m] is the vector from each point to its position in `bladewhirl render`. The filter Warp
     By Vector with `warp` and factor 1 shows displacement and clearance multiplied by `exaggeration`
-    (chosen when None); in this view bodies touch exactly when they touch in the run.
+    (chosen when None); in this view bodies touch exactly when they touch in the run. With
+    `contact.foreshortening` blades are drawn back in `warp`, and not in `displacement`.
 
     With `surface`, beams and wall are boxes of their true thickness and width, made of quads. With
     `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and all
