@@ -19,9 +19,6 @@ from bladewhirl.postprocess.sweep.dataset import MODE_LINES, SECTIONS, WINDOW_SH
 Digest = dict[str, np.ndarray]
 """Arrays by name; `Layout` determines their shapes and `SWEEP` their dtypes."""
 
-NOT_REDUCED = ("casing_displacement", "casing_velocity")
-"""Histories of a result that `digest` does not use."""
-
 
 def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> Digest:
     """Reduce a result to the data of a sweep.

@@ -252,7 +252,8 @@ typedef struct {
     IntVector step;         /* (records) step n */
     Matrix rotor;           /* (records, rotor_entries) displacements of the rotor */
     Matrix rotor_velocity;  /* (records, rotor_entries) velocities of the rotor */
-    Matrix casing;          /* (records, casing_entries) displacements of the casing */
+    Matrix casing;          /* (records, casing_entries) displacements of the casing; empty if
+                             * its motion is not recorded */
     Matrix casing_velocity; /* (records, casing_entries) velocities of the casing */
     Matrix gap;             /* (records, tips) smallest gap */
     Matrix impulse;         /* (records, tips) normal impulse */

@@ -280,8 +280,9 @@ static void write_record(Records *r, int64_t row, State *state, const Rotor *rot
                         + half_step_energy(&casing->body, y, time_step) + energy_of_springs;
     record_motion(x, within ? x.new : x.now, interval, r->rotor.at + row * x.entries,
                   r->rotor_velocity.at + row * x.entries);
-    record_motion(y, within ? y.new : y.now, interval, r->casing.at + row * y.entries,
-                  r->casing_velocity.at + row * y.entries);
+    if (r->casing.columns > 0)
+        record_motion(y, within ? y.new : y.now, interval, r->casing.at + row * y.entries,
+                      r->casing_velocity.at + row * y.entries);
     for (int64_t i = 0; i < WORKS; i++)
         r->work.at[row * WORKS + i] = state->work.at[i];
     for (int64_t i = 0; i < state->coating.size; i++)

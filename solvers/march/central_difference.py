@@ -105,6 +105,8 @@ class CentralDifference:
         # checking new ones takes longer.
         self._state = Struct("State", **zeros("State", self._sizes()))
         self._records = Struct("Records", **zeros("Records", self._sizes() | {"records": 0}))
+        #: whether records contain the motion of the casing; if not, these arrays have no columns
+        self.records_casing = True
 
     def init(self) -> CentralDifferenceState:
         """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
@@ -160,9 +162,10 @@ class CentralDifference:
         for name, array in state.arrays.items():
             getattr(self._state, name)[...] = array
         most = steps // every + 2
-        if len(self._records.step) < most:
-            records = zeros("Records", self._sizes() | {"records": most})
-            self._records = Struct("Records", **records)
+        columns = self._arrangements[1].entries if self.records_casing else 0
+        if len(self._records.step) < most or self._records.casing.shape[1] != columns:
+            sizes = self._sizes() | {"records": most, "casing_entries": columns}
+            self._records = Struct("Records", **zeros("Records", sizes))
         status, reached, written = march(
             self._stage,
             self._state,
@@ -234,6 +237,9 @@ class CentralDifference:
         """Return a copy of the records written."""
         records, (rotor, casing) = self._records, self._arrangements
         step, work = records.step[:written].copy(), records.work[:written].copy()
+        wall = [records.casing[:written], records.casing_velocity[:written]]
+        if self.records_casing:
+            wall = [casing.unpack(each) for each in wall]
         coating = None
         if self._problem.coating is not None:
             sums = records.coating[:written].copy()
@@ -251,8 +257,8 @@ class CentralDifference:
             time=step * self._time_step,
             rotor_displacement=rotor.unpack(records.rotor[:written]),
             rotor_velocity=rotor.unpack(records.rotor_velocity[:written]),
-            casing_displacement=casing.unpack(records.casing[:written]),
-            casing_velocity=casing.unpack(records.casing_velocity[:written]),
+            casing_displacement=wall[0],
+            casing_velocity=wall[1],
             gap=records.gap[:written].copy(),
             contact_impulse=records.impulse[:written].copy(),
             friction_impulse=records.drag[:written].copy(),

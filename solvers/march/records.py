@@ -1,6 +1,6 @@
 """Records of a march in memory, for marches whose histories are not written to a file."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -8,6 +8,9 @@ from bladewhirl.models.stage.contact_problem import rod_angles
 from bladewhirl.solvers.march import recorder
 from bladewhirl.solvers.march.march import CoatingRecords, joined
 from bladewhirl.solvers.march.schema import TIME
+
+CASING = ("casing_displacement", "casing_velocity")
+"""Histories of the motion of the casing."""
 
 
 class Records:
@@ -19,7 +22,7 @@ class Records:
         most: largest number of records, for which memory is allocated.
         room: arrays of an earlier march whose records are no longer needed. Large enough arrays are
             reused, because new memory pages cost more time than writing.
-        left_out: names of histories that are not stored.
+        casing: whether the motion of the casing is stored.
     """
 
     def __init__(
@@ -28,7 +31,7 @@ class Records:
         attributes: Mapping[str, recorder.Attribute],
         most: int,
         room: dict[str, recorder.Values] | None = None,
-        left_out: Collection[str] = (),
+        casing: bool = True,
     ) -> None:
         self.stage, self.records, self.steps = stage, 0, 0
         self.attributes = dict(attributes)
@@ -36,7 +39,7 @@ class Records:
         self._coating: list[CoatingRecords] = []
         self._room: dict[str, recorder.Values] = {} if room is None else room
         self._history = recorder.tables_of_stage(stage).history
-        self._stored = [name for name in self._history if name not in left_out]
+        self._stored = [name for name in self._history if casing or name not in CASING]
         for name in self._stored:
             variable = self._history[name]
             widths, stored = tuple(recorder.widths_of(variable, sizes)), self._room.get(name)

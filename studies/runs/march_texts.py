@@ -84,13 +84,17 @@ def _beam_attributes(prepared: AnyPrepared, stage: Stage) -> dict[str, Attribute
 
 
 def _beam_divergence(problem: ContactProblem, step: float, chunk: Chunk) -> str:
-    """Describe a violation of the displacement limit: blade or angle, time and size.
+    """Describe a violation of the displacement limit: blade or angle, time and size; only the time
+    if the motion of the casing is not recorded.
 
     The last record is within the limit. The place of the violation is found from displacements that
     are extrapolated by one step.
     """
     rotor, casing = problem.rotor, problem.casing
     largest, text = 0.0, ""
+    limit = f"march.displacement_limit = {problem.displacement_limit:g} m"
+    if chunk.casing_displacement.shape[1] < len(casing.frequency):
+        return f"a tip or the casing passed {limit} at {chunk.time[-1]:.6g} s"
     for body, way, shapes in (
         ("rotor", "radially", rotor.tip_radial),
         ("rotor", "tangentially", rotor.tip_tangential),
@@ -102,7 +106,6 @@ def _beam_divergence(problem: ContactProblem, step: float, chunk: Chunk) -> str:
         if ahead[place] >= largest:
             angle = 360.0 * place / len(shapes)
             name = f"blade {place}" if body == "rotor" else f"the casing at {angle:.4g}°"
-            limit = f"march.displacement_limit = {problem.displacement_limit:g} m"
             text = f"{name} passed {limit} at {chunk.time[-1]:.6g} s ({moved[place]:.4g} m {way})"
             largest = ahead[place]
     return text

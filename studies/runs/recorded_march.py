@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import time
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import fields
 from pathlib import Path
@@ -15,6 +15,7 @@ import numpy as np
 from bladewhirl.files import replacing
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.boundary import BoundaryChunk
+from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.checkpoint import (
     CHECKPOINT_NAME,
     Checkpoint,
@@ -122,17 +123,20 @@ def march_to_file(
 def march_in_memory(
     prepared: AnyPrepared,
     room: dict[str, Values] | None = None,
-    left_out: Collection[str] = (),
+    *,
+    casing: bool = True,
 ) -> tuple[xr.Dataset, dict[str, float]]:
     """March with records in memory; return the result and the quality measures of `march_to_file`.
 
     If memory is passed as `room`, the result uses it and is valid until `room` is used again (see
-    `Records`). The result does not contain the histories that are `left_out`.
+    `Records`). The result contains the motion of the casing unless `casing` is false.
     """
     from bladewhirl.postprocess.fields.result import result_of  # loads xarray
 
     attributes = march_texts.attributes(prepared, "")
-    records = Records(prepared.stage.arrays, attributes, prepared.timing.records, room, left_out)
+    records = Records(prepared.stage.arrays, attributes, prepared.timing.records, room, casing)
+    if isinstance(prepared.scheme, CentralDifference):
+        prepared.scheme.records_casing = casing
     chunk_steps = CHUNK_STEPS
     if prepared.stop is None:  # which is asked after every chunk
         chunk_steps = min(CHUNK_STEPS, CACHED_RECORDS * prepared.timing.record_every)

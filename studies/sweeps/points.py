@@ -23,7 +23,7 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.superelement.digest import node_digest
 from bladewhirl.postprocess.sweep.dataset import Layout
-from bladewhirl.postprocess.sweep.digest import NOT_REDUCED, Digest, digest
+from bladewhirl.postprocess.sweep.digest import Digest, digest
 from bladewhirl.solvers.march.free_motion import FreeMotion, StopWhen
 from bladewhirl.solvers.march.march import EndReason
 from bladewhirl.solvers.march.schema import RESULT_NAME
@@ -137,9 +137,9 @@ def _march_point(work: Work, case: Case, point: Point) -> Digest:
             prepared = replace(prepared, stop=stop)
     if work.layout is not None and name is None and expected_bytes(prepared) <= IN_MEMORY:
         room = _OWN.__dict__.setdefault("room", {})
-        whole = work.layout.superelement or point.after is not None
-        left_out = () if whole else NOT_REDUCED
-        result, report = march_in_memory(prepared, room, left_out)
+        # The digest of beams does not need the motion of the casing.
+        casing = work.layout.superelement or point.after is not None
+        result, report = march_in_memory(prepared, room, casing=casing)
         _keep_state(work, stage, result, point)
         return _reduced(result, report, work.layout)
     # A history to keep is written into its final folder, under another name until it is complete.

@@ -161,6 +161,20 @@ def test_march_yields_the_same_in_chunks() -> None:
     np.testing.assert_array_equal(rest.rotor_displacement, records.rotor_displacement[later])
 
 
+def test_records_without_the_casing_are_otherwise_the_same() -> None:
+    """Also after records with it: the memory of records is used again."""
+    scheme = CentralDifference(random_problem(5), 1e-4, 7)
+    _, whole, _ = scheme.advance(scheme.init(), 350)
+    scheme.records_casing = False
+    _, chunk, _ = scheme.advance(scheme.init(), 350)
+    assert whole.contact_impulse.any()
+    for name, values in vars(whole).items():
+        if name.startswith("casing"):
+            assert getattr(chunk, name).shape == (len(whole.step), 0)
+        else:
+            np.testing.assert_array_equal(getattr(chunk, name), values, err_msg=name)
+
+
 @pytest.mark.parametrize(
     ("steps", "every"), [(1050, 100), (99, 100), (1, 100), (CHUNK_STEPS + 1, 100)]
 )
