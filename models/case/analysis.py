@@ -32,9 +32,10 @@ class Reduction(Table):
     scale it with the number of blades. A smaller bladed disk keeps all of its modes. bladewhirl
     show prints the errors."""
     boundary: Literal["massless", "consistent"] = "massless"
-    """Contact nodes of a superelement. "massless": free-interface modes with the residual
-    flexibility of the contact nodes, whose forces close the gap by that flexibility; "consistent":
-    all Craig-Bampton modes with fixed_interface_modes, whose contact nodes have mass."""
+    """Contact nodes of a superelement. "massless": free-interface modes and the residual
+    flexibility of the contact nodes, which have no mass: a contact force deforms this flexibility
+    until the gap is zero. "consistent": all modes of the Craig-Bampton model with
+    fixed_interface_modes; the contact nodes have mass."""
     free_interface_modes: Annotated[int, fields.count(1)] = 50
     """Number of free-interface modes of a superelement with a massless boundary."""
     modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "all"
@@ -51,8 +52,8 @@ class Damping(Table):
     """Damping ratio xi of every mode (not in the paper; suspension transients decay within about
     1.1 s)."""
     boundary_ratio: fields.NumberOrZero = 0.05
-    """Damping ratio of the modes above reduction.fixed_interface_modes with reduction.boundary =
-    "consistent". These modes are mostly motions of the contact nodes."""
+    """Damping ratio of the highest modes with reduction.boundary = "consistent": all but the lowest
+    reduction.fixed_interface_modes. They are mostly motions of the contact nodes."""
 
 
 class Contact(Table):
@@ -98,7 +99,7 @@ class Initial(Table):
 
     centre_velocity: fields.VelocityPair = (0.0, 0.0)
     """Velocity of the centre, x and y [m/s]. The nodes between centre and tips follow statically;
-    a motion of the centre's mass only would differ in its effect by a factor of 4 to 45."""
+    moving only the mass of the centre would change the effect by a factor of 4 to 45."""
     centre_displacement: fields.DisplacementPair = (0.0, 0.0)
     """Displacement of the centre, x and y [m]."""
     tip_velocity: fields.VelocityRows | None = Field(
@@ -132,10 +133,10 @@ class March(Table):
     """The march, that is, the time integration."""
 
     speed: fields.RotationSpeed = Speed(1.05)
-    """Speed of rotation. A number is a multiple of the reference frequency, the lowest frequency of
-    the full bladed disk with a free centre (even if this case clamps it). Text is an absolute
-    speed: "2500 rpm", "42 Hz" (revolutions per second) or "262 rad/s". Zero and negative speeds are
-    allowed (1.05 in the paper, Section 4.3)."""
+    """Speed of rotation. A number is a multiple of the reference frequency, the lowest natural
+    frequency of the bladed disk, before modal reduction and with a free centre (even if this case
+    clamps it). Text is an absolute speed: "2500 rpm", "42 Hz" (revolutions per second) or "262
+    rad/s". Zero and negative speeds are allowed (1.05 in the paper, Section 4.3)."""
     time_step: fields.Time = 1e-6
     """Time step [s] (paper, Section 4.2). The error is of second order for free motion and of first
     order in contact: halve the step to see its effect."""
@@ -144,15 +145,14 @@ class March(Table):
     record_step: fields.Time = 1e-4
     """Time between records [s], a whole number of time steps."""
     displacement_limit: fields.Length | None = Field(default=None, examples=["0.5"])
-    """Displacement at which a march ends as divergent [m]: radially or tangentially at a blade tip,
-    or radially at the casing; radially at a contact node of a superelement, where the default is a
-    fifth of the radius. The default is the length of a blade, far beyond the range of a
-    linear model. The model has errors of a tenth at a third of this length, but larger transients
-    can still decay (a choice)."""
+    """A march ends as divergent if a displacement exceeds this limit [m]: radial or tangential at a
+    blade tip, radial at the casing or at a contact node of a superelement. By default the length of
+    a blade, or a fifth of the radius of a superelement (a choice: at a third of the length of a
+    blade the linear model has errors of 10 %, but larger transients can still decay)."""
     scheme: SchemeName = "central-difference"
     """Contact law and time integration. "central-difference": Lagrange multipliers and sliding
     friction, as in the paper; fast. "moreau-jean": impacts with contact.restitution, friction with
-    stick and slip. "penalty": elastic contact of contact.penalty_stiffness, regularised friction
+    stick and slip. "penalty": elastic contact with contact.penalty_stiffness, regularised friction
     below contact.stick_speed. "moreau-jean" and "penalty" ignore contact.sliding."""
 
     @property

@@ -87,11 +87,11 @@ class Mistuning(Table):
     their radius: only the part of the blade beyond the outermost shroud or mass changes length.
     Sections of a taper stay with their elements."""
     stiffness_spread: fields.NumberOrZero = 0.0
-    """Standard deviation, about 1, of random factors on Young's modulus."""
+    """Standard deviation of random factors on Young's modulus, whose mean is 1."""
     mass_spread: fields.NumberOrZero = 0.0
-    """Standard deviation, about 1, of random factors on the density."""
+    """Standard deviation of random factors on the density, whose mean is 1."""
     length_spread: fields.NumberOrZero = 0.0
-    """Standard deviation, about 1, of random factors on the length."""
+    """Standard deviation of random factors on the length, whose mean is 1."""
     seed: Annotated[int, fields.count(0)] = 0
     """Seed of the random factors; each quantity has a random stream of its own."""
 
@@ -149,7 +149,7 @@ class BladedDisk(Table):
     """Beam elements along each blade (paper, Section 2.1)."""
     blade: BeamSection = BeamSection()
     """Section of the blades: width out of the plane of motion, thickness in the plane [m] (paper,
-    Table 1; only with the 10 mm in the plane is k_o equal to 500 blade stiffnesses)."""
+    Table 1; the paper's k_o equals 500 blade stiffnesses only if the 10 mm are in the plane)."""
     taper: TaperRows = ()
     """Sections of the blades from root to tip at equal distances, linear in between, rows of {
     thickness = "12 mm", width = "0.1 m" }; keys that are left out have the values of blade."""
@@ -168,7 +168,7 @@ class BladedDisk(Table):
     root; near the centre, where spokes overlap, each of them has its full mass and stiffness."""
     disk: DiskSection = DiskSection()
     """Section of spokes and rim [m]; 30 mm in the plane is a choice (the paper has "a dedicated set
-    of beams"), with which the suspension modes are at 2.53 reference frequencies."""
+    of beams"), with which the suspension modes are at 2.53 times the reference frequency."""
     disk_rings: RingRows = ()
     """More rings within the disk, rows of { radius = "25 mm", thickness = "20 mm" }; the spokes
     have nodes at the rings."""
@@ -184,7 +184,7 @@ class BladedDisk(Table):
     inertia; radius = 0 is the centre."""
     mistuning: Mistuning = Mistuning()
     """Mistuning: lists of factors on stiffness, mass and length with one entry per blade; or
-    standard deviations of random factors about 1, and a seed. A longer blade has a smaller
+    standard deviations of random factors with mean 1, and a seed. A longer blade has a smaller
     clearance."""
 
     mesh: MeshTable | None = Field(
@@ -200,7 +200,7 @@ class BladedDisk(Table):
         default=None, examples=['{ file = "blade.npz", copies = 22 }']
     )
     """File with the matrices of a blade, a sector or a wheel, which replaces all other keys of
-    [bladed_disk] but the mistuning of the stiffness: { file = "blade.npz", copies = 22, kind =
+    [bladed_disk] except the mistuning of the stiffness: { file = "blade.npz", copies = 22, kind =
     "blade" }; by default there is none."""
 
     @property
@@ -214,7 +214,7 @@ class BladedDisk(Table):
     def _without_keys_of_no_meaning(
         self, serialize: SerializerFunctionWrapHandler
     ) -> dict[str, Any]:
-        """Leave out the keys that a mesh file replaces."""
+        """Leave out the keys that a mesh file or a superelement replaces."""
         tables: dict[str, Any] = serialize(self)
         if self.superelement is not None:
             kept = ("superelement", "mistuning")
@@ -228,7 +228,7 @@ class BladedDisk(Table):
                 continue
             for name, field in type(self).model_fields.items():
                 if name not in kept and getattr(self, name) != field.default:
-                    expected = f"no such key together with bladed_disk.{source}"
+                    expected = f"not allowed together with bladed_disk.{source}; remove it"
                     yield Inconsistency(name, expected, (source,))
             if self.superelement is not None:
                 yield from self._factor_faults(self.superelement)
@@ -262,13 +262,13 @@ class BladedDisk(Table):
         yield from self.mistuning.faults(self.blades)
 
     def _factor_faults(self, table: SuperelementTable) -> Iterator[Inconsistency]:
-        """Yield errors for mistuning of something else than the stiffness of copies of a blade."""
+        """Yield errors for mistuning beside a superelement, except of the stiffness of blades."""
         given = self.mistuning.model_dump(exclude_defaults=True)
         for name in given.keys() - {"stiffness", "stiffness_spread", "seed"}:
-            expected = "no such key together with bladed_disk.superelement"
+            expected = "not allowed together with bladed_disk.superelement; remove it"
             yield Inconsistency(f"mistuning.{name}", expected, ("superelement",))
         if given and table.kind != "blade":
-            expected = 'no mistuning, or bladed_disk.superelement.kind = "blade"'
+            expected = f'not allowed with bladed_disk.superelement.kind = "{table.kind}"; remove it'
             yield Inconsistency("mistuning", expected, ("superelement",))
         yield from self.mistuning.faults(table.copies)
 
@@ -292,7 +292,7 @@ class BladedDisk(Table):
             expected = f"radii of 0 or from disk_radius = {root!r} to tip_radius = {tip!r}"
             yield Inconsistency("point_masses", expected, ("disk_radius", "tip_radius"))
         if any(mass.radius == 0.0 and mass.blades is not None for mass in self.point_masses):
-            expected = "no list of blades for a mass at radius = 0, the centre"
+            expected = "masses at the centre, radius = 0, without the key blades"
             yield Inconsistency("point_masses", expected)
         radii = [ring.radius for ring in self.disk_rings]
         if not all(radius < root for radius in radii) or len(set(radii)) < len(radii):
@@ -303,5 +303,8 @@ class BladedDisk(Table):
             expected = 'a mass at radius = 0: without it, the centre of a "rim" has no mass'
             yield Inconsistency("point_masses", expected, ("disk_kind",))
         if radii and not self.disk_kind.startswith("spokes"):
-            expected = 'no rings, or a bladed_disk.disk_kind with spokes, such as "spokes-and-rim"'
+            expected = (
+                f'not allowed with bladed_disk.disk_kind = "{self.disk_kind}"; remove the rings, or'
+                ' choose a kind with spokes, such as "spokes-and-rim"'
+            )
             yield Inconsistency("disk_rings", expected, ("disk_kind",))

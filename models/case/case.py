@@ -126,11 +126,11 @@ class Case(Table):
                 others = ("bladed_disk.blades", "bladed_disk.mesh.tips", "sketch")
                 yield Inconsistency(f"initial.{key}", expected, others)
         if self.contact.foreshortening and self.march.scheme != "central-difference":
-            expected = '"central-difference", the scheme for blades that draw back'
+            expected = '"central-difference" with contact.foreshortening = true'
             yield Inconsistency("march.scheme", expected, ("contact.foreshortening",))
         if self.casing.coating is not None:
             if self.march.scheme != "central-difference":
-                expected = '"central-difference", the scheme for a coating'
+                expected = '"central-difference" with casing.coating'
                 yield Inconsistency("march.scheme", expected, ("casing.coating",))
             if not self.casing.coating.thickness < self.tip_radius:
                 expected = f"less than the radius of the tips, {self.tip_radius:.6g} m"
@@ -147,7 +147,7 @@ class Case(Table):
         if self.sketch is not None:
             for name, field in BladedDisk.model_fields.items():
                 if getattr(self.bladed_disk, name) != field.default:
-                    expected = "no such key together with [sketch]"
+                    expected = "not allowed together with [sketch]; remove it"
                     yield Inconsistency(f"bladed_disk.{name}", expected, ("sketch",))
 
     def _unknown_materials(self) -> Iterator[Inconsistency]:

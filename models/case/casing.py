@@ -134,8 +134,8 @@ class Casing(Table):
     rigid motions with "exact" only)."""
     support: Annotated[float, fields.quantity("N/m2", "not negative")] = 1508.0
     """Uniform elastic support, radial and tangential [N/m per metre of circumference] (not in the
-    paper; the lowest casing frequency is then 0.055 reference frequencies, "very low" as in the
-    paper)."""
+    paper; the lowest casing frequency is then 0.055 times the reference frequency, "very low" as in
+    the paper)."""
     springs: Annotated[
         tuple[SpringSupport, ...], fields.rows('{ angle = "90 deg", radial = "1 MN/m" }')
     ] = ()
@@ -157,9 +157,9 @@ class Casing(Table):
     """Rigid rotation of the ring, "free" or "fixed" (not in the paper; with "free" friction would
     spin the ring up)."""
     type: Literal["ring", "rigid"] = "ring"
-    """"ring": a flexible ring; "rigid": a wall that does not move, for a superelement, of which
-    only clearance, profile and closure matter. All contact nodes of a superelement press on the
-    ring at their angle, wherever they are along the axis."""
+    """"ring": a flexible ring; "rigid": a wall that does not move, for a superelement; only its
+    clearance (with lobes, profile and closure) and its coating are used. All contact nodes of a
+    superelement press on the ring at their angle, wherever they are along the axis."""
     radius: fields.Length | None = Field(default=None, examples=["0.25"])
     """Radius from which the clearance of a rigid wall is measured [m]. By default the clearance of
     each contact node is measured from the radius of this node, so that the wall follows the shape
@@ -189,7 +189,10 @@ class Casing(Table):
         resolve, for two thickness stations at one angle, and for stiffened arcs that overlap."""
         most = fields.MOST if self.type == "rigid" else self.elements // ELEMENTS_PER_LOBE
         if self.radius is not None and self.type == "ring":
-            expected = 'no such key with casing.type = "ring", whose radius follows from the tips'
+            expected = (
+                'not allowed with casing.type = "ring", whose radius follows from the tips;'
+                " remove it"
+            )
             yield Inconsistency("radius", expected, ("type",))
         lobes = {
             "clearance_lobes": self.clearance_lobes,
@@ -201,7 +204,7 @@ class Casing(Table):
             if any(row.lobes > most for row in rows):
                 expected = (
                     f"at most {most} lobes with casing.elements = {self.elements},"
-                    f" {ELEMENTS_PER_LOBE} a lobe"
+                    f" {ELEMENTS_PER_LOBE} elements for each lobe"
                 )
                 yield Inconsistency(key, expected, ("elements",))
         smallest = self.clearance_profile.smallest

@@ -116,7 +116,8 @@ def _location(details: ErrorDetails) -> Path:
 
 
 def _place_of_type(location: Path) -> int:
-    """Return the place in a path at which pydantic inserts the type of a table; 0 without type."""
+    """Return the place in a path at which pydantic inserts the type of a table; 0 if it inserts
+    none."""
     at = 1 + len([part for part in location[1:2] if isinstance(part, int)])
     tagged = len(location) > at and location[at] in KINDS.get(str(location[0]), ())
     return at if tagged else 0

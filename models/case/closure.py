@@ -32,9 +32,9 @@ class Closure(Table):
     lobes: Annotated[
         tuple[Lobe, ...], fields.rows('{ lobes = 2, amplitude = "0.1 mm", phase = "30 deg" }')
     ] = ()
-    """Closure that varies around the casing, rows as in casing.clearance_lobes: clearance that the
-    lobes lose in addition while the closure reaches its largest magnitude, and in proportion to the
-    closure at other times."""
+    """Waves of the closure around the casing, rows as in casing.clearance_lobes. The amplitudes are
+    those at the time of the largest closure (in magnitude); at other times they are proportional to
+    the closure."""
 
     @property
     def largest(self) -> float:
@@ -77,11 +77,11 @@ class Closure(Table):
         """Yield errors for a closure that is not defined, or defined twice, and for a table whose
         times do not ascend."""
         if self.table and self.amount:
-            yield Inconsistency("table", "either a table or an amount", ("amount",))
+            yield Inconsistency("table", "either a table or an amount, not both", ("amount",))
         if not self.largest:
             yield Inconsistency("amount", "a closure other than zero, or a table", ("table",))
         if self.amount and self.time_constant is None:
-            yield Inconsistency("time_constant", "a time, as closure.amount is given", ("amount",))
+            yield Inconsistency("time_constant", "a time, which closure.amount needs", ("amount",))
         if len(self.table) > MOST:
             yield Inconsistency("table", f"at most {MOST} rows")
         if np.any(np.diff([time for time, _ in self.table]) <= 0.0):

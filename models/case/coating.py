@@ -70,7 +70,7 @@ class WornProfile(Table):
         if self.points and (fault := angle_fault([angle for angle, _ in self.points])):
             yield Inconsistency("points", fault)
         if self.points and self.tracks:
-            yield Inconsistency("tracks", "either points or tracks", ("points",))
+            yield Inconsistency("tracks", "either points or tracks, not both", ("points",))
         if len(np.unique(self.axial)) < len(self.tracks):
             yield Inconsistency("tracks", "one track at each axial position")
 
@@ -107,21 +107,21 @@ class Coating(Table):
     hardening: Stress | None = None
     """Increase of the yield stress per plastic strain [Pa]; zero by default."""
     tangent_modulus: Stress | None = None
-    """Slope of stress over total strain above the yield stress [Pa], in place of hardening."""
+    """Slope of the stress-strain curve above the yield stress [Pa], in place of hardening."""
     elements: Annotated[int, fields.count(8)] | None = None
-    """Number of rods around the casing; by default as many as make a rod shorter than a quarter of
-    the footprint. Under a superelement there are as many in each track, which is the strip of one
-    axial position of contact nodes."""
+    """Number of rods around the casing; by default the smallest number whose rods are shorter than
+    a quarter of the footprint. Under a superelement, each track has this number of rods; a track is
+    the strip at one axial position of contact nodes."""
     width: fields.Length | None = None
-    """Size out of the plane [m]; the width of casing.wall by default. Tracks under a superelement
-    are as wide as their distances."""
+    """Size out of the plane [m]; the width of casing.wall by default. Under a superelement the
+    widths of several tracks follow from the distances between them."""
     footprint: fields.Length | None = None
     """Arc that a tip, or a contact node of a superelement, covers [m]; by default the thickness of
     the blade at its tip, or the distance of the contact nodes along the arc."""
     friction: fields.NumberOrZero | None = None
     """Friction coefficient; contact.friction by default."""
     limit: Annotated[float, fields.number("positive")] = 0.9
-    """Share of the thickness that may be removed. Behind it a tip touches the metal of the
+    """Largest fraction of the thickness that can be removed. A deeper tip touches the metal of the
     casing."""
     profile: WornProfile | None = Field(default=None, examples=['{ file = "wear.csv" }'])
     """Worn surface at the start: { file = "wear.csv" }, { points = [["0 deg", "0.1 mm"], ...] } or
@@ -141,7 +141,7 @@ class Coating(Table):
         if self.limit > 1.0:
             yield Inconsistency("limit", "a number above 0 and up to 1")
         if self.hardening is not None and self.tangent_modulus is not None:
-            expected = "either hardening or tangent_modulus"
+            expected = "either hardening or tangent_modulus, not both"
             yield Inconsistency("tangent_modulus", expected, ("hardening",))
         if self.tangent_modulus is not None and not self.tangent_modulus < self.young_modulus:
             expected = f"less than young_modulus = {self.young_modulus:.6g} Pa"

@@ -165,8 +165,8 @@ class Harmonic(Table):
     force: Annotated[float, quantity("N", "not negative")] = 1e3
     """Amplitude [N]; as a static force the default deflects the default shaft by 0.03 mm."""
     frequency: Annotated[float, quantity("Hz")] = 40.0
-    """Frequency in cycles per second [Hz]; the default is near the first blade bending of the
-    default stage."""
+    """Frequency in cycles per second [Hz]; the default is near the first bending frequency of the
+    blades of the default stage."""
     frame: Literal["rotating", "static"] = "static"
     """Frame in which the force is fixed, "rotating" or "static"."""
 

@@ -16,7 +16,7 @@ from bladewhirl.models.case.excitation import EXCITATIONS
 from bladewhirl.models.inputs.errors import CaseError, Fault, faults_in
 
 MOST_LETTERS = 2**24
-"""Length of the longest case file [characters]; a longer file cannot be a case."""
+"""Largest length of a case file [characters]; a longer file cannot be a case."""
 
 _DEEP_KEY = re.compile(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){50}")
 """Pattern of a dotted key of more than 50 parts; the memory that tomllib needs grows with the
@@ -74,14 +74,14 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
         overrides: texts "KEY=VALUE" with a dotted key, which may lead into inline tables, and a
             TOML value. A value that is not TOML and does not start with a quote or a bracket is
             taken as a string. A value that is a table replaces the entire table:
-            ``excitation={type="none"}``. A number leads into the row of a list, from 0:
+            ``excitation={type="none"}``. A number selects a row of a list, from 0:
             "excitation.1.amplitude=2". A new excitation.type removes the keys of other types.
 
     Raises:
         CaseError: the text is not TOML, or the case is invalid; the error lists all faults.
     """
     if len(text) > MOST_LETTERS or _DEEP_KEY.search(text):
-        expected = f"valid TOML of at most {MOST_LETTERS} letters, keys of at most 50 parts"
+        expected = f"at most {MOST_LETTERS} letters of TOML, and keys of at most 50 parts"
         raise CaseError([Fault(file=file, expected=expected)])
     try:
         tables = tomllib.loads(text)
@@ -162,8 +162,8 @@ def case_fault(case: Case, key: str, expected: str) -> Fault:
 
 
 def _find_beside(tables: dict[str, Any], folder: str) -> None:
-    """Convert the paths of the files that a case names from relative to the case file to relative
-    to the working directory."""
+    """Make the paths of files in a case, which are relative to the case file, relative to the
+    working directory."""
     for key in FILES:
         table: Any = tables
         for name in key.split("."):
@@ -204,7 +204,10 @@ def _set(tables: dict[str, Any], key: str, value: Any) -> None:
         if isinstance(table, list | tuple) and len(table) and isinstance(table[0], dict):
             table = outer[place] = list(table)
             row = parents[number + 1] if number + 1 < len(parents) else ""
-            expected = f"a key of one of its rows, {parent}.0 to {parent}.{len(table) - 1}"
+            listed = ".".join(parents[: number + 1])
+            expected = (
+                f"the number of a row, {listed}.0 to {listed}.{len(table) - 1}: {listed} is a list"
+            )
             if row.isdigit() and int(row) < len(table):
                 continue
         if not isinstance(table, dict):

@@ -21,7 +21,7 @@ from bladewhirl.models.sections.rectangular import BeamSection
 KEY = "bladed_disk.mesh"
 
 SAME_PLACE = 1e-6
-"""Distance, as a share of the mesh size, below which two nodes count as duplicates."""
+"""Two nodes closer than this fraction of the size of the mesh count as duplicates."""
 
 
 def _path(value: object) -> str:

@@ -97,13 +97,12 @@ class StrainGauge(SensorTable):
     """A strain gauge on the surface of one blade or of every blade, along the blade."""
 
     type: Literal["strain"]
-    """Strain along the surface [m/m], counted from the steadily turning state."""
+    """Strain along the surface [m/m], relative to the state of steady rotation."""
     span: Annotated[float, BeforeValidator(_share)] | None = None
     """Position from 0 at the root to 1 at the tip, measured along the centre line of the blade.
     Give either span or element."""
     element: Annotated[int, fields.count(0)] | None = Field(default=None, examples=[0])
-    """Number of the element of the blade in whose middle the gauge is, counted from 0 at the
-    root."""
+    """Number of the element of the blade with the gauge at its middle, from 0 at the root."""
     side: Literal["+theta", "-theta"] = "+theta"
     """Side of the blade that faces counter-clockwise, "+theta", or clockwise, "-theta"."""
     blade: Annotated[int | Literal["all"], BeforeValidator(_blade)] = "all"
@@ -127,9 +126,9 @@ class TipTiming(SensorTable):
     """Probes in the casing that record when the blade tips arrive."""
 
     type: Literal["tip-timing"]
-    """Arrival times [s], and the tangential deflection of the tip that follows from each [m]. Here
-    sampling_rate is the frequency of the clock, to whose ticks the arrival times are rounded; they
-    are exact by default."""
+    """Arrival times [s], and from each the tangential deflection of the tip [m]. Arrival times are
+    rounded to the ticks of a clock with the frequency sampling_rate; without this key they are
+    exact."""
     probes: Annotated[tuple[Angle, ...], BeforeValidator(_listed)]
     """Angle of the probe in the casing, counter-clockwise from the x axis [rad], or a list of the
     angles of several probes."""
@@ -229,5 +228,5 @@ def sensor_faults(sensors: Iterable[Sensor], blades: int) -> Iterator[Inconsiste
             yield Inconsistency(f"sensor.{number}.blade", expected, others, blade)
         first = names.setdefault(sensor.label.lower(), number)
         if first != number:
-            expected = f"a name of its own, not that of sensor[{first}]"
+            expected = f"a different name; sensor[{first}] has this one"
             yield Inconsistency(f"sensor.{number}.name", expected, ("sensor",), sensor.label)

@@ -21,9 +21,9 @@ class Rotation(Table):
     stiffness, spin softening and static growth of the tips; "full": Coriolis forces as well. The
     effects are those at march.speed."""
     clearance: Literal["hot", "cold"] = "hot"
-    """State in which casing.clearance is measured: "hot", at march.speed; "cold", at rest. The
-    static growth of the tips at march.speed is subtracted from a cold clearance, which therefore
-    needs effects other than "none"."""
+    """State in which casing.clearance is measured: "hot", at march.speed; "cold", at rest: the
+    static growth of the tips at march.speed is then subtracted. The growth is computed only with
+    rotation.effects = "centrifugal" or "full", so "cold" needs one of these."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error for a cold clearance (measured at rest) without rotation effects."""
@@ -45,17 +45,17 @@ class Shaft(Table):
     suspension_frequency: Annotated[float, quantity("Hz")] | None = Field(
         default=None, examples=["300 Hz"]
     )
-    """Required frequency of the suspension modes of the full bladed disk at rest [Hz], in place of
-    shaft.stiffness; bladewhirl show prints the resulting stiffness of both springs. Frequencies
-    near the first bending family of the blades cannot be reached; an error message then states the
-    nearest possible frequencies."""
+    """Required natural frequency of the suspension modes at rest, before modal reduction [Hz], in
+    place of shaft.stiffness; bladewhirl show prints the resulting stiffness of both springs.
+    Frequencies near the first bending family of the blades cannot be reached; an error message then
+    states the nearest possible frequencies."""
     frame: Literal["rotating", "static"] = "rotating"
     """Frame in which unequal springs are fixed: "rotating", in the bladed disk, like a shaft that
     is not round, with constant matrices; "static", in space, like unequal bearings. In rotating
     axes a static stiffness varies twice per revolution about the mean of both springs; modes are
-    computed with the mean. With rotation.effects = "full" a symmetric rotor responds as on unequal
-    bearings. Without Coriolis and centrifugal terms the variation excites the suspension at speeds
-    near its frequency, which is an artefact."""
+    computed with the mean. With rotation.effects = "full" the response is that of a symmetric rotor
+    on unequal bearings. Without Coriolis and centrifugal terms the variation excites the suspension
+    at speeds near its frequency, which is an artefact."""
     damping: DampingOrZero = 0.0
     """Damping parallel to each spring [N s/m]; only to the spring along x if damping_y is given.
     Dampers respond to contact one step late, an error of first order in march.time_step; with
@@ -86,7 +86,7 @@ class Shaft(Table):
             if "stiffness" in self.model_fields_set:
                 given.insert(0, "stiffness")
             if given:
-                expected = f"no such key together with shaft.{given[0]}"
+                expected = f"not allowed together with shaft.{given[0]}; remove one of them"
                 yield Inconsistency("suspension_frequency", expected, tuple(given))
         if self.damping_frame == "static" and len(set(self.dampings)) > 1:
             expected = 'the value of shaft.damping, or shaft.damping_frame = "rotating"'

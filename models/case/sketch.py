@@ -139,7 +139,10 @@ def _sector_faults(sketch: SketchTable) -> Faults:
         if len(set(chosen)) < len(chosen) or not all(0 <= s < sketch.sectors for s in chosen):
             yield place, f"sectors from 0 to {sketch.sectors - 1}, each once"
         if sketch.is_shared(*part.references):
-            yield place, "no list of sectors: all its nodes are shared, so it exists only once"
+            yield (
+                place,
+                "not allowed with a list of sectors: all its nodes are shared, so it exists once",
+            )
     for edit in sketch.edits:
         if edit.sector >= sketch.sectors:
             yield f"edit of sector {edit.sector}", f"a sector from 0 to {sketch.sectors - 1}"

@@ -33,9 +33,9 @@ class SuperelementTable(Table):
     file: Annotated[str, BeforeValidator(_path)]
     """Path of a .npz or .mat file, relative to the case file."""
     copies: Annotated[int, fields.count(1)] = 1
-    """Number of blades at equal angles, clamped at their roots, or of sectors of the wheel; of a
-    wheel, the number of its blades, whose contact nodes follow one another blade by blade. With 1,
-    the blades of a wheel are not told apart."""
+    """kind = "blade": number of blades at equal angles; "sector": number of sectors of the wheel;
+    "wheel": number of its blades, whose contact nodes are listed blade by blade. With 1, the blades
+    of a wheel are not distinguished."""
     kind: Literal["blade", "sector", "wheel"] = "blade"
     """"blade": clamped at the root; "sector": a sector of a wheel, with left_dofs and right_dofs;
     "wheel": a bladed disk, which shaft.stiffness supports at its centre if the file has
@@ -98,8 +98,9 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
             expected = f"points without axial positions, or a {SOURCE}"
             yield Inconsistency("casing.coating.profile", expected, (SOURCE,))
         return
+    forbidden = f"not allowed together with {SOURCE}; remove it"
     if case.sketch is not None:
-        yield Inconsistency("sketch", f"no sketch together with {SOURCE}", (SOURCE,))
+        yield Inconsistency("sketch", forbidden, (SOURCE,))
     flexible, table = case.casing.type == "ring", case.bladed_disk.superelement
     for key, load in case.excitations.items():
         if load.type == "casing-distortion" and not flexible:
@@ -109,7 +110,7 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
             expected = f'another excitation, or {SOURCE}.kind = "wheel", which has a centre'
             yield Inconsistency(f"{key}.type", expected, (SOURCE,))
         elif getattr(load, "clearance_speed", None) is not None:
-            expected = f"unbalance in place of it with {SOURCE}"
+            expected = f"not allowed together with {SOURCE}; give unbalance instead"
             yield Inconsistency(f"{key}.clearance_speed", expected, (SOURCE,))
         elif getattr(load, "position", "tip") != "tip":
             yield Inconsistency(f"{key}.position", f'"tip" with {SOURCE}', (SOURCE,))
@@ -124,15 +125,16 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
     )
     for key, value, allowed in rules:
         if value not in allowed:
-            expected = _listed(allowed) or "no such key"
-            yield Inconsistency(key, f"{expected} with {SOURCE}", (SOURCE,))
+            texts = _listed(allowed)
+            expected = f"{texts} with {SOURCE}" if texts else forbidden
+            yield Inconsistency(key, expected, (SOURCE,))
     coating = case.casing.coating
     if coating is not None and coating.friction not in (None, case.contact.friction):
         expected = f"the value of contact.friction with {SOURCE}"
         yield Inconsistency("casing.coating.friction", expected, (SOURCE,))
     if table.kind == "wheel" and not case.shaft.clamped:
         if case.shaft.dampings != (0.0, 0.0):
-            yield Inconsistency("shaft.damping", f"no dampers with {SOURCE}", (SOURCE,))
+            yield Inconsistency("shaft.damping", forbidden, (SOURCE,))
         if case.shaft.anisotropy:
             expected = f'the value of shaft.stiffness, or shaft.frame = "rotating", with {SOURCE}'
             yield Inconsistency("shaft.stiffness_y", expected, (SOURCE,))

@@ -61,8 +61,8 @@ def angle_fault(given: list[float]) -> str:
 
 
 def with_points_of_file(values: Any, column: str, *, tracked: bool = False) -> Any:
-    """Return the values of a table with `points` in place of the name of a `file`; with `tracks` if
-    columns of the file have axial positions, which only a `tracked` table may have."""
+    """Return the values of a table with the contents of its `file` as `points`, or as `tracks` if
+    columns of the file have axial positions. Only a `tracked` table may have tracks."""
     if not isinstance(values, dict) or "file" not in values:
         return values
     if values.get("points") or values.get("tracks"):

@@ -26,7 +26,7 @@ AT_ORIGIN = 1e-9
 """Largest allowed distance of the centre from the origin, in tip radii."""
 
 OUTSIDE = 1e-9
-"""Largest allowed distance of a node outside a radius, as a share of the radius."""
+"""A node counts as inside up to this fraction of the radius beyond it."""
 
 
 def _ints(values: Any = ()) -> IntArray:

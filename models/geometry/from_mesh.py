@@ -238,7 +238,11 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
     if len(thin):
         quantity = int(np.argmax(np.abs(changes[:, thin[0]]) / values[:, thin[0]]))
         name, change = CHANGES[quantity], changes[quantity, thin[0]]
-        expected = f"positive sections along all lines; line {thin[0]} has {name} {change:g}"
+        middle, noun = values[quantity, thin[0]], QUANTITIES[quantity]
+        expected = (
+            f"{name} smaller than twice {noun}, so that neither end vanishes; line {thin[0]} has"
+            f" {noun} = {middle:g} and {name} = {change:g}"
+        )
         raise CaseError([table.fault("file", expected)])
     bare = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)).all(axis=0))
     if len(bare):

@@ -33,7 +33,8 @@ node along the member."""
 CENTRE = "centre"
 
 SHORTEST = 1e-12
-"""Distance between two points of a member, over its size, below which the points coincide."""
+"""Two points of a member coincide up to this fraction of the distance of its farthest point from
+the origin."""
 
 
 def build_sketch(sketch: SketchTable) -> BeamModel:

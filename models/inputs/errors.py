@@ -47,6 +47,11 @@ LONGEST_VALUE = 60
 """Largest number of characters of a value in an error message."""
 
 
+def demand(text: str) -> str:
+    """Return a text after "expected"; a text that begins with "not allowed" is complete."""
+    return text if text.startswith("not allowed") else f"expected {text}"
+
+
 class UserError(Exception):
     """A request that cannot be fulfilled; the command line prints `lines` without a traceback."""
 
@@ -71,12 +76,12 @@ class Fault:
     file: str = ""  #: path of the case file, or "--set"; empty for a case made in Python
     key: str = ""  #: dotted key as in the file; empty if the entire file is at fault
     value: object = None  #: value of the key as in the file; None if there is no value
-    expected: str  #: text that completes "expected ..."
+    expected: str  #: text that completes "expected ...", or a complete text, "not allowed ..."
 
     def __str__(self) -> str:
         """Return the fault on one line."""
         place = self.key if self.value is None else f"{self.key} = {shown(self.value)}"
-        parts = (self.file, place, f"expected {self.expected}")
+        parts = (self.file, place, demand(self.expected))
         return " ".join(": ".join(part for part in parts if part).splitlines())
 
 

@@ -19,7 +19,7 @@ EXPECTED = "expected"
 """Type of the errors raised here, and the key of the phrase in their context."""
 
 SMALLEST = 1.0 / LARGEST
-"""Smallest accepted positive quantity, so that its squares and ratios are in double precision."""
+"""Smallest accepted positive quantity, so that squares and ratios do not underflow or overflow."""
 
 MOST = 100_000
 """Largest number of blades, elements or modes; a larger number is assumed to be a typing error."""

@@ -1,10 +1,10 @@
-"""Memory of the machine."""
+"""Memory of this computer."""
 
 import os
 
 
 def memory() -> float:
-    """Return the memory of this machine [bytes]; infinite if the system does not report it."""
+    """Return the memory of this computer [bytes]; infinite if the system does not report it."""
     try:
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, ValueError, OSError):

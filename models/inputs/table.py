@@ -6,6 +6,8 @@ from typing import Any, NamedTuple, Self
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
+from bladewhirl.models.inputs.errors import demand
+
 INCONSISTENT = "inconsistent"
 """Type of the errors raised here; their context contains the fields of an `Inconsistency`."""
 
@@ -14,7 +16,7 @@ class Inconsistency(NamedTuple):
     """Contradiction between values that are valid by themselves; keys are relative to the table."""
 
     key: str  #: key to report; a row of an array is a number, as in "sensor.0.blade"
-    expected: str  #: text that completes "expected ..."
+    expected: str  #: text that completes "expected ...", or a complete text, "not allowed ..."
     others: tuple[str, ...] = ()  #: keys whose values contradict the value of `key`
     value: object = None  #: value to show in place of the value of `key`
     place: str = ""  #: name of a part of the table that has no key, shown in place of a key
@@ -48,7 +50,9 @@ class Table(BaseModel):
     def _consistent(self) -> Self:
         errors = [
             InitErrorDetails(
-                type=PydanticCustomError(INCONSISTENT, "expected {expected}", fault._asdict()),
+                type=PydanticCustomError(
+                    INCONSISTENT, "{demand}", fault._asdict() | {"demand": demand(fault.expected)}
+                ),
                 loc=fault.path,
                 input=self if fault.value or fault.place else _value_at(self, fault.path),
             )

@@ -392,7 +392,11 @@ def test_faults_name_the_excitation_of_a_list(text: str, line: str) -> None:
 
 
 def test_a_row_that_is_not_there_cannot_be_set() -> None:
-    with pytest.raises(CaseError, match=r"one of its rows, excitation.0 to excitation.1"):
+    with pytest.raises(
+        CaseError, match=r"number of a row, excitation.0 to excitation.1: excitation is a list"
+    ):
         loads(LISTED, overrides=["excitation.2.order=1"])
-    with pytest.raises(CaseError, match=r"one of its rows, excitation.0 to excitation.1"):
+    with pytest.raises(
+        CaseError, match=r"number of a row, excitation.0 to excitation.1: excitation is a list"
+    ):
         loads(LISTED, overrides=["excitation.type=imbalance"])

@@ -89,6 +89,6 @@ def test_faults_name_key_value_and_expectation(sensor: dict[str, object], line: 
 
 def test_each_sensor_has_a_name_of_its_own() -> None:
     line = fault(case_from, {"sensor": [GAUGE, GAUGE | {"blade": 2}, GAUGE | {"seed": 1}]})
-    expected = "expected a name of its own, not that of sensor[0]"
+    expected = "expected a different name; sensor[0] has this one"
     assert line == f'sensor[2].name = "strain-0.1": {expected}'
     assert "expected rows of" in fault(case_from, {"sensor": GAUGE})

@@ -242,7 +242,7 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"shrouds": [{"radius": 0.4}, {"radius": 0.4, "cuts": [1]}]}, "one shroud at each radius"),
     ({"point_masses": [{"radius": 0.01, "mass": 1.0}]}, "radii of 0 or from disk_radius"),
     ({"disk_rings": [{"radius": 0.05}]}, "different radii below bladed_disk.disk_radius"),
-    ({"disk_rings": [{"radius": 0.02}], "disk_kind": "rigid"}, "a bladed_disk.disk_kind with"),
+    ({"disk_rings": [{"radius": 0.02}], "disk_kind": "rigid"}, "remove the rings, or choose"),
     ({"taper": [{"material": "x"}]}, r'materials of material.named \(none\), not "x"'),
     ({"centre_line": [{"span": 0.5, "angle": 0.1}]}, "ascending spans that end with span = 1"),
     ({"mistuning": {"mass": [1.0] * 6, "mass_spread": 0.1}}, "either factors or"),
