@@ -35,7 +35,7 @@ def import_superelement(
 ) -> Superelement:
     """Make a superelement from the matrices of another finite element code, and check it.
 
-    The formats are told by the name of `source`:
+    The name of `source` determines the format:
 
     - .inp: input of CalculiX, beside .sti, .mas and .dof of the same name, which CalculiX writes in
       a step with ``*FREQUENCY, SOLVER=MATRIXSTORAGE``. Groups are its sets of nodes and elements.
@@ -85,7 +85,9 @@ def imported(
             reason = "a superelement states its own contact nodes and units"
             if path.suffix.lower() == MATLAB:
                 reason = "without a table of nodes, the file states contact nodes and units itself"
-            raise SuperelementError(f"{path}: expected a name at most; {reason}")
+            raise SuperelementError(
+                f"{path}: of the other arguments only name is allowed; {reason}"
+            )
         read = (
             read_superelement if path.suffix.lower() == SUPERELEMENT else read_matlab_superelement
         )
@@ -126,7 +128,7 @@ def _read(
     if path.suffix.lower() in WITH_NODES:
         if mass is not None or nodes is not None:
             raise SuperelementError(
-                f"{path}: expected neither mass nor nodes; both are found beside this file"
+                f"{path}: mass and nodes are not allowed; they are in the files beside it"
             )
         return WITH_NODES[path.suffix.lower()](path)
     if nodes is None:

@@ -21,10 +21,11 @@ MODES = 10
 """Number of elastic frequencies."""
 
 RIGID = 1e-6
-"""Largest frequency of a rigid mode, as a share of the largest frequency."""
+"""A mode is rigid if its frequency is below this fraction of the largest frequency of a
+coordinate."""
 
 NEGATIVE = 1e-7
-"""Smallest negative eigenvalue that counts, of a matrix that is scaled to a diagonal of ones."""
+"""An eigenvalue below minus this number counts as negative if the diagonal is scaled to ones."""
 
 LOWEST, USUAL, HIGHEST = 1.0, 500.0, 50e3
 """Lowest plausible, usual and highest plausible first elastic frequency [Hz]."""
@@ -49,7 +50,7 @@ class Inspection:
 
 
 def inspect(part: Superelement) -> Inspection:
-    """Return frequencies and rigid modes of a superelement that can be right.
+    """Return frequencies and rigid modes of a superelement, and check its matrices.
 
     A sector is inspected with free faces.
 
@@ -65,15 +66,15 @@ def inspect(part: Superelement) -> Inspection:
                 f"{key}: expected no negative eigenvalues, but it {values}{hint}"
             )
     count = min(MODES + 6, part.size)
-    found = lowest_frequencies(part.mass, part.stiffness, count)
+    frequencies = lowest_frequencies(part.mass, part.stiffness, count)
     positive = diagonal(part.mass) > 0.0
     squares = diagonal(part.stiffness)[positive] / diagonal(part.mass)[positive]
-    rigid = abs(found) < RIGID * math.sqrt(float(squares.max())) / (2.0 * math.pi)
-    elastic = found[~rigid]
+    rigid = abs(frequencies) < RIGID * math.sqrt(float(squares.max())) / (2.0 * math.pi)
+    elastic = frequencies[~rigid]
     if len(elastic) and elastic[0] < 0.0:
         raise SuperelementError(
-            f"stiffness: expected a stable structure; a mode grows at {-elastic[0]:.4g} Hz, as"
-            " above the speed at which spin softening exceeds the stiffness"
+            "stiffness: expected a stable structure; a mode has the imaginary frequency"
+            f" {-elastic[0]:.4g}i Hz, as at speeds at which spin softening exceeds the stiffness"
         )
     if len(elastic):
         _check_units(float(elastic[0]))

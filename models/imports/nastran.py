@@ -82,8 +82,8 @@ def _basic_axes(first: Any, kept: Any, rigid: Any, nodes: Any, table: Path) -> t
     place = np.where(kept, np.cumsum(kept) - 1, FIXED)
     turned = sp.lil_array(sp.eye_array(int(kept.sum())))
     dofs = place[first[:, None] + np.arange(3)]
-    for rows, own in zip(dofs, rigid[first[:, None] + np.arange(3)], strict=True):
-        if np.allclose(own, np.eye(3), atol=1e-12):
+    for rows, axes in zip(dofs, rigid[first[:, None] + np.arange(3)], strict=True):
+        if np.allclose(axes, np.eye(3), atol=1e-12):
             continue
         if (rows == FIXED).any():
             node = nodes[first[int(np.flatnonzero((dofs == rows).all(axis=1))[0])]]
@@ -91,5 +91,5 @@ def _basic_axes(first: Any, kept: Any, rigid: Any, nodes: Any, table: Path) -> t
                 f"{table}: expected all three displacements of node {node}, which has axes of its"
                 " own"
             )
-        turned[np.ix_(rows, rows)] = own
+        turned[np.ix_(rows, rows)] = axes
     return turned.tocsr(), dofs

@@ -68,10 +68,10 @@ class Choice:
     """What becomes of a part: its contact nodes, faces, units and axis."""
 
     contact: str  #: group, or numbers of nodes
-    clamped: str | None = None  #: group or numbers of nodes to hold, if the program did not
+    clamped: str | None = None  #: group or numbers of nodes to clamp, if the program did not
     contacts: int | None = None  #: number of contact nodes along the chord; all by default
     left: str | None = None  #: group or numbers of the nodes of the clockwise face
-    right: str | None = None  #: of the counter-clockwise face
+    right: str | None = None  #: group or numbers of the nodes of the counter-clockwise face
     copies: int | None = None  #: number of sectors
     length_unit: str = "m"  #: unit of positions and, with N, of stiffness
     mass_unit: str = "kg"  #: unit of mass
@@ -103,15 +103,15 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
         place = np.full(size + 1, FIXED)  # the last entry is for displacements that are fixed
         place[free] = np.arange(len(free))
         dofs, size = place[dofs], len(free)
-    held = np.flatnonzero((dofs == FIXED).all(axis=1))
+    fixed_nodes = np.flatnonzero((dofs == FIXED).all(axis=1))
     try:
         group = part.nodes("contact", choice.contact)
-        touching = contact_nodes(points, group, choice.contacts, held)
+        touching = contact_nodes(points, group, choice.contacts, fixed_nodes)
         sides = sector_faces(choice.left, choice.right, choice.copies)
         faces: dict[str, IntArray] = {}
         if sides is not None:
             first, second = part.nodes("left", sides[0]), part.nodes("right", sides[1])
-            faces = matching_faces(points, first, second, sides[2], held)
+            faces = matching_faces(points, first, second, sides[2], fixed_nodes)
     except CaseError as error:
         raise SuperelementError(*(f"{part.source}: {line}" for line in error.lines)) from None
     shown = np.arange(len(points)) if part.surface is None else np.unique(part.surface)

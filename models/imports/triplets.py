@@ -44,7 +44,7 @@ def read_triplets(path: Path, size: int | None = None) -> sp.csr_array:
         size: number of rows and columns; by default the largest number of a row.
 
     Raises:
-        SuperelementError: the file is missing, or its lines are others.
+        SuperelementError: the file is missing, or has lines of another form.
     """
     try:
         text = path.read_text(encoding="utf-8").replace(",", " ")

@@ -9,7 +9,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import NodeCoating, ReducedCasing, WallClosure
 
 RIGID = 1e-6
-"""Share of the largest residual flexibility below which a direction counts as rigid."""
+"""A direction counts as rigid up to this fraction of the largest residual flexibility."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,11 +45,11 @@ class BoundaryProblem:
     angle: FloatArray  #: angle of each contact node from +x at t = 0 [rad], (copies, nodes)
     radius: FloatArray  #: radius of the contact nodes of a copy [m], (nodes,)
     recess: FloatArray
-    """Radius from which the clearance is measured minus `radius` [m], (nodes,); with a coating the
-    depth of the metal below its surface is added."""
+    """Distance of each contact node inside the radius from which the clearance is measured [m],
+    (nodes,); with a coating plus the depth of the metal below the surface of the coating."""
     wall: FloatArray
-    """Clearance [m] and its derivative by the angle [m], at equal angles from 0, (angles, 2); at
-    the nodes of a flexible casing."""
+    """Clearance [m] and its derivative by the angle [m], (angles, 2), at equally spaced angles from
+    0 or at the nodes of a flexible casing."""
     speed: float  #: speed of rotation [rad/s]
     friction: float  #: friction coefficient
     full_sliding: bool
@@ -98,8 +98,8 @@ class BoundaryProblem:
             flexibility, ways = np.linalg.eigh(self.compliance[copy])
             flexible = flexibility > RIGID * flexibility[-1]
             rows = (ways[:, flexible] / np.sqrt(flexibility[flexible])).T @ self.contact
-            held = rows.T @ rows
-            stiffest = max(stiffest, np.linalg.eigvalsh(np.diag(square) + held)[-1])
+            constrained = rows.T @ rows
+            stiffest = max(stiffest, np.linalg.eigvalsh(np.diag(square) + constrained)[-1])
             if np.array_equal(squares, np.broadcast_to(squares[0], squares.shape)):
                 break
         return float(np.sqrt(stiffest))

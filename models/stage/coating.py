@@ -11,7 +11,7 @@ from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor,
 from bladewhirl.models.stage.stage import Stage
 
 PER_FOOTPRINT = 4
-"""Number of rods under a footprint that the default number of rods exceeds."""
+"""By default, more than this number of rods are under a footprint."""
 
 
 def wall_coating(stage: Stage) -> WallCoating | None:

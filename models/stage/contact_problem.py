@@ -310,7 +310,8 @@ class ContactProblem:
     restitution: float = 0.0  #: restitution coefficient e of the scheme "moreau-jean"
     penalty_stiffness: float = 1e9  #: contact stiffness of the scheme "penalty" [N/m]
     stick_speed: float = 0.01
-    """Sliding speed up to which friction in the scheme "penalty" grows in proportion [m/s]."""
+    """Sliding speed up to which friction in the scheme "penalty" is proportional to the speed
+    [m/s]."""
 
     def clearance(self, time: float) -> FloatArray:
         """Return the clearance and its derivative by s at each node [m, 1], (nodes, 2)."""

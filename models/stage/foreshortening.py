@@ -11,7 +11,7 @@ from bladewhirl.models.stage.contact_problem import Foreshortening
 from bladewhirl.models.stage.stage import Stage
 
 NEGLECTED = 1e-6
-"""Share of the largest term of a quadratic form below which terms are neglected, for modes of equal
+"""Terms of a quadratic form below this fraction of the largest are neglected, for modes of equal
 energy."""
 
 

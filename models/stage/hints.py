@@ -13,7 +13,7 @@ LOWEST_FREQUENCY = 1.0
 """Lowest plausible reference frequency [Hz]; lower frequencies are usually due to a wrong unit."""
 
 TIP_SHARE = 0.9
-"""Smallest radius of a free end that is reported as a possible tip, over the smallest tip radius.
+"""A free end is reported as a possible tip from this fraction of the smallest tip radius on.
 """
 
 
@@ -28,7 +28,7 @@ def stage_hints(stage: Stage) -> tuple[str, ...]:
 
 
 COALESCED = 1e-6
-"""Largest growth rate, relative to the speed of rotation, that counts as a rounding error."""
+"""A growth rate up to this fraction of the speed of rotation counts as a rounding error."""
 
 
 def _too_soft(stage: Stage) -> Iterator[str]:

@@ -17,12 +17,12 @@ from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing
 
 MASS_CHANGE = 0.03
-"""Largest relative decrease of the inverse mass that a force between a tip and the wall meets, mean
-around the casing, for the default cut."""
+"""At the default cut, the inverse mass that a force between a tip and the wall meets decreases by
+at most this fraction, on average around the casing."""
 
 STEP_SHARE = 0.5
-"""Largest time step of a screening march, as a share of the critical step. With longer steps,
-divergent motions can die out."""
+"""The time step of a screening march is at most this fraction of the critical step: with longer
+steps, divergent motions can die out."""
 
 PLACES = 16
 """Number of positions in each element at which the inverse mass of the wall is computed."""
@@ -35,7 +35,7 @@ def screening_problem(problem: ContactProblem, timing: Timing) -> tuple[ContactP
     critical time step.
 
     Raises:
-        ValueError: screening does not hold for this problem, or does not save time; the message
+        ValueError: screening is not valid for this problem, or does not save time; the message
             completes "expected ...".
     """
     if problem.coating is not None:
@@ -45,7 +45,7 @@ def screening_problem(problem: ContactProblem, timing: Timing) -> tuple[ContactP
     springs = problem.springs
     if springs is not None and above[springs.number[springs.modes.on_casing]].any():
         raise ValueError(
-            "springs to the casing, coupling.stiffness, that act on no casing mode above"
+            "coupling springs (coupling.stiffness) that act on no casing mode above"
             f" {cut / (2.0 * np.pi):.4g} Hz"
         )
     scaled = with_scaled_casing(problem, cut)
@@ -53,8 +53,8 @@ def screening_problem(problem: ContactProblem, timing: Timing) -> tuple[ContactP
     step = timing.record_step / math.ceil(timing.record_step / longest)
     if not step > timing.time_step:
         raise ValueError(
-            f"march.time_step less than {step:.4g} s, the step of screening marches: they would"
-            " take no less time"
+            f"march.time_step below {step:.4g} s, the time step of a screening march; otherwise"
+            " screening saves no time"
         )
     element = 2.0 * np.pi / len(problem.casing.nodal)
     if not abs(problem.speed) * step < element:

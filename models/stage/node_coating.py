@@ -14,13 +14,15 @@ from bladewhirl.models.stage.contact_problem import NodeCoating, rod_angles
 from bladewhirl.models.superelements.superelement import Superelement
 
 SAME = 1e-6
-"""Share of the radius below which two axial positions are one track, and a footprint is zero."""
+"""Two axial positions closer than this fraction of the radius are one track; a footprint up to this
+fraction counts as zero."""
 
 MISPLACED = 0.01
-"""Share of the width of a track by which a track of a worn profile may be elsewhere."""
+"""A track of a worn profile may be off the track of the contact nodes by this fraction of its
+width."""
 
 LISTED = 8
-"""Number of axial positions up to which a message has all of them."""
+"""A message lists all axial positions up to this number of them."""
 
 
 def node_coating(
@@ -28,9 +30,10 @@ def node_coating(
 ) -> NodeCoating | None:
     """Return the coating of the wall; None if there is none.
 
-    There is a track of rods for each axial position of contact nodes. The widths of the tracks are
-    the distances of these positions. A node covers an arc that is its distance from the next nodes
-    of its blade in the same track, or along the blade if it is alone in its track.
+    There is a track of rods for each axial position of contact nodes. The widths of the tracks and
+    the arcs that the nodes cover follow from the distances between neighbours (see `spacing`):
+    neighbours of a node are nodes of its blade in the same track, or along the chord if it is alone
+    in its track.
 
     Args:
         case: the case.
@@ -54,10 +57,10 @@ def node_coating(
     if coating.footprint is None:
         along = part.contact_angle * part.contact_radius
         for number in np.unique(blade):
-            own = np.flatnonzero(blade == number)
-            footprint[own] = spacing(along[own])
-            for place in np.unique(track[own]):
-                row = own[track[own] == place]
+            members = np.flatnonzero(blade == number)
+            footprint[members] = spacing(along[members])
+            for place in np.unique(track[members]):
+                row = members[track[members] == place]
                 if len(row) > 1:
                     footprint[row] = spacing(along[row])
         if not footprint.min() > SAME * wall_radius:
@@ -101,8 +104,8 @@ def spacing(places: FloatArray) -> FloatArray:
         return np.zeros(len(places))
     order = np.argsort(places, kind="stable")
     gaps = np.diff(places[order])
-    own = 0.5 * (np.append(gaps, gaps[-1]) + np.append(gaps[0], gaps))
-    return np.asarray(own[np.argsort(order, kind="stable")])
+    parts = 0.5 * (np.append(gaps, gaps[-1]) + np.append(gaps[0], gaps))
+    return np.asarray(parts[np.argsort(order, kind="stable")])
 
 
 def axial_tracks(axial: FloatArray, radius: FloatArray) -> tuple[FloatArray, IntArray]:
@@ -123,7 +126,7 @@ def _check_tracks(case: Case, profile: WornProfile, made: NodeCoating) -> None:
     """Check that the tracks of a worn profile are those of the contact nodes.
 
     Raises:
-        CaseError: their number is another one, or a track is elsewhere.
+        CaseError: the numbers of tracks differ, or a track is elsewhere.
     """
     axial, worn = made.axial, profile.axial
     if not profile.tracks:

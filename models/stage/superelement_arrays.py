@@ -16,7 +16,8 @@ class SuperelementArrays:
     contact_radius: FloatArray  #: [m], (contact nodes,)
     contact_axial: FloatArray  #: axial position [m], (contact nodes,)
     contact_recess: FloatArray
-    """Radius from which the clearance is measured minus `contact_radius` [m], (contact nodes,)."""
+    """Distance of each contact node inside the radius from which the clearance is measured [m],
+    (contact nodes,)."""
     copy_angle: FloatArray  #: angle of each copy relative to the first one [rad], (copies,)
     point: FloatArray  #: undeformed points of the first copy [m], (points, 3)
     point_shape: FloatArray

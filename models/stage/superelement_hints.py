@@ -9,7 +9,7 @@ from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.models.superelements.reduction import rigid_limit, static_flexibility
 
 ROUNDING = 1e-9
-"""Share of the radial flexibility below which a flexibility is due to rounding."""
+"""A flexibility up to this fraction of the radial one is a rounding error."""
 
 
 def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
@@ -24,7 +24,7 @@ def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
         elif key == "damping" and ratio > 0.0:
             yield (
                 f"the matrix damping of the superelement adds to damping.ratio = {ratio:g};"
-                " damping.ratio = 0 leaves it alone"
+                " with damping.ratio = 0 only the matrix damps"
             )
     limits = locking_friction(stage)
     if not limits:

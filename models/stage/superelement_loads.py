@@ -17,7 +17,8 @@ from bladewhirl.models.stage.ring import Ring
 from bladewhirl.models.superelements.reduction import ReducedSuperelement
 
 RANK, SAME = 1e-10, 1e-6
-"""Relative size of flexibilities that count as zero, and of errors of the initial motion."""
+"""Flexibilities below the first fraction of the largest count as zero; the initial motion may have
+errors up to the second fraction."""
 
 
 def superelement_loads(
@@ -144,7 +145,7 @@ def static_shapes(
         return np.zeros((copies, len(reduced.frequency)))
     name = f"initial.{'centre' if tips is None else 'tip'}_{key}"
     if reduced.frequency.min() <= RANK * reduced.frequency.max():
-        expected = "no initial motion of a superelement with rigid modes"
+        expected = "not allowed for a superelement with rigid modes; remove it"
         raise CaseError([case_fault(case, name, expected)])
     member = (blade == np.arange(int(blade.max()) + 1)[:, None]).astype(float)
     member /= member.sum(axis=1, keepdims=True)
@@ -163,7 +164,7 @@ def static_shapes(
     moved = np.asarray(forces.T @ flexible)
     if np.abs(moved @ rows.T - values).max() > SAME * np.abs(values).max():
         expected = (
-            'motions that the modes can have; more modes, or reduction.boundary = "consistent"'
+            'a motion that the modes can have; use more modes, or reduction.boundary = "consistent"'
         )
         raise CaseError([case_fault(case, name, expected)])
     return moved

@@ -36,7 +36,7 @@ PER_POINT = 8
 """Angles of the table for each point of a measured profile."""
 
 LIMIT = 0.2
-"""Default of march.displacement_limit, as a share of the largest radius of a contact node."""
+"""Default of march.displacement_limit, divided by the largest radius of a contact node."""
 
 HIGHEST = 1e5
 """Highest plausible first natural frequency [Hz]."""
@@ -92,7 +92,8 @@ class SuperelementStage:
 
     @property
     def recess(self) -> FloatArray:
-        """Radius from which the clearance is measured minus that of each node [m], (nodes,)."""
+        """Distance of each contact node inside the radius from which the clearance is measured [m],
+        (nodes,)."""
         radius = self.case.casing.radius
         if radius is None:
             return np.zeros(self.part.contacts)
@@ -204,7 +205,7 @@ class SuperelementStage:
             copy, node = np.unravel_index(int(gap.argmin()), gap.shape)
             expected = (
                 f"a wall outside all contact nodes at t = 0: node {node} of blade {copy} would"
-                f" start {-gap.min():.4g} m inside it; a larger clearance, another phase, or"
+                f" start {-gap.min():.4g} m inside it; use a larger clearance, another phase, or"
                 " casing.closure, which moves the wall later"
             )
             raise CaseError([case_fault(self.case, "casing.clearance", expected)])

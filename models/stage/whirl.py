@@ -10,7 +10,8 @@ from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.stage.contact_problem import ReducedRotor
 
 STANDS = 1e-6
-"""Largest relative difference between the backward and forward parts of a standing motion."""
+"""A motion is standing if its backward and forward parts differ by at most this fraction of their
+sum."""
 
 
 def wave_frequencies(rotor: ReducedRotor, nodal_diameter: IntArray, sense: float) -> FloatArray:

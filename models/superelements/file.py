@@ -145,7 +145,7 @@ def _matrix(content: Mapping[str, Any], key: str) -> Matrix | None:
         made.check_format()
         return sp.csr_array(made).astype(np.float64)
     except KeyError as error:
-        raise SuperelementError(f"{error.args[0]}: expected together with {key}_data") from None
+        raise SuperelementError(f"{error.args[0]}: missing; {key}_data needs it") from None
     except (ValueError, TypeError) as error:
         raise SuperelementError(f"{key}: expected a sparse matrix ({error})") from None
 

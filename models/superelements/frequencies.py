@@ -13,11 +13,12 @@ SMALL = 600
 """Largest number of unknowns for which all eigenvalues are computed."""
 
 MASSLESS = 1e-14
-"""Largest inverse eigenvalue, as a share of the largest one, of a coordinate without mass."""
+"""An inverse eigenvalue up to this fraction of the largest one belongs to a coordinate without
+mass."""
 
 SHIFT = 1e-11
-"""Shift of the eigenvalues, as a share of the largest one, that makes a structure with rigid modes
-positive definite."""
+"""Eigenvalues are shifted by this fraction of the largest one, so that the stiffness of a structure
+with rigid modes is positive definite."""
 
 
 def lowest_frequencies(mass: Matrix, stiffness: Matrix, count: int) -> np.ndarray[Any, Any]:

@@ -37,10 +37,12 @@ DENSE = 2000
 """Largest number of coordinates for which dense matrices are used."""
 
 RIGID = 1e-10
-"""Largest squared frequency of a rigid mode, as a share of the stiffest coordinate's."""
+"""A mode is rigid if its squared frequency is at most this fraction of the smallest ratio of
+stiffness to mass of a coordinate."""
 
 ENOUGH = 1e-12
-"""Smallest radial residual flexibility, as a share of the largest static flexibility."""
+"""The smallest eigenvalue of the radial residual flexibility must exceed this fraction of the
+largest radial static flexibility."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,25 +57,28 @@ class ReducedSuperelement:
     """Residual flexibility C of the contact displacements [m/N], (3c, 3c); zero with a consistent
     boundary."""
     centre: FloatArray
-    """x and y of the centre for unit modal coordinates [kg^-1/2], (2, modes); zero without one."""
+    """x and y of the centre for unit modal coordinates [kg^-1/2], (2, modes); zero if there is no
+    centre."""
     points: FloatArray
     """x, y and z of the points of pictures for unit modal coordinates [kg^-1/2], (3p, modes)."""
     damping: FloatArray | None = None  #: damping matrix of the file [1/s], (modes, modes)
     gyroscopic: FloatArray | None = None
     """Matrix of the Coriolis forces of the file at 1 rad/s, (modes, modes)."""
     kept: int
-    """Number of modes that count as kept: modes above it have the damping of the boundary."""
+    """Number of the lowest modes with the damping of the structure; higher modes have that of the
+    boundary."""
 
 
 def massless(part: Superelement, modes: int) -> ReducedSuperelement:
     """Return the lowest free-interface modes with the residual flexibility of the contact nodes.
 
     Args:
-        part: superelement, supported so that at most its rigid motions have no stiffness.
+        part: superelement; every motion except rigid ones must have stiffness (no mechanisms).
         modes: number of modes.
 
     Raises:
-        SuperelementError: there are fewer modes, or the matrices have no such modes.
+        SuperelementError: `modes` is not below the number of coordinates, or leaves a contact node
+            no radial residual flexibility; or a matrix is indefinite.
     """
     rows = part.contact_rows
     if part.size > DENSE:
@@ -106,10 +111,11 @@ def consistent(part: Superelement, fixed_interface_modes: int, kept: int) -> Red
     Args:
         part: superelement, supported.
         fixed_interface_modes: number of fixed-interface modes.
-        kept: number of modes that have the damping of the structure.
+        kept: number of the lowest modes, which have the damping of the structure.
 
     Raises:
-        SuperelementError: there are fewer fixed-interface modes.
+        SuperelementError: `fixed_interface_modes` is larger than the number of coordinates that are
+            not on the boundary.
     """
     small = part.size <= DENSE
     mass: Any = part.mass
@@ -186,7 +192,8 @@ def lowest_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArray
     mass-normalised shapes [kg^-1/2], (n, count).
 
     Raises:
-        SuperelementError: there are fewer modes, or a matrix is indefinite.
+        SuperelementError: `count` is not below the number of coordinates, or a matrix is
+            indefinite.
     """
     if not count <= part.size - 1:
         raise SuperelementError(
@@ -248,15 +255,17 @@ def static_flexibility(part: Superelement, rows: sp.csr_array, rigid: FloatArray
     return np.asarray(rows @ moved)
 
 
-def _solve(stiffness: Matrix, held: FloatArray, loads: FloatArray) -> FloatArray:
-    """Return the displacements under loads (n, m) that are orthogonal to the columns of `held`."""
-    n, extra = held.shape
+def _solve(stiffness: Matrix, excluded: FloatArray, loads: FloatArray) -> FloatArray:
+    """Return displacements orthogonal to the columns of `excluded`, (n, e), under loads, (n, m)."""
+    n, extra = excluded.shape
     if n <= DENSE:
-        border = np.block([[dense(stiffness), held], [held.T, np.zeros((extra, extra))]])
+        border = np.block([[dense(stiffness), excluded], [excluded.T, np.zeros((extra, extra))]])
         padded = np.vstack([loads, np.zeros((extra, loads.shape[1]))])
         return np.asarray(la.solve(border, padded, assume_a="sym"))[:n]
     matrix = (
-        sp.csc_array(sp.block_array([[stiffness, held], [held.T, None]])) if extra else stiffness
+        sp.csc_array(sp.block_array([[stiffness, excluded], [excluded.T, None]]))
+        if extra
+        else stiffness
     )
     solve = factorised(sp.csc_array(matrix))
     padded = np.vstack([loads, np.zeros((extra, loads.shape[1]))])

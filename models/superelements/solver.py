@@ -21,12 +21,12 @@ LARGE = 20_000
 """Number of coordinates from which the cost of a reduction is reported."""
 
 FILL, BYTES = 15.0, 24.0
-"""Entries of the triangular factor of n coordinates of a solid over n^(4/3), measured for blades of
-6,000 to 87,000 coordinates, and bytes for each of them in both factors."""
+"""Entries of the triangular factor of n coordinates of a solid, divided by n^(4/3) (measured for
+blades of 6,000 to 87,000 coordinates), and bytes for each entry in both factors."""
 
 FACTOR_SECONDS, SOLVE_SECONDS = 3e-9, 2.5e-9
-"""Time of a factorisation over n^2, and of a solution over the entries of the factor [s]; accurate
-to a factor of three."""
+"""Time of a factorisation divided by n^2, and of a solution divided by the entries of the factor
+[s]; accurate to a factor of three."""
 
 Progress = Callable[[int, int], None]
 """Callback with the numbers of finished and of all solutions."""
@@ -61,7 +61,7 @@ def announce(coordinates: int, modes: int, loads: int) -> None:
         loads: number of static solutions.
 
     Raises:
-        SuperelementError: the reduction needs more memory than this machine has.
+        SuperelementError: the reduction needs more memory than this computer has.
     """
     solves, entries = 3 * modes + 20 + loads, FILL * coordinates ** (4.0 / 3.0)
     if (watch := _watch.get()) is not None:
@@ -72,7 +72,7 @@ def announce(coordinates: int, modes: int, loads: int) -> None:
     if needed > (most := memory()):
         raise SuperelementError(
             f"expected a smaller superelement: {coordinates} coordinates take about {cost}, and"
-            f" this machine has {most / 1e9:.3g} GB"
+            f" this computer has {most / 1e9:.3g} GB"
         )
     if coordinates >= LARGE:
         logger.warning(

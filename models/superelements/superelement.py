@@ -14,7 +14,8 @@ Matrix: TypeAlias = FloatArray | sp.csr_array
 """A dense or a sparse matrix."""
 
 SYMMETRIC = 1e-8
-"""Largest difference between a matrix and its transpose, as a share of the largest entry."""
+"""A matrix is symmetric if it differs from its transpose by at most this fraction of its largest
+entry."""
 
 FIXED = -1
 """Number in place of a degree of freedom that does not exist because its displacement is zero."""
@@ -130,10 +131,12 @@ def _faults(part: Superelement) -> Iterator[str]:
         largest = abs(values).max() if values.size else 0.0
         if abs(matrix + sign * matrix.T).max() > SYMMETRIC * largest:
             yield f"{key}: expected a {word} matrix"
-    if not np.all(diagonal(part.mass) >= 0.0) or not diagonal(part.mass).any():
-        yield "mass: expected a positive diagonal, a negative mass cannot be"
+    if not np.all(diagonal(part.mass) >= 0.0):
+        yield "mass: expected no negative numbers on the diagonal"
+    elif not diagonal(part.mass).any():
+        yield "mass: expected a diagonal that is not zero everywhere"
     if not np.all(diagonal(part.stiffness) >= 0.0):
-        yield "stiffness: expected a diagonal that is not negative"
+        yield "stiffness: expected no negative numbers on the diagonal"
     c = part.contact_position.shape[0] if part.contact_position.ndim == 2 else 0
     if part.contact_position.shape != (c, 3) or c == 0:
         yield f"contact_position: expected (nodes, 3), got {_shape(part.contact_position)}"
@@ -148,7 +151,7 @@ def _faults(part: Superelement) -> Iterator[str]:
         yield from _dof_faults(part, "centre_dofs", (2,))
     yield from _picture_faults(part)
     if (part.left_dofs is None) != (part.right_dofs is None):
-        yield "left_dofs: expected together with right_dofs"
+        yield "left_dofs: expected both left_dofs and right_dofs, or neither"
     elif part.left_dofs is not None and part.right_dofs is not None:
         shape = part.left_dofs.shape
         if len(shape) != 2 or shape[1] != 3:
@@ -176,13 +179,13 @@ def _picture_faults(part: Superelement) -> Iterator[str]:
     if part.points is None:
         for key in ("recovery", "triangles"):
             if getattr(part, key) is not None:
-                yield f"{key}: expected together with points"
+                yield f"{key}: only allowed together with points, which are missing"
         return
     p = len(part.points)
     if part.points.shape != (p, 3) or not np.isfinite(part.points).all():
         yield f"points: expected finite numbers (points, 3), got {_shape(part.points)}"
     if part.recovery is None:
-        yield "recovery: expected together with points"
+        yield "points: only allowed together with recovery, which is missing"
     elif part.recovery.shape != (3 * p, part.size):
         yield f"recovery: expected {(3 * p, part.size)}, got {_shape(part.recovery)}"
     if part.triangles is not None and not (

@@ -39,7 +39,7 @@ def massless_wheel(
     """
     if part.size > MOST:
         raise SuperelementError(
-            f"expected a sector of at most {MOST} coordinates, got {part.size}; reduce it before"
+            f"expected a sector of at most {MOST} coordinates, got {part.size}; reduce it first"
         )
     rows = part.contact_rows
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
@@ -51,7 +51,7 @@ def massless_wheel(
         stiffness, size = block.stiffness.toarray(), block.stiffness.shape[0]
         if modes >= size:
             raise SuperelementError(
-                f"expected less than {size} free-interface modes, the coordinates of a sector"
+                f"expected fewer than {size} free-interface modes, the coordinates of a sector"
             )
         squares, shapes = la.eigh(stiffness, block.mass.toarray(), subset_by_index=[0, modes - 1])
         if not squares[0] > 0.0:
@@ -111,7 +111,7 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
     ahead = np.zeros(part.size)
     ahead[part.right_dofs[part.right_dofs != FIXED]] = 1.0
     on = sp.csr_array(sp.diags_array(ahead) @ tie)  # the right face follows the next sector
-    own = sp.csr_array(tie - on)
+    rest = sp.csr_array(tie - on)
     place = np.full(part.size + 1, FIXED)
     place[:-1][ahead == 0.0] = np.arange(tie.shape[1])
     contact = place[part.contact_dofs]
@@ -120,14 +120,14 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
     turn = sp.block_diag([_turned_contact(contact, tie.shape[1], angle) for angle in spread])
 
     def assembled(matrix: Any) -> sp.csr_array:
-        inner = sp.csr_array(own.T @ matrix @ own + on.T @ matrix @ on)
-        across = sp.kron(step, own.T @ matrix @ on) + sp.kron(step.T, on.T @ matrix @ own)
+        inner = sp.csr_array(rest.T @ matrix @ rest + on.T @ matrix @ on)
+        across = sp.kron(step, rest.T @ matrix @ on) + sp.kron(step.T, on.T @ matrix @ rest)
         both = sp.kron(sp.eye_array(sectors), inner) + across
         return sp.csr_array(turn @ both @ turn.T)
 
     recovery = None
     if part.recovery is not None:
-        both = sp.kron(sp.eye_array(sectors), part.recovery @ own)
+        both = sp.kron(sp.eye_array(sectors), part.recovery @ rest)
         both = (both + sp.kron(step, part.recovery @ on)) @ turn.T
         rows = both.toarray().reshape(sectors, -1, both.shape[1])
         recovery = np.vstack([turned(r, angle) for r, angle in zip(rows, spread, strict=True)])

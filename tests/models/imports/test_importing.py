@@ -206,7 +206,7 @@ def test_indefinite_and_unstable_matrices_are_refused() -> None:
         (("matrices.inp", {"contact": "root"}), "nodes that are not clamped; 4 of 4 are"),
         (("matrices.inp", {"contact": "3,99"}), "has no node 99"),
         (("matrices.inp", {}), "expected contact nodes"),
-        (("matrices.inp", {**TIP, "mass": "m.mtx"}), "expected neither mass nor nodes"),
+        (("matrices.inp", {**TIP, "mass": "m.mtx"}), "mass and nodes are not allowed"),
         (("matrices.inp", {**TIP, "axis": "r"}), "axis r: expected x, y or z"),
         (("matrices.inp", {**TIP, "length_unit": "km"}), "got 300.3 m; give the units"),
         (("matrices.inp", {**TIP, "mass_unit": "m"}), "a unit of mass such as"),

@@ -60,7 +60,7 @@ def test_cut_and_step_of_the_papers_stage() -> None:
     ("change", "expected"),
     [
         ("march.time_step=1e-6", None),
-        ("march.record_step=4e-6", "march.time_step less than 4e-06 s"),
+        ("march.record_step=4e-6", "march.time_step below 4e-06 s"),
         ("march.speed=100", "a speed below"),
     ],
 )

@@ -62,13 +62,13 @@ def test_rows_of_contacts_are_radial_tangential_and_axial(tmp_path: Path) -> Non
         ({"contact_dofs": [[0, 1, 0.5]]}, "contact_dofs: expected whole numbers"),
         ({"contact_position": [[0.0, 0.0, 1.0]]}, "away from the axis z; node 0 is on it"),
         ({"mass": np.triu(np.ones((4, 4)))}, "mass: expected a symmetric matrix"),
-        ({"mass": -np.eye(4)}, "mass: expected a positive diagonal"),
+        ({"mass": -np.eye(4)}, "mass: expected no negative numbers"),
         ({"stiffness": np.eye(3)}, "stiffness: expected a square matrix of the size of mass"),
         ({"length_unit": "kg"}, "length_unit: expected a unit such as"),
         ({"recovry": 1.0}, "recovry: unknown key; did you mean recovery?"),
-        ({"points": np.ones((2, 3))}, "recovery: expected together with points"),
+        ({"points": np.ones((2, 3))}, "points: only allowed together with recovery"),
         ({"gyroscopic": np.eye(4)}, "gyroscopic: expected a skew matrix"),
-        ({"left_dofs": [[0, 1, 2]]}, "left_dofs: expected together with right_dofs"),
+        ({"left_dofs": [[0, 1, 2]]}, "left_dofs: expected both left_dofs and right_dofs"),
     ],
 )
 def test_a_file_that_cannot_be_right_is_refused(
