@@ -88,8 +88,8 @@ class CouplingModes:
 
     @property
     def frame_rate(self) -> FloatArray:
-        """Turns, per turn of the rotor, of the frame in which the equations of each entry have
-        constant coefficients, (entries,)."""
+        """Turns of the frame in which the equations of each entry have constant coefficients, per
+        turn of the rotor, (entries,)."""
         share = np.where(self.on_casing, 0.5, -0.5)
         single = np.isin(self.nodal_diameter, self.nodal_diameter[~self.paired])
         turned = np.where(single, self.on_casing, share)  # a single mode cannot be turned

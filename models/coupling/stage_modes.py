@@ -24,10 +24,11 @@ RADIAL_SHARE = 1.0 / 3.0
 ring with k nodal diameters, so 1/2 for k = 1; in extensional modes it is 1 / (1 + k^2)."""
 
 SMALLEST_AMPLITUDE = 1e-9
-"""Smallest amplitude of a coupled mode over the largest amplitude on the same body."""
+"""A mode is coupled if its amplitude exceeds this fraction of the largest amplitude on the same
+body."""
 
 ROUNDING = 1e-9
-"""Largest rounding error of entries that are zero by mirror symmetry, over the largest entry."""
+"""Entries up to this fraction of the largest entry count as zero by mirror symmetry."""
 
 Fields = Callable[[IntArray], FloatArray]
 

@@ -22,8 +22,8 @@ from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.sections.wall import Wall
 
 LOST = 100.0
-"""Smallest accepted ratio of an eigenvalue to the rounding error of the largest eigenvalue; with a
-smaller ratio the eigenvalue has fewer than two correct digits."""
+"""An eigenvalue must exceed this multiple of the rounding error of the largest eigenvalue; a
+smaller one has fewer than two correct digits."""
 
 
 def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDiskModel:
@@ -41,7 +41,7 @@ def case_beam_model(case: Case) -> BeamModel:
     """
     mesh = case.bladed_disk.mesh
     if case.bladed_disk.superelement is not None:
-        expected = "beams; with a superelement run, sweep, interaction, modes and show work"
+        expected = "beams here; only run, sweep, interaction, modes and show accept a superelement"
         raise CaseError([case_fault(case, "bladed_disk.superelement.file", expected)])
     if mesh is not None:
         model = mesh_beam_model(mesh, case.material)

@@ -17,7 +17,8 @@ FIELDS = 3
 """Largest number of copies of the shapes of a reduced stage that are in memory at once."""
 
 BYTES_PER_ENTRY = 64
-"""Memory of the complex mass, stiffness and shapes of a sector, for each entry of one matrix."""
+"""Memory of the complex mass, stiffness and shapes of a sector, for each entry of one matrix
+[bytes]."""
 
 SECONDS_PER_ENTRY, SECONDS_PER_CUBE = 2.5e-7, 3e-9
 """Time for each entry of the shapes, and time for each nodal diameter and unit of (size of a
@@ -88,10 +89,10 @@ def tell_cost(cost: Cost) -> None:
     """Log the cost of a large stage before it is built.
 
     Raises:
-        CaseError: the stage needs more memory than this machine has.
+        CaseError: the stage needs more memory than this computer has.
     """
     if cost.memory > (most := memory()):
-        expected = f"a smaller stage: {cost}, and this machine has {most / 1e9:.3g} GB"
+        expected = f"a smaller stage: {cost}, and this computer has {most / 1e9:.3g} GB"
         raise CaseError([Fault(key="bladed_disk", expected=expected)])
     if cost.memory > LARGE_BYTES or cost.time > LARGE_SECONDS:
         logger.warning("Large stage: %s.", cost)

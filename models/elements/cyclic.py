@@ -21,9 +21,9 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 
 SYMMETRY_TOLERANCE = 1e-12
-"""Largest change of an entry, under a rotation by one sector, with which a matrix counts as
-symmetric. The change is relative to the largest entry of its row and column, so that a soft spring
-next to stiff beams is detected."""
+"""A matrix counts as symmetric if a rotation by one sector changes each entry by at most this
+fraction of the largest entry of its row and column. A soft spring next to stiff beams is thus
+detected."""
 
 NO_COLUMN = -1
 """DFT column of a mode computed without cyclic symmetry."""

@@ -77,7 +77,8 @@ def drawback(
         disk: finite element model with beams at the tip.
         shapes: fields on the free DoF for unit coordinates, (size, fields).
         blade: number of the blade.
-        around: decrease of the distance from the axis instead of the distance d along the blade.
+        around: return the decrease of the distance of the tip from the axis instead of the distance
+            d along the blade.
 
     Returns:
         rows of y for unit coordinates [m^1/2 by coordinate], (rows, fields), and the signs s,
@@ -96,10 +97,10 @@ def drawback(
         rise = across @ (moved[second, :2] - moved[first, :2]) - length * turned
         rows.append([rise, moved[first, 2] - turned, moved[second, 2] - turned])
         forms.append(slope_form(length) * (along @ out))
-    found = [_factors(form, np.array(row)) for form, row in zip(forms, rows, strict=True)]
+    factors = [_factors(form, np.array(row)) for form, row in zip(forms, rows, strict=True)]
     if around:
-        found.append(_factors(*_around(disk, moved, int(root), int(tip))))
-    return np.vstack([rows for rows, _ in found]), np.concatenate([signs for _, signs in found])
+        factors.append(_factors(*_around(disk, moved, int(root), int(tip))))
+    return np.vstack([rows for rows, _ in factors]), np.concatenate([signs for _, signs in factors])
 
 
 def slope_form(length: float) -> FloatArray:
@@ -144,7 +145,7 @@ def fewest_terms(
         rows: rows y of the form 1/2 sum_i s_i y_i^2, (rows, coordinates).
         signs: signs s, (rows,).
         weight: square root of the stiffness of each coordinate, positive, (coordinates,).
-        share: share of the largest term below which terms are neglected.
+        share: terms below this fraction of the largest term are neglected.
 
     Returns:
         rows (terms, coordinates) and signs (terms,), the largest first, and the mean frequency of

@@ -33,8 +33,8 @@ from bladewhirl.models.rotation.whirl_modes import WhirlModes
 Body = Literal["bladed-disk", "casing"]
 
 MOST = 0.5
-"""Share of the shaft springs in the strain energy above which a branch at speed is the
-suspension."""
+"""A branch at speed is the suspension if the shaft springs have more than this share of its strain
+energy."""
 
 
 @dataclass(frozen=True, kw_only=True)

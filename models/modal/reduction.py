@@ -52,7 +52,7 @@ def craig_bampton(
         reference: see `structure_modes`.
 
     Raises:
-        ValueError: there are more fixed-interface modes than internal DoF.
+        ValueError: `fixed_interface_modes` is larger than the number of internal DoF.
     """
     internal = structure.size - len(boundary)
     if fixed_interface_modes > internal:

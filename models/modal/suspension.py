@@ -15,14 +15,14 @@ KEY = "shaft.suspension_frequency"
 HALVINGS = 12  # number of times an interval of stiffnesses is halved
 
 HIDDEN = 50.0 * np.finfo(np.float64).eps
-"""Ratio of the squared frequency to the largest ratio of stiffness to mass below which rounding
-errors of the stiffness matrix are more than 2 % of the squared frequency."""
+"""If a squared frequency is below this fraction of the largest ratio of stiffness to mass, rounding
+errors of the stiffness matrix exceed 2 % of it."""
 
 ABOVE_ROUNDING = "a frequency above the rounding error"
 
 AGREE = 0.01
-"""Largest relative difference between the mean frequency of the suspension pair and the required
-frequency. Mistuned blades split the pair; a larger difference indicates another family."""
+"""The mean frequency of the suspension pair may differ from the required frequency by this
+fraction, because mistuned blades split the pair; a larger difference indicates another family."""
 
 
 def with_sized_shaft(case: Case) -> Case:

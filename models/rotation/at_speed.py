@@ -88,7 +88,7 @@ class TurningDisk:
 def tip_recess(
     case: Case, disk: BladedDiskModel, turning: TurningDisk | None, omega: float | None = None
 ) -> FloatArray:
-    """Return the radius from which the clearance is measured minus the radius of each tip [m],
+    """Return the distance of each tip inside the radius from which the clearance is measured [m],
     (blades,).
 
     For a hot clearance the tip radius is the radius at rest. For a cold clearance, that is, a

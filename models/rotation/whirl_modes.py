@@ -28,10 +28,10 @@ DENSE_SIZE = 800
 """Largest size of a structure without symmetry whose modes are computed with a dense solver."""
 
 TRAVELS = 0.5
-"""Difference between the shares of backward and forward waves above which a mode travels."""
+"""A mode travels if its shares of backward and forward waves differ by more than this."""
 
 SLOW = 1e-6
-"""Ratio of frequency to speed of rotation up to which a wave counts as standing."""
+"""A wave counts as standing if its frequency is at most this fraction of the speed of rotation."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,7 +104,8 @@ def directions(signed: FloatArray, omega: float) -> tuple[Direction, ...]:
 
     Args:
         signed: frequencies, positive for backward, negative for forward waves [rad/s], (modes,).
-        omega: speed of rotation [rad/s]; waves with at most `SLOW` of this frequency are standing.
+        omega: speed of rotation [rad/s]; waves with at most `SLOW` times this frequency are
+            standing.
     """
     return tuple(
         "standing" if abs(w) <= SLOW * abs(omega) else ("backward" if w > 0.0 else "forward")

@@ -78,7 +78,8 @@ class RingProfile:
         return np.asarray(total)
 
     def slope(self, angle: ArrayLike) -> FloatArray:
-        """Return the derivative of points and lobes with respect to the angle at angles [rad]."""
+        """Return d(value)/d(angle) at angles [rad], in the same shape, per rad: the slope of the
+        spline through `points` plus that of `lobes`, without `stations`."""
         theta = np.asarray(angle, dtype=np.float64)
         slope = self._spline(theta, 1) if self.points else np.zeros(theta.shape)
         for wave in self.lobes:

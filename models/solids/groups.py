@@ -11,7 +11,8 @@ from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.solids.surface import evenly_along_chord
 
 MATCHING = 1e-5
-"""Largest distance of matching nodes on the two faces of a sector, as a share of its size."""
+"""Nodes on the two faces of a sector match up to a distance of this fraction of the size of the
+sector."""
 
 
 def invalid(key: str, value: object, expected: str) -> CaseError:

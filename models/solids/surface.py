@@ -23,8 +23,9 @@ def surface_triangles(mesh: VolumeMesh) -> tuple[IntArray, IntArray]:
 def evenly_along_chord(points: FloatArray, nodes: IntArray, count: int) -> IntArray:
     """Return nodes that are evenly spaced along a chord, in the middle of the thickness.
 
-    The chord is the direction in which the nodes spread most. The middle line is a parabola
-    through the nodes; the nearest node to each of its evenly spaced points is chosen, once.
+    The chord is the direction in which the nodes spread most. The middle line is a parabola through
+    the nodes; the nearest node to each of its evenly spaced points is chosen, each node at most
+    once.
 
     Args:
         points: positions of all nodes [m], (n, 3).
