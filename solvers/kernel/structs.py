@@ -193,7 +193,7 @@ def boundary_march(
     steps: int,
     record_every: int,
 ) -> tuple[int, int, int]:
-    """Advance a march with many contact nodes; results as those of `march`.
+    """Advance a march with many contact nodes; returns the same values as `march`.
 
     Args:
         constants: structs `Boundary`, `Ring`, `NodeCoating`, `Closure` (None for options that the

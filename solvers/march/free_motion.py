@@ -17,13 +17,14 @@ StopWhen = Literal["damped"]
 STOPS: tuple[StopWhen, ...] = get_args(StopWhen)
 
 CLOSING = 0.8
-"""Share of the smallest gap at rest that the remaining energy must not be able to close."""
+"""A march ends only if the remaining energy cannot close this fraction of the smallest gap at
+rest."""
 
 FREE_TURNS = 10.0
 """Smallest number of revolutions of free motion before a march ends early."""
 
 ROUNDING = 1e-9
-"""Share of the largest damping below which a negative one is rounding."""
+"""A negative damping rate up to this fraction of the largest one is a rounding error."""
 
 RULE = (
     "damped: the loads have ended, no tip has touched for at least half of the time marched and"
@@ -45,7 +46,7 @@ class FreeMotion:
 
     enough: float  #: energy below which no tip can touch the casing [J]
     free_time: float  #: required duration of free motion [s]
-    since: float  #: time since which motion is free [s]
+    since: float  #: time at which free motion began [s]
 
     @classmethod
     def of(cls, problem: ContactProblem | BoundaryProblem, time_step: float) -> Self:

@@ -134,7 +134,9 @@ class CutFile(io.RawIOBase):
         view = memoryview(buffer).cast("B")
         at = self._file.tell()
         if at >= self._size or (at + len(view) > self._size and len(view) > SMALL):
-            raise OSError(f"the file ends at byte {self._size}, before its header says")
+            raise OSError(
+                f"the file ends at byte {self._size}, but its header states a larger size"
+            )
         count = self._file.read(len(view))
         view[: len(count)] = count
         view[len(count) :] = bytes(len(view) - len(count))

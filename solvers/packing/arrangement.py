@@ -68,9 +68,9 @@ def _couples(points: int, parity: int | None, *, alone: bool) -> list[tuple[int,
         parity: 0 for even nodal diameters, 1 for odd nodal diameters; None for all.
         alone: return each column without a partner separately; otherwise all of them in one tuple.
     """
-    wanted = [c for c in range(points) if parity in (None, nodal_diameter_of(c) % 2)]
-    paired = [c for c in wanted if is_pair(nodal_diameter_of(c), points)]
-    single = [c for c in wanted if not is_pair(nodal_diameter_of(c), points)]
+    columns = [c for c in range(points) if parity in (None, nodal_diameter_of(c) % 2)]
+    paired = [c for c in columns if is_pair(nodal_diameter_of(c), points)]
+    single = [c for c in columns if not is_pair(nodal_diameter_of(c), points)]
     both = [*zip(paired[::2], paired[1::2], strict=True)]
     together = [(column,) for column in single] if alone else [tuple(single)]
     return [*both, *together] if single else list(both)
@@ -98,8 +98,8 @@ class Harmonics:
         self.used = max(map(len, couples))
         self.half = padded(self.parts * self.used, unit)
         self.place = np.zeros(points, dtype=np.int64)  # column of each DFT column
-        for part, own in enumerate(couples):
-            for slot, couple in enumerate(own):
+        for part, pairs in enumerate(couples):
+            for slot, couple in enumerate(pairs):
                 for block, column in enumerate(couple):
                     self.place[column] = block * self.half + part * self.used + slot
         self.single = np.array([not is_pair(nodal_diameter_of(c), points) for c in range(points)])
@@ -121,16 +121,16 @@ class Harmonics:
         Raises:
             ValueError: the values are not a combination of both columns.
         """
-        own = np.einsum("pm,pm->m", self.basis[:, column], rows)
+        direct = np.einsum("pm,pm->m", self.basis[:, column], rows)
         partner = self.crossed[:, self.place[column]]
         other = np.where(self.single[column], 0.0, np.einsum("pm,pm->m", partner, rows))
-        fitted = self.basis[:, column] * own + partner * other
+        fitted = self.basis[:, column] * direct + partner * other
         if not np.abs(fitted - rows).max(initial=0.0) <= FIT * np.abs(rows).max(initial=0.0):
             raise ValueError(
                 "the DFT columns of some modes do not match their displacements; give column -1 "
                 "to modes without cyclic symmetry"
             )
-        return own, other
+        return direct, other
 
     def arrangement(self, place: IntArray) -> Arrangement:
         """Return the arrangement in which the modes of each column are below each other.
@@ -141,8 +141,8 @@ class Harmonics:
         columns = 2 * self.half
         rank = np.zeros(len(place), dtype=np.int64)
         for c in range(columns):
-            own = place == c
-            rank[own] = np.arange(np.count_nonzero(own))
+            here = place == c
+            rank[here] = np.arange(np.count_nonzero(here))
         return Arrangement(
             rows=int(rank.max(initial=0)) + 1,
             columns=columns,

@@ -109,7 +109,7 @@ def pack_node_coating(problem: BoundaryProblem) -> Struct | None:
 
 
 def coating_sizes(coating: Struct | None, problem: BoundaryProblem, group: int) -> dict[str, int]:
-    """Return the lengths of the arrays of a coating, zero without one."""
+    """Return the lengths of the arrays of a coating, zero without a coating."""
     names = "coated_copies coated_tips under coated_group augmented tracks rods coating_sums"
     if coating is None or problem.coating is None:
         return dict.fromkeys(names.split(), 0)
@@ -128,7 +128,7 @@ def coating_sizes(coating: Struct | None, problem: BoundaryProblem, group: int) 
 
 
 def ring_sizes(ring: Struct | None, arrangement: Arrangement | None, tips: int) -> dict[str, int]:
-    """Return the lengths of the arrays of a ring, zero without one."""
+    """Return the lengths of the arrays of a ring, zero without a ring."""
     names = (
         "tips wide twice_wide ends tableau sums closed entries casing_entries dampers"
         " all_components twice_tips"

@@ -116,18 +116,18 @@ def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, Floa
     scales = [max(np.abs(nodal[:, kind]).max(), np.finfo(float).tiny) for kind in kinds]
     # Kinds of nodal values that keep their sign under reflection, and kinds that change it.
     direct, turned = (lib.W_KIND, lib.U_SLOPE), (lib.W_SLOPE, lib.U_KIND)
-    size = [np.abs(own) / scale for (own, _), scale in zip(pairs, scales, strict=True)]
+    size = [np.abs(in_column) / scale for (in_column, _), scale in zip(pairs, scales, strict=True)]
     odd = single & (
         np.maximum(*(size[kind] for kind in turned)) > np.maximum(*(size[kind] for kind in direct))
     )
     weights = []
-    for kind, (own, across) in zip(kinds, pairs, strict=True):
+    for kind, (in_column, across) in zip(kinds, pairs, strict=True):
         out_of_place = odd if kind in direct else single & ~odd
-        right, wrong = (own, across) if kind in direct else (across, own)
-        wrong = np.where(single, np.where(out_of_place, own, 0.0), wrong)
+        right, wrong = (in_column, across) if kind in direct else (across, in_column)
+        wrong = np.where(single, np.where(out_of_place, in_column, 0.0), wrong)
         if np.abs(wrong).max() > FIT * scales[kind]:
             raise ValueError("a cyclic casing must be symmetric under reflection")
-        weights.append(np.where(single, np.where(out_of_place, 0.0, own), right))
+        weights.append(np.where(single, np.where(out_of_place, 0.0, in_column), right))
     place = harmonics.place[column]
     place = np.where(odd, (place + harmonics.half) % (2 * harmonics.half), place)
     return harmonics.arrangement(place), np.array(weights), harmonics.shape
@@ -143,9 +143,9 @@ def _folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
     width = padded(nodes // 4 + 1)
     if arrangement.parts == 1 or width - 1 > nodes // 2:
         return aligned((0, lib.LANES))
-    own = shape[:width]
-    last = own[:, arrangement.half + arrangement.used - 1]
-    rows = own[:, np.concatenate([arrangement.columns_of(part) for part in range(2)])].T
+    quarter = shape[:width]
+    last = quarter[:, arrangement.half + arrangement.used - 1]
+    rows = quarter[:, np.concatenate([arrangement.columns_of(part) for part in range(2)])].T
     rows = rows.reshape(2, 2, arrangement.used, width).transpose(1, 0, 2, 3).reshape(-1, width)
     rows[3 * arrangement.used - 1] = 0.0
     return aligned_copy(np.vstack([rows, last]))

@@ -15,14 +15,15 @@ FAR = 1e100
 """Gap that no tip has [m]."""
 
 NEAR = 0.015625
-"""Gap without foreshortening below which a tip is near the wall, over the smallest clearance."""
+"""A tip is near the wall if its gap without foreshortening is below this fraction of the smallest
+clearance."""
 
 MOST_HELD, MOST_UNCHECKED = 32, 256
 """Largest numbers of steps with one linearisation, and between checks of all openings."""
 
 HELD, UNCHECKED = 2.0, 4.0
-"""Largest duration of a linearisation, and between checks, times the frequency of the fastest large
-term."""
+"""Largest duration of a linearisation, and between checks, multiplied by the frequency of the
+fastest large term."""
 
 
 def near_gap(problem: ContactProblem) -> float:
@@ -41,11 +42,11 @@ def held_steps(problem: ContactProblem, dt: float) -> tuple[int, int]:
     angle = 0.0 if shortening is None else shortening.frequency * dt
     if not angle > 0.0:
         return MOST_HELD, MOST_UNCHECKED
-    held, unchecked = (
+    linearised, unchecked = (
         max(1, int(min(most, share / angle)))
         for most, share in ((MOST_HELD, HELD), (MOST_UNCHECKED, UNCHECKED))
     )
-    return held, unchecked
+    return linearised, unchecked
 
 
 def pack_foreshortening(
@@ -118,7 +119,7 @@ class Waves:
     """Rows F of all tips, and their weights by DFT column if they vary as the DFT columns."""
 
     rows: FloatArray  #: rows F, (tips, terms, modes)
-    own: FloatArray  #: weights by DFT column, (terms, rows, columns); empty if they do not vary so
+    own: FloatArray  #: weights by DFT column, (terms, rows, columns); may be empty
     across: FloatArray  #: weights by partner column, (terms, rows, columns)
     spread: FloatArray  #: value of each column and of its partner at each tip, (tips, 2 columns)
 
@@ -144,9 +145,9 @@ def _waves(
         largest = in_phase[np.argmax(np.abs(rows[0, term, in_phase]))]
         rows[:, term] *= np.sign(rows[:, term, [largest]])
         try:
-            found = harmonics.amplitudes(rows[:, term], rotor.column)
+            amplitudes = harmonics.amplitudes(rows[:, term], rotor.column)
         except ValueError:
             return plain
-        weights[:, term] = [arrangement.grid(each) for each in found]
+        weights[:, term] = [arrangement.grid(each) for each in amplitudes]
     spread = aligned_copy(np.hstack([harmonics.shape, harmonics.crossed]))
     return Waves(rows=rows, own=weights[0], across=weights[1], spread=spread)

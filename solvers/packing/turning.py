@@ -8,10 +8,11 @@ from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib
 from bladewhirl.solvers.packing.arrangement import Arrangement
 
 ROUNDING = 1e-14
-"""Share of the largest entry of A^-1 up to which an entry counts as zero."""
+"""An entry of A^-1 up to this fraction of the largest counts as zero."""
 
 ALIKE = 1e-12
-"""Largest relative difference between the damping of equally damped cosine and sine modes."""
+"""Cosine and sine modes are equally damped if their damping differs by at most this fraction of the
+largest."""
 
 
 def pack_gyroscopic(
@@ -74,10 +75,10 @@ def _blocks(
     grid = full.reshape(rows, columns, rows, columns)
     cosine = np.arange(half)
     sine = half + cosine
-    own, across = grid[:, cosine, :, cosine].copy(), grid[:, cosine, :, sine].copy()
+    direct, across = grid[:, cosine, :, cosine].copy(), grid[:, cosine, :, sine].copy()
     for to, by, block in (
-        (cosine, cosine, own),
-        (sine, sine, own),
+        (cosine, cosine, direct),
+        (sine, sine, direct),
         (cosine, sine, across),
         (sine, cosine, -across),
     ):
@@ -87,7 +88,7 @@ def _blocks(
     to, by = np.nonzero(np.abs(full) > ROUNDING * np.abs(inverse).max())
     order = np.argsort(by, kind="stable")
     blocks = np.zeros((2, half, padded(rows, lib.ROWS), rows))
-    blocks[:, :, :rows] = own, across
+    blocks[:, :, :rows] = direct, across
     registers = blocks.reshape(2, half // lib.HALF, lib.HALF, -1, lib.ROWS, rows).transpose(
         1, 3, 5, 0, 4, 2
     )
@@ -115,14 +116,16 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
     twice = np.triu(2.0 * full) - np.diag(np.diag(full))
     grid = twice.copy().reshape(2 * [rows, arrangement.columns])
     cosine = np.arange(half)
-    own = np.zeros((half, padded(rows, lib.ROWS), rows))
-    own[:, :rows] = grid[:, cosine, :, cosine]
+    direct = np.zeros((half, padded(rows, lib.ROWS), rows))
+    direct[:, :rows] = grid[:, cosine, :, cosine]
     for column in (cosine, half + cosine):
-        grid[:, column, :, column] -= own[:, :rows]
+        grid[:, column, :, column] -= direct[:, :rows]
     left = grid.reshape(entries, entries)[np.ix_(arrangement.entry, arrangement.entry)]
     if half == 0 or np.abs(left).max(initial=0.0) > ALIKE * np.abs(damping).max(initial=0.0):
         return aligned(0), aligned_copy(twice)
-    registers = own.reshape(half // lib.HALF, lib.HALF, -1, lib.ROWS, rows).transpose(0, 2, 4, 3, 1)
+    registers = direct.reshape(half // lib.HALF, lib.HALF, -1, lib.ROWS, rows).transpose(
+        0, 2, 4, 3, 1
+    )
     groups = [registers[:, g, g * lib.ROWS :] for g in range(registers.shape[1])]
     by_register = [
         np.concatenate([group[h].ravel() for group in groups]) for h in range(len(registers))
@@ -140,17 +143,17 @@ def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: Struct) -> li
     columns, half = arrangement.columns, arrangement.half
     modes, column = np.arange(len(inverse)), arrangement.entry % columns
     partner = (column + half) % columns
-    found = []
-    for own, across in (
+    answers = []
+    for direct, across in (
         (rotor.radial, np.zeros_like(rotor.radial)),
         (rotor.tangential, rotor.crossed),
     ):
         force = np.zeros((len(modes), columns))
-        force[modes, column] = own.ravel()[arrangement.entry]
+        force[modes, column] = direct.ravel()[arrangement.entry]
         force[modes, partner] += across.ravel()[arrangement.entry]
         answer = inverse @ force
-        found += [arrangement.grid(answer[modes, each]) for each in (column, partner)]
-    return found
+        answers += [arrangement.grid(answer[modes, each]) for each in (column, partner)]
+    return answers
 
 
 def turning_inverse(damping: FloatArray, dt: float) -> FloatArray:

@@ -27,7 +27,7 @@ class CoupledMode:
     speed: float  #: Omega [rad/s]
     nodal_diameter: int  #: nodal diameter k of the mode
     eigenvalue: complex  #: eigenvalue [1/s]
-    shape: ComplexArray  #: shape of y, with one as its largest entry, (modes.size,)
+    shape: ComplexArray  #: shape of y, whose largest entry is one, (modes.size,)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,10 +22,10 @@ from bladewhirl.models.coupling.equations import CoupledEquations, companion
 from bladewhirl.models.coupling.springs import CouplingModes
 
 UNSTABLE_GROWTH = 1e-6
-"""Growth rate, as a share of the speed of rotation, above which a point is unstable."""
+"""A point is unstable if its growth rate exceeds this fraction of the speed of rotation."""
 
 REAL = 1e-6
-"""Largest imaginary part, as a share of the modulus, of a speed that counts as real."""
+"""A speed counts as real if its imaginary part is at most this fraction of its modulus."""
 
 CHUNK, CHUNK_NUMBERS = 4096, 1 << 20
 """Largest number of points in one batch, and of matrix entries in one batch."""

@@ -24,10 +24,10 @@ from bladewhirl.meshes.line_mesh import FloatArray
 Kind = Literal["standard", "inverted", "unsteady"]
 
 STEADY = 0.5
-"""Least `Scenario.steadiness` of a motion that is standard or inverted."""
+"""A motion is standard or inverted from this `Scenario.steadiness` on, unsteady below it."""
 
 SMALLEST = 1e-9
-"""Share of the largest amplitude below which a displacement counts as zero."""
+"""A displacement up to this fraction of the largest amplitude counts as zero."""
 
 
 @dataclass(frozen=True, kw_only=True)

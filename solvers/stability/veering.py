@@ -1,4 +1,4 @@
-"""Modes with one nodal diameter over the stiffness of the shaft springs.
+"""Modes with one nodal diameter as functions of the stiffness of the shaft springs.
 
 The matrices of the nodal diameter k = 1 are the block k = 1. The shaft springs add the rank-one
 matrix kappa s s^H to its stiffness, where s is the displacement of the centre. By the inequalities
@@ -19,7 +19,7 @@ from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen, gyroscopi
 
 @dataclass(frozen=True, kw_only=True)
 class ShaftVeering:
-    """Branches of frequencies over spring stiffness."""
+    """Branches of frequencies as functions of the spring stiffness."""
 
     stiffness: FloatArray  #: stiffness kappa of each of the two springs [N/m], (stiffnesses,)
     frequency: FloatArray  #: frequencies [rad/s], (stiffnesses, branches)
@@ -38,7 +38,7 @@ def shaft_veering(
     springs: FloatArray,
     branches: int,
 ) -> ShaftVeering:
-    """Follow the lowest frequencies of block k = 1 over the stiffness of the shaft springs.
+    """Follow the lowest frequencies of block k = 1 as the stiffness of the shaft springs changes.
 
     Args:
         stiffness: stiffness matrix of the block without springs, Hermitian, (n, n).

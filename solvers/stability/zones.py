@@ -10,8 +10,8 @@ at a speed. Root finding locates every speed at which a count changes by one, so
 narrowest zone is found. With rotation effects two waves may meet and part repeatedly, so the counts
 may also decrease; neighbouring speeds are then searched for increases and decreases.
 
-With damping, and for nodal diameters with a single mode, zones are found instead from the sign of
-the growth rate at a series of speeds, which is denser inside the undamped zones.
+With damping, and for nodal diameters with a single mode, zones follow instead from the sign of the
+growth rate at a series of speeds, which is denser inside the undamped zones.
 """
 
 from collections.abc import Callable
