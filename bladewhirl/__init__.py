@@ -24,7 +24,7 @@ Build the model
     and `read_superelement` store it.
 Analyse modes, before a march
     `modes` returns frequencies by family and nodal diameter, `campbell` coincidence speeds,
-    `veering` frequencies and `critical_speeds` critical speeds over the stiffness of the shaft,
+    `veering` frequencies and `critical_speeds` critical speeds against the stiffness of the shaft,
     `stability` growth rates, `response` amplitudes under engine-order forces, as Datasets.
 March in time
     `run` marches one case, `run_sweep` a case over ranges of its keys (`resume_sweep` finishes an

@@ -44,7 +44,7 @@ def _plot(name: str) -> Plot:
         if "state" not in dataset:
             return RunFigures(dataset, start, end).draw(name)[0]
         if start is not None or end is not None:
-            raise ViewError("expected no start or end for a sweep, which has no time window")
+            raise ViewError("omit start and end: a sweep has no time window")
         return SweepFigures(dataset).draw(name)[0]
 
     kinds = {"a run": RUN_FIGURES, "a sweep": SWEEP_FIGURES}
@@ -74,21 +74,21 @@ def campbell(data: xr.Dataset, frame: Literal["rotating", "static"] = "rotating"
 
 
 def critical_speeds(data: xr.Dataset) -> Figure:
-    """Draw the map of critical speeds of `bw.critical_speeds(case)` over the shaft stiffness."""
+    """Draw the map of critical speeds of `bw.critical_speeds(case)` against the shaft stiffness."""
     from bladewhirl.postprocess.modal.critical_speeds import plot_critical_speeds
 
     return plot_critical_speeds(data)
 
 
 def response(data: xr.Dataset) -> Figure:
-    """Draw the amplitudes of `bw.response(case)` over the speed, by blade and nodal diameter."""
+    """Draw the amplitudes of `bw.response(case)` against speed, by blade and nodal diameter."""
     from bladewhirl.postprocess.modal.response import plot_response
 
     return plot_response(data)
 
 
 def veering(data: xr.Dataset, families: int | None = None) -> Figure:
-    """Draw frequencies over nodal diameter, with a free and with a clamped centre of the disk.
+    """Draw frequencies against nodal diameter, with a free and with a clamped centre of the disk.
 
     Args:
         data: result of `bw.veering`.
@@ -100,7 +100,7 @@ def veering(data: xr.Dataset, families: int | None = None) -> Figure:
 
 
 def shaft_veering(data: xr.Dataset) -> Figure:
-    """Draw the modes with k = 1 of `bw.veering(case)` over the stiffness of the shaft."""
+    """Draw the modes with k = 1 of `bw.veering(case)` against the stiffness of the shaft."""
     from bladewhirl.postprocess.modal.veering import plot_shaft_veering
 
     return plot_shaft_veering(data)

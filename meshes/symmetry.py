@@ -5,8 +5,8 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
 TOLERANCE = 1e-6
-"""Largest distance, over the radius of the mesh, at which a rotated node and another node coincide.
-Files have seven digits or more, and meshers place nodes on curves with about nine digits."""
+"""A rotated node coincides with another node up to a distance of this fraction of the radius of the
+mesh. Files have seven digits or more, and meshers place nodes on curves with about nine digits."""
 
 
 def rotational_sectors(

@@ -9,11 +9,14 @@ from numpy.typing import NDArray
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray, freeze
 
 FLAT = 1e-6
-"""Largest distance of a node from the plane of a mesh, over the size of the mesh."""
+"""A mesh is plane if its nodes are off the plane by at most this fraction of the size of the
+mesh."""
 
 SPRING = ("spring_radial", "spring_tangential", "spring_rotation")
+"""Names of the data of lines that are springs: their stiffnesses."""
+
 RIGID = "rigid"
-"""Names of data of lines that are not beams: stiffnesses of springs, and 1 for rigid links."""
+"""Name of the data that are 1 for lines that are rigid links."""
 
 
 class MeshFileError(ValueError):

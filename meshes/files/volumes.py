@@ -77,8 +77,8 @@ def _volumes(mesh: meshio.Mesh, name: str) -> VolumeMesh:
     solid = [block for block in mesh.cells if block.dim == 3 and len(block.data)]
     kinds = sorted({block.type for block in solid})
     if len(kinds) != 1 or kinds[0] not in CELLS:
-        found = f"found {', '.join(kinds)}" if kinds else "there are none"
-        raise MeshFileError(f"cells of one of the types {', '.join(CELLS)}; {found}")
+        existing = f"found {', '.join(kinds)}" if kinds else "there are none"
+        raise MeshFileError(f"cells of one of the types {', '.join(CELLS)}; {existing}")
     cells = stacked([block.data for block in solid]).astype(np.int64)
     # Of the cells that a file of Gmsh 2.2 repeats for each of their groups, one remains.
     cells = cells[np.sort(np.unique(np.sort(cells, axis=1), axis=0, return_index=True)[1])]

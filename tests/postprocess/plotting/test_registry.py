@@ -52,5 +52,5 @@ def test_runs_and_sweeps_are_distinguished(tmp_path: Path) -> None:
         assert "rotating frame" in bw.plot.whirl(sweep).axes[0].get_ylabel()
         with pytest.raises(ViewError, match="figure 'orbit': expected one of frequency-map"):
             bw.plot.orbit(sweep)
-        with pytest.raises(ViewError, match="no start or end for a sweep"):
+        with pytest.raises(ViewError, match="omit start and end: a sweep has no time window"):
             bw.plot.whirl(sweep, start=0.1)
