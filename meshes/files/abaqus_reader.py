@@ -50,6 +50,7 @@ class Card:
     rows: list[list[str]] = field(default_factory=list)
 
     def needs(self, name: str) -> str:
+        """Return the value of a required parameter."""
         if name not in self.parameters:
             raise MeshFileError(f"*{self.keyword} with {name}=")
         return self.parameters[name]
@@ -95,6 +96,7 @@ def read_inp(path: Path) -> GroupedLines:
 
 
 def cards(text: str) -> Iterator[Card]:
+    """Yield the keywords of an .inp file; comments are skipped, continued lines are joined."""
     card: Card | None = None
     lines = iter(line for line in text.splitlines() if line.strip() and not line.startswith("**"))
     for line in lines:
@@ -206,11 +208,14 @@ def _read_section(card: Card, content: _Content) -> None:
 
 
 def extend(sets: dict[str, list[int]], name: str | None, members: list[int]) -> None:
+    """Add members to a set, each once; nothing without a name."""
     if name is not None:
         sets[name] = list(dict.fromkeys([*sets.get(name, []), *members]))
 
 
 def members_of(card: Card, sets: Mapping[str, list[int]]) -> list[int]:
+    """Return the members that a *NSET or *ELSET lists, as numbers, ranges or names of earlier
+    sets."""
     if "GENERATE" in card.parameters:
         ranges = [[int(value) for value in row] for row in card.rows]
         runs = [range(first, last + 1, *step[:1]) for first, last, *step in ranges]
@@ -268,12 +273,23 @@ def _mass_data(content: _Content, node: Mapping[int, int]) -> dict[str, FloatArr
     return data
 
 
+def _material(content: _Content, name: str) -> dict[str, float]:
+    """Return Young's modulus and density of a material of a section."""
+    if name.upper() not in content.materials:
+        raise MeshFileError(f"*MATERIAL, NAME={name}, which a *BEAM SECTION names")
+    properties = content.materials[name.upper()]
+    for keyword, value in (("ELASTIC", "young_modulus"), ("DENSITY", "density")):
+        if value not in properties:
+            raise MeshFileError(f"an isotropic *{keyword} under *MATERIAL, NAME={name}")
+    return properties
+
+
 def _section_data(content: _Content, line: Mapping[int, int]) -> dict[str, FloatArray]:
     if not content.sections:
         return {}
     data = {name: np.full(len(line), np.nan) for name in SECTION}
     for elset, material, width, thickness in content.sections:
-        properties = content.materials.get(material.upper(), {})
+        properties = _material(content, material)
         numbers = [line[n] for n in content.element_sets.get(elset, []) if n in line]
         for name, value in {"width": width, "thickness": thickness, **properties}.items():
             data[name][numbers] = value
