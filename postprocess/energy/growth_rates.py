@@ -16,21 +16,27 @@ import xarray as xr
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.result import PORTION
 
-CERTAINTY = 2.0  #: number of standard errors above which a growth rate is significant
-#: least ratio of the growth rates in the second and the first half of the last third
+CERTAINTY = 2.0  #: a growth rate is significant if it exceeds this many standard errors
+#: growth slows if its rate in the second half of the fitted windows, plus `CERTAINTY` standard
+#: errors, is below this fraction of the rate in the first half
 STEADINESS = 0.75
-RISE = 1.1  #: least ratio of the last amplitude to the largest amplitude before the last third
+#: growth is significant if the last amplitude is at least this many times the largest amplitude
+#: before the last third
+RISE = 1.1
 MOST_WINDOWS, FEWEST_WINDOWS = 12, 8  #: largest and smallest number of windows in the last third
-FEWEST_LAST = 5  #: fewest fitted windows if the march ended at its displacement limit
-#: fewest windows in each half of the fitted windows; halves of few windows overlap
+FEWEST_LAST = 5  #: smallest number of fitted windows after an early end at the displacement limit
+#: smallest number of windows in each half of the fitted windows; halves of few windows overlap
 FEWEST_IN_HALF = 3
-WINDOW_RECORDS = 3  #: fewest records in a window
-RIGID = 1e-6  #: a mode below this share of the highest frequency is regarded as a rigid mode
-#: least ratio of the last amplitude of the ripple to its largest amplitude in the middle third
+WINDOW_RECORDS = 3  #: smallest number of records in a window
+RIGID = 1e-6  #: a mode below this fraction of the highest frequency is regarded as a rigid mode
+#: growth of the ripple is significant if its last amplitude is at least this many times its largest
+#: amplitude in the middle third
 RIPPLE_RISE = 1.5
-RIPPLE_SHARE = 0.01  #: least ratio of a growing ripple to the amplitude, in the last window
+#: a ripple below this fraction of the amplitude of the motion, in the last window, does not count
+#: as growing
+RIPPLE_SHARE = 0.01
 ABOUT_MEAN = "motion about its mean position"  #: name of the ripple in texts for users
-RIPPLE_PERIODS = 2.0  #: shortest window from which a mean position is computed [periods]
+RIPPLE_PERIODS = 2.0  #: shortest window for a mean position [periods of the slowest wave]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,14 +64,14 @@ class Growth:
     error: float  #: standard error of `rate`, see `fit_growth` [1/s]
     #: true if the rate is clearly less in the second half of the fitted windows than in the first
     slows: bool
-    #: last amplitude over the largest amplitude before the fitted windows; inf if none is before
+    #: last amplitude divided by the largest one before the fitted windows; inf if none is before
     rise: float
     residual: float  #: root mean square misfit of the logarithm of the amplitude: 0.1 is about 10 %
     end_rate: float  #: growth rate fitted to the last five windows only [1/s]
     end_error: float  #: standard error of `end_rate` [1/s]
     span: str  #: time interval of the fit, in words
     least_rise: float = RISE  #: smallest significant `rise`
-    share: float = 1.0  #: of a ripple: ratio to the amplitude of the motion in the last window
+    share: float = 1.0  #: amplitude of a ripple divided by that of the motion, in the last window
 
     @property
     def text(self) -> str:
@@ -229,8 +235,8 @@ def longest_half_period(dataset: xr.Dataset) -> float:
     """Return half a period of the lowest elastic rotor mode [s]; infinite if all modes are rigid.
 
     In half a period the strain energy of the mode rises and falls once. With Coriolis forces the
-    strain energy of a pair of modes rises and falls in 2 pi over the sum of the frequencies of its
-    two waves. Rigid modes have no strain energy and are ignored.
+    strain energy of a pair of modes rises and falls in 2 pi divided by the sum of the frequencies
+    of its two waves. Rigid modes have no strain energy and are ignored.
     """
     return _half_period(np.abs(np.mean(_wave_frequencies(dataset), axis=0)))
 

@@ -31,9 +31,11 @@ from bladewhirl.postprocess.fields.kinematics import Array, smallest_clearance
 
 RegimeName = Literal["divergent", "no-contact", "damped", "sustained"]
 
-CLOSING = 0.01  #: least share of the clearance by which a tip approaches in a divergent motion
+#: growth without contact is divergent if a tip closes at least this fraction of its clearance
+CLOSING = 0.01
 
-MOST_RIPPLE = 0.9  #: ratio of ripple to amplitude above which only the amplitude is described
+#: a ripple above this fraction of the amplitude is not described separately: it is the whole motion
+MOST_RIPPLE = 0.9
 
 #: remark on a sustained motion whose amplitude, or motion about its mean position, grows
 GROWS_SO_FAR = "the {} grows, but ends below {:g} times its earlier value: extend the march"

@@ -23,7 +23,7 @@ SUSPENSION = "suspension"
 FIRST_FAMILY = "1F"
 
 SMOOTHED_PERIODS = 30.0
-"""Number of periods of the reference frequency above which the energies of a run are drawn as
+"""The energies of a run longer than this number of periods of the reference frequency are drawn as
 means, because the oscillations would fill the figure."""
 
 PLOT_POINTS = 300  #: largest number of drawn means in a curve

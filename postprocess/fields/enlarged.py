@@ -41,7 +41,7 @@ from bladewhirl.postprocess.fields.strains import rotor_sections
 DRAWN_CLEARANCE = 0.1
 #: largest drawn displacement as a share of the tip radius, if the factor is chosen automatically
 DRAWN_MOTION = 0.25
-#: displacement, as a share of the tip radius, from which the linear model is wrong by a tenth
+#: a displacement of this fraction of the tip radius makes the linear model wrong by a tenth
 LARGE_DISPLACEMENT = 0.3
 
 MOST = 1e9  #: largest factor; 1 / MOST is the smallest factor

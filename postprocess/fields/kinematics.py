@@ -17,9 +17,9 @@ from bladewhirl.models.inputs.errors import UserError
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-FRAMES_PER_REVOLUTION = 24  #: fewest pictures in a revolution that show a smooth rotation
+FRAMES_PER_REVOLUTION = 24  #: with fewer pictures per revolution, the rotation is not smooth
 
-ROUNDING = 1e-12  #: relative difference of radii below which the radii are regarded as equal
+ROUNDING = 1e-12  #: radii with a relative difference below this are regarded as equal
 
 
 class ViewError(UserError, ValueError):
@@ -67,11 +67,12 @@ def frame_records(
     last = time[-1] if end is None else min(end, time[-1])
     if frames < 1:
         raise ViewError(f"number of frames must be at least 1, got {frames}")
+    window = f"window [{first:g}, {last if end is None else end:g}] s"
+    if end is not None and first > end:
+        raise ViewError(f"{window}: expected a start before the end")
     if not time[0] <= first <= last:
-        raise ViewError(
-            f"window [{first:g}, {last if end is None else end:g}] s must be ordered and begin "
-            f"inside the run, which covers [{time[0]:g}, {time[-1]:g}] s"
-        )
+        covered = f"[{time[0]:g}, {time[-1]:g}] s"
+        raise ViewError(f"{window}: expected a start within the run, which covers {covered}")
     enough = min(frames, 2 * len(time))
     return np.unique(nearest_records(dataset, np.linspace(first, last, enough)))
 

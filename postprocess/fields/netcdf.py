@@ -46,7 +46,7 @@ def plausible(values: Any, *, gaps: bool = False) -> bool:
 
 
 NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
-"""Beginning of the attribute NAME of a dimension without values."""
+"""Text with which the attribute NAME of a dimension without values begins."""
 
 INTERNAL = {"CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "_FillValue"}
 """Attributes of variables that netCDF-4 needs for itself, with those that begin with "_N"."""
@@ -210,7 +210,7 @@ def _dimensions(name: str, array: h5py.Dataset, numbers: Mapping[Any, str]) -> t
 
 def _attributes(stored: h5py.Dataset | h5py.File) -> dict[str, Any]:
     """Return the attributes of a variable or a file; an array of one value becomes this value."""
-    found = {}
+    attributes = {}
     for name in stored.attrs:
         if name in INTERNAL or name.startswith(("_N", "_n")):
             continue
@@ -219,8 +219,8 @@ def _attributes(stored: h5py.Dataset | h5py.File) -> dict[str, Any]:
             value = ""
         if isinstance(value, np.ndarray) and value.size == 1:
             value = value.ravel()[0]
-        found[name] = value.decode() if isinstance(value, bytes) else value
-    return found
+        attributes[name] = value.decode() if isinstance(value, bytes) else value
+    return attributes
 
 
 def _checked(variable: xr.Variable, label: str, *, gaps: bool, cache: bool) -> xr.Variable:

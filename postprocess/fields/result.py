@@ -175,8 +175,8 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
         dimensions = dataset[key].dims
         if dimensions != variable.dimensions:
             raise ResultError(
-                f"{name}: expected {key!r} over ({', '.join(variable.dimensions)}), "
-                f"found it over ({', '.join(map(str, dimensions))})"
+                f"{name}: expected {key!r} with the dimensions ({', '.join(variable.dimensions)}), "
+                f"found ({', '.join(map(str, dimensions))})"
             )
     for attribute in ATTRIBUTES:
         if attribute not in dataset.attrs:

@@ -9,7 +9,7 @@ from bladewhirl.postprocess.fields.netcdf import check_beams
 
 #: share of the time, at the end of a run, that is regarded as the late motion
 LATE_SHARE = 1.0 / 3.0
-EVEN = 1e-6  #: largest relative difference from the median of time steps that count as equal
+EVEN = 1e-6  #: time steps count as equal if they differ from their median by at most this fraction
 
 
 def select_window(
@@ -26,11 +26,12 @@ def select_window(
     last = time[-1] if end is None else end
     slack = 1e-9 * (time[-1] - time[0])  # records are at rounded multiples of their step
     chosen = slice(*np.searchsorted(time, [first - slack, last + slack]))
-    if not first < last or len(time[chosen]) < 2:
+    if not first < last:
+        raise ViewError(f"window [{first:g}, {last:g}] s: expected a start before the end")
+    if len(time[chosen]) < 2:
         raise ViewError(
-            f"window [{first:g}, {last:g}] s: expected a start before its end and at least two "
-            f"records between them; the run covers [{time[0]:g}, {time[-1]:g}] s in {len(time)}"
-            " records"
+            f"window [{first:g}, {last:g}] s: expected at least two records in it; the run covers"
+            f" [{time[0]:g}, {time[-1]:g}] s in {len(time)} records"
         )
     return dataset.isel(time=chosen)
 

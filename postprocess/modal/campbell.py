@@ -24,13 +24,13 @@ RING: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4.0, "
 #: mark of a critical speed
 CROSS: dict[str, Any] = {"linestyle": "none", "marker": "X", "markersize": 6.0, "mec": "white"}
 FINE = 2001  #: number of speeds at which the frequency of a wave is computed
-ENDS = 0.9  #: share of the width or height of the axes beyond which engine orders are labelled
-HEADROOM = 1.18  #: ratio of the highest frequency shown to the highest coincidence or mode drawn
+ENDS = 0.9  #: engine orders are labelled beyond this fraction of the width or height of the axes
+HEADROOM = 1.18  #: highest frequency shown divided by the highest coincidence or mode drawn
 
 
 @dataclass(frozen=True, kw_only=True)
 class Wave:
-    """Frequencies of a wave over the speed, relative to the reference frequency.
+    """Frequencies of a wave at many speeds, divided by the reference frequency.
 
     The frequency is positive while the wave travels backward, negative while it travels forward.
     """
@@ -130,8 +130,8 @@ def in_diagram(data: xr.Dataset) -> BoolArray:
 
 @styled
 def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
-    """Draw a Campbell diagram from `campbell`: frequencies of waves on bladed disk and casing over
-    the speed. Only the `drawn_part` of the data is drawn.
+    """Draw a Campbell diagram from `campbell`: frequencies of waves on bladed disk and casing
+    against the speed. Only the `drawn_part` of the data is drawn.
 
     In the rotating frame the frequencies of the bladed disk are horizontal lines. A wave that
     travels forward on the casing has the frequency k Omega - omega in this frame, a rising line. In

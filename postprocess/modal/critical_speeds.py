@@ -1,4 +1,4 @@
-"""Map of critical speeds over the stiffness of the shaft."""
+"""Map of critical speeds against the stiffness of the shaft."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ WIDTHS = {"forward": 1.6, "backward": 0.7}
 
 @styled
 def plot_critical_speeds(data: xr.Dataset) -> Figure:
-    """Draw the critical speeds from `bladewhirl.critical_speeds` over the stiffness of the shaft.
+    """Draw the critical speeds from `bladewhirl.critical_speeds` against the shaft stiffness.
 
     Colours show the share of the shaft springs in the strain energy. If this share is large, the
     disk moves on its springs, and the critical speed increases with the root of the stiffness; if
@@ -52,6 +52,6 @@ def plot_critical_speeds(data: xr.Dataset) -> Figure:
     figure.colorbar(
         lines, ax=axes, label="share of energy in the shaft springs [–]", location="top", aspect=30
     )
-    set_title(figure, data.attrs["case"], "Critical speeds over shaft stiffness")
+    set_title(figure, data.attrs["case"], "Critical speeds against shaft stiffness")
     legends_below(figure, Group(entries_of(axes)))
     return figure

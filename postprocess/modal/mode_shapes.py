@@ -39,17 +39,17 @@ COLUMNS = 6  #: largest number of panels side by side
 #: number of pictures of a travelling wave over a quarter of its period, including both ends
 INSTANTS = 4
 PURE = 0.9995
-"""Purity above which only the nodal diameter of a mode is printed, without the purity. Purity is
-the share of the kinetic energy of the mode in its nodal diameter."""
+"""If the purity of a mode exceeds this value, only its nodal diameter is printed. The purity is the
+share of the kinetic energy of the mode in its nodal diameter."""
 
 TURNS = "rotation is counter-clockwise"  #: note in pictures of modes and waves
-MIXED = 0.5  #: purity below which the name of a mode contains "mixed k" instead of a nodal diameter
+MIXED = 0.5  #: a mode with a lower purity is named "mixed k" instead of by its nodal diameter
 OUTSIDE = 1.1  #: radius at which crests are marked, relative to the largest drawn radius
-#: half the width of a picture over the largest distance of a drawn point from its middle
+#: half the width of a picture divided by the largest distance of a drawn point from its middle
 MARGIN = 1.02
 CENTRE_RESTS = 1e-6
-"""Displacement of the centre below which it is regarded as at rest, as a share of the largest
-displacement of the mode."""
+"""A centre that moves by less than this fraction of the largest displacement of the mode is
+regarded as at rest."""
 
 
 class Outline:
@@ -189,9 +189,7 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
     )
     names = {"bladed-disk": "the bladed disk, rotating frame", "casing": "the casing"}
     set_title(figure, data.attrs["case"], f"Modes of {names[body]}; {TURNS}")
-    note = (
-        "Exaggerated. Percentages: share of the largest displacement, of the kinetic energy in k."
-    )
+    note = "Exaggerated. Centre: % of the largest displacement. k: % of the kinetic energy."
     legends_below(figure, Group(entries_of(panels[0]), note))
     return figure
 

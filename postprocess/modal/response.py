@@ -1,4 +1,4 @@
-"""Response to engine-order forces: amplitudes by blade and by nodal diameter over the speed."""
+"""Response to engine-order forces: amplitudes by blade and nodal diameter against speed."""
 
 from typing import Any
 
@@ -11,13 +11,13 @@ from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figur
 from bladewhirl.postprocess.plotting.titles import set_title
 
 SHOWN = 4
-"""Largest number of nodal diameters with a colour of their own: those with the largest peaks."""
+"""Largest number of nodal diameters drawn in colour: those with the largest peaks."""
 
 OTHER_COLOURS = [COLOURS[name] for name in ("suspension", "contact", "casing", "rest")]
 """Colours of nodal diameters above 1."""
 
 LOWEST = 1e-4
-"""Smallest amplitude that is drawn, as a share of the largest one."""
+"""Smallest amplitude that is drawn, divided by the largest amplitude."""
 
 
 def amplitude(data: xr.Dataset) -> xr.DataArray:
@@ -59,7 +59,7 @@ def drawn_amplitudes(data: xr.Dataset) -> xr.Dataset:
 
 @styled
 def plot_response(data: xr.Dataset) -> Figure:
-    """Draw the amplitudes of the tips from `bladewhirl.response` over the speed.
+    """Draw the amplitudes of the tips from `bladewhirl.response` against the speed.
 
     Each engine order has a row. The left panel shows all blades, with the blade of the largest
     amplitude in colour; the right panel shows the nodal diameters with the largest amplitudes.

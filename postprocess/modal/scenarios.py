@@ -56,7 +56,7 @@ def plot_scenario(data: xr.Dataset) -> Figure:
     driven = "backward" if kind == "standard" else "forward"
     ratio, rpm = data.attrs["speed"] / reference, 30.0 * data.attrs["speed"] / np.pi
     title = f"{kind.capitalize()} contact scenario of {data.attrs['mode']}, k = 1"
-    opposed = "" if kind == "standard" else ", against the mode's own backward wave"
+    opposed = "" if kind == "standard" else ", although the wave of the mode travels backward"
     words = f"friction on the blades drives {driven} whirl{opposed}"
     words += f"; where the waves coincide, Ω/ω₁ = {ratio:.4g} ({rpm:.0f} rpm)"
     set_title(figure, data.attrs["case"], f"{title}: {words}")

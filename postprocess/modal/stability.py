@@ -38,7 +38,7 @@ MARK: Mapping[str, Any] = {
 """Marks of coincidence speeds on the axis of speeds."""
 
 MANY = 24
-"""Number of branches of a spectrum above which lines are thin, and only growing branches are
+"""In a spectrum with more branches than this, lines are thin and only growing branches are
 named."""
 
 NAMED = 0.3
@@ -46,8 +46,8 @@ NAMED = 0.3
 width of the spectrum."""
 
 FEW = 4
-"""Largest number of unstable zones that are named by both waves, casing and rotor; more zones are
-named by the wave on the rotor."""
+"""Up to this number, unstable zones are named by both waves, on casing and rotor; if there are
+more, only by the wave on the rotor."""
 
 TYPES = {"oscillatory": COLOURS["total"], "divergent": COLOURS["k = 1"], "damped": COLOURS["k = 0"]}
 """Colours of the three types of modes."""
@@ -83,8 +83,8 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
 
 @styled
 def plot_spectrum(data: xr.Dataset) -> Figure:
-    """Draw real and imaginary parts of the eigenvalues over the speed at a constant coupling
-    stiffness (the paper's Fig. 12).
+    """Draw real and imaginary parts of the eigenvalues against the speed at a constant
+    coupling stiffness (the paper's Fig. 12).
 
     Divergent (growing), damped and oscillatory modes have different colours; with damping every
     mode that does not grow is damped. A branch is named by the wave from which it begins, a growing

@@ -1,4 +1,4 @@
-"""Frequencies over the nodal diameter (the paper's Fig. 7) and over the stiffness of the shaft."""
+"""Frequencies against nodal diameter (the paper's Fig. 7) and against shaft stiffness."""
 
 from typing import Any
 
@@ -37,7 +37,8 @@ LOWEST = 0.05
 """Lowest normalised frequency drawn; at a critical speed a frequency is zero, which a logarithmic
 axis cannot show."""
 
-ALIKE = 1.05  #: largest ratio of the frequencies of branches of one family that share one label
+#: neighbouring branches of one family share a label up to this ratio of their frequencies
+ALIKE = 1.05
 FREE, CLAMPED = (
     {way: large if way == "both" else small for way in ("both", "standing", "backward", "forward")}
     for large, small in ((3.0, 2.2), (5.5, 2.8))
@@ -55,7 +56,7 @@ WAYS = {"both": "o", "standing": "o", "backward": "<", "forward": ">"}
 
 @styled
 def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
-    """Draw frequencies from `veering` over the nodal diameter, for a free and for a clamped centre
+    """Draw frequencies from `veering` against nodal diameter, for a free and for a clamped centre
     (the paper's Fig. 7).
 
     Up to `FEW` families are drawn on an axis that is broken between the families, more families on
@@ -102,7 +103,7 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
 
 @styled
 def plot_shaft_veering(data: xr.Dataset) -> Figure:
-    """Draw the modes with one nodal diameter from `veering` over the stiffness of the shaft.
+    """Draw the modes with one nodal diameter from `veering` against the stiffness of the shaft.
 
     The colour is the share of the shaft springs in the strain energy of a mode. Where two branches
     veer, the suspension mode passes from one branch to the other. A branch has the name of its
@@ -175,7 +176,7 @@ def _is(data: xr.Dataset, family: str) -> BoolArray:
 
 
 def _draw_family(axes: Axes, data: xr.Dataset, family: str) -> None:
-    """Draw frequencies of a family over nodal diameter, with a free and a clamped centre."""
+    """Draw frequencies of a family against nodal diameter, with a free and a clamped centre."""
     suspension = family == "suspension"
     for way in _ways(data):
         of_way, thin = ("", 1.0) if way == "both" else (f", {way}", 0.6)

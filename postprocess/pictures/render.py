@@ -27,7 +27,7 @@ CELL = 480  #: width and height of a picture of a sheet [pixels]
 PANEL_HEIGHT = 960  #: smallest height of a sheet, for a legible panel [pixels]
 FRAMES = 120  #: number of pictures of an animation by default
 MOST_FRAMES = 600  #: largest number of pictures chosen for a given time window
-FRAMES_PER_BLADE = 3  #: fewest pictures per blade passage; else the wheel seems to turn backward
+FRAMES_PER_BLADE = 3  #: with fewer pictures per blade passage, the rotor seems to turn backward
 
 
 def animation_records(
@@ -41,8 +41,8 @@ def animation_records(
 
     Pictures are a whole number of records apart, with at least 24 pictures in a revolution and
     three in a blade passage. Without a time window the animation has `frames` pictures (120 by
-    default) about the strongest contact, or at the end of a run without contact. If only `start` or
-    only `end` is given, the pictures start or end at this time. If both are given, the pictures
+    default) around the strongest contact, or at the end of a run without contact. If only `start`
+    or only `end` is given, the pictures start or end at this time. If both are given, the pictures
     cover the window: at most 600 pictures, or `frames` pictures, which can be too few for a smooth
     rotation (see `sampling_hint`).
 

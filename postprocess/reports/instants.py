@@ -18,7 +18,7 @@ from bladewhirl.postprocess.run.blade_contact import force_limit
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.transforms import Frame
 
-MOST_INSTANTS = 60  #: largest number of instants at which the machine is drawn
+MOST_INSTANTS = 60  #: largest number of instants at which the stage is drawn
 #: largest number of coordinates over all instants; it limits the instants of a large stage
 MOST_PLACES = 1_000_000
 FEWEST_INSTANTS = 10
@@ -29,7 +29,7 @@ ORBIT_POINTS = 5000  #: largest number of points of an orbit; more points make a
 ENERGY_POINTS = 1000
 FULL = 32767  #: largest signed number of 16 bits
 
-#: frames of the orbit; the machine is drawn in the first frame
+#: frames of the orbit; the stage is drawn in the first frame
 FRAMES: tuple[Frame, Frame] = ("static", "rotating")
 POINTED = (
     "blade %{y}, %{x:.6g} s<br>mean normal force %{customdata[0]:.4g} N<br>"
@@ -40,12 +40,13 @@ BOTH_SIGNS = [[0.0, COLOURS["k = 0"]], [0.5, "#ffffff"], [1.0, COLOURS["k = 1"]]
 
 CAPTION = (
     "Move the cursor, or point at a time in the map below: all plots show that instant, at first "
-    "the {where}. The machine is drawn in the static frame, {size}; small discs mark the shaft and "
-    "blade 0, arrows are contact forces. The orbit is coloured by time, the dashed circle is the "
-    "clearance. The map of blades over time shows the mean normal force [N] on each blade in equal "
-    "time intervals; buttons switch to the smallest gap [mm] or to friction [N]; white is no "
-    "contact. The curves below are strain energies [J]. Drag to zoom in, double-click to reset. "
-    "Look for lasting contact, contact that moves from blade to blade, and energy that grows."
+    "that of the {where}. The stage is drawn in the static frame, {size}; small discs mark the "
+    "shaft and blade 0, arrows are contact forces. The orbit is coloured by time, the dashed "
+    "circle is the clearance. The map of blades over time shows the mean normal force [N] on each "
+    "blade in equal time intervals; buttons switch to the smallest gap [mm] or to friction [N]; "
+    "white is no contact. The curves below are strain energies [J]. Drag to zoom in, double-click "
+    "to reset. Look for lasting contact, contact that moves from blade to blade, and energy that "
+    "grows."
 )
 
 
@@ -93,7 +94,7 @@ def _marked(dataset: xr.Dataset, orbit: xr.Dataset) -> tuple[int, str]:
 
 
 def _machine(drawing: Drawing, pictures: list[Picture]) -> list[dict[str, Any]]:
-    """Return the layers of the drawn machine, the lowest layer first: colour and filled outlines
+    """Return the layers of the drawn stage, the lowest layer first: colour and filled outlines
     (instant, outline, point, 2). Coordinates are integers; `FULL` is half the width of the picture.
     """
     reach = look.MARGIN * max(float(np.abs(picture.casing.sides).max()) for picture in pictures)
@@ -127,7 +128,7 @@ def _outlines(sides: Array) -> Array:
 
 
 def _histories(maps: xr.Dataset, energy: xr.Dataset) -> go.Figure:
-    """Plot a map of contact over blade and time, energies below it, and the line of the cursor."""
+    """Plot a map of the contact of all blades over time, energies below it, and the cursor."""
     force, friction = maps["force"].values.T, maps["friction"].values.T
     gap, touched = MILLI * np.maximum(maps["gap"].values.T, 0.0), maps["share"].values.T > 0
     drag = float(np.abs(friction).max()) or 1.0

@@ -80,7 +80,7 @@ class Explorer(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Instants(Explorer):
-    """Plots of machine, orbit and histories at the instant of a time cursor."""
+    """Plots of stage, orbit and histories at the instant of a time cursor."""
 
     kind = "instants"
 

@@ -1,4 +1,4 @@
-"""Provenance in a report: resolved case, program, machine and libraries."""
+"""Provenance in a report: resolved case, program, computer and libraries."""
 
 from collections.abc import Iterator, Mapping
 
@@ -29,7 +29,7 @@ def case_section(dataset: xr.Dataset, provenance: Provenance, caption: str) -> S
 
 
 def _tables(dataset: xr.Dataset, provenance: Provenance) -> Iterator[Table]:
-    """Yield a table of program and machine, and a table of the versions of the libraries."""
+    """Yield a table of program and computer, and a table of the versions of the libraries."""
     facts = {name: value for name, value in provenance.items() if isinstance(value, str)}
     facts.setdefault("bladewhirl", str(dataset.attrs.get("version", "")))
     if dataset.attrs.get("symmetry"):

@@ -103,7 +103,7 @@ def sweep_report(
 
 
 def _keys(dataset: xr.Dataset) -> list[str]:
-    """Return the names of the swept keys, and of the draws if there are draws."""
+    """Return the dimensions of the sweep: the swept keys and, if any, the random draws."""
     return swept_keys(dataset) + [DRAW] * (DRAW in dataset.dims)
 
 
@@ -139,7 +139,7 @@ def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> 
 
 
 def _certainty(dataset: xr.Dataset) -> str:
-    """Return a sentence on the points of a sweep with draws whose outcome is uncertain."""
+    """Return a sentence on the points with an uncertain outcome, for a sweep with random draws."""
     shares = in_handy_units(probability(dataset))
     interval = "the 95 % interval of the share of"
     if not shares["uncertain"].any():
@@ -161,8 +161,9 @@ def _screening(dataset: xr.Dataset) -> str:
     screened = ((dataset[SCREENED] == "yes") & done).any(DRAW)
     return (
         f"{int(screened.sum())} of {int(done.any(DRAW).sum())} points were screened with scaled"
-        " masses of the casing, and are marked in the table of points; where the draws differed,"
-        " they were repeated with the time step of the case until the outcome was known."
+        " masses of the casing, and are marked in the table of points; where the regimes of"
+        " the random draws differed, draws were repeated with the time step of the case until the"
+        " outcome was known."
     )
 
 
@@ -188,7 +189,7 @@ def _glance(
 ) -> list[tuple[str, str, str]]:
     """Return the key figures: name, value, remark."""
     left = int((dataset["state"].values == "not-needed").sum())
-    remark = f"{left} draws not needed" if left else ""
+    remark = f"{left} random draws skipped" if left else ""
     rows = [("points done", f"{done} of {dataset['state'].size}", remark)]
     attributes = {} if points is None else points.attrs
     keys = in_handy_units(dataset[_keys(dataset)].assign_attrs(attributes))
@@ -206,8 +207,8 @@ def _glance(
 
 
 def _drawn(dataset: xr.Dataset, section: str) -> list[page.ReportFigure]:
-    """Return the figures of a section, without maps of a single key, probability without
-    draws and wear without a coating."""
+    """Return the figures of a section that this sweep has: maps only with two or more swept keys,
+    probabilities only with random draws, and wear only with a coating."""
     figures = SweepFigures(dataset)
     worn = "wear_volume" in dataset and bool(np.isfinite(dataset["wear_volume"]).any())
     without = {

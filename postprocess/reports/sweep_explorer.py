@@ -1,4 +1,4 @@
-"""Interactive plots of a sweep: spectra over a swept key, and all points with their details."""
+"""Interactive plots of a sweep: spectra against a swept key, and all points with their details."""
 
 from typing import Any
 
@@ -26,24 +26,24 @@ SYMBOLS = ("circle-open", "triangle-down", "circle", "triangle-up")
 DASHES = ("longdash", "dash", "dashdot")
 
 MAP_CAPTION = (
-    "Amplitude of the shaft [mm], as colour on a logarithmic scale, over the swept key and the "
-    "frequency in the rotating frame, forward positive. Dotted lines are engine orders, dashed "
+    "Amplitude of the shaft [mm], as colour on a logarithmic scale, against the swept key and "
+    "the frequency in the rotating frame, forward positive. Dotted lines are engine orders, dashed "
     "lines are modes with one nodal diameter. Point at the map for numbers, drag to zoom in, "
     "double-click to reset, click names to hide lines. Look for a band of large amplitudes that "
     "leaves an engine order and follows a mode."
 )
 
 POINTS_CAPTION = (
-    "Largest displacement of the shaft [mm] at every point of the sweep over the swept key; the "
-    "colour and the shape of a mark show the regime. Point at a mark for its numbers; growth rates "
-    f"are ± {CERTAINTY:g} standard errors. Click the name of a regime to hide its points. "
+    "Largest displacement of the shaft [mm] at every point of the sweep, against the swept key; "
+    "the colour and the shape of a mark show the regime. Point at a mark for its numbers; growth "
+    f"rates are ± {CERTAINTY:g} standard errors. Click the name of a regime to hide its points. "
     "Divergent marches end at the displacement limit, so their displacements are not maxima."
 )
 
 
 def frequency_explorer(maps: xr.Dataset) -> Explorer:
-    """Return a plot of the spectra from `frequency_map` over a swept key. With further swept keys,
-    buttons select the combination of their values."""
+    """Return a plot of the spectra from `frequency_map` against a swept key. With further swept
+    keys, buttons select the combination of their values."""
     maps = in_handy_units(maps)
     unit = "/ ω₁" if maps["frequency"].attrs["units"] == "1" else "[Hz]"
     title = f"frequency {unit}, forward positive"
@@ -65,7 +65,7 @@ def frequency_explorer(maps: xr.Dataset) -> Explorer:
 
 def points_explorer(points: xr.Dataset) -> Explorer:
     """Return a plot of the largest displacement, of the shaft or of a contact node, at every point
-    over a swept key.
+    against a swept key.
 
     Args:
         points: quantities over (line, key), see `sweep.quantities`: `regime`,

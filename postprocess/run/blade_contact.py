@@ -1,4 +1,4 @@
-"""Gaps and contact forces over blade and time (Fig. 21 of the paper), and contact classes."""
+"""Gaps and contact forces of all blades over time (Fig. 21 of the paper), and contact classes."""
 
 from collections.abc import Mapping
 
@@ -22,8 +22,8 @@ from bladewhirl.postprocess.plotting.titles import head
 PERMANENT = 0.99  #: least share of the time in contact for the class "permanent"
 COLUMNS = 600  #: largest number of time spans of a map; more spans could not be seen
 BRIGHTEST = 99.0
-"""Percentile of the positive forces that has the brightest colour if a few peaks are much larger
-than this percentile, see `PEAK`."""
+"""If a few peaks are much larger than this percentile of the positive forces (see `PEAK`), the
+percentile has the brightest colour."""
 
 FORCE_DECADES = 3.0  #: number of decades below the largest force that colours distinguish
 SHARE_COLOURS = ["#FBEAF4", COLOURS["contact"], "#4A1238"]
@@ -34,15 +34,15 @@ CONTACT = LinearSegmentedColormap.from_list("contact", SHARE_COLOURS)
 GAP_COLOURS = ["#9AA5B8", "#FFFFFF"]
 """Colours of gaps, from zero to the largest gap; they are paler than the colours of contact."""
 
-#: ratio of the largest force to the percentile `BRIGHTEST` above which colours are clipped
+#: colours are clipped if the largest force exceeds the percentile `BRIGHTEST` by this factor
 PEAK = 1.5
 FEW_PERCENT = 40.0
-"""Largest share of the time in contact [%] below which its axis, or its scale of colours, is
+"""If no share of the time in contact exceeds this [%], its axis, or its scale of colours, is
 shortened."""
 
-BRIEF, BRIEF_MARGIN = 0.5, 0.1
-"""Largest share of the time for which contact is called brief: time axes then only show the time of
-contact. The second number is their margin at both ends, as a share of the time of contact."""
+#: if contact takes up at most this fraction of the time, time axes only show the time of contact
+BRIEF = 0.5
+BRIEF_MARGIN = 0.1  #: margin of these axes at both ends, as a fraction of the time of contact
 
 CLASS_COLOURS: Mapping[str, str] = {
     "permanent": COLOURS["contact"],

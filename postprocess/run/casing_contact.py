@@ -1,4 +1,4 @@
-"""Contact over the angle of the casing and the revolutions of the rotor."""
+"""Contact by angle of the casing and revolution of the rotor."""
 
 import numpy as np
 import xarray as xr
@@ -21,8 +21,8 @@ from bladewhirl.postprocess.run.blade_contact import (
 
 SECTORS = 4  #: largest number of sectors of the casing per blade pitch
 LAST_TURNS = 8.0
-"""Number of revolutions at the end of a run that are drawn in a second panel, because contact that
-travels around the casing cannot be recognised in a drawing of many revolutions."""
+"""A second panel shows this number of revolutions at the end of a run: contact that travels around
+the casing cannot be recognised in a drawing of many revolutions."""
 
 
 def casing_contact(
@@ -73,7 +73,7 @@ def casing_contact(
     share = np.divide(touching, passed, out=np.full_like(passed, np.nan), where=passed > 0)
     return labelled(
         dataset,
-        "contact over the angle of the casing",
+        "contact by angle of the casing",
         {"share": (("time", "sector"), np.minimum(share, 1.0), "1")},
         {
             "time": edges[1:],
@@ -99,7 +99,7 @@ def with_last_turns(contact: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
 
 @styled
 def plot_casing_contact(contact: xr.Dataset) -> Figure:
-    """Draw the share of the time in contact over casing angle and revolutions, from
+    """Draw the share of the time in contact by casing angle and revolution, from
     `with_last_turns`.
 
     The figure of a long run has a second panel with the last revolutions. If contact is brief, the

@@ -20,11 +20,11 @@ from bladewhirl.solvers.stability.scenario import (
 )
 
 ALIKE = 1e-6
-"""Least spread of the gaps of all blades at a record (largest minus smallest gap), as a share of
-the largest spread at any record. If the spread is smaller, the gaps are regarded as equal."""
+"""The gaps of all blades at a record are regarded as equal if their spread (largest minus smallest
+gap) is below this fraction of the largest spread at any record."""
 
 POINTS = 1200  #: largest number of drawn points of each phase
-MOST_TURNS = 12.0  #: largest number of turns of the shaft that are drawn; the last turns are drawn
+MOST_TURNS = 12.0  #: of a longer motion only this number of turns, the last ones, is drawn
 
 
 def contact_phase(

@@ -32,8 +32,8 @@ FORCE_COLUMNS = 200  #: number of time intervals of the force map; an interval i
 class RunFigures:
     """Figures of a run, or of a time window of a run, and their datasets.
 
-    Spectrum, contact classes and contact scenario describe the motion after its onset. They are
-    computed for the time window or, without a window, for the last third of the run.
+    Spectrum, contact classes and contact scenario are computed for the time window or, without a
+    window, for the last third of the run.
 
     Args:
         dataset: a result.
@@ -84,12 +84,12 @@ class RunFigures:
         return whirls
 
     def spectrum(self, frame: Frame) -> xr.Dataset:
-        """Spectrum after the onset, with lines of modes."""
-        spectrum = spectra.shaft_spectrum(self._after_onset(self.orbit), frame)
+        """Spectrum of the shaft in the last third or the time window, with frequencies of modes."""
+        spectrum = spectra.shaft_spectrum(self._late(self.orbit), frame)
         return spectra.with_lines(spectrum, spectra.modal_lines(self.result, frame))
 
     def spectrogram(self, frame: Frame) -> xr.Dataset:
-        """Spectrogram with lines of modes."""
+        """Spectrogram of the shaft, with frequencies of modes."""
         return spectra.with_lines(
             spectra.shaft_spectrogram(self.orbit, frame), spectra.modal_lines(self.result, frame)
         )
@@ -126,17 +126,17 @@ class RunFigures:
 
     @cached_property
     def contact(self) -> xr.Dataset:
-        """Gaps and contact forces over blade and time."""
+        """Gaps and contact forces of all blades over time."""
         return contact_maps(self.result)
 
     @property
     def forces(self) -> xr.Dataset:
-        """Contact forces over blade and time, in longer time intervals."""
+        """Contact forces of all blades over time, in longer time intervals."""
         return contact_maps(self._with_contact, FORCE_COLUMNS)
 
     @property
     def casing_contact(self) -> xr.Dataset:
-        """Contact over the angle of the casing, for all and for the last revolutions."""
+        """Contact by angle of the casing, for all and for the last revolutions."""
         return with_last_turns(casing_contact(self._with_contact), self.result)
 
     @cached_property
@@ -146,13 +146,13 @@ class RunFigures:
 
     @property
     def classes(self) -> xr.Dataset:
-        """Contact classes of the blades after the onset."""
-        return contact_classes(self._after_onset(self._with_contact))
+        """Contact classes of the blades in the last third or the time window."""
+        return contact_classes(self._late(self._with_contact))
 
     @property
     def phases(self) -> xr.Dataset:
-        """Directions of shaft and contact, and the contact scenario after the onset."""
-        since = float(self._after_onset(self.result)["time"][0])
+        """Directions of shaft and contact, and the scenario in the last third or time window."""
+        since = float(self._late(self.result)["time"][0])
         return contact_phase(self._with_contact, self.orbit, since=since)
 
     @cached_property
@@ -162,25 +162,26 @@ class RunFigures:
 
     @property
     def sensor_spectra(self) -> xr.Dataset:
-        """Amplitudes of the signals over frequency after the onset."""
-        late = self._after_onset(self.result)
+        """Amplitudes of the signals against frequency in the last third or the time window."""
+        late = self._late(self.result)
         return sensor_spectra(signals(late, sensors_of(late)), self.result)
 
     @property
     def sensor_orders(self) -> xr.Dataset:
-        """Amplitudes of the signals over engine order and time."""
+        """Amplitudes of the signals against engine order and time."""
         return sensor_orders(self.sensors, self.result)
 
     @property
     def all_blades(self) -> xr.Dataset:
-        """Vibration of all blades over revolutions."""
+        """Vibration of all blades in each revolution."""
         return all_blades(self.sensors)
 
-    def _after_onset(self, dataset: xr.Dataset) -> xr.Dataset:
+    def _late(self, dataset: xr.Dataset) -> xr.Dataset:
         return late_part(dataset) if self._is_run else dataset
 
     @property
     def _with_contact(self) -> xr.Dataset:
         if not self.result["contact_steps"].isel(time=slice(1, None)).any():
-            raise ViewError(f"no tip touches from {window_label(self.result)}")
+            window = window_label(self.result)
+            raise ViewError(f"no blade tip touches the casing in the time window from {window}")
         return self.result

@@ -1,5 +1,4 @@
-"""Figures of the signals of sensors: over time, over frequency, over engine order, and of all
-blades."""
+"""Figures of the signals of sensors, against time, frequency or engine order, and by blade."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -40,16 +39,17 @@ FAMILIES, DIAMETERS = 3, 7
 """Largest numbers of blade families and of nodal diameters whose frequencies are drawn."""
 
 ORDERS = 10.0  #: engine order up to which a spectrum is drawn at least
-WHOLE = 0.9  #: share of the samples of a revolution with which the revolution is drawn
+#: a revolution is drawn if it has more than this fraction of the largest number of samples
+WHOLE = 0.9
 PALE = "#B0B0B0"
 LABEL = "#1F6E9C"  #: colour of the names of modes, a darker tone of their lines
 WORDS = {"m/m": "strain", "m": "displacement", "m/s": "velocity", "m/s2": "acceleration"}
 
 
 def sensor_spectra(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
-    """Compute the amplitude of each signal over frequency, with the frequencies of modes.
+    """Compute the amplitude of each signal against frequency, with the frequencies of modes.
 
-    Of a strain of all blades, the blade with the largest mean square is taken. Tip timing has no
+    If a strain is recorded on all blades, the blade that vibrates most is taken. Tip timing has no
     spectrum, because it has few samples in a revolution.
 
     Args:
@@ -85,7 +85,7 @@ def sensor_spectra(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
 
 
 def sensor_orders(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
-    """Compute the amplitude of each signal over engine order and time, in overlapping slices.
+    """Compute the amplitude of each signal against engine order and time, in overlapping slices.
 
     Args:
         signals: signals from `sensors`; strains of all blades and tip timing as in
@@ -94,7 +94,8 @@ def sensor_orders(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
 
     Returns:
         For each sensor NAME the amplitude NAME (NAME_order, NAME_time), in the unit of the signal;
-        the order is the frequency over that of the rotation, the time the middle of a slice [s].
+        the order is the frequency divided by that of the rotation, the time the middle of a slice
+        [s].
 
     Raises:
         ViewError: the rotor does not turn, there is no signal over time, or a signal is too short.
@@ -132,8 +133,10 @@ def all_blades(signals: xr.Dataset) -> xr.Dataset:
     turns = abs(float(signals.attrs["speed"])) / (2.0 * np.pi)
     chosen = [name for name, signal in signals.items() if "type" in signal.attrs]
     chosen = [name for name in chosen if "blade" in signals[name].dims][:MOST_PANELS]
-    if not chosen or turns == 0.0:
-        raise ViewError("all blades: expected a turning rotor, and a gauge with blade = all")
+    if turns == 0.0:
+        raise ViewError("all blades: expected a rotor that turns")
+    if not chosen:
+        raise ViewError('all blades: expected a gauge with blade = "all", or tip timing')
     blades = xr.Dataset(attrs={name: signals.attrs[name] for name in (*ABOUT, "case_title")})
     for name in chosen:
         signal = signals[name]
@@ -156,7 +159,7 @@ def all_blades(signals: xr.Dataset) -> xr.Dataset:
 
 def _over_time(signals: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, float]]:
     """Yield name, signal over the coordinate `time`, and time between samples [s] of the sensors
-    that sample in time; of all blades the one that vibrates most.
+    that sample in time; if all blades are recorded, of the one that vibrates most.
 
     Raises:
         ViewError: there is no such sensor, or a signal is too short.
@@ -167,7 +170,7 @@ def _over_time(signals: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, float]]
         if signal.attrs.get("type", "tip-timing") != "tip-timing"
     ]
     if not names:
-        raise ViewError("expected a sensor that samples in time, not only tip timing")
+        raise ViewError("expected a sensor with a signal over time; tip timing has none")
     for name in names[:MOST_PANELS]:
         signal = _worst_blade(signals[name])
         over = signal.dims[0]
@@ -210,8 +213,8 @@ def _modes(result: xr.Dataset, kind: str) -> list[tuple[str, float, float]]:
 
 @styled
 def plot_sensors(signals: xr.Dataset) -> Figure:
-    """Draw the signals of sensors from `sensors` over time: black the blade that vibrates most,
-    grey all blades."""
+    """Draw the signals of sensors from `sensors` over time; if all blades are recorded, the blade
+    that vibrates most is black and all blades are grey."""
     names = [str(name) for name, signal in signals.items() if "type" in signal.attrs]
     figure, panels = _panels(names, 0.03)
     for axes, name in zip(panels, names, strict=False):
@@ -241,8 +244,8 @@ def plot_sensors(signals: xr.Dataset) -> Figure:
 
 @styled
 def plot_sensor_spectra(spectra: xr.Dataset) -> Figure:
-    """Draw amplitudes over frequency from `sensor_spectra`, with the frequencies of modes, and with
-    dotted lines at engine orders."""
+    """Draw amplitudes against frequency from `sensor_spectra`, with the frequencies of modes, and
+    with dotted lines at engine orders."""
     names = [str(name) for name, amplitude in spectra.items() if "type" in amplitude.attrs]
     turns = abs(float(spectra.attrs["speed"])) / (2.0 * np.pi)
     edge = max(float(spectra[f"{name}_frequency"][-1]) for name in names)
@@ -290,7 +293,7 @@ def plot_sensor_spectra(spectra: xr.Dataset) -> Figure:
 
 @styled
 def plot_sensor_orders(orders: xr.Dataset) -> Figure:
-    """Draw amplitudes over engine order and time from `sensor_orders`, with logarithmic colours."""
+    """Draw amplitudes against engine order and time from `sensor_orders`, with log colours."""
     names = [str(name) for name, amplitude in orders.items() if "type" in amplitude.attrs]
     figure, panels = _panels(names, 0.045)
     for axes, name in zip(panels, names, strict=True):
@@ -310,8 +313,8 @@ def plot_sensor_orders(orders: xr.Dataset) -> Figure:
 
 @styled
 def plot_all_blades(blades: xr.Dataset) -> Figure:
-    """Draw the vibration of all blades over revolutions from `all_blades`, and the extremes of each
-    blade."""
+    """Draw the vibration of all blades in each revolution from `all_blades`, and the extremes of
+    each blade."""
     names = [str(name) for name, moved in blades.items() if f"{name}_low" in blades]
     figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(names))
     rows = figure.subplots(len(names), 2, squeeze=False, width_ratios=[3, 1])

@@ -38,7 +38,7 @@ from bladewhirl.postprocess.run.tip_timing import tip_timing, too_slow
 WEIGHTS = (cubic_weights, slope_weights, curvature_weights)
 """Functions of a cubic for its value, its first and its second derivative."""
 
-ON_SAMPLE = 1e-6  #: share of a sample by which a sample may be outside the records
+ON_SAMPLE = 1e-6  #: a sample outside the records by at most this fraction of its step is included
 
 SHOWN: dict[str, tuple[str, float]] = {
     "m/m": ("µm/m", 1e6),
@@ -65,10 +65,11 @@ def sensors(
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        Dataset with a variable for each sensor, named after it. A signal is over `time` [s], or,
-        with a sampling rate, over a time of its own such as `time_20000_Hz`; a strain [m/m] of all
-        blades also over `blade`. Tip timing has the deflection [m] and, in `NAME_arrival`, the
-        arrival times [s] over (NAME_probe [rad], blade, NAME_revolution), nan after the end.
+        Dataset with a variable for each sensor, named after it. A signal has the
+        dimension `time` [s] or, with a sampling rate, one such as `time_20000_Hz` [s]; a strain
+        [m/m] of all blades also has the dimension `blade`. Tip timing has the deflection [m] and,
+        in `NAME_arrival`, the arrival times [s] over (NAME_probe [rad], blade, NAME_revolution),
+        nan after the end.
         Attributes of each signal: units, and type, position, noise and seed of the sensor.
 
     Warns:
@@ -261,7 +262,7 @@ def _samples(result: xr.Dataset, rate: float | None) -> tuple[IntArray, Array]:
     first, last = np.ceil(time[0] * rate - ON_SAMPLE), np.floor(time[-1] * rate + ON_SAMPLE)
     numbers = np.arange(int(first), int(last) + 1)
     if not len(numbers):
-        raise ViewError(f"sensors: expected a sample of {rate:g} Hz between the records")
+        raise ViewError(f"sensors: the time window has no sample at the sampling rate {rate:g} Hz")
     return numbers, numbers / rate
 
 

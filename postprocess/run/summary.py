@@ -51,7 +51,7 @@ MARCH_REPORT: Mapping[str, type[float]] = {
 
 
 ROUNDING = 1e-9
-"""Displacement of the shaft, as a share of that of the tips, below which it is only rounding."""
+"""Displacements of the shaft below this fraction of those of the tips are rounding errors."""
 
 
 @dataclass(frozen=True, kw_only=True)

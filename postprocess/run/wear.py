@@ -19,7 +19,8 @@ from bladewhirl.postprocess.plotting.titles import head
 MOST_LOBES = 60  #: largest number of lobes in the spectrum of a profile
 
 METAL_SHARE = 1e-9
-"""Share of the largest normal impulse above which the metal, and not rounding, takes a part."""
+"""The metal is touched if its part of an impulse exceeds this fraction of the largest impulse;
+smaller parts are rounding errors."""
 
 
 def coating_of(dataset: xr.Dataset) -> Coating:
@@ -132,7 +133,7 @@ def write_columns(path: Path, columns: Mapping[str, Array]) -> None:
 
 @styled
 def plot_wear_map(data: xr.Dataset) -> Figure:
-    """Draw the removed depth over casing angle and revolutions, from `wear`."""
+    """Draw the removed depth by casing angle and revolution, from `wear`."""
     figure = new_figure(height=0.06)
     axes = figure.subplots()
     turns = abs(float(data.attrs["speed"])) / (2 * np.pi)
@@ -156,7 +157,7 @@ def plot_wear_map(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_wear_profile(data: xr.Dataset) -> Figure:
-    """Draw the last profile of the coating, polar and over the casing angle, from `wear`."""
+    """Draw the last profile of the coating, polar and against the casing angle, from `wear`."""
     figure = new_figure(height=0.11)
     around = figure.add_subplot(2, 1, 1, projection="polar")
     unrolled = figure.add_subplot(2, 1, 2)

@@ -18,10 +18,9 @@ from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 LONG_LINE = 5000
-"""Number of points above which a line is drawn as a raster image in a PDF, to limit the size of
-the file."""
+"""A line of more points than this is a raster image in a PDF, to limit the size of the file."""
 
-#: ratio of the radius of an orbit to the clearance below which the clearance is not drawn
+#: the clearance is not drawn if the radius of the orbit is below this fraction of it
 TINY = 0.05
 DRAWN_TURNS = 2.0  #: number of turns of the shaft, at the end, that are drawn black
 PALE = "#B0B0B0"

@@ -97,7 +97,7 @@ def state_space(orbit: xr.Dataset) -> xr.Dataset:
 
 @styled
 def plot_state_space(states: xr.Dataset) -> Figure:
-    """Draw velocity over position from `state_space`, along x (upper row) and y (lower row): the
+    """Draw velocity against position from `state_space`, along x (upper row) and y (lower row): the
     motion in the left column, the Poincaré map in the right column.
 
     The last third of the time is black, the earlier motion is pale.

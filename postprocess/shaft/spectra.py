@@ -27,17 +27,17 @@ from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Complex, Frame, phasor, spectrum
 
 SHARE, PERIODS, MOST = 1.0 / 5.0, 5.0, 0.5
-"""Length of a slice of the spectrogram: the share `SHARE` of the time or, if longer, `PERIODS`
-periods of the reference frequency; but at most the share `MOST` of the time."""
+"""Length of a slice of the spectrogram: the longer of `SHARE` times the time window and `PERIODS`
+periods of the reference frequency, but at most `MOST` times the time window."""
 
 SLICES = 120  #: approximate number of slices of a spectrogram
 PADDING, SLICE_PADDING = 4, 2
 """Factors by which the complete motion, and a slice of the spectrogram, are lengthened with zeros
 before the transform, for smooth curves."""
 
-COARSEST = 0.45  #: coarsest frequency resolution of a figure, as a share of the reference frequency
+COARSEST = 0.45  #: coarsest frequency resolution of a figure, divided by the reference frequency
 DECADES = 4.0  #: decades below the largest amplitude that are drawn
-MARGIN = 1.12  #: highest frequency drawn, over the highest frequency of a line of a mode
+MARGIN = 1.12  #: highest frequency drawn, divided by the highest frequency of a line of a mode
 #: names of modes in the legend with their nodal diameter
 WITH_K = {"1F": "1F, k = 1", "casing": "casing, k = 1"}
 ORDER = "Ω"  #: label of the line of the speed
@@ -97,7 +97,7 @@ def shaft_spectrum(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """Compute the amplitude of the shaft over frequency, by a single transform of all records.
+    """Compute the amplitude of the shaft against frequency, by a single transform of all records.
 
     Args:
         result: result of a run, or its orbit from `orbits.shaft_orbit`.
@@ -137,7 +137,7 @@ def shaft_spectrogram(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """Compute the amplitude of the shaft over frequency and time (the paper's Fig. 17a).
+    """Compute the amplitude of the shaft against frequency and time (the paper's Fig. 17a).
 
     Args:
         result: result of a run, or its orbit from `orbits.shaft_orbit`.
@@ -213,7 +213,7 @@ def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
 
 @styled
 def plot_spectrum(spectrum: xr.Dataset) -> Figure:
-    """Draw the amplitude of the shaft over frequency from `shaft_spectrum`, with lines at the
+    """Draw the amplitude of the shaft against frequency from `shaft_spectrum`, with lines at the
     frequencies of modes from `with_lines`."""
     figure = new_figure(height=0.06)
     axes = figure.add_subplot()
@@ -241,8 +241,8 @@ def plot_spectrum(spectrum: xr.Dataset) -> Figure:
 
 @styled
 def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
-    """Draw the amplitude of the shaft over frequency and time from `shaft_spectrogram`, with lines
-    at the frequencies of modes from `with_lines`."""
+    """Draw the amplitude of the shaft against frequency and time from `shaft_spectrogram`, with
+    lines at the frequencies of modes from `with_lines`."""
     figure = new_figure(height=0.07)
     axes = figure.add_subplot()
     amplitude = MILLI * spectrogram["amplitude"].values

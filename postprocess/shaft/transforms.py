@@ -21,7 +21,8 @@ Frame = Literal["rotating", "static"]
 Complex = NDArray[np.complex128]
 
 FEWEST_RECORDS = 16  #: smallest number of records for a spectrum
-MOST_LINES, LEAST_SHARE = 3, 0.02  #: largest number and least share of the strongest lines
+MOST_LINES = 3  #: largest number of the strongest lines
+LEAST_SHARE = 0.02  #: a weaker line, by its share of the total power, is not reported
 KEPT_TRANSFORMS = 4  #: number of zoomed transforms that are kept: most marches are as long
 LOBE = 2  #: half width of a line under the Hann window, in multiples of the resolution
 

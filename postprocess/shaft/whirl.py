@@ -29,13 +29,14 @@ from bladewhirl.postprocess.shaft.transforms import (
 Direction = Literal["forward", "backward", "none"]
 FRAMES: tuple[Frame, Frame] = ("rotating", "static")
 
-LEAST_TURN = 0.1  #: least number of turns about the origin for which a whirl has a direction
+LEAST_TURN = 0.1  #: a whirl has a direction if it makes at least this many turns about the origin
 LEAST_CERTAIN = 10.0  #: number of standard errors that the rate of a whirl must exceed
-LARGEST_SHARE = 0.5  #: least share in the mean square of the spectral line at the rate of the whirl
+#: a whirl has a single frequency if its spectral line has at least this share of the mean square
+LARGEST_SHARE = 0.5
 SPANS = 10  #: number of spans whose rates give the standard error of the rate
 DOUBTFUL = 0.5 * np.pi
-"""Angle between two records above which it is uncertain on which side the path has passed the
-centre [rad]."""
+"""If the angle changes by more than this between two records [rad], it is uncertain on which side
+the path has passed the centre."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,7 @@ from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import Frame
 from bladewhirl.postprocess.shaft.whirl import FRAMES, LEAST_TURN, phase, span_rates
 
-#: least length of a span [periods of the reference frequency], so that ripple averages out
+#: smallest length of a span [periods of the reference frequency], so that ripple averages out
 PERIODS = 2.0
 MOST_SPANS = 40  #: largest number of spans of a run
 LOOK = {"rotating": ("-", "o", "rotor"), "static": ("--", "s", "casing")}

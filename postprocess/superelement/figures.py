@@ -10,7 +10,7 @@ from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import head
 
 FEW = 6
-"""Largest number of blades with a line each."""
+"""Up to this number, each blade has a line; of more, the largest and the mean force are drawn."""
 
 
 @styled
@@ -52,7 +52,7 @@ def plot_contact_nodes(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_tip_orbits(data: xr.Dataset) -> Figure:
-    """Draw radial over tangential and over axial displacement of contact nodes.
+    """Draw radial against tangential and against axial displacement of contact nodes.
 
     Args:
         data: dataset from `tip_orbits`.

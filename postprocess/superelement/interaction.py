@@ -13,7 +13,7 @@ from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.solvers.march.boundary import BoundaryChunk
 
 ORDERS = 12
-"""Highest engine order of the spectra that is drawn."""
+"""Highest engine order that is drawn in the spectra."""
 
 DIRECTIONS = ("radial", "tangential", "axial")
 
@@ -50,7 +50,7 @@ def point_of_map(chunk: BoundaryChunk, omega: float, per_turn: int, node: int) -
 
 @styled
 def plot_interaction(data: xr.Dataset) -> Figure:
-    """Draw impulse, displacements and spectra over the speed.
+    """Draw impulse, displacements and spectra against the speed.
 
     Args:
         data: dataset from `bladewhirl.interaction_map`.

@@ -19,7 +19,7 @@ def check_superelement(dataset: xr.Dataset) -> xr.Dataset:
         ResultError: it is the result of a bladed disk of beams.
     """
     if tables_of(dataset.attrs) is not NODES:
-        raise ResultError("expected the result of a superelement, found that of beams")
+        raise ResultError("expected the result of a superelement, not of a bladed disk of beams")
     return dataset
 
 
@@ -28,8 +28,9 @@ def displacement(
 ) -> xr.DataArray:
     """Return the displacement of a point of a superelement over time, in rotating axes.
 
-    Points are those of the file of the superelement, which the matrix `recovery` moves. The
-    flexible part of the displacement near contact nodes is not included.
+    The points are those in the file of the superelement; their displacement follows from the
+    matrix `recovery` there. The flexible part of the displacement near contact nodes is not
+    included.
 
     Args:
         result: result of a superelement, or its file or folder.
@@ -40,8 +41,8 @@ def displacement(
         DataArray (time, xyz) [m]; x, y and z are the axes of the first copy turned to this copy.
 
     Raises:
-        ViewError: there is no such point or copy.
-        ResultError: the result is not that of a superelement.
+        ViewError: the superelement has no point, or no copy, of this number.
+        ResultError: it is the result of a bladed disk of beams.
     """
     if not isinstance(result, xr.Dataset):
         with open_result(result) as dataset:
@@ -117,10 +118,10 @@ def contact_nodes(result: xr.Dataset) -> xr.Dataset:
 
 
 def wall_contact(result: xr.Dataset, *, sectors: int = 360) -> xr.Dataset:
-    """Compute the normal impulse on the wall by angle in the static frame and axial position.
+    """Sum the normal impulse on the wall in cells of axial position and angle (static frame).
 
-    The impulse between two records is at the angle of the node at the middle time. Rows are the
-    different axial positions of contact nodes, ascending.
+    The impulse between two records is counted in the sector where the node is midway between them.
+    Rows are the different axial positions of contact nodes, ascending.
 
     Args:
         result: result of a superelement.
@@ -150,7 +151,7 @@ def tip_orbits(result: xr.Dataset, *, turns: float = 5.0, copy: int = 0) -> xr.D
 
     Args:
         result: result of a superelement.
-        turns: number of revolutions; all of the run at standstill.
+        turns: number of revolutions; at standstill the whole run is returned.
         copy: number of the copy.
 
     Returns:

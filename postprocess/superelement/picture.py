@@ -23,14 +23,14 @@ from bladewhirl.postprocess.superelement.series import frame_meshes
 SIZE = (900, 700)  #: size of a picture [pixels]
 LEVELS = 32  #: number of colours of the scale of displacements in a GIF; others are shaded
 SHADES = 12  #: number of colours of arrows in a GIF
-SAMPLES = 6  #: number of pictures from which the other colours of a GIF follow
+SAMPLES = 6  #: number of pictures from which the other colours of a GIF are chosen
 FRAMES = 60  #: default number of pictures of a film
 TURNS = 0.5  #: default length of a film, in revolutions around the largest force
-LARGE = 0.08  #: largest drawn displacement by default, as a share of the size of a blade
-REACH = 0.06  #: angle of the wall that is drawn on both sides of a blade [rad]
+LARGE = 0.08  #: default of the largest drawn displacement, divided by the size of a blade
+REACH = 0.06  #: angle over which the wall is drawn on each side of a blade [rad]
 STILL = "#4C78A8"  #: colour of blades that do not move
 FORCE = "#CC79A7"  #: colour of forces
-ARROW = 0.35  #: length of the arrow of the largest force, as a share of the size of a blade
+ARROW = 0.35  #: length of the arrow of the largest force, divided by the size of a blade
 
 
 def render_blades(
@@ -47,7 +47,7 @@ def render_blades(
     """Draw a superelement in axes that rotate with it.
 
     All displacements and the clearance are multiplied by `exaggeration`, so that blade and wall
-    touch in the picture when they touch in the run. Colours are the size of the displacement.
+    touch in the picture when they touch in the run. Colours show the size of the displacement.
     Arrows are the contact forces at the record.
 
     Args:
@@ -67,7 +67,7 @@ def render_blades(
     check_superelement(dataset)
     target = Path(path)
     if "triangle" not in dataset:
-        raise ViewError("expected a superelement with points, recovery and triangles")
+        raise ViewError("expected a superelement whose file has points, recovery and triangles")
     if target.suffix.lower() not in (".png", ".gif", ".mp4"):
         raise ViewError(f"{target}: expected .png, .gif or .mp4 for a superelement")
     force = dataset["contact_force"].values[:, :, 0].min(axis=1)
@@ -198,8 +198,8 @@ def _draw_wall(plotter: Any, dataset: xr.Dataset, record: int, factor: float) ->
     radius = float((dataset["contact_radius"].values + recess).max())
     margin = 0.15 * np.ptp(axial) + 0.01 * radius
     arcs = [
-        np.linspace(own.min() - REACH, own.max() + REACH, 41)
-        for own in (angle[blade == number] for number in np.unique(blade))
+        np.linspace(nodes.min() - REACH, nodes.max() + REACH, 41)
+        for nodes in (angle[blade == number] for number in np.unique(blade))
     ]
     if is_flexible(dataset):
         arcs = [np.linspace(0.0, 2.0 * np.pi, 361)]

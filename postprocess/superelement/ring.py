@@ -18,11 +18,11 @@ from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.superelement.motion import check_superelement
 
 LINES = 6
-"""Largest number of nodal diameters with a line each."""
+"""Largest number of nodal diameters drawn, those with the largest energy."""
 
 
 def is_flexible(dataset: xr.Dataset) -> bool:
-    """Return whether the casing of a result of a superelement is flexible."""
+    """Return true if the casing around a superelement is flexible, false for a rigid wall."""
     return "casing_shape" in dataset
 
 

@@ -44,8 +44,8 @@ def export_points(
         directory: folder to write.
         frames: number of instants.
         start, end: time window [s]; the whole run when None.
-        rotating: whether the points do not turn.
-        overwrite: whether to replace files that another program wrote.
+        rotating: true for rotating axes, in which the blades do not turn.
+        overwrite: true to replace files that the manifest of the folder does not list.
 
     Returns:
         the path of series.pvd.
@@ -55,7 +55,7 @@ def export_points(
     """
     check_superelement(dataset)
     if "point" not in dataset:
-        raise ViewError("expected a superelement with points and recovery")
+        raise ViewError("expected a superelement whose file has points and recovery")
     records = frame_records(dataset, frames, start, end)
     folder = Path(directory)
     parts = (*PARTS, "casing") if is_flexible(dataset) else PARTS

@@ -20,7 +20,7 @@ from bladewhirl.postprocess.superelement.ring import is_flexible, ring_displacem
 DIRECTIONS = ("radial", "tangential", "axial")
 
 LATE = 10
-"""Number of revolutions at the end over which the impulse per revolution is averaged, at most."""
+"""The impulse per revolution is averaged over the last complete revolutions, at most this many."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,8 +39,8 @@ class NodeSummary:
     contact_impulse: float  #: sum of the normal impulses on all nodes [N s]
     contact_impulse_by_blade: list[float]  #: sum for each blade [N s]
     impulse_per_revolution: float | None
-    """Mean normal impulse on all nodes per revolution, in the last complete revolutions, at most
-    ten [N s]; None without a complete revolution."""
+    """Normal impulse on all nodes per revolution [N s], averaged over at most ten complete
+    revolutions at the end; None without a complete revolution."""
     contact_force_max: dict[str, float]
     """Largest normal force between two records: "force" [N], "blade", "node", "time" [s]."""
     contact_share: list[float]  #: share of the time steps in contact, for each contact node
@@ -51,7 +51,7 @@ class NodeSummary:
     gap_min: float  #: smallest gap at any step [m]
     work: dict[str, float]  #: works of "load", "normal", "friction", "damping" [J]
     wear: dict[str, Any]
-    """Wear of a coating, with the keys of `wear_summary`; empty without one."""
+    """Wear of the coating, with the keys of `wear_summary`; empty without a coating."""
     energy_final: float  #: energy at the end [J]
     energy_residual: float  #: error of the energy balance, relative to its largest term
     complementarity_residual: float  #: largest residual of any step, relative to the gap's scale
@@ -179,7 +179,8 @@ def _largest_of_ring(dataset: xr.Dataset) -> float | None:
 
 
 def _late_impulse(time: np.ndarray[Any, Any], total: Any, speed: float) -> float | None:
-    """Return the mean impulse per revolution over the last complete revolutions, at most `LATE`."""
+    """Return the impulse per revolution [N s], averaged over at most `LATE` complete revolutions at
+    the end; None without a complete revolution."""
     turn = 2.0 * np.pi / speed if speed else np.inf
     whole = int(min(LATE, np.floor(time[-1] / turn + 1e-9)))
     if whole < 1:

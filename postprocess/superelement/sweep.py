@@ -1,4 +1,4 @@
-"""Figures of sweeps of a superelement: contact and displacement, and spectra, over a swept key."""
+"""Figures of sweeps of a superelement: contact, displacement and spectra against a swept key."""
 
 import numpy as np
 import xarray as xr
@@ -26,10 +26,10 @@ DECADES = 3
 """Number of decades below the largest amplitude in a map."""
 
 VISIBLE = 1e-2
-"""Smallest amplitude that a map shows in any case, as a share of the largest."""
+"""An amplitude of at least this fraction of the largest one is within the frequency range shown."""
 
 ABOVE = 1.3
-"""Highest frequency of a map, divided by the highest one with a visible amplitude."""
+"""Highest frequency shown, divided by the highest frequency with an amplitude above `VISIBLE`."""
 
 ORDERS = range(1, 13)
 """Engine orders that are drawn as lines."""
@@ -96,8 +96,8 @@ def node_spectra(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 @styled
 def plot_node_spectra(data: xr.Dataset) -> Figure:
-    """Draw the amplitude over the swept key and the frequency from `node_spectra`; dotted lines are
-    engine orders, dashed lines natural frequencies."""
+    """Draw the amplitude against the swept key and the frequency from `node_spectra`; dotted lines
+    are engine orders, dashed lines natural frequencies."""
     data = in_handy_units(data)
     unit, scale = handy_unit(float(data["spectrum"].max().fillna(0.0)), "m")
     shown, titles = chosen(data.sizes[LINE], MOST_ROWS), line_values(data)

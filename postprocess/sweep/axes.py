@@ -11,7 +11,7 @@ from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.axes import SPEED, rpm_axis
 from bladewhirl.postprocess.sweep.quantities import cell_edges
 
-#: ratio of the largest to the smallest value of a key from which the axis is logarithmic
+#: the axis is logarithmic if the largest value of a key is at least this many times the smallest
 WIDE_RANGE = 50.0
 MOST_TICKS = 12
 """Largest number of ticks at swept values on an axis as wide as a page. If there are more than
@@ -111,8 +111,8 @@ def key_label(values: xr.DataArray) -> str:
 
 
 def linear_threshold(rate: Array, error: Array) -> float | None:
-    """Return the power of ten [1/s] above which an axis of growth rates is logarithmic; None if the
-    entire axis is linear.
+    """Return the power of ten [1/s] up to which an axis of growth rates is linear, and logarithmic
+    above; None if the entire axis is linear.
 
     The returned rate exceeds the medians of rates and uncertainties, so that noise is in the linear
     part of the axis. `rate` contains growth rates [1/s], NaN for points without a growth rate, and

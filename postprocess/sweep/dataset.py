@@ -33,16 +33,16 @@ from bladewhirl.solvers.march.schema import (
 
 SWEEP_NAME = "sweep.nc"  #: name of the dataset's file in the folder of a sweep
 MISSING, DONE, FAILED, NOT_NEEDED = range(4)  #: codes of the variable `state` of a point
-DRAW = "draw"  #: name of the dimension of the draws of each point
-SCREENED = "screened"  #: name of the variable that tells screening marches from others
+DRAW = "draw"  #: name of the dimension of the random draws of each point
+SCREENED = "screened"  #: name of the variable that marks screening marches
 POINT = "point"  #: name of the dimension of the points of a table
-#: size of a dataset [bytes] up to which all checksums are verified when the dataset is opened
+#: all checksums are verified when a dataset is opened, unless it is larger than this [bytes]
 CHECKED_BYTES = 2**28
 BLOCK = 64  #: number of points whose checksums are verified together
 WINDOW_SHARE = 0.5
-"""Length of the time window for spectra and mean energies, as a share of the shortest march. The
-window is at the end of every march, after the transient. In a march that ended early the window is
-at most this share of the march."""
+"""Length of the time window for spectra and mean energies, divided by that of the shortest march.
+The window is at the end of every march, after the transient. In a march that ended early the window
+is at most this fraction of the march."""
 
 
 LINE, GROUP, SAMPLE, SECTION = "mode", "energy_group", "sample", "section"
@@ -196,7 +196,7 @@ def open_sweep(path: str | Path) -> xr.Dataset:
     if "mode_forward_frequency" not in dataset and "mode_frequency" in dataset:  # before format 4
         named["mode_forward_frequency"] = dataset["mode_frequency"]
     ratio = dataset["rotation_speed"] / dataset["reference_frequency"]
-    about = {"units": "1", "long_name": "speed over the reference frequency"}
+    about = {"units": "1", "long_name": "speed divided by the reference frequency"}
     opened = dataset.assign(named).assign_coords(
         blade=index_values("blade", dataset.sizes["blade"]), speed_ratio=ratio.assign_attrs(about)
     )
@@ -278,7 +278,7 @@ def swept(dataset: xr.Dataset) -> list[str]:
 
 def swept_keys(dataset: xr.Dataset) -> list[str]:
     """Return the names of the swept keys as coordinates, in the order of the sweep, without the
-    draws. The keys of a table are coordinates along the dimension `point`."""
+    random draws. The keys of a table are coordinates along the dimension `point`."""
     keys = json.loads(dataset.attrs.get("table", "{}"))
     names = [key.replace(".", "_") for key in keys]
     return names or [name for name in swept(dataset) if name != DRAW]

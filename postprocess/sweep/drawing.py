@@ -114,7 +114,7 @@ def label_figure(figure: Figure, data: xr.Dataset, *groups: Group) -> None:
 
 
 def plot_quantities(data: xr.Dataset, panels: Mapping[str, tuple[float, str]]) -> Figure:
-    """Draw quantities over the swept key, with a panel each; divergent points have open marks.
+    """Draw quantities against the swept key, with a panel each; divergent points have open marks.
 
     Args:
         data: Dataset over (line, key) with the quantities and `regime`.

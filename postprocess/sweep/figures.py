@@ -17,7 +17,7 @@ LEFT_BY_A_SWEEP = ("frequency-map", "shaft-radius", "contact-nodes", "node-spect
 
 
 class SweepFigures:
-    """Figures of a sweep over the speed or, if the speed is not swept, over the first key."""
+    """Figures of a sweep against the speed or, if the speed is not swept, against the first key."""
 
     def __init__(self, dataset: xr.Dataset) -> None:
         """Use a dataset from `open_sweep`, which must stay open."""

@@ -1,4 +1,4 @@
-"""Frequency map of a sweep: spectrum of the shaft over a swept key (the paper's Figs 15 and 19)."""
+"""Frequency map of a sweep: spectrum of the shaft against a swept key (the paper's Figs 15, 19)."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -23,7 +23,7 @@ from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges, nee
 #: largest number of columns of a map; if there are more points, neighbours share a column
 MOST_COLUMNS = 1000
 DECADES = 4.0  #: number of decades below the largest amplitude in a map
-#: largest frequency of a map over the largest frequency of the modes that it must include
+#: highest frequency of a map divided by the highest frequency of the modes that it must include
 MARGIN = 1.15
 ENGINE_ORDERS = "engine orders"
 
@@ -39,8 +39,8 @@ their frequencies. Engine orders are dotted."""
 
 #: black outline that makes white lines and letters legible on every colour of a map
 OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
-INSIDE = 0.75  #: share of the height of the axes within which engine orders are named
-LATE = 0.9  #: position of the name along an engine order that stays inside the map
+INSIDE = 0.75  #: engine orders are named within this fraction of the height of the axes
+LATE = 0.9  #: a line that stays inside the map is named at this fraction of its length
 
 
 def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
@@ -123,8 +123,8 @@ def _reach(lines: xr.DataArray, available: float) -> float:
 
 @styled
 def plot_frequency_map(maps: xr.Dataset) -> Figure:
-    """Draw maps from `frequency_map`: the amplitude over the swept key and the frequency, which is
-    positive for forward motion. Dotted lines are engine orders, dashed lines are modes. Points
+    """Draw maps from `frequency_map`: the amplitude against the swept key and the frequency, which
+    is positive for forward motion. Dotted lines are engine orders, dashed lines are modes. Points
     without a result are left white."""
     maps = in_handy_units(maps)
     amplitude = MILLI * maps["amplitude"].values

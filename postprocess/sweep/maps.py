@@ -43,7 +43,7 @@ from bladewhirl.postprocess.sweep.regimes import (
 )
 
 DIVERGING = "PuOr_r"  #: colour map of signed values, distinct for colour-blind readers
-#: ratio of the largest value to the median above which a colour scale is logarithmic
+#: a colour scale is logarithmic if the largest value exceeds this many times the median
 CLEAR_RANGE = 30.0
 CROSSED: Mapping[str, Any] = {"hatch": "xxx", "edgecolor": "#777777", "linewidth": 0.0}
 DOUBTFUL = "growth rate within two standard errors of zero"

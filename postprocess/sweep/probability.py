@@ -1,4 +1,4 @@
-"""Shares of the regimes among the draws of each point of a sweep, with confidence intervals."""
+"""Shares of the regimes in the random draws of each point, with confidence intervals."""
 
 import numpy as np
 import xarray as xr
@@ -21,10 +21,10 @@ from bladewhirl.postprocess.sweep.shares import settled, wilson
 
 
 def probability(dataset: xr.Dataset, key: str | None = None) -> xr.Dataset:
-    """Return the share of each regime among the draws of every point, with its 95 % interval.
+    """Return the share of each regime in the random draws of every point, with its 95 % interval.
 
     Args:
-        dataset: from `open_sweep`, of a sweep with draws.
+        dataset: from `open_sweep`, of a sweep with random draws.
         key: swept key on the horizontal axis of a figure, as a dimension of the sweep; the speed,
             or the first key, if None.
 
@@ -35,10 +35,10 @@ def probability(dataset: xr.Dataset, key: str | None = None) -> xr.Dataset:
         where the interval of a regime includes one half.
 
     Raises:
-        ViewError: the sweep has no draws, or no point is finished.
+        ViewError: the sweep has no random draws, or no point is finished.
     """
     if DRAW not in dataset.dims:
-        raise ViewError("probability: expected a sweep with draws (--draws)")
+        raise ViewError("probability: expected a sweep with random draws (--draws)")
     main = key or main_key(dataset)
     drawn = along(dataset, main, ["regime"])  # the draw varies fastest along the lines
     count = dataset.sizes[DRAW]
@@ -59,14 +59,14 @@ def probability(dataset: xr.Dataset, key: str | None = None) -> xr.Dataset:
             uncertain=(over[:-1], ~settled(low, high)),
         )
         .assign_coords(regime=("regime", list(REGIME_COLOURS)))
-        .assign_attrs(title=f"shares of the regimes in {count} draws")
+        .assign_attrs(title=f"shares of the regimes in {count} random draws")
     )
 
 
 @styled
 def plot_probability(data: xr.Dataset) -> Figure:
-    """Draw the share of each regime among the draws from `probability`, with 95 % intervals, in a
-    panel for each line of the data."""
+    """Plot the share of each regime from `probability`, with 95 % intervals, in a panel for each
+    line of the data."""
     data = in_handy_units(data)
     lines = lines_of(data)
     figure = new_figure(width=FULL_WIDTH, height=0.03 + 0.045 * len(lines))
@@ -79,7 +79,7 @@ def plot_probability(data: xr.Dataset) -> Figure:
             axes.fill_between(line.place, one["low"], one["high"], color=colour, alpha=0.2, lw=0)
             mark = REGIME_MARKS[name]
             axes.plot(line.place, one["share"], color=colour, marker=mark, ms=MARK_SIZE, label=name)
-        axes.set(ylim=(-0.02, 1.02), ylabel="share of draws [–]", title=line.label)
+        axes.set(ylim=(-0.02, 1.02), ylabel="share of random draws [–]", title=line.label)
         axes.axhline(0.5, color="black", linewidth=0.5, linestyle=":")
     key_axis(panels[-1], data)
     label_figure(figure, data, Group(entries_of(*panels), "Bands are 95 % intervals."))

@@ -17,8 +17,8 @@ from bladewhirl.solvers.march.schema import NODES, SWEEP_FORMAT, tables_of
 
 LINE = "line"  #: name of the dimension `line`, see the module docstring
 MOTION = 1e-3
-"""Least displacement of the shaft (root mean square over the last third of the time) for which
-whirl and contact side are evaluated, as a share of the smallest clearance. Smaller displacements
+"""Whirl and contact side are evaluated if the displacement of the shaft (root mean square over the
+last third of the time) is at least this fraction of the smallest clearance. Smaller displacements
 are the end of a decay, or rounding errors."""
 
 
@@ -100,7 +100,7 @@ def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
             " sweep again to get the missing variables"
         )
     if not (dataset["state"] == "done").any():
-        raise ViewError("no point of the sweep is done: there is nothing to draw")
+        raise ViewError("no point of the sweep is finished, so there is nothing to draw")
     keys = [*swept(dataset), *swept_keys(dataset)]
     chosen = dataset[[*names, "state"]]
     dropped = [name for name in chosen.coords if name not in (*chosen.dims, *keys)]
@@ -130,15 +130,15 @@ def as_lines(data: xr.Dataset, keys: Sequence[str]) -> xr.Dataset:
 
 
 def shaft_radius(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return largest and final displacement of the shaft over a swept key (the paper's Fig. 24), as
-    Dataset over (line, key): `shaft_radius_max` and `shaft_radius_final` [m], `regime`."""
+    """Return largest and final displacement of the shaft against a swept key (the paper's Fig. 24),
+    as Dataset over (line, key): `shaft_radius_max` and `shaft_radius_final` [m], `regime`."""
     names = ["shaft_radius_max", "shaft_radius_final", "regime"]
     return along(dataset, key, names).assign_attrs(title="displacement of the shaft's centre")
 
 
 def regimes(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return the regime, the growth rate of the amplitude, and the standard error of the rate, over
-    a swept key.
+    """Return the regime, the growth rate of the amplitude, and the standard error of the rate,
+    against a swept key.
 
     Returns:
         Dataset over (line, key): `regime`; `growth_rate` and `growth_error` [1/s], nan where growth
@@ -151,8 +151,8 @@ def regimes(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def whirls(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return the whirl of the shaft over the last third of each march, in both frames, over a swept
-    key.
+    """Return the whirl of the shaft over the last third of each march, in both frames, against a
+    swept key.
 
     Returns:
         Dataset over (line, key): `frequency` (line, key, frame) of the whirl [Hz], positive for
@@ -186,7 +186,7 @@ def whirls(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 def contact_sides(dataset: xr.Dataset, key: str) -> xr.Dataset:
     """Return the mean angle by which the shaft leads the contact over the last third of each march,
-    and the contact scenario, over a swept key.
+    and the contact scenario, against a swept key.
 
     Returns:
         Dataset over (line, key): `shaft_lead` [rad], its `lead_steadiness`, and `scenario`. The
@@ -221,7 +221,7 @@ def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
         Dataset over (line, key, section) [m]: `section_x` and `section_y`, the position whenever
         blade 0 lies on +x, which is therefore the same in both frames; `section_radius`, the
         distance of this position from the origin; `radius_peak`, the local maxima. Elements without
-        a value are NaN. The sections of all draws of a point follow one another.
+        a value are NaN. The sections of all random draws of a point follow one another.
     """
     data = along(dataset, key, ["section_x", "section_y", "radius_peak"])
     if DRAW in dataset.dims:

@@ -21,10 +21,10 @@ from bladewhirl.postprocess.sweep.axes import edges_of, in_handy_units, key_axis
 
 NOT_JUDGED = "The marches are too short to judge growth; sustained means contact up to the end."
 
-#: largest number of columns and of rows for which marks in the cells show the regimes
+#: marks in the cells show the regimes if there are at most this many columns and rows
 MOST_MARKED = 24
 HATCH = "//////"  #: hatching of cells without a result
-LEFT_OUT = "not needed"  #: name shown for draws that were not needed, in white cells
+LEFT_OUT = "skipped, outcome known"  #: name of random draws that were skipped, in white cells
 
 Names = NDArray[np.str_]
 
@@ -59,16 +59,19 @@ def plot_regimes(data: xr.Dataset) -> Figure:
 
 
 def regime_names(data: xr.Dataset) -> Names:
-    """Return the names of the regimes from data with `regime` and `state`; `LEFT_OUT` for draws
-    that were not needed."""
+    """Return the names of the regimes from data with `regime` and `state`; `LEFT_OUT` for
+    random draws that were skipped because the outcome of their point was already known."""
     left_out = data["state"] == "not-needed"
     return np.asarray(data["regime"].where(~left_out, LEFT_OUT).values.astype(str))
 
 
 def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
-    """Draw cells coloured by the names of their regimes (rows, columns), with marks if there are
-    few cells; cells without a result are hatched, draws that were not needed are white. The
-    cells fill the panel; their middles are at `x` (columns,) and `y` (rows,)."""
+    """Plot a map with a coloured cell for each entry of `regime` (rows, columns).
+
+    Few cells also have marks. Hatched cells have no result. White cells are random draws that were
+    skipped because the outcome of their point was already known. The cells fill the panel; their
+    middles are at `x` (columns,) and `y` (rows,).
+    """
     codes = np.full(regime.shape, -1)
     for number, name in enumerate(drawing.REGIME_COLOURS):
         codes[regime == name] = number

@@ -65,7 +65,7 @@ def two_columns(
 
 def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
     """Return the share of the time that each blade is in contact, and the number of blades in each
-    contact class, for the last third of each march, over a swept key (see `quantities`).
+    contact class, for the last third of each march, against a swept key (see `quantities`).
 
     Returns:
         Dataset over (line, key): `late_contact_share` (..., blade), nan for blades that do not
@@ -136,8 +136,8 @@ def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
 
 
 def point_energies(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Return the mean strain energy [J] of the bladed disk in the time window of the spectra, over
-    a swept key (see `quantities`).
+    """Return the mean strain energy [J] of the bladed disk in the time window of the spectra,
+    against a swept key (see `quantities`).
 
     Returns:
         Dataset over (line, key): `suspension`; `first_family` (..., nodal_diameter), nan for nodal

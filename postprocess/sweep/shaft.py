@@ -12,8 +12,9 @@ from bladewhirl.postprocess.sweep import drawing
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
 from bladewhirl.solvers.stability.scenario import STEADY
 
-WIDE = 1e3  #: ratio of the largest to the median displacement above which the axis is logarithmic
-LEAST_WHIRL = 0.1  #: least frequency that the axis of the whirl contains on both sides of zero [Hz]
+#: the axis is logarithmic if the largest displacement exceeds this many times the median
+WIDE = 1e3
+LEAST_WHIRL = 0.1  #: the axis of the whirl reaches at least this far on both sides of zero [Hz]
 SECTION_PARTS = {
     "section_x": "x once a revolution",
     "section_radius": "radius once a revolution",
@@ -27,7 +28,7 @@ PARTS = {"shaft_radius_max": "largest", "shaft_radius_final": "at the end"}
 
 @styled
 def plot_shaft_radius(radius: xr.Dataset) -> Figure:
-    """Draw the largest and the final displacement of the shaft over the swept key, from
+    """Draw the largest and the final displacement of the shaft against the swept key, from
     `quantities.shaft_radius`.
 
     Divergent points have open marks, because their displacements would have grown further.
@@ -126,7 +127,7 @@ def plot_contact_sides(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_bifurcation(data: xr.Dataset) -> Figure:
-    """Draw Poincaré sections and local maxima of the displacement over the swept key, from
+    """Draw Poincaré sections and local maxima of the displacement against the swept key, from
     `quantities.bifurcation`."""
     data = in_handy_units(data)
     sizes = [np.nanmax(np.abs(data[name].values), initial=0.0) for name in SECTION_PARTS]

@@ -1,4 +1,4 @@
-"""Confidence intervals of the shares of regimes among the draws of a point."""
+"""Confidence intervals of the shares of regimes in the random draws of a point."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +10,8 @@ QUANTILE = 1.959963984540054
 
 
 def wilson(hits: Array, draws: Array, quantile: float = QUANTILE) -> tuple[Array, Array]:
-    """Return the ends of the interval of a probability (Wilson, 1927), by default the interval of
-    95 %, from the number of hits and the number of draws; the interval is [0, 1] without draws."""
+    """Return the ends of the confidence interval of a probability (Wilson, 1927), by default of
+    95 %, from the numbers of hits and of random draws; without draws the interval is [0, 1]."""
     some = np.maximum(draws, 1.0)
     share, square = hits / some, quantile**2 / some
     middle = share + 0.5 * square

@@ -1,4 +1,4 @@
-"""Wear of the coating over a swept key."""
+"""Wear of the coating against a swept key."""
 
 import numpy as np
 import xarray as xr
@@ -31,6 +31,6 @@ def wear_quantities(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 @styled
 def plot_wear_quantities(data: xr.Dataset) -> Figure:
-    """Draw removed volume, deepest cut and number of lobes over the swept key, from
+    """Draw removed volume, deepest cut and number of lobes against the swept key, from
     `wear_quantities`. Divergent points have open marks."""
     return plot_quantities(data, PANELS)

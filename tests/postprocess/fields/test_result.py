@@ -74,7 +74,10 @@ class TestOpenResult:
             (lambda r: r.drop_attrs(deep=False), "has no 'title'"),
             (lambda r: r.assign_attrs(speed="fast"), "'speed' to be a finite number, found 'fast'"),
             (lambda r: r.assign_attrs(tip_radius=0.0), "'tip_radius' to be a positive number"),
-            (lambda r: r.transpose(), r"'rotor_displacement' over \(time, rotor_mode\), found"),
+            (
+                lambda r: r.transpose(),
+                r"'rotor_displacement' with the dimensions \(time, rotor_mode\)",
+            ),
             (lambda r: r.isel(time=slice(0)), "expected at least one record"),
             (lambda r: r.assign_coords(time=r["time"].values[::-1]), "'time' to increase"),
             (

@@ -111,7 +111,7 @@ def test_a_sweep_without_a_point_done(tmp_path: Path) -> None:
     page = Parsed(bw.report(folder).read_text(encoding="utf-8"))
     assert "No result" in page.words
     assert "2 of 2 points failed" in page.words
-    assert "Not drawn: no point of the sweep is done" in page.words
+    assert "Not drawn: no point of the sweep is finished" in page.words
     assert page.plots == []
 
 

@@ -14,5 +14,6 @@ def test_draws_that_were_not_needed_are_not_counted_as_without_result() -> None:
         }
     )
     entries = regime_entries(regime_names(data))
-    assert [text for _, text in entries] == ["sustained: 1", "not needed: 2", "no result: 1"]
+    texts = [text for _, text in entries]
+    assert texts == ["sustained: 1", "skipped, outcome known: 2", "no result: 1"]
     assert np.unique(regime_names(data)).size == 3

@@ -233,7 +233,9 @@ def test_all_figures_come_with_their_data(one: Path, tmp_path: Path) -> None:
 def test_a_sweep_without_points_says_so(none: Path) -> None:
     with open_sweep(none) as sweep:
         for name in ("regimes", "maps"):
-            with pytest.raises(ViewError, match=r"no point of the sweep is done|two swept keys"):
+            with pytest.raises(
+                ViewError, match=r"no point of the sweep is finished|two swept keys"
+            ):
                 SweepFigures(sweep).draw(name)
     refusal("plot", none, "regimes")
     answer("plot", none, "all")
@@ -243,7 +245,7 @@ def test_a_sweep_without_points_says_so(none: Path) -> None:
     ("arguments", "complaint"),
     [
         (["orbit"], "orbit: a sweep has the figures frequency-map, shaft-radius, contact-nodes"),
-        (["regimes", "--from", "0.1"], "expected no --from or --to for a sweep"),
+        (["regimes", "--from", "0.1"], "omit --from and --to, because a sweep"),
     ],
 )
 def test_what_a_sweep_has_not_is_said_in_one_line(
