@@ -81,7 +81,7 @@ collections take a tenth of the time of a short run, and free little."""
 
 def main() -> None:
     """Entry point of the command ``bladewhirl``."""
-    # Matrices of one sector are small: on a busy machine threads make their products wait for
+    # Matrices of one sector are small: on a busy computer threads make their products wait for
     # each other, twenty times as long as one thread needs. This must precede the import of NumPy.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(GARBAGE_THRESHOLD)

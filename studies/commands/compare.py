@@ -35,8 +35,8 @@ def compare(
     The schemes are central differences with multipliers, Moreau and Jean's impacts with sticking
     friction, and a penalty, see march.scheme. The table lists displacements, impulses, energy and
     cost, and the difference of the tip displacements from those of the first scheme. A step of the
-    other two schemes costs fifty to a hundred times as much, so choose a short march: --set
-    march.duration=0.05.
+    other two schemes costs fifty to a hundred times that of the first, so choose a short march:
+    --set march.duration=0.05.
     """
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.studies.convergence.schemes import compare_schemes, schemes_document

@@ -1,4 +1,4 @@
-"""`bladewhirl critical-speeds`: critical speeds over the stiffness of the shaft."""
+"""`bladewhirl critical-speeds`: critical speeds against the stiffness of the shaft."""
 
 from pathlib import Path
 from typing import Annotated
@@ -20,7 +20,7 @@ def critical_speeds(
     json: options.AsJson = False,
     overrides: options.Changes = None,
 ) -> None:
-    """Draw the map of critical speeds over the stiffness of the shaft.
+    """Draw the map of critical speeds against the stiffness of the shaft.
 
     At a critical speed the shaft whirls at the speed of rotation: forward, as an imbalance drives
     it, or backward. The table lists the critical speeds with the stiffness of the case. The case

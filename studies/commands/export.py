@@ -52,7 +52,7 @@ def export(
     with open_result(directory) as result:
         if tables_of(result.attrs) is NODES:
             if surface or exaggeration is not None:
-                raise UserError("--surface, --exaggeration: expected a bladed disk of beams")
+                raise UserError("--surface, --exaggeration: not allowed for a superelement")
             with writing(folder):
                 index = export_points(
                     result,

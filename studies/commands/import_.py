@@ -88,7 +88,7 @@ def import_(
 
     if output is not None and output.exists() and not force:
         raise UserError(f"{output}: already exists; --force overwrites it")
-    part, found, total = imported(
+    part, inspection, total = imported(
         source,
         mass=mass,
         nodes=nodes,
@@ -104,14 +104,14 @@ def import_(
         name=name,
     )
     given = f"{length_unit or 'm'}, {mass_unit or 'kg'}, s"
-    emit(None, facts(_facts(part, found, total, given)), *_contacts(part), json=False)
+    emit(None, facts(_facts(part, inspection, total, given)), *_contacts(part), json=False)
     if output is not None:
         with writing(output):
             write_superelement(output, part)
         typer.echo(f"Wrote {output}.")
 
 
-def _facts(part: Superelement, found: Inspection, total: Any, units: str) -> dict[str, str]:
+def _facts(part: Superelement, inspection: Inspection, total: Any, units: str) -> dict[str, str]:
     shown = {"name": part.name, "source": part.source, "coordinates": str(part.size)}
     if total is not None:
         shown["units"] = f"{units}, converted to m, kg, s"
@@ -119,8 +119,8 @@ def _facts(part: Superelement, found: Inspection, total: Any, units: str) -> dic
         shown["mass along x, y, z"] = f"{values} kg, without fixed nodes"
     if part.left_dofs is not None:
         shown["faces of the sector"] = f"{len(part.left_dofs)} nodes each, free below"
-    shown["rigid modes"] = str(found.rigid_modes)
-    frequencies = ", ".join(f"{value:.6g}" for value in found.frequencies)
+    shown["rigid modes"] = str(inspection.rigid_modes)
+    frequencies = ", ".join(f"{value:.6g}" for value in inspection.frequencies)
     shown["first frequencies"] = f"{frequencies} Hz" if frequencies else "none"
     return {key: value for key, value in shown.items() if value}
 

@@ -1,4 +1,4 @@
-"""`bladewhirl interaction`: interaction map of a superelement over the speed."""
+"""`bladewhirl interaction`: interaction map of a superelement against the speed."""
 
 from pathlib import Path
 from typing import Annotated, Any

@@ -70,11 +70,13 @@ def modes(
     unused = {"--shapes": shapes, "--animate": animate, "--wave": wave}
     for name, value in unused.items():
         if output is None and value is not None:
-            raise UserError(f"{name}: expected a folder for the pictures, -o DIR")
+            raise UserError(f"{name}: needs a folder for the pictures, -o DIR")
     checked = read_case(case, overrides or [])
     if checked.bladed_disk.superelement is not None:
         if output is not None:
-            raise UserError("--output: expected beams; pictures of a superelement are made by run")
+            raise UserError(
+                "--output: not allowed for a superelement; bladewhirl run makes its pictures"
+            )
         with faults_from(case, overrides or []), reduction_bar():
             document = superelement_modes(checked, count)
         rows = document["bladed_disk"]

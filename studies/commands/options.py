@@ -237,5 +237,5 @@ def refuse_both(scheduler: str | None, workers: int | None) -> None:
     """Raise an error if both a scheduler and a number of local workers are given."""
     if scheduler is not None and workers is not None:
         raise UserError(
-            "--scheduler, --workers: expected only one; a scheduler has its own workers"
+            "--workers: not allowed together with --scheduler, which has its own workers"
         )

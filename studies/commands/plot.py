@@ -93,9 +93,7 @@ def plot(
             f"{', '.join(unknown)}: {kind} the figures {', '.join(figure_names)}; or {ALL}"
         )
     if of_sweep and (start is not None or end is not None):
-        raise UserError(
-            f"{directory}: expected no --from or --to for a sweep, which has no time window"
-        )
+        raise UserError(f"{directory}: omit --from and --to, because a sweep has no time window")
     folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
     formats = [format_name] if format_name else FORMATS
     with _opened(directory, start, end) as figures:

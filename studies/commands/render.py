@@ -120,10 +120,10 @@ def render(
         if tables_of(result.attrs) is NODES:
             if {"sheet", "html"} & set(targets):
                 raise UserError(
-                    "--sheet, --html: expected --png, --gif or --mp4 for a superelement"
+                    "--sheet, --html: not allowed for a superelement; use --png, --gif or --mp4"
                 )
             if frame != "static" or colour != "displacement" or orbit:
-                raise UserError("--frame, --colour, --orbit: expected beams, not a superelement")
+                raise UserError("--frame, --colour, --orbit: not allowed for a superelement")
             for path, chosen in pictures:
                 with progress_bar(path.name) as update, writing(path):
                     render_blades(
@@ -165,9 +165,7 @@ def _targets(directory: Path, output: Path | None, kinds: list[str]) -> dict[str
     kinds = kinds or [suffix.removeprefix(".")]
     if len(kinds) > 1 or suffixes[kinds[0]] != suffix:
         flags = " ".join(f"--{kind}" for kind in kinds)
-        raise UserError(
-            f"--output {output}: expected a single file with the suffix that {flags} needs"
-        )
+        raise UserError(f"--output {output}: names one file, whose suffix does not fit {flags}")
     return {kinds[0]: output}
 
 

@@ -1,4 +1,4 @@
-"""`bladewhirl response`: steady response to engine-order forces over the speed."""
+"""`bladewhirl response`: steady response to engine-order forces against the speed."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -25,13 +25,13 @@ def response(
     json: options.AsJson = False,
     overrides: options.Changes = None,
 ) -> None:
-    """Compute the steady response to engine-order forces over the speed, without contact.
+    """Compute the steady response to engine-order forces at many speeds, without contact.
 
     The case needs excitation.type = "engine-order". The equations of motion of the time
     integration, with damping, mistuning and rotation effects, are solved for the complex amplitude
     at each speed. The table lists the largest amplitude of each engine order; the figure shows the
-    amplitudes of all blades and of nodal diameters over the speed. With --json and no -o nothing is
-    written.
+    amplitudes of all blades and of nodal diameters against the speed. With --json and no -o nothing
+    is written.
     """
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.models.stage.stage import build_stage

@@ -62,9 +62,11 @@ def run(
 
     values = overrides or []
     if (case is None) == (resume is None):
-        raise UserError("run: expected CASE, or --resume DIR")
+        raise UserError("run: expected either CASE or --resume DIR")
     if resume is not None and (output is not None or overwrite or (start, end) != (None, None)):
-        raise UserError(f"--resume {resume}: expected no --output, --overwrite, --from and --to")
+        raise UserError(
+            f"--resume {resume}: omit --output, --overwrite, --from and --to of a new run"
+        )
     source = case or (resume or Path()) / CASE_NAME
     step, begun = read_case(source, values).march.time_step, 0.0
     with faults_from(source, values), progress_bar("preparing") as update, reduction_bar():

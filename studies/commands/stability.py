@@ -37,7 +37,7 @@ def stability(
     ] = KAPPAS,
     line: Annotated[
         float,
-        options.stiffness("--line", "Stiffness [N/m] for which eigenvalues are drawn over speed."),
+        options.stiffness("--line", "Stiffness [N/m] of the figure of eigenvalues against speed."),
     ] = 500.0,
     modes: Annotated[
         str,
@@ -66,7 +66,7 @@ def stability(
     json: options.AsJson = False,
     overrides: options.Changes = None,
 ) -> None:
-    """Chart growth rates over speed and coupling stiffness, or compute one point.
+    """Chart growth rates against speed and coupling stiffness, or compute one point.
 
     Bladed disk and casing are coupled by springs of stiffness κ, which represent frame and
     bearings. A chart shows the unstable zones, with borders by root finding, and the eigenvalues

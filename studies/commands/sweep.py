@@ -61,32 +61,34 @@ def sweep(
     ] = None,
     draws: Annotated[
         int | None,
-        typer.Option(help="Number of marches of each point, with values changed by --perturb."),
+        typer.Option(
+            help="Number of random draws: marches of each point, with values changed by --perturb."
+        ),
     ] = None,
     perturb: Annotated[
         list[str] | None,
         typer.Option(
             metavar="KEY=SIZE",
-            help='Random change of a key in each draw: "contact.friction = 0.05" is a normal'
+            help='Random change of a key in each random draw: "contact.friction = 0.05" is a normal'
             ' distribution with a standard deviation of 5 %. A following "absolute" means SI units,'
             ' "uniform" a uniform distribution.',
         ),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the draws.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of the random draws.")] = 0,
     until: Annotated[
         float | None,
         typer.Option(
             metavar="WIDTH",
-            help="Stop drawing a point when the 95 % interval of the share of every regime excludes"
-            " one half or is narrower than WIDTH, such as 0.2.",
+            help="March no more random draws of a point when the 95 % interval of the share of"
+            " every regime excludes one half or is narrower than WIDTH, such as 0.2.",
         ),
     ] = None,
     screen: Annotated[
         bool,
         typer.Option(
             "--screen",
-            help="March the draws with scaled masses of the casing and longer time steps; repeat at"
-            " the time step of the case the points whose outcome is uncertain.",
+            help="First march the random draws with scaled masses of the casing and longer time"
+            " steps; then repeat points with an uncertain outcome at the time step of the case.",
         ),
     ] = False,
     carry: Annotated[
@@ -102,7 +104,7 @@ def sweep(
         typer.Option(
             metavar="DIR",
             help="Finish the sweep in this folder; with a larger number of --draws or a smaller"
-            " --until, add draws.",
+            " --until, add random draws.",
         ),
     ] = None,
     yes: Annotated[
@@ -114,7 +116,7 @@ def sweep(
 
     Each combination is a point; --table lists any other points in a file. These are written into
     DIR: sweep.nc (netCDF, opens with xarray), with spectra, energies, regimes and decimated
-    histories of every point over the swept keys; and some figures. `bladewhirl plot DIR` draws more
+    histories of every point; and some figures. `bladewhirl plot DIR` draws more
     figures: whirl, contacts, energies, bifurcations, maps over two keys. Failed points are listed
     in failures.json. --resume DIR finishes a sweep that was interrupted or killed, with bitwise the
     same result.
@@ -140,7 +142,8 @@ def sweep(
             new_sweep |= {"--screen": screen, "--continue": carry}
             unused = ", ".join(name for name, value in new_sweep.items() if value)
             if unused:
-                raise UserError(f"--resume {resume}: expected no {unused}, which the plan defines")
+                stored = f"{resume}/sweep.json contains the input of this sweep"
+                raise UserError(f"--resume {resume}: omit {unused}, because {stored}")
             result = resume_sweep(
                 resume,
                 scheduler=scheduler,
@@ -150,7 +153,9 @@ def sweep(
                 watch=watch,
             )
         elif case is None or not (over or table) or output is None:
-            raise UserError("sweep: expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR")
+            raise UserError(
+                "sweep: expected either CASE, --over KEY=VALUES and -o DIR, or --resume DIR"
+            )
         else:
             values = parse_over(over or [])
             keys = values if table is None else point_table(table).values
@@ -158,7 +163,7 @@ def sweep(
             for override in overrides or []:
                 key = override.partition("=")[0].strip()
                 if key in keys:
-                    raise UserError(f"{option} {key}, --set {override}: expected only one of them")
+                    raise UserError(f"--set {override}: omit it, because {option} sets {key}")
             result = run_sweep(
                 read_case(case, overrides or []),
                 values,
@@ -188,7 +193,7 @@ def sweep(
         "wall_time": result.wall_time,
         "failures": result.grid.failed(result.failures),
     }
-    not_needed = f", {result.not_needed} not needed" if result.not_needed else ""
+    not_needed = f", {result.not_needed} random draws skipped" if result.not_needed else ""
     screened = f" ({result.screened} screened)" if result.screened else ""
     names = ", ".join(sorted(path.name for path in result.directory.iterdir()))
     emit(

@@ -1,4 +1,4 @@
-"""`bladewhirl veering`: frequencies over nodal diameter, and over the stiffness of the shaft."""
+"""`bladewhirl veering`: frequencies against nodal diameter, and against shaft stiffness."""
 
 from pathlib import Path
 from typing import Annotated
@@ -23,13 +23,13 @@ def veering(
     json: options.AsJson = False,
     overrides: options.Changes = None,
 ) -> None:
-    """Draw frequencies over nodal diameter and over the stiffness of the shaft.
+    """Draw frequencies against nodal diameter and against the stiffness of the shaft.
 
-    The first two diagrams show frequencies of the full bladed disk over nodal diameter, with a free
-    and with a clamped centre: many families, and the first two families with the suspension pair.
-    The third shows the modes with one nodal diameter over the stiffness of the shaft springs, where
-    the character of the suspension pair passes from branch to branch. With --json and no -o nothing
-    is written.
+    The first two diagrams show frequencies of the full bladed disk against nodal diameter, with a
+    free and with a clamped centre: many families, and the first two families with the suspension
+    pair. The third shows the modes with one nodal diameter against the stiffness of the shaft
+    springs, where the character of the suspension pair passes from branch to branch. With --json
+    and no -o nothing is written.
     """
     from bladewhirl.studies.modal import veering as study
     from bladewhirl.studies.modal.modes import stage_of_file

@@ -45,7 +45,7 @@ def verify(
     from bladewhirl.studies.verification.table import verify as run_cases
 
     if json and markdown:
-        raise UserError("--json --markdown: expected one of them")
+        raise UserError("--json, --markdown: omit one of them")
     if html is not None:
         checked_target(html, ".html")
     with progress_bar("cases") as progress:

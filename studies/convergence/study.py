@@ -79,9 +79,9 @@ def convergence(
         time_steps: two or more time steps [s], descending; `default_time_steps` if None.
         modes: two or more numbers of fixed-interface modes, ascending; `default_modes` if None.
         overwrite: whether to write into an existing folder.
-        scheduler: address of a dask scheduler; if None, processes of this machine march.
-        workers: number of processes of this machine; one per core if None; if 1, this process
-            marches.
+        scheduler: address of a dask scheduler; if None, processes of this computer march.
+        workers: number of processes of this computer; one per core if None; if 1, this
+            process marches.
         progress: called with the numbers of finished marches and of all marches.
 
     Raises:

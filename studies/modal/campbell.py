@@ -35,9 +35,9 @@ def campbell(
 ) -> xr.Dataset:
     """Compute speeds at which waves on bladed disk and casing coincide, Eq. (14), and their modes.
 
-    Variables over `coincidence`, ascending: normalised_speed (over the reference frequency), speed
-    [rpm], the frequency of both modes [Hz] and whether the speed lies in the operating range. A
-    coincidence is selected by family (of the bladed disk), casing_family and nodal_diameter::
+    Variables over `coincidence`, ascending: normalised_speed (divided by the reference frequency),
+    speed [rpm], the frequency of both modes [Hz] and whether the speed lies in the operating range.
+    A coincidence is selected by family (of the bladed disk), casing_family and nodal_diameter::
 
         diagram = bladewhirl.campbell(case)
         diagram.normalised_speed.sel(family="1F", nodal_diameter=1)
@@ -92,7 +92,7 @@ def campbell(
     )
     rotor_frequency, family = rotor.frequency[met.rotor], _families(rotor)[met.rotor]
     at_rest = family
-    name = "critical speed: none without rotation.effects"
+    name = "critical speed, only with rotation effects"
     at_speed = xr.Dataset(
         {
             "critical_speed": quantity("critical", np.empty(0), "1", name),

@@ -100,7 +100,7 @@ def dataset_at_speed(
     chosen: set[str],
     speeds: tuple[float, float],
 ) -> xr.Dataset:
-    """Compute branches, critical speeds, engine orders and growth over normalised speeds, see
+    """Compute branches, critical speeds, engine orders and growth at normalised speeds, see
     `campbell`.
 
     Waves and names (families at rest, the lowest first) of the bladed disk are given by nodal

@@ -44,7 +44,7 @@ class System:
     def growth(
         self, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
     ) -> FloatArray:
-        """Compute growth rates [1/s] over speeds [rad/s] and stiffnesses [N/m], (kappa, omega).
+        """Compute growth rates [1/s] at speeds [rad/s] and stiffnesses [N/m], (kappa, omega).
 
         Growth rates are exactly zero where undamped modes do not grow.
         """

@@ -1,4 +1,4 @@
-"""Map of critical speeds over the stiffness of the shaft: Dataset, JSON document, figure."""
+"""Map of critical speeds against the stiffness of the shaft: Dataset, JSON document, figure."""
 
 from dataclasses import replace
 from typing import Any
@@ -36,7 +36,7 @@ def critical_speeds(
     stiffnesses: FloatArray | None = None,
     branches: int = 2,
 ) -> xr.Dataset:
-    """Compute the critical speeds of the bladed disk over the stiffness of the shaft.
+    """Compute the critical speeds of the bladed disk for many stiffnesses of the shaft.
 
     At a critical speed the shaft whirls at the speed of rotation: forward, as an imbalance drives
     it, or backward. The speeds follow directly from an eigenproblem at each stiffness, without a
@@ -70,15 +70,15 @@ def critical_speeds(
             "critical speeds: expected equal sectors on equal shaft springs, without"
             " bladed_disk.mistuning and shaft.stiffness_y"
         )
-    own, at = waves(matrices, 1, "full"), stage.case.shaft.stiffness
+    nominal, at = waves(matrices, 1, "full"), stage.case.shaft.stiffness
     springs = spring_stiffnesses(stage.case, None) if stiffnesses is None else stiffnesses
     speed = np.full((len(springs), len(ORDERS), branches), np.nan)
     share = np.full_like(speed, np.nan)
     for i, stiffness in enumerate(np.asarray(springs) / at):
         other = replace(
-            own,
-            stiffness=own.stiffness + (stiffness - 1.0) * own.springs,
-            springs=stiffness * own.springs,
+            nominal,
+            stiffness=nominal.stiffness + (stiffness - 1.0) * nominal.springs,
+            springs=stiffness * nominal.springs,
         )
         for j, order in enumerate(ORDERS.values()):
             omegas, shares = (each[:branches] for each in other.synchronous(order))
@@ -97,7 +97,7 @@ def critical_speeds(
             "branch": ("branch", np.arange(1, branches + 1)),
         },
         attrs={
-            "title": "critical speeds over shaft stiffness",
+            "title": "critical speeds against shaft stiffness",
             "case": stage.case.title,
             "case_stiffness": at,
             "case_speed": stage.speed * 30.0 / np.pi,

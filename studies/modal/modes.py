@@ -150,7 +150,7 @@ def _modes_of(
         "direction": rotating,
         "direction_static": static,
     }
-    over_reference = "natural frequency over the reference frequency"
+    over_reference = "natural frequency divided by the reference frequency"
     hertz, normalised = modes.frequency / (2.0 * np.pi), modes.frequency / reference
     numbers = {
         "frequency": (hertz, "Hz", "natural frequency"),

@@ -34,7 +34,7 @@ def response(
     speeds: Sequence[float | str] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
-    """Compute the steady response to engine-order forces over the speed, without contact.
+    """Compute the steady response to engine-order forces at many speeds, without contact.
 
     The equations are those of the time integration: modes, damping and rotation effects of the case
     at each speed. They are solved for the complex amplitude X of X exp(i r Omega t) of each engine
@@ -64,8 +64,10 @@ def response(
     if not loads:
         types = ", ".join(f'{key}.type = "{load.type}"' for key, load in given_loads.items())
         raise UserError(f'{types}: expected "engine-order" for a response')
-    if stage.rotor.anisotropy or stage.kept.springs is not None:
-        raise UserError("response: expected equal shaft springs and no springs to the casing")
+    if stage.rotor.anisotropy:
+        raise UserError("response: expected equal shaft springs")
+    if stage.kept.springs is not None:
+        raise UserError("response: not allowed with springs between bladed disk and casing")
     if stage.case.reduction.modes != ALL:
         raise UserError(f'reduction.modes = "{stage.case.reduction.modes}": expected "{ALL}"')
     given = [stage.case.march.speed.given] if speeds is None else list(speeds)

@@ -1,4 +1,4 @@
-"""Growth rate of coupled modes over speed and stiffness, with zones and eigenvalues."""
+"""Growth rate of coupled modes against speed and stiffness, with zones and eigenvalues."""
 
 from typing import Any
 
@@ -32,7 +32,7 @@ STIFFNESS = {"units": "N/m", "long_name": "coupling stiffness"}
 def stability_chart(
     system: System, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
 ) -> xr.Dataset:
-    """Compute growth rates over ascending speeds omegas [rad/s] and spring stiffnesses kappas
+    """Compute growth rates at ascending speeds omegas [rad/s] and spring stiffnesses kappas
     [N/m]; for an `EvenSystem`, also the unstable zones."""
     growth = system.growth(omegas, kappas, progress)
     data = _ranges(system, omegas, kappas)

@@ -36,12 +36,14 @@ ZONES = (
     Column("coincidence", "coincidence [ω₁]", ".4f", variable="start"),
     *BORDERS,
 )
+"""Columns of a zone; the variables have the prefix "zone_"."""
+
 COINCIDENCES = (
     Column("casing", variable="coincidence_casing"),
     Column("rotor", variable="coincidence_rotor"),
     Column("speed", variable="coincidence"),
 )
-"""Columns of zones, whose variables have the prefix "zone_", and columns of coincidences."""
+"""Columns of a coincidence."""
 
 POINT = (
     Column("speed", "speed [ω₁]", ".6g"),
@@ -52,6 +54,8 @@ POINT = (
     Column("stability", "stability"),
     Column("growth_rate_floquet", "growth rate, monodromy [1/s]", ".6g"),
 )
+"""Columns of one point of the chart."""
+
 MOTION = (
     Column("coupled_mode.nodal_diameter", "nodal diameter", "d"),
     Column("coupled_mode.rotor_wave_speed", "rotor wave speed [rad/s]", ".6g"),
@@ -60,20 +64,28 @@ MOTION = (
     Column("coupled_mode.whirl_speed_static", "whirl speed, static [rad/s]", ".6g"),
     Column("coupled_mode.shaft_lead_degrees", "shaft lead [°]", ".6g"),
 )
+"""Columns of the divergent mode at this point."""
+
 CHART = (
     Column("largest_growth_rate", "largest growth rate [1/s]", ".4g"),
     Column("at_speed", "speed of the largest growth rate [ω₁]", ".4g"),
     Column("at_kappa", "stiffness of the largest growth rate [N/m]", ".4g"),
     Column("unstable_share", "unstable share of the chart [%]", ".3g", 100.0),
 )
+"""Columns of a whole chart."""
+
 ROTOR_ALONE = (
     Column("critical_speed", "critical speed [ω₁]", ".5g"),
     Column("rotor_growth_rate", "growth rate, bladed disk alone [1/s]", ".4g"),
     Column("rotor_nodal_diameter", "nodal diameter of this growth", "d"),
     Column("cause", "cause of this growth"),
-    Column("holding_damping", "damping of two static bearings against it [N s/m]", ".4g"),
+    Column(
+        "holding_damping",
+        "damping of each of two static bearings that stops this growth [N s/m]",
+        ".4g",
+    ),
 )
-"""Columns of a point, its divergent mode, a chart and the uncoupled bladed disk."""
+"""Columns of the bladed disk without the casing."""
 
 
 def point_report(

@@ -53,7 +53,7 @@ def superelement_modes(case: Case, count: int) -> dict[str, Any]:
 
     Returns:
         JSON document: "bladed_disk", a list of modes with "number", "frequency_hz" and
-        "normalised", the frequency over the lowest one without rigid modes.
+        "normalised", the frequency divided by the lowest one that is not of a rigid mode.
     """
     stage = superelement_stage(case)
     frequency = stage.reduced.frequency
@@ -105,7 +105,7 @@ def superelement_properties(stage: SuperelementStage) -> dict[str, Any]:
 
 
 def _layer(coating: NodeCoating | None) -> dict[str, Any]:
-    """Return the sizes of a coating, with the smallest footprint and width; nothing without one."""
+    """Return sizes of a coating, with the smallest footprint and width; empty without a coating."""
     if coating is None:
         return {}
     tracks, rods = coating.strain.shape

@@ -1,4 +1,4 @@
-"""Frequencies over nodal diameter and over shaft stiffness: Dataset, JSON document, figures."""
+"""Frequencies against nodal diameter and shaft stiffness: Dataset, JSON document, figures."""
 
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ STIFFNESSES, DECADES = 241, 3
 """Number of shaft stiffnesses, and decades below and above the stiffness of the case."""
 
 BRANCHES = 5
-"""Number of modes drawn over the stiffness of the shaft."""
+"""Number of modes drawn against the stiffness of the shaft."""
 
 CLOSE_UP = 2
 """Number of families of the second diagram, which also shows the suspension pair."""
@@ -37,7 +37,7 @@ def veering(
     families: int = 12,
     stiffnesses: FloatArray | None = None,
 ) -> xr.Dataset:
-    """Compute frequencies over nodal diameter, with free and clamped centre, and over the stiffness
+    """Compute frequencies by nodal diameter, with free and clamped centre, and for many stiffnesses
     of the shaft.
 
     Variables over `mode`, one mode for each pair of the bladed disk: frequency [Hz],

@@ -31,8 +31,8 @@ def done_points(sweep: xr.Dataset) -> xr.Dataset:
 
 
 def _radii(sweep: xr.Dataset, ends: tuple[float, float]) -> tuple[Array, Array, float]:
-    """Return speeds, largest radii, and the median radius inside an interval over the median
-    radius outside."""
+    """Return speeds, largest radii, and the median radius inside an interval divided by the
+    median radius outside."""
     speed, radius = sweep["march_speed"].values, sweep["shaft_radius_max"].values
     inside = (speed >= ends[0]) & (speed <= ends[1])
     return speed, radius, float(np.median(radius[inside]) / np.median(radius[~inside]))
@@ -169,7 +169,7 @@ def truncated_space_under_imbalance(motion: Motion, sweep: xr.Dataset) -> Measur
 
 @measures(40)
 def sustained_radius(sweep: xr.Dataset) -> Measures:
-    """Return mean radii of sustained motions late in the march, over the clearance."""
+    """Return mean radii of sustained motions late in the march, divided by the clearance."""
     clearance = loads(sweep.attrs["case"]).casing.clearance
     sweep = done_points(sweep)
     sustained = sweep["regime"].values == "sustained"

@@ -1,4 +1,4 @@
-"""Scorecard: verdicts of claims over repeats, and their numbers, as JSON, a table and a page."""
+"""Scorecard: verdicts of claims from all repeats, with numbers, as JSON, a table and a page."""
 
 import json
 from collections import Counter
@@ -40,7 +40,7 @@ class Score:
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict over all repeats; "partly" if the repeats have different verdicts."""
+        """Verdict from all repeats; "partly" if the repeats have different verdicts."""
         verdicts = {finding.verdict for finding in self.findings}
         return verdicts.pop() if len(verdicts) == 1 else "partly"
 

@@ -151,7 +151,7 @@ def read_failures(directory: Path, size: float = float("inf")) -> list[dict[str,
 
 
 def write_provenance(directory: Path, case: Case) -> None:
-    """Write the provenance of the run: versions, date, machine, and the copied mesh file."""
+    """Write the provenance of the run: versions, date, computer, and the copied mesh file."""
     source = _source(case)
     provenance: dict[str, Any] = {
         PACKAGE: version(),

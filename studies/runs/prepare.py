@@ -161,7 +161,7 @@ def prepare_superelement(
 def checked_problem(stage: SuperelementStage) -> BoundaryProblem:
     """Return the contact problem of a superelement, checked as for `prepare_superelement`."""
     if os.environ.get(KERNEL, "compiled") != "compiled":
-        raise UserError(f"{KERNEL}: expected compiled, there is no reference for superelements")
+        raise UserError(f'{KERNEL}: expected "compiled"; superelements have no reference in NumPy')
     problem, timing = stage.problem, stage.case.march.timing
     limit = problem.critical_time_step
     if not timing.time_step < limit:

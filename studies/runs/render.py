@@ -75,7 +75,7 @@ def render(
     windowed = any(value is not None for value in (frames, start, end))
     if time is not None and (windowed or kind != ".png"):
         raise ViewError(
-            f"{target}: expected no time; a time is for .png without frames, start and end"
+            f"{target}: omit time; it is allowed for .png only, without frames, start and end"
         )
     look: dict[str, Any] = {"exaggeration": exaggeration, "frame": frame, "colour": colour}
     with opened(result) as dataset, writing(target):

@@ -117,8 +117,8 @@ def resume(
         ) from None
     if checkpoint.case != folder.march_digest(case):
         raise UserError(
-            f"{path}: expected the case, and the version of bladewhirl, that the run was begun"
-            " with; only march.duration may change"
+            f"{path}: expected the case and the version of bladewhirl with which the run was begun;"
+            " only march.duration may change"
         )
     window = Window(frames=frames, rotating=rotating)
     window.check(case.march.duration)

@@ -12,7 +12,7 @@ from bladewhirl.studies.runs.march_texts import attributes
 from bladewhirl.studies.runs.prepare import prepare_superelement
 
 CLEARANCE_SHARE = 0.1
-"""Largest drawn clearance, as a share of the size of a blade."""
+"""Largest drawn clearance, divided by the size of a blade."""
 
 
 def draw_superelement(stage: SuperelementStage, path: Path) -> None:

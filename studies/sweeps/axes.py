@@ -75,7 +75,7 @@ class PointTable:
 @dataclass(frozen=True, kw_only=True)
 class Grid:
     """Points of a sweep: all combinations of values of its axes; the last axis varies fastest. If
-    the sweep has draws, the last axis is the number of the draw. If the sweep has a table of
+    the sweep has random draws, the last axis is the number of the draw. If the sweep has a table of
     points, the first axis is the number of the point."""
 
     axes: tuple[Axis, ...]
@@ -92,7 +92,7 @@ class Grid:
 
     @property
     def over(self) -> dict[str, tuple[Value, ...]]:
-        """Values of each swept key, without the draws; empty if there is a table."""
+        """Values of each swept key, without random draws; empty if there is a table."""
         return {axis.key: axis.values for axis in self.axes if axis.key not in (DRAW, POINT)}
 
     @property

@@ -40,7 +40,7 @@ STATES_NAME = "states"
 """Name of the folder with the final state of each march, until the sweep is complete."""
 
 LATE_SHARE = 1.0 / 3.0
-"""Share of a march, at its end, from which the state is taken."""
+"""The state is taken from this fraction of a march, at its end."""
 
 FEWEST_TURNS = 3.0
 """Smallest number of revolutions of a march, so that the state is from its last revolutions."""
@@ -179,7 +179,7 @@ class Chains:
         self._chain_of = np.zeros(state.size, dtype=np.int64)
         self._chain_of[self._chains] = np.arange(len(self._chains))[:, None]
 
-    def wanted(self) -> Iterator[tuple[int, int | None] | None]:
+    def next_points(self) -> Iterator[tuple[int, int | None] | None]:
         """Yield points to march, each with the point whose state it starts from, or None for a new
         start. None instead of a point means that no point can be marched before another one is
         finished."""

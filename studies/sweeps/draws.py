@@ -1,9 +1,9 @@
-"""Draws of a sweep: every point is marched several times with slightly different values.
+"""Random draws of a sweep: each point is marched several times with slightly different values.
 
 Contact near a threshold between regimes is chaotic: a change of 1e-7 in a load can change the
-regime. Only several marches with changed values, called draws, tell how likely a regime is. Each
-draw of a point has its own random stream (Philox, with point and draw as the counter), so that the
-values depend neither on the number of workers nor on the order of the points.
+regime. Only several marches with randomly changed values, the draws, show how likely a regime is.
+Each draw of a point has its own random stream (Philox, with point and draw as the counter), so that
+the values depend neither on the number of workers nor on the order of the points.
 """
 
 import re
@@ -17,7 +17,7 @@ from bladewhirl.models.inputs.errors import UserError
 PERTURB, UNTIL = "--perturb", "--until"
 
 MOST_DRAWS = 10_000
-"""Largest number of draws of a point."""
+"""Largest number of random draws of a point."""
 
 _FORM = re.compile(
     r"\s*([\w.]+)\s*=\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
@@ -32,8 +32,8 @@ class Perturbation:
     text: str  #: as the user wrote it, "excitation.amplitude = 1e-6"
     key: str  #: dotted key, as in the case file
     size: float  #: standard deviation, or half of the width of a uniform distribution
-    relative: bool  #: whether the size is a share of the value
-    uniform: bool  #: whether the distribution is uniform instead of normal
+    relative: bool  #: true if the size is a fraction of the value, false if in the SI unit
+    uniform: bool  #: true for a uniform distribution, false for a normal distribution
 
     def value(self, nominal: float, stream: np.random.Generator) -> float:
         """Return the changed value of a key."""
@@ -43,12 +43,13 @@ class Perturbation:
 
 @dataclass(frozen=True, kw_only=True)
 class Draws:
-    """Draws of each point of a sweep."""
+    """Random draws of each point of a sweep."""
 
     count: int  #: number of draws of each point
     seed: int
     perturbations: tuple[Perturbation, ...]
-    #: width of intervals below which a point is not drawn any more; None to march all draws
+    #: a point gets no more draws once its confidence intervals are narrower than this; None for all
+    #: draws
     until: float | None = None
 
     def stream(self, point: int, draw: int) -> np.random.Generator:
@@ -60,7 +61,8 @@ class Draws:
 def parse_draws(
     count: int | None, perturb: Sequence[str], seed: int, until: float | None = None
 ) -> Draws | None:
-    """Return the draws from the options --draws, --perturb, --seed, --until; None without draws.
+    """Return the random draws from the options --draws, --perturb, --seed and --until; None if the
+    sweep has none.
 
     Args:
         count: number of draws of each point.
@@ -68,22 +70,29 @@ def parse_draws(
             normal (default) or uniform. SIZE is a share of the value, or, if absolute, in the SI
             unit of the key.
         seed: seed of the random streams.
-        until: width of the intervals of shares from which on a point is not drawn any more.
+        until: width of confidence intervals, below 1; a point gets no more draws once the intervals
+            of the shares of all regimes are narrower, or exclude one half.
 
     Raises:
-        UserError: only one of count and perturb is given, or an option is not valid.
+        UserError: only one of count and perturb is given, until without count, or an option is not
+            valid.
     """
-    if until is not None and (count is None or not 0.0 < until < 1.0):
-        raise UserError(f"{UNTIL} {until}: expected a width between 0 and 1, and --draws")
+    if until is not None and not 0.0 < until < 1.0:
+        raise UserError(
+            f"{UNTIL} {until}: expected the width of a confidence interval, between 0 and 1"
+        )
+    if until is not None and count is None:
+        raise UserError(f"{UNTIL} {until}: needs --draws")
     if count is None and not perturb:
         return None
-    if count is None or not perturb:
-        raise UserError(f"--draws {count}, {PERTURB}: expected both or none of them")
-    if not 2 <= count <= MOST_DRAWS or seed < 0:
-        raise UserError(
-            f"--draws {count}, --seed {seed}: expected 2 to {MOST_DRAWS} draws, and a seed of zero"
-            " or more"
-        )
+    if count is None:
+        raise UserError(f"{PERTURB}: needs --draws, the number of random draws")
+    if not perturb:
+        raise UserError(f"--draws {count}: needs {PERTURB}, the random changes")
+    if not 2 <= count <= MOST_DRAWS:
+        raise UserError(f"--draws {count}: expected 2 to {MOST_DRAWS} random draws")
+    if seed < 0:
+        raise UserError(f"--seed {seed}: expected zero or more")
     perturbations = []
     for text in perturb:
         match = _FORM.fullmatch(text)

@@ -1,4 +1,4 @@
-"""Interaction map of a superelement: contact and vibration over the speed of rotation."""
+"""Interaction map of a superelement: contact and vibration at many speeds of rotation."""
 
 import os
 from collections.abc import Callable, Sequence
@@ -20,16 +20,16 @@ RECORDS = 64
 """Number of records in a revolution."""
 
 VARIABLES = {
-    "contact_impulse": ("N s", "normal impulse of all nodes per revolution, over the second half"),
+    "contact_impulse": ("N s", "normal impulse of all nodes per revolution, in the second half"),
     "contact_force_max": ("N", "largest normal force on a node, mean between two records"),
-    "contact_share": ("1", "largest share of time in contact of a node, over the second half"),
-    "radial": ("m", "largest radial displacement of a node over the second half"),
-    "tangential": ("m", "largest tangential displacement of a node over the second half"),
-    "axial": ("m", "largest axial displacement of a node over the second half"),
+    "contact_share": ("1", "largest share of time in contact of a node, in the second half"),
+    "radial": ("m", "largest radial displacement of a node in the second half"),
+    "tangential": ("m", "largest tangential displacement of a node in the second half"),
+    "axial": ("m", "largest axial displacement of a node in the second half"),
     "turns": ("1", "revolutions until the end"),
     "unsolved_steps": ("1", "steps whose forces did not converge"),
 }
-"""Variables of each speed, with units and meanings."""
+"""Variables of each speed, with units and meanings; the second half is that of the revolutions."""
 
 
 def interaction_map(
@@ -56,17 +56,21 @@ def interaction_map(
 
     Returns:
         Dataset over `speed` [rad/s]: the variables of `VARIABLES` and `divergent`; over (speed,
-        line): `amplitude` [m], the spectrum of the second half, at `frequency` [Hz]. The attribute
-        `natural_frequencies` lists those without contact [Hz].
+        line): `amplitude` [m], the spectrum in the second half of the revolutions, at `frequency`
+        [Hz]. The attribute `natural_frequencies` lists the natural frequencies without contact
+        [Hz].
 
     Raises:
-        UserError: a speed is zero or invalid, or a time step is too long for the model.
-        CaseError: the case has no superelement, or cannot be marched.
+        UserError: the case has no superelement, a speed is zero or invalid, or a time step is too
+            long for the model.
+        CaseError: the case cannot be marched.
     """
     if case.bladed_disk.superelement is None:
         raise UserError("bladed_disk.superelement: expected a superelement for an interaction map")
-    if not len(speeds) or turns < 2:
-        raise UserError("interaction map: expected at least one speed, and at least 2 revolutions")
+    if not len(speeds):
+        raise UserError("interaction map: expected at least one speed")
+    if turns < 2:
+        raise UserError(f"interaction map: expected at least 2 revolutions, not {turns}")
     stage = superelement_stage(case)
     problem, reference = stage.problem, stage.reference_frequency
     if not 0 <= node < stage.part.contacts:
@@ -97,7 +101,8 @@ def _omega(speed: float | str, reference: float) -> float:
         omega = Speed(speed).rad_per_s(reference)
     except ValueError as error:
         raise UserError(
-            f"speeds: expected multiples or texts in rpm, Hz or rad/s ({error})"
+            "speeds: expected multiples of the lowest natural frequency, or text in rpm, Hz or"
+            f" rad/s ({error})"
         ) from None
     if omega == 0.0:
         raise UserError("speeds: expected speeds other than 0")

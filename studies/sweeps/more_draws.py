@@ -1,4 +1,4 @@
-"""More draws at the points of an existing sweep; the finished draws are kept."""
+"""More random draws at the points of an existing sweep; the finished draws are kept."""
 
 import os
 from dataclasses import replace
@@ -20,30 +20,41 @@ from bladewhirl.studies.sweeps.store import Store, create
 def add_draws(
     plan: Plan, directory: Path, count: int | None = None, until: float | None = None
 ) -> Plan:
-    """Return the plan of a sweep with `count` draws at each point, which are marched until the
-    intervals are narrower than `until`, and write plan and dataset with these draws into the folder
-    of the sweep. None keeps the value of the plan.
+    """Return the plan of a sweep with `count` random draws at each point, and write plan and
+    dataset with these draws into the folder of the sweep. Draws are marched until the confidence
+    intervals are narrower than `until`. None keeps the value of the plan.
 
     The dataset is replaced before the plan. After a kill in between, the same call completes both.
 
     Raises:
-        UserError: the sweep has no draws, would not get more of them, keeps histories, which are
-            numbered by draw, carries motion from speed to speed, or its dataset is in use, damaged
-            or of another plan.
+        UserError: the sweep has no draws, or not fewer than `count`; it keeps histories, which are
+            numbered by draw, or carries motion from speed to speed; or its dataset is in use,
+            damaged or of another plan.
     """
     draws = plan.grid.draws
-    present, width = (0, None) if draws is None else (draws.count, draws.until)
-    if draws is None or plan.histories or plan.carry or (count is not None and count <= present):
+    option = f"{UNTIL} {until:g}" if count is None and until is not None else f"--draws {count}"
+    if draws is None:
+        raise UserError(f"--resume {directory}, {option}: this sweep was made without --draws")
+    if plan.histories or plan.carry:
+        kept = "--histories" if plan.histories else "--continue"
         raise UserError(
-            f"--resume {directory}, --draws {count}: expected a sweep with draws and without"
-            f" --histories and --continue, and more than its {present} draws"
+            f"--resume {directory}, {option}: a sweep with {kept} cannot get more random draws"
         )
-    if until is not None and (width is None or not 0.0 < until < width):
-        least = "a sweep with --until" if width is None else f"less than its {UNTIL} {width:g}"
-        raise UserError(f"--resume {directory}, {UNTIL} {until:g}: expected {least}")
-    count = count or present
+    if count is not None and count <= draws.count:
+        raise UserError(
+            f"--resume {directory}, {option}: expected more than the {draws.count} draws it has"
+        )
+    if until is not None and draws.until is None:
+        raise UserError(
+            f"--resume {directory}, {UNTIL} {until:g}: this sweep was made without {UNTIL}"
+        )
+    if until is not None and draws.until is not None and not 0.0 < until < draws.until:
+        raise UserError(
+            f"--resume {directory}, {UNTIL} {until:g}: expected less than its width {draws.until:g}"
+        )
+    count = count or draws.count
     table = PointTable(values=plan.grid.listed) if plan.grid.table else None
-    more = replace(draws, count=count, until=until or width)
+    more = replace(draws, count=count, until=until or draws.until)
     grid = make_grid(plan.case, plan.grid.over, large=True, draws=more, table=table)
     wider = plan_sweep(
         plan.case, grid, histories=False, stop_when=plan.stop_when, screen=plan.screen

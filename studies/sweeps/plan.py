@@ -47,8 +47,8 @@ from bladewhirl.studies.sweeps.store import Coordinates
 STOP_WHEN, SCREEN = "--stop-when", "--screen"
 
 FEWEST_SCREENED = 4
-"""Smallest number of draws of a screened sweep: if fewer draws agree, the interval of their share
-includes one half."""
+"""Smallest number of random draws of a screened sweep: even if all of fewer draws agree, the
+confidence interval of their share includes one half."""
 
 SCREEN_RULE = (
     "a point is screened: its draws are marched, until two differ, with casing modes above a cut"
@@ -177,13 +177,15 @@ def plan_sweep(
             )
     coordinates = _coordinates(case, grid)
     if case.bladed_disk.superelement is not None and screen:
-        raise UserError(f"{SCREEN}: expected a bladed disk of beams, not bladed_disk.superelement")
+        raise UserError(f"{SCREEN}: not allowed together with bladed_disk.superelement")
     _check_stages(case, grid, screen=screen)
     stage = stage_at(with_values(case, grid.values(0)))
-    if screen and (grid.draws is None or grid.draws.count < FEWEST_SCREENED or histories):
+    if screen and (grid.draws is None or grid.draws.count < FEWEST_SCREENED):
+        raise UserError(f"{SCREEN}: needs --draws of at least {FEWEST_SCREENED}")
+    if screen and histories:
         raise UserError(
-            f"{SCREEN}: expected --draws of at least {FEWEST_SCREENED}, and no --histories: a"
-            " screening march has no accurate stresses or spectra above its cut"
+            f"{SCREEN}: not allowed together with --histories: a screening march has no accurate"
+            " stresses, nor spectra above its cut"
         )
     if carry is not None:
         others = histories or screen or stop_when or (grid.draws and grid.draws.until)
@@ -299,10 +301,12 @@ def read_plan(directory: Path) -> Plan:
     except OSError as error:  # raised for the mesh file
         raise UserError(f"{error.filename}: expected a readable file ({error.strerror})") from None
     if document.get("digest") != digest:
+        current = f"bladewhirl {folder.version()} in format {SWEEP_FORMAT}"
+        origin = f"bladewhirl {made_by} in format {document.get('format', 1)}"
+        was = "it was changed" if origin == current else f"it is of {origin}"
         raise UserError(
-            f"{path}: expected a plan of bladewhirl {folder.version()} in format {SWEEP_FORMAT}; it"
-            f" was changed, or written by {made_by} in format {document.get('format', 1)}, so that"
-            " points marched before would not agree with new points"
+            f"{path}: expected a plan of {current}; {was}, so new points would not agree with the"
+            " points already marched"
         )
     points = PointTable(values=table) if table else None
     grid = make_grid(case, over, large=True, draws=draws, table=points)
@@ -334,15 +338,16 @@ def _check_carry(case: Case, grid: Grid, coordinates: Coordinates, *, others: bo
         case: case that is varied.
         grid: points of the sweep.
         coordinates: values of the swept keys.
-        others: whether there are options that do not fit together with this one.
+        others: true if options are given that are not allowed together with this one.
 
     Raises:
-        UserError: it cannot; the message states the reason.
+        UserError: the motion cannot be carried; the message states the reason.
     """
-    if SPEED not in grid.over or others:
+    if SPEED not in grid.over:
+        raise UserError(f"{CONTINUE}: needs --over {SPEED}=...; a --table is not enough")
+    if others:
         raise UserError(
-            f"{CONTINUE}: expected --over {SPEED}=..., and none of --table, --screen, --until,"
-            " --stop-when and --histories"
+            f"{CONTINUE}: not allowed together with --screen, --until, --stop-when and --histories"
         )
     for number in (0, grid.size - 1):
         at_point = with_values(case, grid.values(number))

@@ -47,7 +47,7 @@ IN_MEMORY = 500_000_000
 """Largest size of a history in the memory of a worker [bytes]; a larger history is in a file until
 it is reduced."""
 
-_OWN = threading.local()
+_THREAD = threading.local()
 """Data of a marching thread: memory of its records, reused from point to point."""
 
 
@@ -136,7 +136,7 @@ def _march_point(work: Work, case: Case, point: Point) -> Digest:
             stop = FreeMotion.of(prepared.problem, prepared.timing.time_step)
             prepared = replace(prepared, stop=stop)
     if work.layout is not None and name is None and expected_bytes(prepared) <= IN_MEMORY:
-        room = _OWN.__dict__.setdefault("room", {})
+        room = _THREAD.__dict__.setdefault("room", {})
         # The digest of beams does not need the motion of the casing.
         casing = work.layout.superelement or point.after is not None
         result, report = march_in_memory(prepared, room, casing=casing)

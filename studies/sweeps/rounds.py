@@ -70,7 +70,7 @@ class Rounds:
             following: Judge | None = judge
             while following is not None:
                 judge = following
-                for number in judge.wanted():
+                for number in judge.next_draws():
                     flying += 1
                     yield self._plan.point(number, screen=self.screening)
                 while flying and self.screening:
@@ -116,7 +116,7 @@ class Rounds:
         )
         points = (
             each and plan.point(each[0], before=each[1])  # None if no point can be marched yet
-            for each in chains.wanted()
+            for each in chains.next_points()
         )
         for number, outcome in self._march(points):
             end = None if isinstance(outcome, Failure) else int(outcome["end_reason"])

@@ -188,7 +188,7 @@ class Store(AbstractContextManager["Store"]):
 
     @property
     def not_needed(self) -> int:
-        """Number of draws that are not needed."""
+        """Number of random draws that were skipped because the outcome of their point was known."""
         return int(np.count_nonzero(self.state == dataset.NOT_NEEDED))
 
     def read(self, point: int) -> dict[str, FloatArray]:
@@ -223,7 +223,7 @@ class Store(AbstractContextManager["Store"]):
         self._write_state(point, dataset.FAILED if isinstance(outcome, Failure) else dataset.DONE)
 
     def leave_out(self, point: int) -> None:
-        """Write that a draw is not needed. If the draw has data, they are erased."""
+        """Mark a random draw as not needed. If the draw has data, they are erased."""
         if self.state[point] == dataset.NOT_NEEDED:
             return
         self.failures.pop(point, None)

@@ -55,7 +55,7 @@ class Sweep:
     grid: Grid
     wall_time: float  #: wall time of this call [s]
     marched: int  #: number of points marched by this call
-    not_needed: int = 0  #: number of draws that were not needed, see `until` and `screen`
+    not_needed: int = 0  #: number of random draws that were skipped, see `until` and `screen`
     screened: int = 0  #: number of marches that are screening marches, see `screen`
     left_out: Mapping[str, str] = field(default_factory=dict)  #: figures not drawn, and the reasons
 
@@ -100,25 +100,26 @@ def run_sweep(
         directory: folder to make.
         table: points in place of `over`: a DataFrame, a mapping of columns, or the path of a CSV
             file, see `table.point_table`. The dataset then has the dimension `point`.
-        scheduler: address of a dask scheduler; if None, processes of this machine march.
-        workers: number of processes of this machine; one per core when None.
+        scheduler: address of a dask scheduler; if None, processes of this computer march.
+        workers: number of processes of this computer; one per core when None.
         histories: whether to keep the full histories of every point; with a scheduler, all workers
             must have access to the folder under the same path.
         large: whether to allow more than 100,000 points, a billion steps of one march, or a
             trillion steps of the sweep.
         stop_when: "damped" ends a march early when no tip can touch any more; the attribute
             `stop_rule` of the dataset contains the rule.
-        draws: number of marches of each point with random changes; `probability` gives the shares
-            of the regimes. The dataset then has the dimension `draw`.
+        draws: number of random draws, marches of each point with random changes; `probability`
+            gives the shares of the regimes. The dataset then has the dimension `draw`.
         perturb: random changes, such as "contact.friction = 0.05": a normal distribution with a
             standard deviation of 5 %. More words are possible, see `draws.parse_draws`.
-        seed: seed of the draws.
-        until: stop drawing a point when the 95 % interval of the share of every regime excludes one
-            half or is narrower than this. The `state` of the other draws is "not-needed".
-        screen: march the draws with scaled masses of the casing and a longer time step, and repeat
-            at the time step of the case the points whose outcome is uncertain, until the 99.7 %
-            interval of the share of every regime excludes one half. The variable `screened` tells
-            these marches from others; the attribute `screen_rule` is the rule.
+        seed: seed of the random draws.
+        until: march no more draws of a point when the 95 % interval of the share of every regime
+            excludes one half or is narrower than this. The `state` of the other draws is
+            "not-needed".
+        screen: first march the draws with scaled masses of the casing and a longer time step; then
+            repeat points with an uncertain outcome at the time step of the case, until the 99.7 %
+            interval of the share of every regime excludes one half. The variable `screened` marks
+            the former marches; the attribute `screen_rule` is the rule.
         carry: "up" or "down": start the march at each speed from the motion at the speed below or
             above it, so that hysteresis is seen; the attribute `carry_rule` is the rule.
         watch: progress callbacks.
@@ -128,8 +129,8 @@ def run_sweep(
 
     Raises:
         UserError: as for `make_grid`, `point_table` and `plan_sweep`; both or none of `over` and
-            `table` are given; or the folder exists or cannot be written,
-            or the scheduler does not answer.
+            `table` are given; the folder exists or cannot be written; or the scheduler does not
+            answer.
     """
     directory = Path(directory)
     if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
@@ -137,7 +138,7 @@ def run_sweep(
         hint = "; --resume finishes the sweep in it" if resumable else ""
         raise UserError(f"{directory}: expected a new or an empty folder{hint}")
     if over and table is not None:
-        raise UserError(f"{OVER}, {TABLE}: expected only one of them")
+        raise UserError(f"{OVER}, {TABLE}: omit one of them")
     grid = make_grid(
         case,
         over or {},
@@ -182,7 +183,7 @@ def resume_sweep(
         directory: folder of the sweep.
         scheduler: see `run_sweep`.
         workers: see `run_sweep`.
-        draws: new, larger number of draws of each point; the finished draws are kept.
+        draws: new, larger number of random draws of each point; the finished draws are kept.
         until: new, smaller width of the intervals of a sweep with `until`.
         watch: progress callbacks.
 
@@ -222,7 +223,7 @@ def _carry_out(
             screen=plan.screen,
         )
     with Store(directory, plan.grid, plan.digest) as store:
-        # The data of a point must match the file, not the defaults of this machine.
+        # The data of a point must match the file, not the defaults of this computer.
         layout = replace(plan.layout, frequency=store.frequency)
         work = Work(
             case=dumps_case(plan.case),
@@ -244,8 +245,8 @@ def _carry_out(
             else:
                 store.write(number, outcome, screened=rounds.screening)
                 marched += 1
-            wanted = plan.grid.size - store.not_needed
-            watch.progress(store.done - rounds.waiting, len(store.failures), wanted)
+            needed = plan.grid.size - store.not_needed
+            watch.progress(store.done - rounds.waiting, len(store.failures), needed)
         swept = Sweep(
             directory=directory,
             points=plan.grid.size,

@@ -1,8 +1,8 @@
-"""Draws of a sweep that stop, point by point, when no more of them are needed.
+"""Random draws of a sweep that stop, point by point, when no more of them are needed.
 
 A rule looks at the draws of a point in their order, whatever the order in which they were marched:
-a draw is needed if the draws before it are not enough. The dataset therefore does not depend on the
-number of workers.
+a draw is needed if the draws before it do not settle the outcome of the point. The dataset
+therefore does not depend on the number of workers.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,21 +15,22 @@ from bladewhirl.postprocess.sweep.shares import settled, wilson
 from bladewhirl.solvers.march.schema import SWEEP
 from bladewhirl.studies.sweeps.points import Failure, Outcome
 
-UNKNOWN, FAILED = -1, -2  #: codes of draws without a regime
+UNKNOWN, FAILED = -1, -2  #: codes of random draws without a regime
 
 CAUTION = 3.0
-"""Quantile of the normal distribution for intervals of 99.7 %. A rule that looks at these intervals
-after every draw finds a share of one half excluded in at most 5 % of 20 draws, as does a single
-look at the interval of 95 % after all draws (compare Haybittle, Br. J. Radiol. 44, 1971)."""
+"""Quantile of the normal distribution for intervals of 99.7 %. If the true share is one half, a
+rule that looks at these intervals after each of 20 draws wrongly excludes it with a probability of
+at most 5 %, as does a single look at the 95 % interval after all draws (compare Haybittle, Br. J.
+Radiol. 44, 1971)."""
 
 REGIMES = np.arange(1, len(SWEEP["regime"].labels))
 """Codes of the regimes; zero means that there is no regime yet."""
 
 
 Rule = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.bool_]]
-"""Function that tells after which draws of a point no more draws are needed, (draws,). Its
-arguments are the number of draws of each regime among the first n draws, (draws, regimes), and n,
-(draws,). Failed draws have no regime."""
+"""Function that returns true for each n for which the first n draws of a point are enough,
+(draws,). Its arguments are the number of draws of each regime among the first n draws, (draws,
+regimes), and n, (draws,). Failed draws have no regime."""
 
 
 def narrower(width: float) -> Rule:
@@ -38,23 +39,23 @@ def narrower(width: float) -> Rule:
 
 
 def beyond_doubt(hits: NDArray[np.float64], drawn: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return true after each draw after which the interval of the share of every regime excludes
-    one half even if the interval is that of `CAUTION`."""
+    """Return true for each number of draws after which the interval of the share of every regime,
+    with the quantile `CAUTION`, excludes one half."""
     return settled(*wilson(hits, hits.sum(axis=-1, keepdims=True), CAUTION))
 
 
 def never(hits: NDArray[np.float64], drawn: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return false after each draw."""
+    """Return false for each number of draws."""
     return np.zeros(drawn.shape, dtype=np.bool_)
 
 
 def differing(hits: NDArray[np.float64], drawn: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return true after each draw up to which draws differ or a draw failed."""
+    """Return true for each number of draws among which two differ or one failed."""
     return np.asarray(hits.max(axis=1) < drawn)
 
 
 class Judge:
-    """Decision which draws of each point are needed.
+    """Decision which random draws of each point are needed.
 
     Args:
         count: number of draws of each point, if all are needed.
@@ -80,7 +81,7 @@ class Judge:
         self._points = np.flatnonzero(all_points if chosen is None else chosen).tolist()
         self._arrived: dict[int, Outcome] = {}  # outcomes that are not written yet
 
-    def wanted(self) -> Iterator[int]:
+    def next_draws(self) -> Iterator[int]:
         """Yield the numbers of draws to march: the first draw of every point, then the second draw
         of every point, and so on. Whether a draw is needed is decided when it is requested, from
         the outcomes that have arrived."""

@@ -1,4 +1,4 @@
-"""Points marched by processes of this machine: a few at a time, with results in any order.
+"""Points marched by processes of this computer: a few at a time, with results in any order.
 
 Processes are used instead of threads, although the march releases Python's global lock: a point
 that crashes, or that the system kills for its memory, ends only its worker process and not the
@@ -38,8 +38,8 @@ def march_points(
         work: data common to all points.
         points: points to march. None means that no point can be marched before the outcome of
             another one has been yielded.
-        scheduler: address of a dask scheduler, whose workers march; None for this machine.
-        workers: number of processes of this machine; one per core when None.
+        scheduler: address of a dask scheduler, whose workers march; None for this computer.
+        workers: number of processes of this computer; one per core when None.
 
     Raises:
         UserError: the scheduler does not answer, has no TLS, or its workers have another version.
@@ -68,12 +68,12 @@ def march_points(
 
 def ready(points: Iterator[Point | None], most: int) -> list[Point]:
     """Return the next points up to None, and at most `most`."""
-    found: list[Point] = []
+    chosen: list[Point] = []
     for point in islice(points, most):
         if point is None:
             break
-        found.append(point)
-    return found
+        chosen.append(point)
+    return chosen
 
 
 def cores() -> int:

@@ -40,7 +40,7 @@ def coating(rods: int, tips: int = 1, *, footprint: float = 1.0, **values: Any) 
     Args:
         rods: number of rods.
         tips: number of tips.
-        footprint: footprint of the tips in rods; 1 is a tip over exactly one rod.
+        footprint: arc length under a tip, divided by that of a rod.
         values: values that replace the defaults.
     """
     arc = 2.0 * np.pi / rods
@@ -253,8 +253,8 @@ def lobes_of_engine_orders(pair: tuple[int, int]) -> Pair:
 
 @verifies()
 def rigid_limit() -> Pair:
-    """Compare a coating of 1000 GPa with a wall that recedes under the yield force: it follows a
-    prescribed motion, and it stops a mass that meets a constant force."""
+    """Compare a nearly rigid coating (1000 GPa) with the rigid-plastic limit, in which the surface
+    yields at a constant force: a tip is driven into it by a given distance, and it stops a mass."""
     dt, depth = 2e-7, 1e-3
     stiff = coating(8, young_modulus=1e12, hardening=0.0)
     motion = swinging(

@@ -53,12 +53,12 @@ def aliased_nodal_diameter(order: int) -> Pair:
 @verifies()
 def response_of_full_model() -> Pair:
     """Compare the response without damping with the dynamic stiffness of the full model."""
-    own = forced(3, damping=0.0, tuned=False)
-    stage = build_stage(own)
+    case = forced(3, damping=0.0, tuned=False)
+    stage = build_stage(case)
     structure, disk = stage.disk.structure, stage.disk
-    assert isinstance(own.excitation, EngineOrder)
-    factors = own.excitation.amplitude * np.exp(3j * disk.tip_angles)
-    force = factors @ unit_forces(own, disk, own.excitation)
+    assert isinstance(case.excitation, EngineOrder)
+    factors = case.excitation.amplitude * np.exp(3j * disk.tip_angles)
+    force = factors @ unit_forces(case, disk, case.excitation)
     dynamic = (structure.stiffness - (3.0 * stage.speed) ** 2 * structure.mass).tocsc()
     expected = spla.splu(dynamic.astype(np.complex128)).solve(force)[disk.tip_tangential]
     computed = response(stage)["tip_tangential"].values[0]
@@ -82,7 +82,7 @@ def march_with_engine_order(effects: str) -> Pair:
 @verifies()
 def bound_of_whitehead() -> Pair:
     """Compare with zero the excess of an amplitude ratio over Whitehead's bound (1 + sqrt N) / 2
-    for N blades: largest amplitude with different blades over largest amplitude with equal ones."""
+    for N blades: largest amplitude with different blades divided by that with equal blades."""
     speeds = np.linspace(0.4, 0.6, 101).tolist()
     mistuned, tuned = (
         float(amplitude(response(forced(2, damping=0.005, tuned=tuned), speeds=speeds)).max())
@@ -108,7 +108,8 @@ def bound_for_a_thousand_patterns() -> Pair:
 
 @verifies()
 def static_answer_of_scaled_masses() -> Pair:
-    """Compare the deflections of the wall of the paper's stage under unit forces at its nodes."""
+    """Compare the deflections of the wall of the paper's stage under unit forces at its nodes, with
+    scaled masses and without."""
     problem = contact_problem(build_stage(Case()))
     scaled = with_scaled_casing(problem, screening_cut(problem))
     expected, computed = (

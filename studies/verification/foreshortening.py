@@ -26,7 +26,7 @@ ROOTS = {"first": 1.875104068711961, "second": 4.694091132974175}
 """Roots beta of cosh(beta) cos(beta) = -1 of a clamped blade."""
 
 Shape = tuple[Callable[[FloatArray], FloatArray], Callable[[FloatArray], FloatArray]]
-"""Deflection and slope over the position on the blade, from 0 at the root to 1 at the tip."""
+"""Deflection and slope as functions of the position on the blade, 0 at the root, 1 at the tip."""
 
 FORCE: Shape = (lambda x: (3.0 * x**2 - x**3) / 2.0, lambda x: (6.0 * x - 3.0 * x**2) / 2.0)
 MOMENT: Shape = (lambda x: x**2, lambda x: 2.0 * x)
@@ -97,7 +97,8 @@ def opening(moved: FloatArray, *, around: bool = False) -> float:
 
 @verifies("first", "second")
 def drawback_in_a_mode(name: str) -> Pair:
-    """Compare with 1/2 int w'^2 of the exact mode, while the disk rotates rigidly."""
+    """Compare the draw-back of a tip in a bending mode with 1/2 int w'^2 of the exact mode, while
+    the disk rotates rigidly."""
     place = np.linspace(0.0, 1.0, 20_001)
     exact = simpson(mode(name)[1](place) ** 2, x=place) / 2.0
     return exact, LENGTH * opening(bent(mode(name)) + turned())
@@ -105,14 +106,14 @@ def drawback_in_a_mode(name: str) -> Pair:
 
 @verifies()
 def drawback_under_a_force() -> Pair:
-    """Compare with 0.6 y^2 / L."""
+    """Compare the draw-back of a tip that a force deflects by y with 0.6 y^2 / L."""
     return 0.6, LENGTH * opening(bent(FORCE))
 
 
 @verifies()
 def drawback_of_the_elastica() -> Pair:
-    """Compare with the exact shortening of beams with tip deflections up to a fifth of the
-    length."""
+    """Compare the draw-back of a tip with the exact shortening of beams whose tips deflect by up to
+    a fifth of the length."""
     given, exact, ours = reference("elastica"), [], []
     for load, shape in (("tip_force", FORCE), ("end_moment", MOMENT)):
         exact += given[load]["u"]

@@ -85,11 +85,11 @@ def strain_of_a_tip_load(side: str) -> Pair:
     bent = np.tile(force / rotor.frequency**2, (2, 1))
     rest = motion(np.array([0.0, 1e-3]), "rotor", bent, np.zeros_like(bent))
     gauge = {"type": "strain", "side": side, "blade": BLADE}
-    found = recorded(rest, *(gauge | {"span": span} for span in spans.tolist()))
+    strains = recorded(rest, *(gauge | {"span": span} for span in spans.tolist()))
     axial = PULL / (YOUNG * WIDTH * THICKNESS)
     bending = 6.0 * FORCE * LENGTH * (1.0 - spans) / (YOUNG * WIDTH * THICKNESS**2)
     expected = axial + (bending if side == "-theta" else -bending)
-    return expected, [float(signal[0]) for signal in found.values()]
+    return expected, [float(signal[0]) for signal in strains.values()]
 
 
 @verifies()
@@ -103,11 +103,11 @@ def order_of_tip_timing() -> Pair:
     for records in RECORDS:
         result = vibration(records, "rotor", mode, AMPLITUDE / rotor.tip_tangential[BLADE, mode])
         table = {"type": "tip-timing", "probes": probes.tolist(), "name": "tip"}
-        found = recorded(result, table)["tip_arrival"].sel(blade=BLADE).values
+        arrivals = recorded(result, table)["tip_arrival"].sel(blade=BLADE).values
         each = np.concatenate(
             [
                 times[np.isfinite(times)] - _arrivals(result, probe, np.isfinite(times).sum())
-                for probe, times in zip(probes, found, strict=True)
+                for probe, times in zip(probes, arrivals, strict=True)
             ]
         )
         errors.append(np.sqrt(np.mean(each**2)))
@@ -136,8 +136,8 @@ def order_of_wall_sensors(quantity: str) -> Pair:
         result = vibration(records, "casing", 0, 1e-3)
         amplitude = float(recorded(result, sensor)["wall"][0])
         rate = 3.0 * (records - 1) / DURATION
-        found = recorded(result, sensor | {"quantity": quantity, "sampling_rate": rate})["wall"]
-        exact = amplitude * np.cos(FREQUENCY * found[found.dims[0]].values)
+        signal = recorded(result, sensor | {"quantity": quantity, "sampling_rate": rate})["wall"]
+        exact = amplitude * np.cos(FREQUENCY * signal[signal.dims[0]].values)
         exact *= -(FREQUENCY**2) if quantity == "acceleration" else 1.0
-        errors.append(np.abs(found.values - exact).max())
+        errors.append(np.abs(signal.values - exact).max())
     return (4.0 if quantity == "displacement" else 2.0), observed_order(np.array(errors))[0]

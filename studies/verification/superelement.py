@@ -75,7 +75,7 @@ def impulse_of_a_rebound() -> Pair:
 
 @verifies()
 def force_of_a_massless_node() -> Pair:
-    """Compare the force at every step with the penetration over the flexibility."""
+    """Compare the force at every step with the penetration divided by the flexibility."""
     chunk = rebound(5e-6)
     depth = np.maximum(0.0, chunk.modal_displacement[:, 0, 0] - GAP)
     return depth / FLEXIBILITY, -chunk.contact_force[:, 0, 0]
@@ -152,7 +152,7 @@ def half_the_time_step() -> Pair:
 
 @verifies()
 def ledger_of_a_rub() -> Pair:
-    """Compare with zero the error of the energy balance, over its largest term."""
+    """Compare with zero the error of the energy balance, divided by its largest term."""
     chunk = rub(by_massless=True, dt=STEP)
     gained = chunk.normal_work + chunk.friction_work - chunk.damping_work
     error = np.abs(chunk.energy - chunk.energy[0] - gained).max()
@@ -255,8 +255,8 @@ def _wheel() -> tuple[FloatArray, Superelement, int]:
     pitch = 2.0 * np.pi / sectors
     turn = np.eye(3)
     turn[:2, :2] = [[np.cos(pitch), -np.sin(pitch)], [np.sin(pitch), np.cos(pitch)]]
-    own = np.block([[ground + blade, -blade], [-blade, blade]])
-    whole = np.kron(np.eye(sectors), own)
+    sector = np.block([[ground + blade, -blade], [-blade, blade]])
+    whole = np.kron(np.eye(sectors), sector)
     for n in range(sectors):
         stretch = np.zeros((3, 6 * sectors))
         stretch[:, 6 * n : 6 * n + 3] = -np.eye(3)
@@ -265,7 +265,7 @@ def _wheel() -> tuple[FloatArray, Superelement, int]:
         whole += rim * stretch.T @ stretch
     stretch = np.hstack([-np.eye(3), np.zeros((3, 3)), np.eye(3)])
     stiffness = np.zeros((9, 9))
-    stiffness[:6, :6] = own
+    stiffness[:6, :6] = sector
     values: dict[str, Any] = {
         "mass": np.diag([0.02] * 3 + [0.01] * 3 + [0.0] * 3),
         "stiffness": stiffness + rim * stretch.T @ stretch,

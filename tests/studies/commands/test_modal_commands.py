@@ -175,7 +175,7 @@ NOT_ASCENDING = "expected a START of zero or more and a STOP above it"
 
 A_FAMILY = "expected a family of the bladed disk: 1F, suspension, 2F, 3F, 4F, 5F, 6F, 7F, 8F, 9F"
 BAD_INPUT = {
-    "modes --animate 1F:1": "--animate: expected a folder for the pictures, -o DIR",
+    "modes --animate 1F:1": "--animate: needs a folder for the pictures, -o DIR",
     "modes -o new --animate suspensoin": f"--animate suspensoin: {A_FAMILY}"
     " (did you mean suspension?)",
     "modes -o new --shapes casing:suspension": "--shapes casing:suspension: expected a"

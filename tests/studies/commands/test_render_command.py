@@ -58,7 +58,10 @@ def test_a_page_needs_no_display(run: Path, tmp_path: Path) -> None:
         (["--from", "0.3", "--to", "0.1"], "window [0.3, 0.1] s: expected a start before the end"),
         (["--png", "--time", "0.1", "--time", "9"], "time 9 s lies outside the run"),
         (["-o", "film.avi"], "--output film.avi: expected a name that ends in"),
-        (["--png", "-o", "film.gif"], "--output film.gif: expected a single file"),
+        (
+            ["--png", "-o", "film.gif"],
+            "--output film.gif: names one file, whose suffix does not",
+        ),
     ],
 )
 def test_bad_input_is_one_line(

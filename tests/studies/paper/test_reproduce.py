@@ -247,7 +247,10 @@ def test_the_command_writes_the_scorecard(
         (["47"], "claim 47: expected numbers from 1 to"),
         (["1", "--set", "damping.ratio=-1"], "damping.ratio = -1: expected"),
         (["29", "--speed-step", "0"], "--speed-step 0: expected 0.0001 to 0.6"),
-        (["1", "--workers", "1", "--scheduler", "tcp://x:1"], "--scheduler, --workers"),
+        (
+            ["1", "--workers", "1", "--scheduler", "tcp://x:1"],
+            "--workers: not allowed together with --sch",
+        ),
     ],
 )
 def test_faults_end_in_one_line(arguments: list[str], message: str, tmp_path: Path) -> None:

@@ -40,24 +40,24 @@ def chains(carry: Any, state: list[int], end_reason: int = COMPLETED) -> Chains:
 
 def test_points_of_a_chain_follow_each_other() -> None:
     order = chains("up", [MISSING] * 6)
-    wanted = order.wanted()
-    assert [next(wanted) for _ in range(4)] == [(4, None), (5, None), None, None]
+    points = order.next_points()
+    assert [next(points) for _ in range(4)] == [(4, None), (5, None), None, None]
     order.take(5, COMPLETED)
-    assert [next(wanted), next(wanted)] == [(1, 5), None]
+    assert [next(points), next(points)] == [(1, 5), None]
     order.take(1, DIVERGENT)
     order.take(4, None)
-    assert [next(wanted) for _ in range(3)] == [(0, None), (3, None), None]
+    assert [next(points) for _ in range(3)] == [(0, None), (3, None), None]
     for number in (0, 3, 2):
         order.take(number, COMPLETED)
-    assert list(wanted) == []
-    assert next(chains("down", [MISSING] * 6).wanted()) == (2, None)
+    assert list(points) == []
+    assert next(chains("down", [MISSING] * 6).next_points()) == (2, None)
 
 
 def test_a_resumed_chain_goes_on_behind_its_last_finished_point() -> None:
     state = [MISSING, DONE, DONE, DONE, DONE, DONE]  # speeds 2, 3 and 1 of two chains
-    wanted = chains("up", state).wanted()
-    assert [next(wanted), next(wanted)] == [(0, 4), None]
-    assert next(chains("up", state, DIVERGENT).wanted()) == (0, None)
+    points = chains("up", state).next_points()
+    assert [next(points), next(points)] == [(0, 4), None]
+    assert next(chains("up", state, DIVERGENT).next_points()) == (0, None)
 
 
 @pytest.mark.parametrize("effects", ["none", "full"])
@@ -158,8 +158,8 @@ def test_neither_workers_nor_kills_change_the_file(process: InProcess, tmp_path:
 @pytest.mark.parametrize(
     ("over", "given", "expected"),
     [
-        ("contact.friction", {}, "expected --over march.speed"),
-        ("march.speed", {"stop_when": "damped"}, "and none of --table, --screen, --until"),
+        ("contact.friction", {}, "needs --over march.speed"),
+        ("march.speed", {"stop_when": "damped"}, "not allowed together with --screen, --until"),
         ("march.speed", {}, "expected marches of at least 3 revolutions, not of"),
     ],
 )

@@ -103,9 +103,9 @@ def test_a_sweep_has_a_dimension_of_draws(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("count", "perturb", "expected"),
     [
-        (3, [], "expected both or none"),
-        (None, ["contact.friction = 0.1"], "expected both or none"),
-        (1, ["contact.friction = 0.1"], "expected 2 to 10000 draws"),
+        (3, [], "--draws 3: needs --perturb"),
+        (None, ["contact.friction = 0.1"], "--perturb: needs --draws"),
+        (1, ["contact.friction = 0.1"], "expected 2 to 10000 random draws"),
         (3, ["contact.friction"], 'expected "KEY = SIZE"'),
         (3, ["contact.friction = 0"], "a size above zero"),
         (3, ["contact.friction = 0.1 uniform normal"], 'expected "KEY = SIZE"'),
@@ -119,5 +119,5 @@ def test_draws_that_cannot_be(count: int | None, perturb: list[str], expected: s
 
 
 def test_a_sweep_without_draws_has_no_probability() -> None:
-    with pytest.raises(ViewError, match="expected a sweep with draws"):
+    with pytest.raises(ViewError, match="expected a sweep with random draws"):
         probability(toy(0.5, 2, 0).isel(draw=0, drop=True))

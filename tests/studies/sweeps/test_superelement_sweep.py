@@ -102,7 +102,7 @@ def test_it_has_figures_and_a_report(
 
 
 def test_what_only_beams_can_do_is_refused(case: Case, tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="--screen: expected a bladed disk of beams"):
+    with pytest.raises(UserError, match="--screen: not allowed together with bladed_disk"):
         run_sweep(
             case, SPEEDS, tmp_path / "s", screen=True, draws=5, perturb=["contact.friction = 0.1"]
         )

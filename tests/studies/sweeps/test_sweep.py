@@ -158,13 +158,16 @@ def test_failed_points_are_reported_and_the_others_done(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR"),
-        (["--resume", "x", "--over", "a=1,2"], "--resume x: expected no --over"),
+        ([], "expected either CASE, --over KEY=VALUES and -o DIR, or --resume DIR"),
+        (
+            ["--resume", "x", "--over", "a=1,2"],
+            "--resume x: omit --over, because x/sweep.json contains",
+        ),
         (["--resume", "x"], "expected the plan of a sweep"),
-        (["--workers", "1", "--scheduler", "tcp://x:1"], "expected only one"),
+        (["--workers", "1", "--scheduler", "tcp://x:1"], "--workers: not allowed together with"),
         (
             [IMBALANCE, "--over", "march.speed=1,2", "--set", "march.speed=3", "-o", "x"],
-            "--over march.speed, --set march.speed=3: expected only one of them",
+            "--set march.speed=3: omit it, because --over sets march.speed",
         ),
         (
             [IMBALANCE, "--over", "march.duration=0.01,1e5", "-o", "x"],

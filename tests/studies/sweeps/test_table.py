@@ -101,9 +101,9 @@ def test_options_that_do_not_go_with_a_table(tmp_path: Path) -> None:
         "x",
     ]
     line = refusal(*arguments, "--over", "march.speed=1,2")
-    assert "--over, --table: expected only one of them" in line
+    assert "--over, --table: omit one of them" in line
     line = refusal(*arguments, "--set", "march.speed=2")
-    assert "--table march.speed, --set march.speed=2: expected only one of them" in line
+    assert "--set march.speed=2: omit it, because --table sets march.speed" in line
     with pytest.raises(UserError, match="expected at least one key"):
         bw.run_sweep(CASE, directory=tmp_path / "none")
 

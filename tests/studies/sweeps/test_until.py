@@ -60,9 +60,9 @@ def carried_out(regimes: NDArray[np.int64], workers: int, seed: int) -> list[dic
     written: list[dict[int, bool]] = [{} for _ in regimes]
     fresh = np.full(regimes.size, MISSING, dtype=np.int8)
     judge = Judge(COUNT, narrower(0.2), fresh, fresh)
-    random, wanted, flying = np.random.default_rng(seed), judge.wanted(), list[int]()
+    random, numbers, flying = np.random.default_rng(seed), judge.next_draws(), list[int]()
     while True:
-        while len(flying) < 2 * workers and (number := next(wanted, None)) is not None:
+        while len(flying) < 2 * workers and (number := next(numbers, None)) is not None:
             flying.append(number)
         if not flying:
             return written
@@ -133,9 +133,9 @@ def test_draws_added_later_are_those_of_a_longer_sweep(tmp_path: Path) -> None:
     run_sweep(CASE, OVER, tmp_path / "wide", draws=8, perturb=PERTURB, until=0.9)
     resume_sweep(tmp_path / "wide", until=0.2)
     assert same_bits(tmp_path / "all", tmp_path / "wide")
-    with pytest.raises(UserError, match=r"--until 0.3: expected less than its --until 0.2"):
+    with pytest.raises(UserError, match=r"--until 0.3: expected less than its width 0.2"):
         resume_sweep(tmp_path / "wide", until=0.3)
-    with pytest.raises(UserError, match=r"--draws 5: expected a sweep with draws .* its 8 draws"):
+    with pytest.raises(UserError, match=r"--draws 5: expected more than the 8 draws it has"):
         resume_sweep(tmp_path / "few", draws=5)
 
 
@@ -154,12 +154,13 @@ def test_a_killed_addition_of_draws_is_completed(tmp_path: Path) -> None:
     ("count", "until"), [(20, 0.0), (20, 1.0), (20, float("nan")), (None, 0.2)]
 )
 def test_widths_that_cannot_be(count: int | None, until: float) -> None:
-    with pytest.raises(UserError, match=f"--until {until}: expected a width between 0 and 1"):
+    expected = "expected the width of a confidence interval" if count else "needs --draws"
+    with pytest.raises(UserError, match=f"--until {until}: {expected}"):
         parse_draws(count, PERTURB if count else [], 0, until)
 
 
 def test_a_resumed_point_needs_the_first_missing_draw() -> None:
     state = np.array([DONE, MISSING, DONE], dtype=np.int8)
     judge = Judge(3, narrower(0.2), state, np.full(3, SUSTAINED, dtype=np.int8))
-    assert list(judge.wanted()) == [1]
+    assert list(judge.next_draws()) == [1]
     assert [number for number, _ in judge.take(1, outcome(SUSTAINED))] == [1]

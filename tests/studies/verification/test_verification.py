@@ -110,7 +110,7 @@ def test_shapes_must_agree() -> None:
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        (["--json", "--markdown"], "expected one of them"),
+        (["--json", "--markdown"], "--json, --markdown: omit one of them"),
         (["--html", "table.txt"], ".html"),
         (["bearings"], "bearings: expected one of the subjects modes, rings"),
     ],
