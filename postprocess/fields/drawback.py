@@ -18,7 +18,7 @@ from bladewhirl.postprocess.fields.kinematics import (
 )
 
 RECORDS = 1000
-"""Largest number of records that are looked at."""
+"""Largest number of records that are examined."""
 
 GAUSS = 3
 """Number of Gauss points between two stations; the squares of slopes have degree four."""

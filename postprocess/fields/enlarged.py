@@ -37,9 +37,9 @@ from bladewhirl.postprocess.fields.kinematics import (
 )
 from bladewhirl.postprocess.fields.strains import rotor_sections
 
-#: drawn clearance as a share of the tip radius, if the factor is chosen automatically
+#: drawn clearance divided by the tip radius, if the factor is chosen automatically
 DRAWN_CLEARANCE = 0.1
-#: largest drawn displacement as a share of the tip radius, if the factor is chosen automatically
+#: largest drawn displacement divided by the tip radius, if the factor is chosen automatically
 DRAWN_MOTION = 0.25
 #: a displacement of this fraction of the tip radius makes the linear model wrong by a tenth
 LARGE_DISPLACEMENT = 0.3

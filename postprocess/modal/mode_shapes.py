@@ -28,7 +28,7 @@ from bladewhirl.postprocess.plotting.style import (
 )
 from bladewhirl.postprocess.plotting.titles import set_title
 
-DRAWN = 0.2  #: largest displacement in a picture, as a share of the radius
+DRAWN = 0.2  #: largest displacement in a picture, divided by the radius
 BEAM_PIECES = 8  #: largest number of straight pieces by which the Hermite curve of a beam is drawn
 MOST_PIECES = 16_000
 """Largest number of pieces in all beams of the bladed disk; with many beams, each beam has fewer

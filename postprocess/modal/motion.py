@@ -24,7 +24,7 @@ from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShap
 Wave = Literal["standing", "forward", "backward"]
 
 PICTURES = 48  #: number of records in one period of a mode
-#: largest displacement of a motion, as a share of the tip radius, if the clearance is zero
+#: largest displacement of a motion, divided by the tip radius, if the clearance is zero
 SHARE_OF_RADIUS = 1e-3
 BEAM_STATIONS = 8
 """Number of pieces of a beam; the largest displacement is searched at the ends of the pieces."""

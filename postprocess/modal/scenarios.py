@@ -14,7 +14,7 @@ from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_b
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
 
-DRAWN_CLEARANCE = 0.16  #: drawn clearance, as a share of the tip radius
+DRAWN_CLEARANCE = 0.16  #: drawn clearance, divided by the tip radius
 SCHEMATIC = (
     "Schematic: clearance and displacements are enlarged by one factor. Right: phases of the mode."
 )

@@ -42,7 +42,7 @@ MANY = 24
 named."""
 
 NAMED = 0.3
-"""Width of the space to the left of a spectrum, for the names of its branches, as a share of the
+"""Width of the space to the left of a spectrum, for the names of its branches, divided by the
 width of the spectrum."""
 
 FEW = 4

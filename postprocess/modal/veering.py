@@ -31,7 +31,7 @@ DIAMETER_AXIS = "nodal diameter k [–]"
 
 #: largest number of families for which the frequency axis is broken into a part for each family
 FEW = 3
-#: margin above and below the frequencies in a part of a broken axis, as a share of that part
+#: margin above and below the frequencies in a part of a broken axis, divided by that part
 ROOM = 0.12
 LOWEST = 0.05
 """Lowest normalised frequency drawn; at a critical speed a frequency is zero, which a logarithmic

@@ -36,7 +36,7 @@ MARGIN = 1.04
 FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
 FINER = 2  #: number of rendered points per pixel, in each direction
 
-SQUARE = 0.75  #: width of the stage, as a share of the picture; the remaining width is the panel
+SQUARE = 0.75  #: width of the stage divided by that of the picture; the panel has the rest
 
 
 def strokes_of(symbols: Symbols) -> list[tuple[str, float, str, Array]]:

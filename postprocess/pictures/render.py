@@ -260,8 +260,8 @@ def _stride(dataset: xr.Dataset) -> int:
 
 
 def _busiest(dataset: xr.Dataset, span: int) -> int:
-    """Return the first of those `span` successive records that have the largest total contact
-    impulse; in a run without contact the first of the last `span` records."""
+    """Return the first record of the interval of `span` records with the largest total contact
+    impulse; in a run without contact that of the last interval."""
     total = np.concatenate([[0.0], np.cumsum(_contact_impulse(dataset).sum(axis=1))])
     within = total[span:] - total[:-span]
     return int(np.argmax(within)) if total[-1] > 0 else len(within) - 1

@@ -11,7 +11,7 @@ from bladewhirl.postprocess.plotting.style import INCH, styled
 
 MOST_LETTERS = 40  #: largest number of characters of a title per inch of the figure's width
 WIDEST = 0.97
-"""Largest width of a line of a title, as a share of the figure's width; wider lines are cut."""
+"""Largest width of a line of a title, divided by the figure's width; wider lines are cut."""
 
 
 def speed_label(dataset: xr.Dataset) -> str:

@@ -19,7 +19,7 @@ from bladewhirl.postprocess.plotting.axes import decades, draw_map
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
-PERMANENT = 0.99  #: least share of the time in contact for the class "permanent"
+PERMANENT = 0.99  #: a blade with at least this share of the time in contact is "permanent"
 COLUMNS = 600  #: largest number of time spans of a map; more spans could not be seen
 BRIGHTEST = 99.0
 """If a few peaks are much larger than this percentile of the positive forces (see `PEAK`), the

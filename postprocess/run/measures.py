@@ -127,7 +127,7 @@ class Motion:
 
     def onset(self, times: float, since: float) -> float:
         """Return the first time [s] at which the strain energy exceeds `times` times its value at
-        the time `since` [s]; infinite if there is no such time.
+        the time `since` [s]; infinite if it never does.
 
         The energy is averaged over periods of the reference frequency.
         """

@@ -38,7 +38,7 @@ COLUMNS = 1000  #: largest number of spans of a curve; the extremes of each span
 FAMILIES, DIAMETERS = 3, 7
 """Largest numbers of blade families and of nodal diameters whose frequencies are drawn."""
 
-ORDERS = 10.0  #: engine order up to which a spectrum is drawn at least
+ORDERS = 10.0  #: a spectrum is drawn at least up to this engine order
 #: a revolution is drawn if it has more than this fraction of the largest number of samples
 WHOLE = 0.9
 PALE = "#B0B0B0"
@@ -162,7 +162,7 @@ def _over_time(signals: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, float]]
     that sample in time; if all blades are recorded, of the one that vibrates most.
 
     Raises:
-        ViewError: there is no such sensor, or a signal is too short.
+        ViewError: no sensor samples in time, or a signal is too short.
     """
     names = [
         str(name)

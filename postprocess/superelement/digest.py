@@ -80,7 +80,7 @@ def _number(value: float | None) -> float:
 
 
 def _by_blade(blade: IntArray, share: Array) -> Array:
-    """Return the largest share of the contact nodes of each blade."""
+    """Return for each blade the largest share of time in contact among its contact nodes."""
     largest = np.zeros(int(blade.max()) + 1)
     np.maximum.at(largest, blade, share)
     return largest

@@ -180,8 +180,8 @@ def _aim(plotter: Any, dataset: xr.Dataset, size: float) -> None:
 
 
 def _draw_wall(plotter: Any, dataset: xr.Dataset, record: int, factor: float) -> None:
-    """Draw the wall near the contact nodes of each blade, or all of a flexible casing, at the
-    clearance of the record."""
+    """Draw the wall at its clearance at the record: near the contact nodes of each blade or, if the
+    casing is flexible, all around."""
     import pyvista
 
     angle, blade = dataset["contact_angle"].values, dataset["blade"].values

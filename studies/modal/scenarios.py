@@ -65,13 +65,16 @@ def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F"
         family: family of the bladed disk's mode.
 
     Raises:
-        UserError: the stage has no such mode or, with Coriolis forces, no coincidence speed.
+        UserError: the stage lacks the mode of the bladed disk or of the casing, or, with Coriolis
+            forces, a coincidence speed.
     """
     disk_modes, casing_modes = stage.disk_modes, stage.casing_modes
     on_disk = disk_modes.find(family, SHAFT)
     on_casing = (casing_modes.nodal_diameter == SHAFT).nonzero()[0]
-    if not (on_disk.size and on_casing.size):
-        raise UserError(f"{family}: the stage has no such mode with one nodal diameter")
+    if not on_disk.size:
+        raise UserError(f"{family}: the bladed disk has no mode of this family with k = 1")
+    if not on_casing.size:
+        raise UserError("the casing has no mode with k = 1")
     wall = float(casing_modes.frequency[on_casing[0]])
     if stage.turning is not None and stage.case.rotation.effects == "full":
         frequency, shape = _backward_wave(stage, stage.turning, family, wall)

@@ -67,7 +67,7 @@ class PointTable:
     """Points of a sweep in any number and order."""
 
     values: Mapping[str, tuple[Value, ...]]  #: values of each key, in the form of the case file
-    head: str = TABLE  #: name of the place of the keys for messages, "points.csv, line 1,"
+    head: str = TABLE  #: place of the keys, for messages: "points.csv, line 1,"
     #: name of each point for messages, "points.csv, line 2,"; by default none
     rows: tuple[str, ...] = ()
 

@@ -47,8 +47,8 @@ from bladewhirl.studies.sweeps.store import Coordinates
 STOP_WHEN, SCREEN = "--stop-when", "--screen"
 
 FEWEST_SCREENED = 4
-"""Smallest number of random draws of a screened sweep: even if all of fewer draws agree, the
-confidence interval of their share includes one half."""
+"""Smallest number of random draws of a screened sweep: with fewer draws, the confidence interval of
+a share includes one half even if all draws agree."""
 
 SCREEN_RULE = (
     "a point is screened: its draws are marched, until two differ, with casing modes above a cut"

@@ -148,7 +148,7 @@ def radius_of_a_bent_blade() -> Pair:
 
 @cache
 def rubbing(dt: float) -> tuple[ContactProblem, Chunk]:
-    """March a stage on a rigid wall, whose blades bend by up to a tenth of their length."""
+    """March a stage in a rigid wall; its blades bend by up to a tenth of their length."""
     changes = {
         "bladed_disk.blades": 5,
         "casing.elements": 12,
