@@ -63,7 +63,7 @@ class MeshTable(Table):
     """
 
     file: Annotated[str, BeforeValidator(_path)]
-    """Path of a mesh file (.msh of Gmsh, .vtu or .inp of Abaqus), relative to the case file."""
+    """Path of a mesh file (.msh of Gmsh, .inp of Abaqus, or .vtu), relative to the case file."""
     unit: Annotated[str | float, PlainValidator(_unit)] = 1.0
     """Unit of length in the file, such as "mm" [m]."""
     tips: StrictStr = "tips"

@@ -88,8 +88,9 @@ def _within_reach(case: Case, required: float, stiffness: float) -> str:
             return (
                 f"at most {low:.4g} Hz or at least {high:.4g} Hz: for any springs that"
                 " give a frequency in between, the mode with one nodal diameter belongs to another"
-                " family. Other blades or another disk change these limits; shaft.stiffness accepts"
-                " any springs"
+                " family. Blades that bend at frequencies farther from the required one (shorter"
+                " or thicker, longer or thinner), or another disk, change these limits;"
+                " shaft.stiffness accepts any springs"
             )
         return ABOVE_ROUNDING
     nearest = frequencies.min() if above == 0 else frequencies.max()

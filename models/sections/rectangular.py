@@ -34,8 +34,8 @@ class NamedMaterial(Table):
     density: Density
     """Density [kg/m3]."""
     yield_strength: Modulus | None = Field(default=None, examples=['"600 MPa"'])
-    """Yield strength [Pa]. The summary of a run states where the stress exceeds it; the model
-    remains elastic."""
+    """Yield strength [Pa]. The summary of a run states where the stress of the motion exceeds it;
+    the static stress of centrifugal forces comes in addition. The model remains elastic."""
 
 
 class Material(Table):
@@ -46,8 +46,8 @@ class Material(Table):
     density: Density = 7800.0
     """Density [kg/m3] (the paper: "steel")."""
     yield_strength: Modulus | None = Field(default=None, examples=['"600 MPa"'])
-    """Yield strength [Pa]. The summary of a run states where the stress exceeds it; the model
-    remains elastic."""
+    """Yield strength [Pa]. The summary of a run states where the stress of the motion exceeds it;
+    the static stress of centrifugal forces comes in addition. The model remains elastic."""
     named: Annotated[
         tuple[NamedMaterial, ...],
         rows('{ name = "titanium", young_modulus = "114 GPa", density = 4430.0 }'),
@@ -78,7 +78,12 @@ class Material(Table):
     def section(self, given: BeamSection) -> "Section":
         """Return a section of the case together with the properties of its material."""
         named = self.find(given.material)
-        return Section(width=given.width, thickness=given.thickness, material=named)
+        return Section(
+            width=given.width,
+            thickness=given.thickness,
+            young_modulus=named.young_modulus,
+            density=named.density,
+        )
 
 
 Size = TypeVar("Size", float, FloatArray)
@@ -123,10 +128,11 @@ class Section(Rectangle[float]):
         young_modulus: Young's modulus [Pa].
         density: density [kg/m3].
         material: material with Young's modulus and density, in place of these two arguments;
-            `Material()` is steel.
+            `Material()` is steel. A yield strength is given to the case instead.
 
     Raises:
-        CaseError: a value is not positive, has a wrong unit, is missing or is given twice.
+        CaseError: a value is not positive, has a wrong unit, is missing or is given twice, or the
+            material has a yield strength.
     """
 
     __pydantic_config__: ClassVar = ConfigDict(extra="forbid")  # for sections in a case
@@ -148,6 +154,12 @@ class Section(Rectangle[float]):
         if material is not None:
             if young_modulus is not None or density is not None:
                 expected = "either material, or young_modulus and density, not both"
+                raise CaseError([Fault(key="section.material", expected=expected)])
+            if material.yield_strength is not None:
+                expected = (
+                    "a material without yield_strength, which belongs in the case:"
+                    ' sketch.case(material={"yield_strength": ...})'
+                )
                 raise CaseError([Fault(key="section.material", expected=expected)])
             young_modulus, density = material.young_modulus, material.density
         elif young_modulus is None or density is None:

@@ -132,8 +132,8 @@ def _stress(peak: StressPeak, strength: float | None) -> str:
         return "none"
     beyond = strength is not None and abs(peak["stress"]) > strength
     return (
-        f"{_text(peak['stress'], 'Pa')}, linear ({peak['member']}, r = {peak['radius']:.3g} m,"
-        f" {_text(peak['time'], 's')})"
+        f"{_text(peak['stress'], 'Pa')}, linear, without centrifugal stress ({peak['member']},"
+        f" r = {peak['radius']:.3g} m, {_text(peak['time'], 's')})"
         + (f"; beyond the yield strength, {_text(strength, 'Pa')}" if beyond else "")
     )
 

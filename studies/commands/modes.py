@@ -20,7 +20,12 @@ if TYPE_CHECKING:
 def modes(
     case: options.CaseFile,
     count: Annotated[
-        int, typer.Option(help="Number of modes of each body, from the lowest on.", min=1)
+        int,
+        typer.Option(
+            help="Number of modes of each body, from the lowest on; a pair of equal frequencies"
+            " has one row.",
+            min=1,
+        ),
     ] = 60,
     json: options.AsJson = False,
     output: Annotated[Path | None, options.output("Folder to make for pictures and films.")] = None,

@@ -166,7 +166,7 @@ CRITICAL_SPEEDS = (
     Column("family_at_rest", "at rest"),
     Column("ratio", "Ω / ω₁ [–]", ".5f", variable="speed"),
     Column("rpm", "[rpm]", ".1f"),
-    Column("spring_share", "strain energy in shaft springs [%]", ".3g", 100.0),
+    Column("spring_share", "energy in springs [%]", ".3g", 100.0),
 )
 """Columns of critical speeds (variables "critical_...") and engine orders ("engine_order_...")."""
 

@@ -40,3 +40,10 @@ def test_faults_are_one_line(given: dict[str, object], message: str) -> None:
     sound = {"width": 0.1, "thickness": 0.01, "material": bw.Material()}
     with pytest.raises(bw.CaseError, match=f"^{message}"):
         bw.Section(**(sound | given))  # type: ignore[arg-type]
+
+
+def test_a_yield_strength_belongs_in_the_case() -> None:
+    """A section would lose it, and no stress would be marked."""
+    strong = bw.Material(yield_strength="600 MPa")
+    with pytest.raises(bw.CaseError, match=r'sketch\.case\(material=\{"yield_strength"'):
+        bw.Section(width=0.1, thickness=0.01, material=strong)
