@@ -9,13 +9,13 @@ QUANTILE = 1.959963984540054
 """Quantile of the normal distribution for intervals of 95 %."""
 
 
-def wilson(hits: Array, draws: Array, quantile: float = QUANTILE) -> tuple[Array, Array]:
-    """Return the ends of the confidence interval of a probability (Wilson, 1927), by default of
-    95 %, from the numbers of hits and of random draws; without draws the interval is [0, 1]."""
+def wilson(hits: Array, draws: Array) -> tuple[Array, Array]:
+    """Return the ends of the 95 % interval of a probability (Wilson, 1927), from the numbers of
+    hits and of random draws; without draws the interval is [0, 1]."""
     some = np.maximum(draws, 1.0)
-    share, square = hits / some, quantile**2 / some
+    share, square = hits / some, QUANTILE**2 / some
     middle = share + 0.5 * square
-    half = quantile * np.sqrt(share * (1.0 - share) / some + 0.25 * square / some)
+    half = QUANTILE * np.sqrt(share * (1.0 - share) / some + 0.25 * square / some)
     low, high = (middle - half) / (1.0 + square), (middle + half) / (1.0 + square)
     none = np.asarray(draws) == 0.0
     return np.where(none, 0.0, np.maximum(low, 0.0)), np.where(none, 1.0, np.minimum(high, 1.0))

@@ -54,9 +54,8 @@ SCREEN_RULE = (
     "a point is screened: its draws are marched, until two differ, with casing modes above a cut"
     " scaled down to it, and with a time step of at most half the critical one; where the regimes"
     " of the draws differ or the 95 % interval of the share of a regime includes one half, the"
-    " draws are repeated with the time step of the case, in their order; repeats end when the"
-    " 99.7 % interval of the share of every regime excludes one half, or by the rule of --until if"
-    " it is given"
+    " draws are repeated with the time step of the case, all of them, or those that the rule of"
+    " --until needs if it is given"
 )
 """Text of the rule, which every screened sweep contains."""
 

@@ -15,7 +15,6 @@ from bladewhirl.studies.sweeps.until import (
     REGIMES,
     Judge,
     Rule,
-    beyond_doubt,
     differing,
     narrower,
     never,
@@ -96,7 +95,7 @@ class Rounds:
         self.screening, again, done = False, self._uncertain(), store.state == DONE
         known = done & ~(store.screened & np.repeat(again, self._draws))
         self.waiting = int(np.count_nonzero(done & ~known))
-        yield self._judge(known, again, beyond_doubt if rule is never else rule)
+        yield self._judge(known, again, rule)
 
     def _judge(self, known: Mask, chosen: Mask, enough: Rule, halt: Rule = never) -> Judge:
         """Return the judge of the chosen points (points,) with the known draws (draws,)."""

@@ -117,9 +117,8 @@ def run_sweep(
             excludes one half or is narrower than this. The `state` of the other draws is
             "not-needed".
         screen: first march the draws with scaled masses of the casing and a longer time step; then
-            repeat points with an uncertain outcome at the time step of the case, until the 99.7 %
-            interval of the share of every regime excludes one half. The variable `screened` marks
-            the former marches; the attribute `screen_rule` is the rule.
+            repeat points with an uncertain outcome at the time step of the case. The variable
+            `screened` marks the former marches; the attribute `screen_rule` is the rule.
         carry: "up" or "down": start the march at each speed from the motion at the speed below or
             above it, so that hysteresis is seen; the attribute `carry_rule` is the rule.
         watch: progress callbacks.

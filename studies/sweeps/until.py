@@ -17,12 +17,6 @@ from bladewhirl.studies.sweeps.points import Failure, Outcome
 
 UNKNOWN, FAILED = -1, -2  #: codes of random draws without a regime
 
-CAUTION = 3.0
-"""Quantile of the normal distribution for intervals of 99.7 %. If the true share is one half, a
-rule that looks at these intervals after each of 20 draws wrongly excludes it with a probability of
-at most 5 %, as does a single look at the 95 % interval after all draws (compare Haybittle, Br. J.
-Radiol. 44, 1971)."""
-
 REGIMES = np.arange(1, len(SWEEP["regime"].labels))
 """Codes of the regimes; zero means that there is no regime yet."""
 
@@ -36,12 +30,6 @@ regimes), and n, (draws,). Failed draws have no regime."""
 def narrower(width: float) -> Rule:
     """Return the rule of `--until`, see `shares.settled`."""
     return lambda hits, drawn: settled(*wilson(hits, hits.sum(axis=-1, keepdims=True)), width)
-
-
-def beyond_doubt(hits: NDArray[np.float64], drawn: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return true for each number of draws after which the interval of the share of every regime,
-    with the quantile `CAUTION`, excludes one half."""
-    return settled(*wilson(hits, hits.sum(axis=-1, keepdims=True), CAUTION))
 
 
 def never(hits: NDArray[np.float64], drawn: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -14,12 +14,10 @@ import bladewhirl.studies.sweeps.sweep as sweep_module
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import flag, open_sweep
-from bladewhirl.postprocess.sweep.shares import settled, wilson
 from bladewhirl.solvers.march.schema import SCREENING, SWEEP
 from bladewhirl.studies.sweeps.layout import make_layout, march_extent
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point, stage_at
 from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
-from bladewhirl.studies.sweeps.until import beyond_doubt
 from bladewhirl.studies.sweeps.workers import ready
 
 DIVERGENT, SUSTAINED = flag("regime", "divergent"), flag("regime", "sustained")
@@ -85,38 +83,6 @@ def test_points_whose_draws_differ_are_repeated(toy: Toy, tmp_path: Path, differ
         assert (sweep["regime"].sel(march_speed=UNSURE) == "sustained").all()
         assert "are repeated with the time step of the case" in sweep.attrs["screen_rule"]
     assert resume_sweep(tmp_path).marched == 0
-
-
-def test_repeats_end_when_the_outcome_is_beyond_doubt(toy: Toy, tmp_path: Path) -> None:
-    toy.differs, toy.draws = 10, 11
-    done = run_sweep(CASE, OVER, tmp_path, draws=11, perturb=PERTURB, screen=True)
-    assert (done.done, done.not_needed, toy.screened.count(False)) == (31, 2, 9)
-    low, _ = wilson(np.array([9.0, 10.0]), np.array([9.0, 10.0]), 3.0)  # n / (n + 9)
-    assert low.tolist() == pytest.approx([9 / 18, 10 / 19])
-    with open_sweep(tmp_path) as sweep:
-        last = sweep.sel(march_speed=UNSURE).isel(draw=10)
-        assert (last["state"].item(), last["screened"].item()) == ("not-needed", "no")
-        assert np.isnan(last["end_time"])
-
-
-@pytest.mark.parametrize("share", [0.5, 0.6, 0.75, 0.9, 0.95])
-def test_how_often_the_interval_of_repeated_draws_holds_the_share(share: float) -> None:
-    """The figures of the tutorial, for up to 20 draws of a regime of known probability."""
-    points, count = 40_000, 20
-    drawn = np.arange(1.0, count + 1.0)
-    hits = np.cumsum(np.random.default_rng(1).random((points, count)) < share, axis=1)
-    both = np.stack([hits, drawn - hits], axis=-1)
-    enough = beyond_doubt(both, drawn)
-    at = np.arange(points), np.where(enough.any(axis=1), enough.argmax(axis=1), count - 1)
-    low, high = wilson(both, drawn[:, None])
-    held = (low[*at, 0] <= share) & (share <= high[*at, 0])
-    assert 0.938 < held.mean() < 0.972
-    if share == 0.5:
-        known, of_all = settled(low[at], high[at]), settled(low[:, -1], high[:, -1])
-        assert known.mean() == pytest.approx(0.044, abs=0.003)
-        assert of_all.mean() == pytest.approx(0.041, abs=0.003)
-    elif share > 0.7:
-        assert at[1].mean() + 1.0 < 19.0
 
 
 @pytest.mark.parametrize("until", [None, 0.2])
