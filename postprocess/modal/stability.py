@@ -204,7 +204,7 @@ def _name_zones(axes: Axes, data: xr.Dataset) -> None:
 
 def _meeting(casing: str, rotor: str, zones: int) -> str:
     """Return the name of a zone: both waves, or only the rotor's if there are many `zones`."""
-    return f"{casing} + {rotor}" if zones <= FEW else rotor
+    return panels.spaced(f"{casing} + {rotor}" if zones <= FEW else rotor)
 
 
 def _name_meetings(axes: Axes, data: xr.Dataset, heights: FloatArray) -> None:
@@ -227,7 +227,7 @@ def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray) -> None:
     """Name each branch at its left end by the wave from which it begins."""
     first = float(data["speed"].values[0])
     shown = frequency[0] > 0.0
-    names = data["branch_name"].values[shown].astype(str).tolist()
+    names = [panels.spaced(str(name)) for name in data["branch_name"].values[shown]]
     panels.name_ends(axes, first, frequency[0, shown], names, COLOURS["total"], right=False)
 
 

@@ -70,6 +70,11 @@ def decades(top: float, number: float) -> LogNorm:
     return LogNorm(top * 10**-number, top)
 
 
+def spaced(name: str) -> str:
+    """Return the name of a mode as figures show it: "1F k = 1" for "1F k=1"."""
+    return name.replace("k=", "k = ")
+
+
 def name_ends(
     axes: Axes, x: float, heights: ArrayLike, names: Sequence[str], colour: str, *, right: bool
 ) -> None:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.plotting.axes import decades, draw_map
+from bladewhirl.postprocess.plotting.axes import decades, draw_map, spaced
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.shaft.orbits import MILLI
@@ -161,7 +161,7 @@ def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
         look: dict[str, Any] = {"linestyle": dashes, "color": colour, "path_effects": OUTLINE}
         for level in one["mode_line"].sel(mode=name).transpose("direction", key).values:
             if np.nanmin(np.abs(level), initial=np.inf) <= limit:
-                axes.plot(place, level, label=name.replace("=", " = "), **look)
+                axes.plot(place, level, label=spaced(name), **look)
     for order in ORDERS:
         _draw_order(axes, place, one["engine_order"].sel(order=order).values, order, limit)
     axes.plot([], [], color="grey", linestyle=":", linewidth=0.8, label=ENGINE_ORDERS)
