@@ -204,7 +204,7 @@ def _name_zones(axes: Axes, data: xr.Dataset) -> None:
 
 def _meeting(casing: str, rotor: str, zones: int) -> str:
     """Return the name of a zone: both waves, or only the rotor's if there are many `zones`."""
-    return panels.spaced(f"{casing} + {rotor}" if zones <= FEW else rotor)
+    return panels.spaced(f"{casing} and {rotor}" if zones <= FEW else rotor)
 
 
 def _name_meetings(axes: Axes, data: xr.Dataset, heights: FloatArray) -> None:

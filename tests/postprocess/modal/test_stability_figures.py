@@ -69,7 +69,7 @@ def test_chart_draws_its_zones_up_from_the_coincidence_speeds() -> None:
     assert len(borders) == 4
     starts = sorted(float(np.asarray(line.get_xdata())[0]) for line in borders)
     assert starts == pytest.approx([1.055, 1.055, 2.555, 2.555])
-    assert [text.get_text() for text in axes.texts] == ["casing + 1F", "casing + suspension"]
+    assert [text.get_text() for text in axes.texts] == ["casing and 1F", "casing and suspension"]
     lightest = np.mean(mesh.to_rgba(np.array([0.0, 1.0, 10.0]))[:, :3], axis=1)
     assert lightest[0] == lightest.max()  # what hardly grows is nearly as light as what is stable
     assert data["growth"].dims == ("kappa", "speed")
@@ -83,7 +83,7 @@ def test_spectrum_shows_three_types_of_modes() -> None:
     assert labels == ["oscillatory mode", "damped mode", "divergent mode"]
     drawn = np.array([line.get_ydata() for line in figure.axes[0].lines], dtype=np.float64)
     upper, lower = ({text.get_text() for text in axes.texts} for axes in figure.axes)
-    assert upper == {"casing + 1F", "casing + suspension"}
+    assert upper == {"casing and 1F", "casing and suspension"}
     ways = [f"{name}, {way}" for name in six_modes().name for way in ("forward", "backward")]
     assert lower == set(ways)
     growth = growth_rate(six_modes(), speed=data["speed"].values * UNIT, kappa=500.0).max()
