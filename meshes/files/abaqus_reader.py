@@ -208,13 +208,13 @@ def _read_section(card: Card, content: _Content) -> None:
 
 
 def extend(sets: dict[str, list[int]], name: str | None, members: list[int]) -> None:
-    """Add members to a set, each once; nothing without a name."""
+    """Add members to a set without repetition; without a name, do nothing."""
     if name is not None:
         sets[name] = list(dict.fromkeys([*sets.get(name, []), *members]))
 
 
 def members_of(card: Card, sets: Mapping[str, list[int]]) -> list[int]:
-    """Return the members that a *NSET or *ELSET lists, as numbers, ranges or names of earlier
+    """Return the members that a *NSET or *ELSET lists as numbers, ranges or names of earlier
     sets."""
     if "GENERATE" in card.parameters:
         ranges = [[int(value) for value in row] for row in card.rows]

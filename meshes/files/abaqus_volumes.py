@@ -33,7 +33,7 @@ SOLID = re.compile(r"(?:C3D|DC3D|F3D)(\d+).*", re.I)
 class AbaqusMesh:
     """Nodes, elements and sets of a file, with the numbers that they have in the file.
 
-    Names of sets are spelled as where they occur first; upper and lower case are not distinguished.
+    Names of sets are not case-sensitive; the spelling of their first occurrence is used.
     """
 
     points: dict[int, list[float]] = field(default_factory=dict)  #: node -> x, y, z

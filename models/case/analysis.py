@@ -63,9 +63,9 @@ class Contact(Table):
     """Coulomb friction coefficient (paper, Table 2)."""
     sliding: Literal["permanent", "signed", "full"] = "permanent"
     """"permanent": friction drags every tip against the rotation ("sliding is assumed" in the
-    paper); "signed": friction opposes the relative velocity, and tips never stick; at speed 0,
-    where tips should stick, rounding decides the sign; "full", for a superelement: friction opposes
-    the slip velocity, tangential and axial, elastic velocities included."""
+    paper). "signed": friction opposes the relative velocity; there is no sticking, so at speed 0
+    the sign is determined by rounding errors. "full" (superelement only): friction opposes the slip
+    velocity, tangential and axial, elastic velocities included."""
     tip_rotation: StrictBool = False
     """Add u_t / R, with the tangential displacement u_t of a tip, to the angle of the tip on the
     casing."""

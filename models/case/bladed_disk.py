@@ -39,7 +39,8 @@ class CentrePoint(Table):
     span: Annotated[float, fields.number("positive")]
     """Radial distance from the root, as a share of the distance from root to tip."""
     angle: fields.Angle
-    """Angle from the radial line through the root [rad]."""
+    """Angular position of the point about the axis of rotation, from the radial line through the
+    root, positive counter-clockwise [rad]."""
 
 
 class Shroud(BeamSection):
@@ -155,9 +156,10 @@ class BladedDisk(Table):
     thickness = "12 mm", width = "0.1 m" }; keys that are left out have the values of blade."""
     centre_line: CentreRows = ()
     """Points on the smooth centre line of the blades after the root, rows of { span = 0.5, angle =
-    "4 deg" }: share of the radial distance from root to tip, and angle from the radial line through
-    the root; the last has span = 1. Without points the blades are straight and radial. The tips
-    keep their position, the roots move."""
+    "4 deg" }: share of the radial distance from root to tip, and angular position about the axis of
+    rotation, from the radial line through the root, positive counter-clockwise; the last point has
+    span = 1. Without points the blades are straight and radial. The tips keep their position, the
+    roots move."""
     shrouds: ShroudRows = ()
     """Rings of beams from blade to blade, rows of { radius = "0.4 m", width = "20 mm", thickness =
     "5 mm" }; elements = 3 follows the arc with three beams, cuts = [21] leaves the ring open after
@@ -228,7 +230,7 @@ class BladedDisk(Table):
                 continue
             for name, field in type(self).model_fields.items():
                 if name not in kept and getattr(self, name) != field.default:
-                    expected = f"not allowed together with bladed_disk.{source}; remove it"
+                    expected = f"not allowed together with bladed_disk.{source}; remove this key"
                     yield Inconsistency(name, expected, (source,))
             if self.superelement is not None:
                 yield from self._factor_faults(self.superelement)
@@ -262,13 +264,16 @@ class BladedDisk(Table):
         yield from self.mistuning.faults(self.blades)
 
     def _factor_faults(self, table: SuperelementTable) -> Iterator[Inconsistency]:
-        """Yield errors for mistuning beside a superelement, except of the stiffness of blades."""
+        """Yield errors for mistuning beside a superelement; only the stiffness of blades may
+        differ, and only if the superelement is one blade."""
         given = self.mistuning.model_dump(exclude_defaults=True)
         for name in given.keys() - {"stiffness", "stiffness_spread", "seed"}:
-            expected = "not allowed together with bladed_disk.superelement; remove it"
+            expected = "not allowed together with bladed_disk.superelement; remove this key"
             yield Inconsistency(f"mistuning.{name}", expected, ("superelement",))
         if given and table.kind != "blade":
-            expected = f'not allowed with bladed_disk.superelement.kind = "{table.kind}"; remove it'
+            expected = (
+                f'not allowed with bladed_disk.superelement.kind = "{table.kind}"; remove this key'
+            )
             yield Inconsistency("mistuning", expected, ("superelement",))
         yield from self.mistuning.faults(table.copies)
 

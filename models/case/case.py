@@ -42,8 +42,9 @@ class Case(Table):
     """A bladed disk on its shaft, a casing, a load and a speed; by default the paper's fan stage.
 
     Raises:
-        CaseError: the case is invalid; the error lists all faults, as for a case file. Other tables
-            made by keyword raise pydantic's ``ValidationError``.
+        CaseError: the case is invalid; the error lists all faults, as for a case file. The classes
+            of the other tables, such as ``Shaft(stiffness=...)``, raise pydantic's
+            ``ValidationError``.
     """
 
     title: StrictStr = "Fan stage"
@@ -147,7 +148,7 @@ class Case(Table):
         if self.sketch is not None:
             for name, field in BladedDisk.model_fields.items():
                 if getattr(self.bladed_disk, name) != field.default:
-                    expected = "not allowed together with [sketch]; remove it"
+                    expected = "not allowed together with [sketch]; remove this key"
                     yield Inconsistency(f"bladed_disk.{name}", expected, ("sketch",))
 
     def _unknown_materials(self) -> Iterator[Inconsistency]:

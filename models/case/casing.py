@@ -191,7 +191,7 @@ class Casing(Table):
         if self.radius is not None and self.type == "ring":
             expected = (
                 'not allowed with casing.type = "ring", whose radius follows from the tips;'
-                " remove it"
+                " remove this key"
             )
             yield Inconsistency("radius", expected, ("type",))
         lobes = {
@@ -210,8 +210,8 @@ class Casing(Table):
         smallest = self.clearance_profile.smallest
         if smallest < 0.0 and self.type == "ring":
             expected = (
-                f"lobes that leave a gap: with casing.clearance = {self.clearance!r} the smallest"
-                f" gap would be {smallest:.6g} m"
+                f"a gap of at least 0 everywhere; with casing.clearance = {self.clearance!r} the"
+                f" smallest gap would be {smallest:.6g} m"
             )
             key = "clearance_lobes" if self.profile is None else "profile"
             yield Inconsistency(key, expected, ("clearance",))
@@ -222,7 +222,9 @@ class Casing(Table):
             )
             yield Inconsistency("closure", expected, ("clearance",))
         if not (thinnest := self.thickness_profile.smallest) > 0.0:
-            expected = f"lobes that leave a wall: the smallest thickness would be {thinnest:.6g} m"
+            expected = (
+                f"a thickness above 0 everywhere; its smallest value would be {thinnest:.6g} m"
+            )
             others = ("wall.thickness", "thickness_stations")
             yield Inconsistency("thickness_lobes", expected, others)
         places = np.sort(np.mod([row.angle for row in self.thickness_stations], TURN))

@@ -100,7 +100,7 @@ def _expected(details: ErrorDetails, path: Path) -> str:
 
 
 def _path(details: ErrorDetails) -> Path:
-    """Return the path to a fault, without the type of the table that pydantic inserts."""
+    """Return the path to a fault without the table type that pydantic inserts."""
     location = _location(details)
     if details["type"] in TAG_ERRORS:
         return (*location, "type")

@@ -67,7 +67,7 @@ class Closure(Table):
         return [lost * share for lost in courses for share in (around.min(), around.max())]
 
     def value(self, time: ArrayLike) -> FloatArray:
-        """Return the closure without lobes at times [s], in the same shape [m]."""
+        """Return the closure without lobes [m] at times [s], in the shape of the times."""
         time = np.asarray(time, dtype=np.float64)
         if self.table:
             return np.asarray(np.interp(time, *np.transpose(self.table)))

@@ -75,8 +75,8 @@ class WornProfile(Table):
             yield Inconsistency("tracks", "one track at each axial position")
 
     def recess(self, angle: FloatArray) -> FloatArray:
-        """Return the removed depth at angles [rad] [m], in the same shape, or
-        (tracks, *angle.shape), in the order of `axial`, if there are tracks."""
+        """Return the removed depth [m] at angles [rad], in the shape of the angles; with tracks
+        (tracks, *angle.shape), in the order of `axial`."""
         total = np.zeros(angle.shape)
         if self.points:
             total = _interpolated(self.points, angle)

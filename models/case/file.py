@@ -162,8 +162,8 @@ def case_fault(case: Case, key: str, expected: str) -> Fault:
 
 
 def _find_beside(tables: dict[str, Any], folder: str) -> None:
-    """Make the paths of files in a case, which are relative to the case file, relative to the
-    working directory."""
+    """Convert the paths of files in a case, given relative to the case file, to paths relative to
+    the working directory."""
     for key in FILES:
         table: Any = tables
         for name in key.split("."):

@@ -145,7 +145,7 @@ class MeshTable(Table):
         return np.asarray(nodes[np.roll(order, -first)])
 
     def group_nodes(self, mesh: GroupedLines, key: str) -> IntArray:
-        """Return the nodes of the group named by a key of this table, ascending.
+        """Return in ascending order the nodes of the group named by a key of this table.
 
         Raises:
             CaseError: there are no such nodes.

@@ -98,7 +98,7 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
             expected = f"points without axial positions, or a {SOURCE}"
             yield Inconsistency("casing.coating.profile", expected, (SOURCE,))
         return
-    forbidden = f"not allowed together with {SOURCE}; remove it"
+    forbidden = f"not allowed together with {SOURCE}; remove this key"
     if case.sketch is not None:
         yield Inconsistency("sketch", forbidden, (SOURCE,))
     flexible, table = case.casing.type == "ring", case.bladed_disk.superelement

@@ -69,8 +69,8 @@ def _keys(table: Table, *, commented: bool) -> Iterator[str]:
 
 
 def _alternative(table: Table, heading: str = "") -> str:
-    """Return the keys of a type of excitation or sensor, below a heading, commented out; comments
-    start with "##"."""
+    """Return a heading and, commented out below it, the keys of a type of excitation or sensor;
+    comments start with "##"."""
     if isinstance(table, NoExcitation):
         return ""
     lines = [_comment(_summary(table)), heading, *_keys(table, commented=True)]

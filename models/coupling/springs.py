@@ -134,7 +134,7 @@ class CouplingModes:
         return matrix[np.ix_(self.cosine, self.cosine)] + 1j * self.paired[:, None] * crossed
 
     def take(self, chosen: IntArray | BoolArray | Sequence[int]) -> "CouplingModes":
-        """Return the modes of the chosen entries, a mask or positions."""
+        """Return the modes of the entries that a mask or positions select."""
         kept = np.arange(self.entries)[np.asarray(chosen)]
         arrays = {item.name: getattr(self, item.name)[kept] for item in fields(self)[1:7]}
         coordinates = [c for i in kept for c in np.flatnonzero(self.entry == i)]
@@ -190,7 +190,8 @@ class CoupledEntries:
         return coordinates, self.numbers[coordinates]
 
     def places(self, rotor_modes: int) -> IntArray:
-        """Return the position of each coordinate in a list of all rotor, then all casing modes."""
+        """Return the position of each coordinate in a list of all rotor modes followed by all
+        casing modes."""
         return self.numbers + rotor_modes * self.modes.on_casing[self.modes.entry]
 
     @property

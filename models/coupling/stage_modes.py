@@ -172,7 +172,7 @@ def coupled_entries(
 def tip_motion(
     disk: BladedDiskModel, modes: ModeTable, family: tuple[str, ...], fields: Fields
 ) -> RadialModes:
-    """Return the radial motion of the tips in the modes of a bladed disk, full or reduced.
+    """Return the radial motion of the tips in the modes of a full or reduced bladed disk.
 
     Args:
         disk: the finite element model.

@@ -84,7 +84,7 @@ def wave_parts(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:
 
 
 def evenly_spaced(angles: FloatArray) -> bool:
-    """Return true if angles increase in equal steps, 2 pi divided by the number of angles."""
+    """Return true if angles increase in equal steps of 2 pi divided by their number."""
     even = 2.0 * np.pi * np.arange(len(angles)) / len(angles)
     steps = np.mod(angles - angles[0] - even, 2 * np.pi)
     return bool(np.minimum(steps, 2.0 * np.pi - steps).max() < 1e-9)
@@ -167,7 +167,7 @@ class SectorLayout:
         return True
 
     def blocks(self, *matrices: sp.csr_array) -> Iterator[tuple[int, tuple[ComplexArray, ...]]]:
-        """Yield each nodal diameter k with the part of each matrix that acts on k, a dense block.
+        """Yield each nodal diameter k with the dense block of each matrix that acts on k.
 
         If sectors differ, the blocks belong to the mean of all sectors.
         """

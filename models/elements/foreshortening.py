@@ -71,7 +71,7 @@ def chain_of_beams(
 def drawback(
     disk: BladedDiskModel, shapes: FloatArray, blade: int, *, around: bool
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the quadratic form of the distance by which a tip draws back, 1/2 sum_i s_i y_i^2.
+    """Return the quadratic form 1/2 sum_i s_i y_i^2 of the distance by which a tip draws back.
 
     Args:
         disk: finite element model with beams at the tip.
@@ -104,8 +104,8 @@ def drawback(
 
 
 def slope_form(length: float) -> FloatArray:
-    """Return the matrix of int w'^2 ds for the rise between the ends of an element, and for the
-    slopes at both ends, (3, 3)."""
+    """Return the matrix of int w'^2 ds, (3, 3), for the rise between the ends of an element and the
+    slopes at both ends."""
     h = length
     return np.array(
         [[36.0, -3 * h, -3 * h], [-3 * h, 4 * h**2, -(h**2)], [-3 * h, -(h**2), 4 * h**2]]
@@ -139,7 +139,8 @@ def _factors(form: FloatArray, rows: FloatArray) -> tuple[FloatArray, FloatArray
 def fewest_terms(
     rows: FloatArray, signs: FloatArray, weight: FloatArray, share: float
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Return a quadratic form with the fewest terms, for coordinates of equal energy.
+    """Return a quadratic form with the fewest terms; the neglected terms are the smallest ones if
+    all coordinates have equal energy.
 
     Args:
         rows: rows y of the form 1/2 sum_i s_i y_i^2, (rows, coordinates).

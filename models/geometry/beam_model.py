@@ -232,7 +232,8 @@ def part_outside(model: BeamModel, radius: float) -> str | None:
 
 
 def _part(model: BeamModel, node: int) -> str:
-    """Return in words the part of a node, or the node if its part has no name, and the position."""
+    """Return in words the part of a node, or the node if its part has no name, and the position of
+    the node."""
     lines = np.flatnonzero((model.mesh.lines == node).any(axis=1))
     names = [model.mesh.line_parts[line] for line in lines if model.mesh.line_parts[line]]
     return f"part {names[0]!r} at {_at(model, node)}" if names else _node(model, node)

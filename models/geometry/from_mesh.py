@@ -266,7 +266,7 @@ def _hung(table: MeshTable, mesh: GroupedLines) -> dict[str, Any]:
     for name, count in (("point masses", len(masses.node)), ("springs", len(joints.node))):
         if count and table.metres != 1.0:
             expected = (
-                f'"m" for a file with {name}, which are in SI units, such as {table.file_name}'
+                f'"m", because {table.file_name} contains {name}, which are always read in SI units'
             )
             raise CaseError([table.fault("unit", expected)])
     leader, led = mesh.lines[mesh.is_rigid].T

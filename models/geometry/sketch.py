@@ -69,7 +69,7 @@ class Sketch:
             raise CaseError(faults_of(error, parts, "sketch")) from None
 
     def case(self, **tables: Any) -> Case:
-        """Return a case with this bladed disk, the input of the rest of the package.
+        """Return a case with this bladed disk; the rest of the package takes cases as input.
 
         Args:
             tables: other tables of the case, such as ``march={"speed": 1.2, "duration": "0.5 s"}``,
@@ -197,7 +197,7 @@ class Sketch:
         self._add("sets", name, name=name, nodes=nodes)
 
     def move(self, sector: int, node: str, x: float | str, y: float | str = 0.0) -> None:
-        """Move a node of one sector to new coordinates, given in the axes of sector 0 [m]."""
+        """Move a node of one sector to new coordinates [m], given in the axes of sector 0."""
         self._add("edits", node, sector=sector, node=node, at=(x, y))
 
     def change(

@@ -114,7 +114,7 @@ class _Blade:
         return radius, self._angle(min(max((radius - self._root) / (stretch * self._span), 0), 1))
 
     def point(self, radius: float, stretch: float = 1.0) -> tuple[float, float]:
-        """Return x and y of the point of the centre line at a radius, see `polar` [m]."""
+        """Return x and y [m] of the point of the centre line at a radius, see `polar`."""
         r, angle = self.polar(radius, stretch)
         return r * float(np.cos(angle)), r * float(np.sin(angle))
 

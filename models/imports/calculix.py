@@ -20,7 +20,7 @@ from bladewhirl.models.superelements.superelement import FIXED, SuperelementErro
 
 
 def read_calculix(path: Path) -> ForeignPart:
-    """Read the matrices that CalculiX wrote for an input file, with its nodes and sets.
+    """Read the matrices that CalculiX wrote for an input file, and the nodes and sets of this file.
 
     Raises:
         SuperelementError: a file is missing or invalid, or the files do not belong together.

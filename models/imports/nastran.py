@@ -19,7 +19,7 @@ STIFFNESS, MASS, DAMPING = ("kaa", "kxx"), ("maa", "mxx"), ("baa", "bxx")
 
 
 def read_nastran(path: Path) -> ForeignPart:
-    """Read an external superelement, with displacements turned into the basic axes.
+    """Read an external superelement, and turn its displacements into the basic axes.
 
     Raises:
         SuperelementError: pyyeti is not installed, or the files are missing or invalid.

@@ -35,7 +35,7 @@ NAMES = {
 
 
 def read_matrix_market(stiffness: Path, mass: Path, nodes: Path) -> ForeignPart:
-    """Read stiffness and mass from two files of Matrix Market, and their nodes from a table.
+    """Read stiffness and mass from two files of Matrix Market, and the nodes from a table.
 
     Raises:
         SuperelementError: a file is missing or invalid, or the matrices differ in size.

@@ -282,7 +282,8 @@ def whirl_families(
 
 
 def names_of(modes: LabelledModes) -> dict[int, list[str]]:
-    """Return for each nodal diameter the families at rest, lowest mode first, one for a pair."""
+    """Return for each nodal diameter the families of the modes at rest, the lowest mode first, with
+    one entry for both modes of a pair."""
     one, names = modes.one_a_pair(), modes.at_rest or modes.family
     return {
         int(k): [names[i] for i in one[modes.nodal_diameter[one] == k]]

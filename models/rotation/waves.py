@@ -56,13 +56,14 @@ class Waves:
         return gyroscopic_frequencies(self.mass, stiffness, 2.0 * omega * self.coriolis)
 
     def spring_shares(self, omega: float) -> FloatArray:
-        """Return the share of the strain energy in the shaft springs at a speed omega [rad/s], in
-        the order of `frequencies`, (2 n,)."""
+        """Return for each wave at a speed omega [rad/s] the share of its strain energy that is in
+        the shaft springs, in the order of `frequencies`, (2 n,)."""
         stiffness = self.stiffness + omega**2 * self.softening
         return self._shares(gyroscopic_eigen(self.mass, stiffness, 2.0 * omega * self.coriolis)[1])
 
     def _shares(self, fields: ComplexArray) -> FloatArray:
-        """Return the share of the strain energy in the shaft springs of each field, (fields,)."""
+        """Return for each field the share of its strain energy that is in the shaft springs,
+        (fields,)."""
         in_springs, strain = (
             np.einsum("im,ij,jm->m", fields.conj(), each, fields).real
             for each in (self.springs, self.stiffness)

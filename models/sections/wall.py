@@ -65,7 +65,7 @@ class RingProfile:
         return CubicSpline(places, values[closed], bc_type="periodic")
 
     def value(self, angle: ArrayLike) -> FloatArray:
-        """Return the values at angles [rad], in the same shape."""
+        """Return the values at angles [rad], in the shape of the angles."""
         theta = np.asarray(angle, dtype=np.float64)
         total = np.full(theta.shape, self.mean)
         if self.stations:
@@ -78,8 +78,8 @@ class RingProfile:
         return np.asarray(total)
 
     def slope(self, angle: ArrayLike) -> FloatArray:
-        """Return d(value)/d(angle) at angles [rad], in the same shape, per rad: the slope of the
-        spline through `points` plus that of `lobes`, without `stations`."""
+        """Return d(value)/d(angle), per rad, at angles [rad], in the shape of the angles: the slope
+        of the spline through `points` plus that of `lobes`, without `stations`."""
         theta = np.asarray(angle, dtype=np.float64)
         slope = self._spline(theta, 1) if self.points else np.zeros(theta.shape)
         for wave in self.lobes:
@@ -88,7 +88,7 @@ class RingProfile:
 
     @property
     def smallest(self) -> float:
-        """Smallest value on the ring, at steps of a twentieth of a degree."""
+        """Smallest of the values on the ring at steps of a twentieth of a degree."""
         return float(self.value(np.linspace(0.0, TURN, FINE, endpoint=False)).min())
 
 

@@ -58,7 +58,7 @@ class CellType:
 
     @cached_property
     def triangles(self) -> tuple[Face, ...]:
-        """Triangles between all nodes of each face, by their place in the cell."""
+        """Triangles between all nodes of each face; nodes are given by their place in the cell."""
         middle = {frozenset(edge): len(self.corners) + n for n, edge in enumerate(self.edges)}
         first_order = len(self.reference) == len(self.corners)
         return tuple(_face(face, {} if first_order else middle) for face in self.faces)

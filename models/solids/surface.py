@@ -8,7 +8,7 @@ from bladewhirl.models.solids.cells import CELL_TYPES
 
 
 def surface_triangles(mesh: VolumeMesh) -> tuple[IntArray, IntArray]:
-    """Return the nodes on the surface, (p,), and triangles between them, (t, 3), by their place
+    """Return the nodes on the surface, (p,), and triangles between them, (t, 3), given by places
     among these nodes; triangles are counter-clockwise when seen from outside."""
     kind = CELL_TYPES[mesh.cell_type]
     corners = np.array(kind.faces)

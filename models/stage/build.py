@@ -137,7 +137,10 @@ def _start_faults(stage: Stage) -> Iterator[Fault]:
         lost = case.casing.closure.value(0.0) * case.casing.closure.around.value(rotor.tip_angle)
         clearance = clearance - lost
         if not clearance.min() > 0.0:
-            expected = f"a closure at t = 0 that leaves a gap: it is {lost.max():.6g} m at a tip"
+            expected = (
+                "a closure at t = 0 that is smaller than the clearance of every tip; its largest"
+                f" value at a tip is {lost.max():.6g} m"
+            )
             yield case_fault(case, "casing.closure.table", expected)
     for blade, (radial, _) in enumerate(rows):
         if radial > clearance[blade]:

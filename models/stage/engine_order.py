@@ -158,7 +158,7 @@ def _on_line(
     disk: BladedDiskModel, line: int, xi: float, load: EngineOrder
 ) -> tuple[IntArray, FloatArray]:
     """Return the end nodes of a line, and the forces on them (2, 3) by the shape functions of a
-    Bernoulli beam, for a unit force at the position xi along the line, from 0 to 1."""
+    Bernoulli beam, for a unit force at the position xi, 0 to 1, along the line."""
     mesh = disk.mesh
     ends, length = mesh.lines[line], float(mesh.lengths[line])
     x, y = (1.0 - xi) * mesh.points[ends[0]] + xi * mesh.points[ends[1]]

@@ -1,8 +1,8 @@
 """Mass scaling of the casing: a longer critical time step, with the same static compliance.
 
-Every casing mode with a natural frequency above a cut gets the frequency of the cut. Its shape and
-its loads are divided by the same factor, frequency / cut. The modal mass of these modes grows by
-the square of the factor; their static response to any force is the same.
+Every casing mode with a natural frequency above a cut-off frequency gets the cut-off frequency. Its
+shape and its loads are divided by the same factor, frequency / cut-off frequency. The modal mass of
+these modes grows by the square of the factor; their static response to any force is the same.
 """
 
 import math
@@ -17,8 +17,8 @@ from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing
 
 MASS_CHANGE = 0.03
-"""At the default cut, the inverse mass that a force between a tip and the wall meets decreases by
-at most this fraction, on average around the casing."""
+"""At the default cut-off frequency, the inverse mass that a force between a tip and the wall meets
+decreases by at most this fraction, on average around the casing."""
 
 STEP_SHARE = 0.5
 """The time step of a screening march is at most this fraction of the critical step: with longer
@@ -66,8 +66,8 @@ def screening_problem(problem: ContactProblem, timing: Timing) -> tuple[ContactP
 
 
 def screening_cut(problem: ContactProblem) -> float:
-    """Return the default cut [rad/s]: the lowest frequency at which the inverse mass changes by at
-    most `MASS_CHANGE`, and not less than the highest frequency of the rotor."""
+    """Return the default cut-off frequency [rad/s]: the lowest frequency at which the inverse mass
+    changes by at most `MASS_CHANGE`, and not less than the highest frequency of the rotor."""
     rotor, casing = problem.rotor, problem.casing
     of_tip = float((rotor.tip_radial**2).sum(axis=1).mean())
     share, frequency = np.zeros(len(casing.frequency)), casing.frequency
@@ -83,7 +83,8 @@ def screening_cut(problem: ContactProblem) -> float:
 
 
 def with_scaled_casing(problem: ContactProblem, cut: float) -> ContactProblem:
-    """Return a contact problem whose casing modes above a cut [rad/s] have scaled masses."""
+    """Return a contact problem whose casing modes above a cut-off frequency [rad/s] have scaled
+    masses."""
     casing = problem.casing
     factor = np.maximum(1.0, casing.frequency / cut)
     return replace(
@@ -104,8 +105,8 @@ def with_scaled_casing(problem: ContactProblem, cut: float) -> ContactProblem:
 
 
 def _wall_rows(casing: ReducedCasing) -> list[FloatArray]:
-    """Return the radial displacement of the wall for unit modal coordinates, at `PLACES` positions
-    in each element, (elements, modes) each."""
+    """Return, for each of `PLACES` positions in an element, the radial displacement of the wall for
+    unit modal coordinates, (elements, modes)."""
     nodal, following = casing.nodal, np.roll(casing.nodal, -1, axis=0)
     ends = (nodal[:, W], nodal[:, W_SLOPE], following[:, W], following[:, W_SLOPE])
     at = (np.arange(PLACES) + 0.5) / PLACES

@@ -98,7 +98,8 @@ class Stage:
         return "\n  ".join([f'Stage "{self.case.title}"', *rows])
 
     def _family(self, name: str) -> str:
-        """Return as text the frequency range of a family of the reduced model, and its error."""
+        """Return as text the frequency range of a family of the reduced model, and the largest
+        error of its frequencies."""
         here = np.array(self.disk_family) == name
         hertz = self.reduction.modes.frequency[here] / (2.0 * np.pi)
         low, high = f"{hertz.min():.4g}", f"{hertz.max():.4g}"

@@ -39,7 +39,7 @@ def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
 
 
 def locking_friction(stage: SuperelementStage) -> dict[int, float]:
-    """Return the friction coefficient above which a contact node locks itself, by node.
+    """Return for each contact node the friction coefficient above which it locks itself.
 
     Friction on a single node drags it backward. If the node then moves outward by more than the
     normal force moves it inward, no static equilibrium in contact exists. Nodes that no friction

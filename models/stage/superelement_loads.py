@@ -145,7 +145,7 @@ def static_shapes(
         return np.zeros((copies, len(reduced.frequency)))
     name = f"initial.{'centre' if tips is None else 'tip'}_{key}"
     if reduced.frequency.min() <= RANK * reduced.frequency.max():
-        expected = "not allowed for a superelement with rigid modes; remove it"
+        expected = "not allowed for a superelement with rigid modes; remove this key"
         raise CaseError([case_fault(case, name, expected)])
     member = (blade == np.arange(int(blade.max()) + 1)[:, None]).astype(float)
     member /= member.sum(axis=1, keepdims=True)

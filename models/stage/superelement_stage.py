@@ -62,7 +62,8 @@ class SuperelementStage:
 
     @property
     def reference_frequency(self) -> float:
-        """Lowest natural frequency without rigid modes [rad/s], the unit of speeds."""
+        """Lowest natural frequency of the modes that are not rigid [rad/s]. Speeds are in multiples
+        of it."""
         frequency = self.reduced.frequency
         elastic = frequency > np.sqrt(rigid_limit(self.part))
         return float(frequency[elastic].min() if elastic.any() else frequency.max())

@@ -52,7 +52,7 @@ def read_superelement(path: str | PathLike[str]) -> Superelement:
 
 
 def superelement_of(content: Mapping[str, Any]) -> Superelement:
-    """Return a superelement from arrays and texts by name, in the units that they state.
+    """Return a superelement from arrays and texts by name; texts state the units of the arrays.
 
     Raises:
         SuperelementError: a key is missing or unknown, or the arrays do not describe a structure.

@@ -156,8 +156,8 @@ def coupled_mode_motion(stage: StageModes, motion: CoupledMotion, kappa: float) 
 
 
 def radial_shapes(stage: StageModes) -> RadialShapes:
-    """Return the displacements of shaft, tips and casing for unit coordinates of the coupled modes,
-    step 4 of Section 3.3.2 of the paper.
+    """Return the displacements of shaft, tips and casing for unit coordinates of the coupled modes
+    (step 4 of Section 3.3.2 of the paper).
 
     The displacements are computed from the finite element modes, even if the coupling is computed
     with the paper's simplification that the radial amplitude of every mode is 1.

@@ -131,12 +131,13 @@ class RunFigures:
 
     @property
     def forces(self) -> xr.Dataset:
-        """Contact forces of all blades over time, in longer time intervals."""
+        """Mean contact forces of all blades in at most `FORCE_COLUMNS` time intervals, fewer than
+        in `contact`."""
         return contact_maps(self._with_contact, FORCE_COLUMNS)
 
     @property
     def casing_contact(self) -> xr.Dataset:
-        """Contact by angle of the casing, for all and for the last revolutions."""
+        """Contact by angle of the casing, in all revolutions and in the last ones."""
         return with_last_turns(casing_contact(self._with_contact), self.result)
 
     @cached_property

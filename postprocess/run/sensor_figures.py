@@ -159,7 +159,8 @@ def all_blades(signals: xr.Dataset) -> xr.Dataset:
 
 def _over_time(signals: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, float]]:
     """Yield name, signal over the coordinate `time`, and time between samples [s] of the sensors
-    that sample in time; if all blades are recorded, of the one that vibrates most.
+    that sample in time; if a sensor records all blades, the signal is that of the blade that
+    vibrates most.
 
     Raises:
         ViewError: no sensor samples in time, or a signal is too short.
@@ -213,8 +214,8 @@ def _modes(result: xr.Dataset, kind: str) -> list[tuple[str, float, float]]:
 
 @styled
 def plot_sensors(signals: xr.Dataset) -> Figure:
-    """Draw the signals of sensors from `sensors` over time; if all blades are recorded, the blade
-    that vibrates most is black and all blades are grey."""
+    """Draw the signals from `sensors` over time; if all blades are recorded, in grey the range of
+    all blades (the points of tip timing), and over it in black the blade that vibrates most."""
     names = [str(name) for name, signal in signals.items() if "type" in signal.attrs]
     figure, panels = _panels(names, 0.03)
     for axes, name in zip(panels, names, strict=False):

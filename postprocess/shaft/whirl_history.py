@@ -81,7 +81,7 @@ def _spans(orbit: xr.Dataset) -> tuple[IntArray, float]:
 
 
 def _rates(orbit: xr.Dataset, angle: Array, starts: IntArray, square: Array) -> Array:
-    """Return the rate in each span [rad/s]; nan where the shaft is at rest, (span,)."""
+    """Return the rate in each span [rad/s], (span,); nan where the shaft is at rest."""
     rate = span_rates(orbit.variables["time"].values, angle, starts)
     return np.where(square > 0, rate, np.nan)
 

@@ -87,7 +87,7 @@ def _by_blade(blade: IntArray, share: Array) -> Array:
 
 
 def _natural(dataset: xr.Dataset) -> Array:
-    """Return the lowest natural frequencies of the first copy [Hz], at most `NATURAL`."""
+    """Return up to `NATURAL` of the lowest natural frequencies of the first copy [Hz]."""
     return np.asarray(np.sort(dataset["modal_frequency"].values[0])[:NATURAL] / (2.0 * np.pi))
 
 

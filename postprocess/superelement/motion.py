@@ -79,7 +79,8 @@ def deformed_points(dataset: xr.Dataset, records: IntArray) -> FloatArray:
 
 
 def turned_copies(dataset: xr.Dataset, vectors: FloatArray) -> FloatArray:
-    """Return vectors in axes of each copy, (..., copies, n, 3), in the axes of the first copy."""
+    """Convert vectors (..., copies, n, 3) from the axes of each copy to the axes of the first
+    copy."""
     angle = dataset["copy_angle"].values
     c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
     x, y, z = np.moveaxis(vectors, -1, 0)

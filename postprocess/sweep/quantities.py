@@ -29,8 +29,8 @@ def main_key(dataset: xr.Dataset) -> str:
 
 
 def other_keys(data: xr.Dataset) -> list[xr.DataArray]:
-    """Return the values (line,) of each swept key of a Dataset over (line, key) that is not on the
-    horizontal axis."""
+    """Return the values (line,) of each swept key that is not on the horizontal axis, from a
+    Dataset over (line, key)."""
     return [
         values
         for values in data.coords.values()

@@ -36,7 +36,7 @@ def state_arrays(state: Any, prefix: str = "") -> dict[str, Any]:
 
 
 def state_from(begin: Any, arrays: dict[str, Any]) -> Any:
-    """Return the state with given arrays, the inverse of `state_arrays`.
+    """Return the state with given arrays; this is the inverse of `state_arrays`.
 
     Args:
         begin: state of the same scheme at t = 0.

@@ -215,7 +215,7 @@ class Recorder(AbstractContextManager["Recorder"]):
 
 
 def result_bytes(stage: Arrays, records: int, blades: int | None = None) -> int:
-    """Return the size of a result, whose histories are stored in whole chunks of HDF5 [bytes].
+    """Return the size of a result [bytes]; its histories are stored in whole chunks of HDF5.
 
     Args:
         stage: arrays that describe the stage.

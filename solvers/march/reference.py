@@ -251,7 +251,8 @@ class Reference:
         )
 
     def _account(self, state: ReferenceState, step: Step) -> ReferenceState:
-        """Return the state after a step with all displacements within the limit."""
+        """Return the state after a step, with works, impulses and statistics. The caller has
+        checked that displacements are within `displacement_limit`."""
         dt, n, before, x = self._dt, state.step, state.before, state.now
         coating = step.coating
         moved, force = 0.5 * (step.after - before), step.multiplier + coating.force
@@ -520,7 +521,7 @@ def load_factor(load: Load, time: float) -> float:
 
 
 def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
-    """Return lambda with 0 <= lambda perp gap + W lambda >= 0, the normal contact forces.
+    """Return the normal contact forces lambda, with 0 <= lambda perp gap + W lambda >= 0.
 
     The first active set contains all tips that penetrate. Tips with a tensile force are then
     removed from the set, and tips that penetrate are added. If these changes do not converge

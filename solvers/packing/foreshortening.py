@@ -19,11 +19,11 @@ NEAR = 0.015625
 clearance."""
 
 MOST_HELD, MOST_UNCHECKED = 32, 256
-"""Largest numbers of steps with one linearisation, and between checks of all openings."""
+"""Largest numbers of steps with one linearisation and between two checks of all openings."""
 
 HELD, UNCHECKED = 2.0, 4.0
-"""Largest duration of a linearisation, and between checks, multiplied by the frequency of the
-fastest large term."""
+"""Largest duration of a linearisation and largest time between two checks, both multiplied by the
+frequency of the fastest large term."""
 
 
 def near_gap(problem: ContactProblem) -> float:
@@ -37,7 +37,7 @@ def near_gap(problem: ContactProblem) -> float:
 
 
 def held_steps(problem: ContactProblem, dt: float) -> tuple[int, int]:
-    """Return the number of steps with one linearisation, and between checks of all openings."""
+    """Return the numbers of steps with one linearisation and between two checks of all openings."""
     shortening = problem.foreshortening
     angle = 0.0 if shortening is None else shortening.frequency * dt
     if not angle > 0.0:

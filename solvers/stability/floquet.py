@@ -149,7 +149,8 @@ def _propagate(
     steps: int,
     unit: float,
 ) -> FloatArray:
-    """Return the monodromy matrix of (unit x, x'), the product of the exponentials of all steps."""
+    """Return the monodromy matrix of (unit x, x') as the product of the exponentials of all
+    steps."""
     step = period / steps
     times = step * np.add.outer(np.arange(steps), NODES)
     early, middle, late = (

@@ -11,7 +11,8 @@ narrowest zone is found. With rotation effects two waves may meet and part repea
 may also decrease; neighbouring speeds are then searched for increases and decreases.
 
 With damping, and for nodal diameters with a single mode, zones follow instead from the sign of the
-growth rate at a series of speeds, which is denser inside the undamped zones.
+growth rate at a series of speeds, which is denser inside the zones that are unstable without
+damping.
 """
 
 from collections.abc import Callable
@@ -30,7 +31,8 @@ SAMPLES = 400
 """Number of speeds in the first sampling of the sign of the growth."""
 
 INSIDE = 9
-"""Number of additional speeds inside each undamped zone."""
+"""Number of speeds that are added to the samples inside each zone that is unstable without
+damping."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,8 +158,8 @@ def _intervals(
 def _ladder(
     block: CoupledEquations, kappas: FloatArray, low: float, high: float
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return the zones without damping, from the counts of exchanges at the ends of the range of
-    speeds, or at `SAMPLES` speeds if the counts can decrease."""
+    """Return the zones that are unstable without damping. They follow from the counts of exchanges
+    at both ends of the range of speeds or, if the counts can decrease, at `SAMPLES` speeds."""
     edges = np.linspace(low, high, 2 if block.softening is None else SAMPLES)
     speeds, stiff = np.meshgrid(edges, kappas)
     begun, ended = (

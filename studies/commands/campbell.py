@@ -45,7 +45,8 @@ def campbell(
     json: options.AsJson = False,
     overrides: options.Changes = None,
 ) -> None:
-    """Find coincidence speeds and draw Campbell diagrams, in the rotating and the static frame.
+    """Find coincidence speeds, and draw a Campbell diagram in the rotating and one in the static
+    frame.
 
     Where k Ω = ω_casing + ω_rotor, Eq. (14), a forward wave on the casing and a backward wave on
     the rotor travel at the same speed in space, and contact amplifies both waves. The table lists

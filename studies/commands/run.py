@@ -46,12 +46,12 @@ def run(
 ) -> None:
     """March a case in time.
 
-    These are written into DIR: the resolved case.toml, provenance.json, result.nc (netCDF, opens
-    with xarray), summary.json, and orbit.png, energy.png and vtk/series.pvd for ParaView, which
-    show the complete run or the window of --from and --to. A divergent motion is a valid result.
-    Ctrl-C ends the march and keeps its records; --resume DIR finishes a run that was killed, or
-    stopped by a full disk, with bitwise the same result. --overwrite replaces the old run when the
-    new one is finished.
+    DIR then contains the resolved case.toml, provenance.json, result.nc (netCDF, opens with
+    xarray), summary.json, and orbit.png, energy.png and vtk/series.pvd for ParaView, which show the
+    complete run or the window of --from and --to. A divergent motion is a valid result. Ctrl-C ends
+    the march and keeps its records; --resume DIR finishes a run that was killed, or stopped by a
+    full disk, with bitwise the same result. --overwrite replaces the old run when the new one is
+    finished.
     """
     from rich.console import Console
 

@@ -114,12 +114,11 @@ def sweep(
 ) -> None:
     """March a case with every value of a key, or every combination of values of several keys.
 
-    Each combination is a point; --table lists any other points in a file. These are written into
-    DIR: sweep.nc (netCDF, opens with xarray), with spectra, energies, regimes and decimated
-    histories of every point; and some figures. `bladewhirl plot DIR` draws more
-    figures: whirl, contacts, energies, bifurcations, maps over two keys. Failed points are listed
-    in failures.json. --resume DIR finishes a sweep that was interrupted or killed, with bitwise the
-    same result.
+    Each combination is a point; with --table the points are the rows of a file. DIR then contains
+    sweep.nc (netCDF, opens with xarray), with spectra, energies, regimes and decimated histories of
+    every point, and some figures. `bladewhirl plot DIR` draws more figures: whirl, contacts,
+    energies, bifurcations, maps over two keys. Failed points are listed in failures.json. --resume
+    DIR finishes a sweep that was interrupted or killed, with bitwise the same result.
     """
     from bladewhirl.models.case.file import read_case
     from bladewhirl.studies.sweeps.axes import parse_over

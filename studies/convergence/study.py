@@ -224,8 +224,8 @@ def mode_convergence(
 
 
 OFF_THE_LAW = 0.3
-"""Largest root mean square deviation of the logarithms of differences from a power law: a factor of
-about 4/3."""
+"""Limit of the root mean square deviation from the fitted power law, in the natural logarithm of
+the changes: exp(0.3), about 4/3."""
 
 
 def observed_order(size: FloatArray, change: FloatArray) -> float:

@@ -33,7 +33,8 @@ def campbell(
     speeds: Interval = (0.0, 3.0),
     operating: Interval = (0.6, 2.0),
 ) -> xr.Dataset:
-    """Compute speeds at which waves on bladed disk and casing coincide, Eq. (14), and their modes.
+    """Compute the speeds at which waves on bladed disk and casing coincide, Eq. (14), and these
+    waves.
 
     Variables over `coincidence`, ascending: normalised_speed (divided by the reference frequency),
     speed [rpm], the frequency of both modes [Hz] and whether the speed lies in the operating range.

@@ -73,7 +73,7 @@ def speed_of(value: Any, label: str) -> Speed:
 
 
 def stage_of_file(file: Path, overrides: list[str] | None) -> ModalStage:
-    """Return the finite element models and modes of a case file, changed by texts "KEY=VALUE".
+    """Return the finite element models and modes of a case file with changes "KEY=VALUE".
 
     Raises:
         CaseError: all faults of the case, naming the file or --set.
@@ -85,7 +85,8 @@ def stage_of_file(file: Path, overrides: list[str] | None) -> ModalStage:
 
 
 def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
-    """Compute natural modes of the full bladed disk, with free and clamped centre, and the casing.
+    """Compute natural modes of the casing and of the full bladed disk, with free and clamped
+    centre.
 
     Over `mode`: frequency [Hz], normalised_frequency (divided by the lowest frequency of the bladed
     disk with a free centre), purity (share of its nodal diameter in the mode) and spring_share

@@ -21,8 +21,8 @@ BORDER_STIFFNESSES = 61
 """Number of stiffnesses at which the borders of zones are computed."""
 
 LINE_SPEEDS, ZONE_SPEEDS = 1201, 21
-"""Number of speeds along a line of constant stiffness, and of additional speeds inside each
-zone."""
+"""Number of speeds along a line of constant stiffness, and of the speeds that are added to them
+inside each zone."""
 
 MULTIPLES = {"units": "1", "long_name": "speed in multiples of reference_frequency"}
 GROWTH = {"units": "1/s", "long_name": "largest real part of the spectrum"}

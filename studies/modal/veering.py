@@ -207,8 +207,9 @@ def _over_shaft(stage: ModalStage, springs: FloatArray) -> ShaftVeering:
     if layout is None or not structure.is_cyclic:
         symmetry = structure.symmetry.partition(":")[0]
         raise UserError(
-            "veering: expected equal sectors on equal shaft springs, so that each mode has a single"
-            f" nodal diameter, not {symmetry}; bladewhirl modes lists the frequencies"
+            f"veering: expected equal sectors on equal shaft springs, not {symmetry}: only then has"
+            " each mode a single nodal diameter. Use bladewhirl modes for the frequencies of this"
+            " stage"
         )
     basis = layout.basis(1)
 

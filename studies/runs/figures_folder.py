@@ -12,7 +12,7 @@ from bladewhirl.postprocess.plotting.style import FORMATS, save_figure
 
 
 def check_figure_folder(folder: Path | None, *, overwrite: bool) -> None:
-    """Check that figures may be written into a folder, without making it.
+    """Check that figures may be written into a folder; the folder is not made.
 
     Raises:
         UserError: the folder exists and must not be written into, or is a file.

@@ -34,11 +34,11 @@ def run(
 ) -> Run:
     """March a case, and write all its results into a folder.
 
-    These are written: case.toml (and a copy of its mesh file), provenance.json, result.nc,
+    The folder then contains case.toml (and a copy of its mesh file), provenance.json, result.nc,
     summary.json, orbit and energy (.png and their data) and vtk/; with tables [[sensor]] also
-    sensors.nc and a file NAME.csv for each sensor. Nothing is written before
-    the case is validated. Ctrl-C ends the march properly: all outputs are written for the time
-    marched, and the end reason of the run is "interrupted".
+    sensors.nc and a file NAME.csv for each sensor. Nothing is written before the case is validated.
+    Ctrl-C ends the march properly: all outputs are written for the time marched, and the end reason
+    of the run is "interrupted".
 
     Args:
         case: case to march, or the path of its file.

@@ -33,7 +33,7 @@ def run_key(case: Case) -> str:
 
 @dataclass(kw_only=True)
 class RunStore:
-    """Folder of results, one for each case."""
+    """Folder with one result file for each case."""
 
     directory: Path
     workers: int | None = None  #: number of processes, by default one per core; 1: this process

@@ -60,7 +60,7 @@ def march_extent(cases: Iterable[Case]) -> Extent:
 
 
 def make_layout(extent: Extent, stage: AnyStage) -> Layout:
-    """Return the layout of a sweep, whose first point has the given stage.
+    """Return the layout of a sweep whose first point has the given stage.
 
     The spacing of the frequencies is 1 divided by the window of the shortest march, at which a Hann
     window separates the periodic parts of a motion. The highest frequency is at most half of the

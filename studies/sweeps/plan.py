@@ -184,7 +184,7 @@ def plan_sweep(
     if screen and histories:
         raise UserError(
             f"{SCREEN}: not allowed together with --histories: a screening march has no accurate"
-            " stresses, nor spectra above its cut"
+            " stresses, nor spectra above its cut-off frequency"
         )
     if carry is not None:
         others = histories or screen or stop_when or (grid.draws and grid.draws.until)
@@ -226,7 +226,8 @@ def plan_digest(
     screen: bool = False,
     carry: Carry | None = None,
 ) -> str:
-    """Return the SHA-256 digest of all input of the points, which plan and dataset contain."""
+    """Return the SHA-256 digest of all input of the points; plan and dataset contain this
+    digest."""
     # The last entry, 1, is the number of points marched together.
     made_by = [folder.version(), SWEEP_FORMAT, dict(over), 1]
     made_by += [] if stop_when is None else [stop_when]

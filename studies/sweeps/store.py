@@ -47,9 +47,9 @@ def create(
     *,
     screen: bool = False,
 ) -> None:
-    """Create the dataset of a sweep in its folder, completely or not at all; `attributes` are added
-    to the attributes that every such dataset has, and `SCREENING` to its variables if points are
-    screened."""
+    """Create the dataset of a sweep in its folder, completely or not at all. Besides the attributes
+    of every sweep the dataset has `attributes`; if points are screened, it also has the variables
+    in `SCREENING`."""
     with (
         replacing(directory / dataset.SWEEP_NAME) as draft,
         h5py.File(draft, "w") as h5,

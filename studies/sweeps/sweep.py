@@ -87,8 +87,8 @@ def run_sweep(
     """March a case at every combination of values, or at the points of a table, and collect the
     results in a dataset.
 
-    These are written into the folder: sweep.json (the plan), provenance.json, sweep.nc (open it
-    with `open_sweep`), failures.json if points failed, figures, and histories/ if requested.
+    The folder then contains sweep.json (the plan), provenance.json, sweep.nc (open it with
+    `open_sweep`), failures.json if points failed, figures, and histories/ if requested.
     `resume_sweep` finishes a sweep that was interrupted or killed.
 
     Local workers are fresh Python processes, which import the main module: scripts need the usual

@@ -1,5 +1,5 @@
-"""Abradable coating: closed forms of a rod, lobes of prescribed motions, and an oscillator over an
-oval coating that an event-driven exact solution follows."""
+"""Abradable coating: closed-form solutions of a rod, lobes of prescribed motions, and an oscillator
+over an oval coating that an event-driven exact solution follows."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -105,7 +105,7 @@ def swinging(
 
 @verifies()
 def single_rod() -> Pairs:
-    """Press a rod twice to each of three depths, and compare with the closed forms."""
+    """Press a rod twice to each of three depths, and compare with the closed-form solutions."""
     dt, steps = 1e-3, 1000
     given = coating(8)
     computed, dissipated, again, depths = [], [], [], np.array([4e-5, 2.5e-4, 1e-3])
@@ -134,7 +134,7 @@ def single_rod() -> Pairs:
 
 @verifies("3/1", "5/1", "5/2", "7/3", "sqrt(7)")
 def lobes_of_prescribed_motion(ratio: str) -> Pairs:
-    """Let a tip pass 60 times with a prescribed motion, one time step a rod."""
+    """Let a tip pass 60 times with a prescribed motion, with one time step per rod."""
     row = reference("abradable")["lobes"][ratio]
     rods, turns, dt = row["rods"], row["revolutions"], 1e-3
     given = coating(rods)

@@ -154,8 +154,8 @@ def impacts_of_an_oscillator(name: str) -> Pairs:
 
 @verifies()
 def oscillator_at_rest() -> Pairs:
-    """Compare the work of contact with the exact energy loss, and the contact force at rest with
-    the load minus the spring force."""
+    """Compare the work of contact with the exact energy loss. The contact force at rest equals the
+    load minus the spring force."""
     case, chunk = oscillator("C1")
     return {
         "energy_of_an_impact": (-case["energy_lost"], chunk.normal_work[-1]),

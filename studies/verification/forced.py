@@ -1,4 +1,5 @@
-"""Responses to engine-order forces, compared with closed forms, the full model and the march."""
+"""Responses to engine-order forces, compared with closed-form solutions, the full model and the
+march."""
 
 from typing import Any
 
@@ -108,8 +109,8 @@ def bound_for_a_thousand_patterns() -> Pair:
 
 @verifies()
 def static_answer_of_scaled_masses() -> Pair:
-    """Compare the deflections of the wall of the paper's stage under unit forces at its nodes, with
-    scaled masses and without."""
+    """Compare the deflections of the wall by scaled masses with those by true masses, for the
+    paper's stage under unit forces at the nodes of the wall."""
     problem = contact_problem(build_stage(Case()))
     scaled = with_scaled_casing(problem, screening_cut(problem))
     expected, computed = (

@@ -1,4 +1,4 @@
-"""Foreshortening of bent blades: closed forms, elastica, true radii, work of contact."""
+"""Foreshortening of bent blades: closed-form solutions, elastica, true radii, work of contact."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -165,8 +165,8 @@ def rubbing(dt: float) -> tuple[ContactProblem, Chunk]:
 
 @verifies()
 def work_of_drawn_tips() -> Pairs:
-    """Compare the work of the contact forces with the forces times the motion of the gaps,
-    extrapolated to a time step of zero, and the energy minus all works with zero."""
+    """Compare the work of the contact forces with the forces times the motion of the gaps, both
+    extrapolated to a time step of zero. The energy minus all works is zero."""
     made, chunk = rubbing(1e-6)
     _, coarse = rubbing(2e-6)
     if not chunk.contact_impulse.any():

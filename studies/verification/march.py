@@ -218,8 +218,8 @@ def symmetries() -> Pairs:
 
 @verifies()
 def standstill() -> Pairs:
-    """Compare friction at zero speed with zero, and the gaps on one side of the initial direction
-    with the gaps on the other side."""
+    """Compare the gaps on both sides of the initial direction at zero speed with each other.
+    Friction is zero."""
     chunk = turned(speed=0.0)
     if not chunk.contact_impulse.any():
         raise ArithmeticError("expected contact at standstill")
@@ -241,7 +241,7 @@ def oscillations(given: ContactProblem, time: float) -> FloatArray:
 
 @verifies()
 def order_of_free_motion() -> Pair:
-    """Compare the order of convergence of damped free motion from random initial conditions with 2;
+    """Compare with 2 the order of convergence of damped free motion from random initial conditions;
     the errors after 2 ms with three time steps give two orders."""
     random = np.random.default_rng(1)
     body = coarse({"damping.ratio": 0.01}).rotor
@@ -259,7 +259,8 @@ def order_of_free_motion() -> Pair:
 
 @verifies()
 def free_motion() -> Pair:
-    """Compare free motion after an initial velocity of the shaft with superposed modes."""
+    """Compare the free motion that follows an initial velocity of the shaft with its modal
+    superposition."""
     given = coarse({"initial.centre_velocity": [0.1, 0.05]})
     chunk = marched(given, 1.25e-7, 16_000, every=16_000)
     return oscillations(given, 2e-3), chunk.rotor_displacement[-1]
@@ -275,7 +276,7 @@ def after_a_hit(steps: int) -> float:
 
 @verifies()
 def order_of_contact() -> Pair:
-    """Compare the order of convergence with contact, from two numbers of steps, with 1.
+    """Compare with 1 the order of convergence in contact, from two numbers of steps.
 
     Each error is a mean over similar numbers of steps, because the error of a single march depends
     on the time of impact within a step.

@@ -28,8 +28,8 @@ SPAN, TIP_MASS = 0.45, 0.1
 
 @verifies(*CENTRES)
 def stage_modes(centre: str) -> Pairs:
-    """Compare the frequencies of the stage of the paper's Table 1 with OpenSees, and the number of
-    modes with a wrong family or nodal diameter with zero."""
+    """Compare the frequencies of the stage of the paper's Table 1 with OpenSees. No mode has a
+    wrong family or nodal diameter."""
     known = reference("disk_modes")[centre]
     modes = stages.disk_modes(stages.bladed_disk(clamped=centre == "clamped"))
     names = zip(modes.nodal_diameter.tolist(), families(modes, "bladed-disk"), strict=True)
@@ -174,8 +174,8 @@ def tapered_blade() -> Pair:
 
 @verifies()
 def orders_of_convergence() -> Pairs:
-    """Compare orders of convergence with four for bending (cubic elements) and with two for
-    stretching (linear elements)."""
+    """Compare the order of convergence for bending (cubic elements) with four, and that for
+    stretching (linear elements) with two."""
     pairs: dict[str, Pair] = {}
     for name, frequencies, elements, order in (
         ("order_of_bending", bending, 6, 4.0),

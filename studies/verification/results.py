@@ -76,7 +76,7 @@ def kicks(result: xr.Dataset, body: str) -> FloatArray:
 
 @verifies()
 def balances() -> Pairs:
-    """Compare changes of momentum with contact impulses, and penetration and closed gaps with zero.
+    """Compare changes of momentum with contact impulses. Penetration and closed gaps are zero.
 
     Normal forces act inward on tips and outward on the casing. Friction acts backward on tips and
     forward on the casing, and its torque turns the casing.
@@ -126,9 +126,9 @@ def energy_ledger() -> Pair:
 
 @verifies("backward", "forward")
 def circle(way: str) -> Pairs:
-    """Compare the whirl rate in both frames with the suspension frequency, and the labels of the
-    whirl direction with the direction in which the shaft starts on a circular orbit without
-    contact."""
+    """Compare the whirl rate of a circular orbit without contact in both frames with the suspension
+    frequency. The labels of the whirl direction agree with the direction in which the shaft
+    starts."""
     longer = {"march__duration": 0.2, "march__record_step": 4e-5}
     pair = {"reduction__modes": "suspension,casing:1", **longer}
     still = {"initial__centre_velocity": (0.0, 0.0)}

@@ -26,7 +26,8 @@ def flexural(elements: int, name: str) -> Pair:
 @verifies()
 def bending_of_rings() -> Pairs:
     """Compare bending frequencies of a free ring, and of a ring on a uniform radial and tangential
-    support, with closed forms; compare the free ring also with a polygon of straight beams."""
+    support, with closed-form solutions; compare the free ring also with a polygon of straight
+    beams."""
     return {
         "free_ring": flexural(160, "flexural_hz"),
         "ring_on_foundation": flexural(160, "flexural_on_foundation_hz"),
@@ -36,8 +37,8 @@ def bending_of_rings() -> Pairs:
 
 @verifies()
 def orders_of_convergence() -> Pairs:
-    """Compare the order of convergence with four for bending, and with nearly six for
-    translations."""
+    """Compare the order of convergence for bending with four, and that for translations with
+    5.7."""
     exact, coarse = map(np.array, flexural(80, "flexural_hz"))
     fine = np.array(flexural(160, "flexural_hz")[1])
     bending = np.array([ours[-1] / exact[-1] - 1.0 for ours in (coarse, fine)])
@@ -51,7 +52,7 @@ def orders_of_convergence() -> Pairs:
 
 @verifies()
 def stretching_ring() -> Pair:
-    """Compare the stretching frequencies of a free ring with the closed form."""
+    """Compare the stretching frequencies of a free ring with the closed-form solution."""
     modes = stages.casing_modes(80)
     exact = [row["extensional_hz"] for row in reference("ring")["modes"][:5]]
     spectra = [stages.hertz(modes)[modes.nodal_diameter == k] for k in range(5)]

@@ -55,8 +55,8 @@ def centrifugal_frequencies(stage: str) -> Pair:
 
 @verifies(*STAGES)
 def travelling_waves(stage: str) -> Pairs:
-    """Compare six frequencies of each nodal diameter and direction [Hz] with the reference, and the
-    largest growth rates with zero."""
+    """Compare six frequencies of each nodal diameter and direction [Hz] with the reference. The
+    largest growth rates are zero."""
     slow, fast, growth = (tuple[list[Any], list[Any]](([], [])) for _ in range(3))
     for row in known(stage)["speeds"]:
         modes = whirl_modes(turning(stage).at_speed(row["omega"], "full"))
@@ -236,7 +236,7 @@ def rigid_disk() -> Pair:
 
 @verifies()
 def rod() -> Pair:
-    """Compare the elongation of a radial rod at 1500 rad/s with closed forms."""
+    """Compare the elongation of a radial rod at 1500 rad/s with closed-form solutions."""
     section, omega = steel(0.01), 1500.0
     disk = blades_on(2, 0.5, section, 40, clamped=True)
     matrices = rotation_matrices(disk)

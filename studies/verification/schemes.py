@@ -110,6 +110,7 @@ def two_masses_on_a_stop(frequency: float) -> Pair:
 
 @verifies()
 def ledgers() -> Pair:
-    """Compare the energy residuals of marches with impacts and with penalty contact with zero."""
+    """Compare with zero the energy residual of a march with impacts and that of a march with
+    penalty contact."""
     chunks = [march_of_a_pad("moreau-jean"), march_on_a_penalty()]
     return np.zeros(2), [ledger_residual(chunk) for chunk in chunks]

@@ -1,4 +1,5 @@
-"""Signals of sensors, compared with closed forms of statics and of motions of a single mode."""
+"""Signals of sensors, compared with closed-form solutions of statics and of motions of a single
+mode."""
 
 from functools import cache
 from typing import Any

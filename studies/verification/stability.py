@@ -77,8 +77,8 @@ def monodromy(ratio: str) -> Floquet:
 
 @verifies(*DAMPED)
 def growth_rates(ratio: str) -> Pairs:
-    """Compare growth rates by the monodromy matrix and by a march with the reference, and growth
-    rates in the invariant frame of Eqs (16)-(21) with the monodromy matrix.
+    """Compare growth rates by the monodromy matrix and by a march with the reference. Growth rates
+    in the invariant frame of Eqs (16)-(21) equal those by the monodromy matrix.
 
     The growth rate is positive only with the factor pi of Eq. (8).
     """
@@ -123,15 +123,16 @@ def monodromy_by_runge_kutta() -> Pair:
 
 @verifies()
 def growth_of_a_march_at_speed() -> Pair:
-    """Compare the growth rate of a march with rotation effects with that of the eigenvalues."""
+    """Compare the growth rate of a march that includes rotation effects with that of the
+    eigenvalues."""
     turned, coupling = six_modes_at_speed()
     exact = growth_rate(coupling.modes, speed=turned.speed, kappa=coupling.kappa)
     return exact, late_growth(turned, 200_000)
 
 
 def six_modes_at_speed() -> tuple[ContactProblem, CouplingSprings]:
-    """Return the paper's six modes with rotation effects as a contact problem, and the springs
-    coupling the modes at rest.
+    """Return the paper's six modes with rotation effects as a contact problem, and the coupling
+    springs, expressed in the modes of the stage at rest.
 
     The modes of the contact problem are those of the stiffness at speed, which are coupled by
     Coriolis forces.

@@ -1,5 +1,6 @@
-"""Superelements: contact of massless nodes against closed forms, a blade of solids with two models
-of its contact nodes, a wheel from one of its sectors, and stages of beams as superelements."""
+"""Verification of superelements: contact of massless nodes compared with closed-form solutions, two
+models of the contact nodes of a blade of solid elements compared with each other, a wheel from one
+of its sectors with the whole wheel, and stages of beams with the same stages as superelements."""
 
 from functools import cache
 from tempfile import TemporaryDirectory
@@ -64,7 +65,7 @@ def rebound(dt: float) -> BoundaryChunk:
 
 @verifies()
 def impulse_of_a_rebound() -> Pair:
-    """Compare the impulse of a rebound with the closed form."""
+    """Compare the impulse of a rebound with the closed-form solution."""
     rate = np.sqrt(OMEGA**2 + 1.0 / FLEXIBILITY)
     start = np.arcsin(GAP * OMEGA) / OMEGA
     centre, speed = GAP / FLEXIBILITY / rate**2, np.cos(OMEGA * start)
@@ -138,7 +139,7 @@ def rub(*, by_massless: bool, dt: float) -> BoundaryChunk:
 
 @verifies()
 def contact_nodes_with_and_without_mass() -> Pair:
-    """Compare the impulse on nine massless nodes with that on nodes with mass and damping."""
+    """Compare the impulse on nine massless nodes with that on nodes that have mass and damping."""
     reference = rub(by_massless=False, dt=STEP / 10.0)
     return reference.contact_impulse.sum(), rub(by_massless=True, dt=STEP).contact_impulse.sum()
 
@@ -161,8 +162,8 @@ def ledger_of_a_rub() -> Pair:
 
 @verifies()
 def wheel_of_sectors() -> Pair:
-    """Compare static flexibilities of the contact nodes of a wheel, from modes and residual of a
-    sector, with those of the whole wheel."""
+    """Compare static flexibilities of the contact nodes that follow from modes and residual of a
+    sector with those of the whole wheel."""
     whole, sector, sectors = _wheel()
     _, reduced = massless_wheel(sector, sectors, 4)
     kept = (reduced.contact / reduced.frequency**2) @ reduced.contact.T

@@ -31,7 +31,7 @@ HEAD = ("", "quantity", "source", "values", "reference", "calculated", "largest 
 
 WORDS = (
     "Each quantity is computed through the functions that commands and Python use, and compared"
-    " with a closed form, a published value, another program, or a law of motion. Of"
+    " with a closed-form solution, a published value, another program, or a law of motion. Of"
     " several values, the value with the largest error is shown. Errors are relative unless stated"
     " otherwise."
 )

@@ -1,4 +1,5 @@
-"""Marches with Coriolis forces, compared with closed forms and with independent elements."""
+"""Marches with Coriolis forces, compared with closed-form solutions and with independent
+elements."""
 
 from dataclasses import replace
 
@@ -93,8 +94,8 @@ def jeffcott(
 
 @verifies()
 def unbalance_through_resonance() -> Pair:
-    """Compare amplitude and phase of the unbalance response after 4 s with the closed form, at
-    speeds below and above resonance."""
+    """Compare amplitude and phase of the unbalance response after 4 s, at speeds below and above
+    resonance, with the closed-form solution."""
     known = reference("jeffcott")
     rotor, expected, computed = known["rotor"], [], []
     damping = 2.0 * rotor["damping_ratio"] * np.sqrt(rotor["stiffness"] * rotor["mass"])
@@ -109,7 +110,7 @@ def unbalance_through_resonance() -> Pair:
 
 @verifies(0.8, 0.95, 1.2)
 def unequal_bearings(share: float) -> Pair:
-    """Compare forward and backward parts of the orbit with the closed form."""
+    """Compare forward and backward parts of the orbit with the closed-form solution."""
     rotor = reference("jeffcott")["rotor"]
     omega = share * np.sqrt(rotor["stiffness"] / rotor["mass"])
     damping, half = 5e3, 0.15 * rotor["stiffness"]
@@ -129,8 +130,8 @@ def unequal_bearings(share: float) -> Pair:
 
 @verifies(0.9, 1.3)
 def internal_damping(share: float) -> Pair:
-    """Compare the growth rate by internal damping with the closed form, which is negative below the
-    critical speed and positive above."""
+    """Compare the growth rate by internal damping with the closed-form solution, which is negative
+    below the critical speed and positive above it."""
     rotor, damping, steps = reference("jeffcott")["rotor"], 2e3, 10_000
     natural = np.sqrt(rotor["stiffness"] / rotor["mass"])
     omega = share * natural

@@ -290,7 +290,7 @@ BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
     (
         lambda lines: replace(lines, node_data={"mass": np.full(len(lines.points), 0.1)}),
         f', unit = "cm", sections = {{ blades = {SECTION}, spokes = {SECTION}, rim = {SECTION} }}',
-        'mesh.unit = "cm": expected "m" for a file with point masses, which are in SI units, such',
+        'mesh.unit = "cm": expected "m", because a.vtu contains point masses, which are always',
     ),
     (
         lambda lines: replace(lines, line_data={"spring_radial": np.full(12, -1.0)}),
@@ -326,8 +326,8 @@ def test_other_keys_beside_a_mesh_are_refused(tmp_path: Path) -> None:
     write_line_mesh(tmp_path / "a.vtu", grouped_lines(papers()))
     path = tmp_path / "case.toml"
     path.write_text(TOML.format("") + "\nbladed_disk.blades = 12")
-    expected = "bladed_disk.blades = 12: not allowed together with bladed_disk.mesh; remove it"
-    assert fault(read_case, path) == f"{path}: {expected}"
+    expected = "not allowed together with bladed_disk.mesh; remove this key"
+    assert fault(read_case, path) == f"{path}: bladed_disk.blades = 12: {expected}"
 
 
 def test_what_a_file_says_of_some_lines_is_completed_by_the_material(tmp_path: Path) -> None:
