@@ -58,7 +58,7 @@ def keep(
     method: Image.Quantize = Image.Quantize.MEDIANCUT,
     widest: int = 2400,
 ) -> None:
-    """Save a picture in docs/ with few colours, at most `widest` pixels wide."""
+    """Save a picture, at most `widest` pixels wide, in docs/ with few colours."""
     (DOCS / name).parent.mkdir(exist_ok=True)
     with Image.open(picture) as image:
         image.thumbnail((widest, 2 * widest), Image.Resampling.LANCZOS)

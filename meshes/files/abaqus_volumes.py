@@ -24,7 +24,7 @@ from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.meshio_cells import POINT
 
 SOLIDS = {4: "tetra", 10: "tetra10", 8: "hexahedron", 20: "hexahedron20"}
-"""Types of cells, by the number of nodes of the elements of solids, such as C3D10."""
+"""Types of cells by the number of nodes of solid elements (C3D10 has 10 nodes)."""
 
 SOLID = re.compile(r"(?:C3D|DC3D|F3D)(\d+).*", re.I)
 

@@ -112,7 +112,7 @@ class CasingDistortion(Table):
     """Force during [0, duration] on the lowest radial casing mode with nodal diameter k, which is
     mass-normalised and follows w = +cos k theta in the static frame."""
     nodal_diameter: Annotated[int, count(1)] = 1
-    """Nodal diameter k of the mode, at most half the casing's elements."""
+    """Nodal diameter k of the mode; at most half the number of casing elements."""
     modal_force: Annotated[float, quantity("N/kg^0.5", "not negative")] = 3e4
     """Modal force [N/kg^0.5] (30 kN in the paper's Table 2)."""
     duration: TimeOrZero = 0.15

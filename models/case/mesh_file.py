@@ -65,7 +65,7 @@ class MeshTable(Table):
     file: Annotated[str, BeforeValidator(_path)]
     """Path of a mesh file (.msh of Gmsh, .inp of Abaqus, or .vtu), relative to the case file."""
     unit: Annotated[str | float, PlainValidator(_unit)] = 1.0
-    """Unit of length in the file, such as "mm" [m]."""
+    """Unit of length in the file, such as "mm", or its length in metres [m]."""
     tips: StrictStr = "tips"
     """Name of the group of nodes at the blade tips, in any order. The tip of blade 0 is the one
     nearest to +x; the other blades follow counter-clockwise."""

@@ -34,8 +34,8 @@ def entries_of(*panels: Axes) -> list[tuple[Artist, str]]:
 
 
 def legends_below(figure: Figure, *groups: Group) -> None:
-    """Add legends below a complete figure in constrained layout, one for each group that has
-    entries, the first group uppermost.
+    """Add a legend for each group that has entries, below a complete figure in constrained layout;
+    the first group is uppermost.
 
     Each legend has as many columns as fit. The figure grows if the legends need more than `HEIGHT`.
     """

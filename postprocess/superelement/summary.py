@@ -20,7 +20,7 @@ from bladewhirl.postprocess.superelement.ring import is_flexible, ring_displacem
 DIRECTIONS = ("radial", "tangential", "axial")
 
 LATE = 10
-"""The impulse per revolution is averaged over the last complete revolutions, at most this many."""
+"""The impulse per revolution is averaged over up to this many complete revolutions at the end."""
 
 
 @dataclass(frozen=True, kw_only=True)

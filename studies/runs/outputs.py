@@ -181,7 +181,8 @@ def _node_outputs(
 
 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
-    """Write the ParaView series; yield hints for the user, such as a too coarse sampling."""
+    """Write the ParaView series; yield hints for the user, for instance about too coarse
+    sampling."""
     if window.frames == 0:
         return
     from bladewhirl.postprocess.fields.kinematics import ViewError, sampling_hint
