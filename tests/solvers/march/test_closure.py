@@ -119,7 +119,7 @@ def test_free_motion_counts_the_clearance_that_will_be_left() -> None:
         ({"amount": -2e-3, "time_constant": 1.0}, "opens the gap by less than casing.clearance"),
         (
             {"table": [[0, 1e-3]]},
-            "closure.table = .*: expected a closure at t = 0 that leaves",
+            "closure.table = .*: expected a closure at t = 0 that is smaller",
         ),
         (
             {"amount": 1e-4, "time_constant": 1.0, "lobes": [{"lobes": 9, "amplitude": 1e-5}]},
