@@ -8,12 +8,15 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike, fspath
-from typing import Any
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.check import case_from, faults_of
 from bladewhirl.models.case.excitation import EXCITATIONS
 from bladewhirl.models.inputs.errors import CaseError, Fault, faults_in
+from bladewhirl.models.inputs.table import Table
 
 MOST_LETTERS = 2**24
 """Largest length of a case file [characters]; a longer file cannot be a case."""
@@ -64,6 +67,41 @@ def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
     return loads(text, file=file, overrides=overrides)
 
 
+TableT = TypeVar("TableT", bound=Table)
+
+
+def table_of(text: str, name: str, kind: type[TableT]) -> TableT:
+    """Return a table of the text of a case, such as [casing]; the default if it is not there.
+
+    Other tables are not made, so that files they name, which may lie elsewhere, are not read.
+
+    Raises:
+        CaseError: the text is not TOML, or the table is invalid.
+    """
+    given = _parsed(text, "case").get(name, {})
+    try:
+        return kind(**given)
+    except (ValidationError, TypeError) as error:
+        if isinstance(error, ValidationError):
+            raise CaseError(faults_of(error, given, name)) from None
+        raise CaseError([Fault(key=name, expected="a table")]) from None
+
+
+def _parsed(text: str, file: str) -> dict[str, Any]:
+    """Return the tables of TOML text of limited size.
+
+    Raises:
+        CaseError: the text is too long, or not TOML.
+    """
+    if len(text) > MOST_LETTERS or _DEEP_KEY.search(text):
+        expected = f"at most {MOST_LETTERS} letters of TOML, and keys of at most 50 parts"
+        raise CaseError([Fault(file=file, expected=expected)])
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise CaseError([Fault(file=file, expected=f"valid TOML ({error})")]) from None
+
+
 def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Case:
     """Make a case from TOML text.
 
@@ -80,13 +118,7 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
     Raises:
         CaseError: the text is not TOML, or the case is invalid; the error lists all faults.
     """
-    if len(text) > MOST_LETTERS or _DEEP_KEY.search(text):
-        expected = f"at most {MOST_LETTERS} letters of TOML, and keys of at most 50 parts"
-        raise CaseError([Fault(file=file, expected=expected)])
-    try:
-        tables = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise CaseError([Fault(file=file, expected=f"valid TOML ({error})")]) from None
+    tables = _parsed(text, file)
     _find_beside(tables, os.path.dirname(file))
     overrides = list(overrides)
     with faults_in(SET):

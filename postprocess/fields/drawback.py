@@ -4,7 +4,8 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.line_mesh import BoolArray
-from bladewhirl.models.case.file import loads
+from bladewhirl.models.case.analysis import Contact
+from bladewhirl.models.case.file import table_of
 from bladewhirl.models.elements.foreshortening import chain_of_beams, slope_form
 from bladewhirl.postprocess.fields.blades import blade_chain
 from bladewhirl.postprocess.fields.kinematics import (
@@ -70,8 +71,8 @@ def drawn_back(dataset: xr.Dataset, records: IntArray, line: Array, moved: Array
         moved: displacements of the stations, (record, rotor_line, station, 2) [m].
     """
     text = str(dataset.attrs.get("case", ""))
-    contact = loads(text).contact if "foreshortening" in text else None
-    if contact is None or not contact.foreshortening:
+    contact = table_of(text, "contact", Contact)
+    if not contact.foreshortening:
         return None
     lines, points = dataset["rotor_line"].values, dataset["rotor_point"].values
     parts, shape = dataset["rotor_part"].values.astype(str), dataset["rotor_shape"].values

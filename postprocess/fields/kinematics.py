@@ -11,7 +11,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
-from bladewhirl.models.case.file import loads
+from bladewhirl.models.case.casing import Casing
+from bladewhirl.models.case.file import table_of
 from bladewhirl.models.inputs.errors import UserError
 
 Array = NDArray[np.float64]
@@ -258,10 +259,10 @@ def clearance_change(dataset: xr.Dataset, records: IntArray, angle: Array) -> Ar
     [m]: the removed depth of `casing.coating` minus `casing.closure`."""
     time, change = dataset["time"].values[records], np.zeros((len(records), len(angle)))
     text = str(dataset.attrs.get("case", ""))
-    casing = loads(text).casing if "closure" in text or "coating" in text else None
-    if casing is not None and casing.closure is not None:
+    casing = table_of(text, "casing", Casing)
+    if casing.closure is not None:
         change -= casing.closure.value(time)[:, None] * casing.closure.around.value(angle)
-    if casing is not None and casing.coating is not None:
+    if casing.coating is not None:
         change += casing.coating.thickness * coating_strain_at(dataset, records, angle)
     return change
 

@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
-from bladewhirl.models.case.file import loads
+from bladewhirl.models.case.analysis import Contact
+from bladewhirl.models.case.file import table_of
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY
 from bladewhirl.postprocess.energy.works import Works
@@ -185,7 +186,7 @@ def _drawn_back(result: xr.Dataset) -> str:
         drawn = _text(largest_drawback(result), "m")
     except ViewError:  # tips that end no beam
         return ""
-    contact = loads(str(result.attrs["case"])).contact
+    contact = table_of(str(result.attrs["case"]), "contact", Contact)
     if contact.foreshortening:
         return f"; bent blades drew back from the wall by up to {drawn}"
     return (

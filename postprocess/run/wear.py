@@ -9,8 +9,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.files import write_atomically
+from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.coating import Coating
-from bladewhirl.models.case.file import loads
+from bladewhirl.models.case.file import table_of
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
@@ -30,7 +31,7 @@ def coating_of(dataset: xr.Dataset) -> Coating:
         ViewError: the casing has no coating.
     """
     text = str(dataset.attrs.get("case", ""))
-    coating = loads(text).casing.coating if "coating_strain" in dataset and text else None
+    coating = table_of(text, "casing", Casing).coating if "coating_strain" in dataset else None
     if coating is None:
         raise ViewError("this run has no casing.coating, so nothing can be worn")
     return coating

@@ -11,10 +11,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from places import DATA, EXAMPLES
 
+from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.check import case_from
 from bladewhirl.models.case.excitation import EXCITATIONS, CasingDistortion, Imbalance
-from bladewhirl.models.case.file import loads, read_case, with_values
+from bladewhirl.models.case.file import loads, read_case, table_of, with_values
 from bladewhirl.models.case.template import dumps_case, template
 from bladewhirl.models.inputs.errors import CaseError, toml_value
 from bladewhirl.models.inputs.table import Table
@@ -400,3 +402,16 @@ def test_a_row_that_is_not_there_cannot_be_set() -> None:
         CaseError, match=r"number of a row, excitation.0 to excitation.1: excitation is a list"
     ):
         loads(LISTED, overrides=["excitation.type=imbalance"])
+
+
+def test_one_table_of_a_case_needs_no_files_of_others() -> None:
+    text = '[contact]\nfriction = 0.3\n[bladed_disk.mesh]\nfile = "nowhere.msh"\n'
+    assert table_of(text, "contact", Contact) == Contact(friction=0.3)
+    assert table_of("", "casing", Casing) == Casing()
+    for wrong, expected in (
+        ("contact = 1", "contact: expected a table"),
+        ("[contact]\nfriction = -1", "contact.friction = -1"),
+        ("[contact", "valid TOML"),
+    ):
+        with pytest.raises(CaseError, match=expected):
+            table_of(wrong, "contact", Contact)

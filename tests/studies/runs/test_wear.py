@@ -14,7 +14,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError, clearance_change
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.wear import lobe_shares
 from bladewhirl.solvers.march.schema import RESULT_NAME
@@ -107,3 +107,14 @@ def test_lobes_are_counted_by_the_largest_harmonic() -> None:
     assert int(share.argmax()) + 1 == 7
     assert share[6] == pytest.approx(0.8)
     assert share.sum() == pytest.approx(1.0)
+
+
+def test_the_file_of_a_mesh_need_not_be_here_to_see_the_wear(whole: Path) -> None:
+    """The case of a result names its mesh file, which lies in the folder of the run."""
+    with bw.open_result(whole) as result:
+        text = result.attrs["case"] + '\n[bladed_disk.mesh]\nfile = "elsewhere.msh"\n'
+        moved = result.assign_attrs(case=text)
+        for name in ("wear", "gaps"):
+            RunFigures(moved).draw(name)
+        at = np.array([0.5]), np.array([-1])
+        assert clearance_change(moved, at[1], at[0]) == clearance_change(result, at[1], at[0])
