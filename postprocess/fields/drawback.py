@@ -5,7 +5,6 @@ import xarray as xr
 
 from bladewhirl.meshes.line_mesh import BoolArray
 from bladewhirl.models.case.analysis import Contact
-from bladewhirl.models.case.file import table_of
 from bladewhirl.models.elements.foreshortening import chain_of_beams, slope_form
 from bladewhirl.postprocess.fields.blades import blade_chain
 from bladewhirl.postprocess.fields.kinematics import (
@@ -15,6 +14,7 @@ from bladewhirl.postprocess.fields.kinematics import (
     line_shapes,
     rotate,
     slope_rows_at,
+    table_of_result,
     unit,
 )
 
@@ -70,8 +70,7 @@ def drawn_back(dataset: xr.Dataset, records: IntArray, line: Array, moved: Array
         line: undeformed stations, equally spaced, (rotor_line, station, 2) [m].
         moved: displacements of the stations, (record, rotor_line, station, 2) [m].
     """
-    text = str(dataset.attrs.get("case", ""))
-    contact = table_of(text, "contact", Contact)
+    contact = table_of_result(dataset, "contact", Contact)
     if not contact.foreshortening:
         return None
     lines, points = dataset["rotor_line"].values, dataset["rotor_point"].values

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
 from bladewhirl.models.case.casing import Casing
-from bladewhirl.models.case.file import table_of
+from bladewhirl.models.case.file import TableT, table_of
 from bladewhirl.models.inputs.errors import UserError
 
 Array = NDArray[np.float64]
@@ -254,12 +254,18 @@ def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:
     return np.asarray(np.interp(angle, node, clearance, period=2 * np.pi))
 
 
+def table_of_result(dataset: xr.Dataset, name: str, kind: type[TableT]) -> TableT:
+    """Return a table of the case of a run, such as [casing]; the default for motions that are not
+    marched, such as those of modes, whose attribute `case` is a title."""
+    text = str(dataset.attrs.get("case", "")) if "time_step" in dataset.attrs else ""
+    return table_of(text, name, kind)
+
+
 def clearance_change(dataset: xr.Dataset, records: IntArray, angle: Array) -> Array:
     """Return the change of the clearance since the start at static angles [rad], (record, point)
     [m]: the removed depth of `casing.coating` minus `casing.closure`."""
     time, change = dataset["time"].values[records], np.zeros((len(records), len(angle)))
-    text = str(dataset.attrs.get("case", ""))
-    casing = table_of(text, "casing", Casing)
+    casing = table_of_result(dataset, "casing", Casing)
     if casing.closure is not None:
         change -= casing.closure.value(time)[:, None] * casing.closure.around.value(angle)
     if casing.coating is not None:

@@ -8,13 +8,12 @@ import xarray as xr
 from rich.table import Table
 
 from bladewhirl.models.case.analysis import Contact
-from bladewhirl.models.case.file import table_of
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY
 from bladewhirl.postprocess.energy.works import Works
 from bladewhirl.postprocess.fields.drawback import largest_drawback
 from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT
-from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError, table_of_result
 from bladewhirl.postprocess.run.extremes import StressPeak
 from bladewhirl.postprocess.run.summary import EnergyHolders, LineOfWhirl, Summary
 from bladewhirl.postprocess.shaft.transforms import Frame
@@ -186,7 +185,7 @@ def _drawn_back(result: xr.Dataset) -> str:
         drawn = _text(largest_drawback(result), "m")
     except ViewError:  # tips that end no beam
         return ""
-    contact = table_of(str(result.attrs["case"]), "contact", Contact)
+    contact = table_of_result(result, "contact", Contact)
     if contact.foreshortening:
         return f"; bent blades drew back from the wall by up to {drawn}"
     return (

@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from bladewhirl.files import write_atomically
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.coating import Coating
-from bladewhirl.models.case.file import table_of
-from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError, table_of_result
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
@@ -30,8 +29,8 @@ def coating_of(dataset: xr.Dataset) -> Coating:
     Raises:
         ViewError: the casing has no coating.
     """
-    text = str(dataset.attrs.get("case", ""))
-    coating = table_of(text, "casing", Casing).coating if "coating_strain" in dataset else None
+    casing = table_of_result(dataset, "casing", Casing)
+    coating = casing.coating if "coating_strain" in dataset else None
     if coating is None:
         raise ViewError("this run has no casing.coating, so nothing can be worn")
     return coating

@@ -7,14 +7,16 @@ import h5py
 import meshio
 import numpy as np
 import pytest
+import xarray as xr
 from small_run import small
 
 import bladewhirl as bw
+from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.postprocess.fields.kinematics import ViewError, clearance_change
+from bladewhirl.postprocess.fields.kinematics import ViewError, clearance_change, table_of_result
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.wear import lobe_shares
 from bladewhirl.solvers.march.schema import RESULT_NAME
@@ -118,3 +120,9 @@ def test_the_file_of_a_mesh_need_not_be_here_to_see_the_wear(whole: Path) -> Non
             RunFigures(moved).draw(name)
         at = np.array([0.5]), np.array([-1])
         assert clearance_change(moved, at[1], at[0]) == clearance_change(result, at[1], at[0])
+
+
+def test_motions_of_modes_have_no_case() -> None:
+    """Their attribute `case` is a title."""
+    modes = xr.Dataset(attrs={"case": "Fan with foreshortening", "record_step": 1e-3})
+    assert table_of_result(modes, "contact", Contact) == Contact()
