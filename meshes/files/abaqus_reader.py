@@ -162,7 +162,7 @@ def _read_nodes(card: Card, content: _Content) -> None:
     for number, *coordinates in card.rows:
         if int(number) in content.points:
             raise MeshFileError(
-                f"each node once; node number {number} is defined twice"
+                f"each node at most once; node number {number} is defined twice"
                 " (only one part per file can be read)"
             )
         xyz = [float(value or 0.0) for value in coordinates[:3]]

@@ -1,6 +1,7 @@
 """Reading of meshes of solids from input of Abaqus and CalculiX, .inp.
 
-The module reads nodes, elements and sets itself, for the reasons given in `abaqus_reader`. The
+The module reads nodes, elements and sets itself, because meshio assigns elements to wrong sets if
+blocks of elements share a set or have none, and reads only the last of several blocks of nodes. The
 order of the nodes of tetrahedra and hexahedra is that of VTK.
 """
 

@@ -1,4 +1,8 @@
-"""Writing of line meshes as Abaqus input, .inp; see `abaqus_reader` about sets and data."""
+"""Writing of line meshes as Abaqus input, .inp.
+
+Groups are written as sets, NSET for nodes and ELSET for lines; rectangular sections with their
+materials and point masses are written as data. `abaqus_reader` reads such files.
+"""
 
 import re
 from pathlib import Path

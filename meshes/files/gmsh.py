@@ -125,7 +125,7 @@ def _check_head(path: Path) -> None:
         if len(dimensions) > 1:
             kinds = " and ".join(("points", "curves", "surfaces", "volumes")[d] for d in dimensions)
             raise MeshFileError(
-                f"one physical group for each name; {kinds} share the name {name!r}"
+                f"at most one physical group for each name; {kinds} share the name {name!r}"
             )
 
 

@@ -92,9 +92,11 @@ class Contact(Table):
 
 
 class Initial(Table):
-    """Motion at t = 0 in the rotating frame at angle 0; the casing is at rest.
+    """Motion at t = 0 along the rotating axes, which coincide with the static axes at that time.
 
-    Tips and centre have the given motion; all other nodes of the bladed disk follow statically.
+    Velocities are relative to the rotating axes, without the transport velocity Omega x r. Tips
+    and centre have the given motion; all other nodes of the bladed disk follow statically. The
+    casing is at rest.
     """
 
     centre_velocity: fields.VelocityPair = (0.0, 0.0)

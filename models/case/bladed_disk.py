@@ -259,7 +259,7 @@ class BladedDisk(Table):
             *(("point_masses", mass.blades or ()) for mass in self.point_masses),
         ):
             if max(blades, default=0) >= self.blades or len(set(blades)) < len(blades):
-                expected = f"blades from 0 to {self.blades - 1}, each once"
+                expected = f"blades from 0 to {self.blades - 1}, each at most once"
                 yield Inconsistency(key, expected, ("blades",))
         yield from self.mistuning.faults(self.blades)
 

@@ -217,8 +217,8 @@ class Casing(Table):
             yield Inconsistency(key, expected, ("clearance",))
         if self.closure is not None and not self.closure.smallest_loss > -self.clearance:
             expected = (
-                f"a closure that opens the gap by less than casing.clearance = {self.clearance!r};"
-                f" it would open by {-self.closure.smallest_loss:.6g} m"
+                f"a closure that widens the gap by less than casing.clearance = {self.clearance!r};"
+                f" this closure widens the gap by {-self.closure.smallest_loss:.6g} m"
             )
             yield Inconsistency("closure", expected, ("clearance",))
         if not (thinnest := self.thickness_profile.smallest) > 0.0:
@@ -229,7 +229,7 @@ class Casing(Table):
             yield Inconsistency("thickness_lobes", expected, others)
         places = np.sort(np.mod([row.angle for row in self.thickness_stations], TURN))
         if len(places) > 1 and np.diff(places, append=places[0] + TURN).min() < SAME_ANGLE:
-            yield Inconsistency("thickness_stations", "one station at each angle")
+            yield Inconsistency("thickness_stations", "at most one station at each angle")
         arcs = sorted(self.stiffened_arcs, key=lambda arc: np.mod(arc.start, TURN))
         for arc, following in zip(arcs, [*arcs[1:], *arcs[:1]], strict=True):
             ahead = np.mod(following.start - arc.start, TURN) if len(arcs) > 1 else TURN

@@ -72,7 +72,7 @@ class WornProfile(Table):
         if self.points and self.tracks:
             yield Inconsistency("tracks", "either points or tracks, not both", ("points",))
         if len(np.unique(self.axial)) < len(self.tracks):
-            yield Inconsistency("tracks", "one track at each axial position")
+            yield Inconsistency("tracks", "at most one track at each axial position")
 
     def recess(self, angle: FloatArray) -> FloatArray:
         """Return the removed depth [m] at angles [rad], in the shape of the angles; with tracks
@@ -150,7 +150,7 @@ class Coating(Table):
             deepest = self.profile.recess(np.linspace(0.0, TURN, 7200)).max()
             if deepest > self.limit * self.thickness:
                 expected = (
-                    f"a recess up to limit * thickness = {self.limit * self.thickness:.6g} m,"
-                    f" not {deepest:.6g} m"
+                    "a removed depth up to limit * thickness ="
+                    f" {self.limit * self.thickness:.6g} m, not {deepest:.6g} m"
                 )
                 yield Inconsistency("profile", expected, ("limit", "thickness"))

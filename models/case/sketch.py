@@ -137,7 +137,7 @@ def _sector_faults(sketch: SketchTable) -> Faults:
         if chosen is None:
             continue
         if len(set(chosen)) < len(chosen) or not all(0 <= s < sketch.sectors for s in chosen):
-            yield place, f"sectors from 0 to {sketch.sectors - 1}, each once"
+            yield place, f"sectors from 0 to {sketch.sectors - 1}, each at most once"
         if sketch.is_shared(*part.references):
             yield (
                 place,
@@ -168,7 +168,7 @@ def _edit_faults(sketch: SketchTable) -> Faults:
         place = f"edit of {part} in sector {edit.sector}"
         seen[edit.sector, part] += 1
         if seen[edit.sector, part] == 2:
-            yield place, "one edit for each part and sector, with all its differences"
+            yield place, "at most one edit for each part and sector, with all its differences"
         member = members.get(edit.member or "")
         references = member.references if member else [edit.node] if edit.node else []
         if references and sketch.is_shared(*references) and edit.sector != 0:

@@ -57,7 +57,7 @@ def angle_fault(given: list[float]) -> str:
         return f"{FEWEST} to {MOST} points, not {len(given)}"
     angles = np.sort(np.mod(given, TURN))
     apart = np.diff(angles, append=angles[0] + TURN).min() > fields.SMALLEST
-    return "" if apart else "one value at each angle of a turn"
+    return "" if apart else "at most one value at each angle of a turn"
 
 
 def with_points_of_file(values: Any, column: str, *, tracked: bool = False) -> Any:

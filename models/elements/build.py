@@ -97,8 +97,8 @@ def case_casing(case: Case) -> CasingModel:
 
 
 def case_clearance(case: Case) -> FloatArray:
-    """Return the clearance and its derivative by the arc length s at each casing node [m, 1],
-    (elements, 2)."""
+    """Return the clearance and its derivative with respect to the arc length s at each casing
+    node [m, 1], (elements, 2)."""
     profile, casing = case.casing.clearance_profile, _ring(case)
     slope = profile.slope(casing.angles) / casing.radius
     return np.column_stack([profile.value(casing.angles), slope])

@@ -21,9 +21,9 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 
 SYMMETRY_TOLERANCE = 1e-12
-"""A matrix counts as symmetric if a rotation by one sector changes each entry by at most this
-fraction of the largest entry of its row and column. A soft spring next to stiff beams is thus
-detected."""
+"""A matrix counts as cyclically symmetric if a rotation by one sector changes each entry by at most
+this fraction of the largest entry in the same row or column. As this scale is local, one soft
+spring that differs from the others is noticed even if the matrix also contains stiff beams."""
 
 NO_COLUMN = -1
 """DFT column of a mode computed without cyclic symmetry."""

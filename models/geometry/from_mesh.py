@@ -198,7 +198,7 @@ def _double_parts(mesh: GroupedLines) -> Iterator[str]:
     if len(pairs):
         x, y = mesh.points[pairs[0, 0]].tolist()
         yield (
-            f"one node at each place; {len(pairs)} pairs of nodes coincide, the first at"
+            f"at most one node at each place; {len(pairs)} pairs of nodes coincide, the first at"
             f" ({x:g}, {y:g}): merge them in the mesh generator"
         )
         return
@@ -232,7 +232,7 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
     if twice:
         groups = [k for k in table.sections if twice[0] in mesh.line_groups[k]]
         both = " and ".join(map(repr, groups))
-        expected = f"one section for each line; {both} have {len(twice)} lines in common"
+        expected = f"at most one section for each line; {both} have {len(twice)} lines in common"
         raise CaseError([table.fault("sections", expected)])
     thin = np.flatnonzero((np.abs(changes) >= 2.0 * values).any(axis=0) & (values > 0).all(axis=0))
     if len(thin):

@@ -113,7 +113,9 @@ def _with_nodes(matrices: dict[str, Any], table: Path, source: str) -> ForeignPa
     points = np.array([_column(table, rows, key, float) for key in POSITION]).T
     if len(set(numbers)) < len(numbers):
         twice = next(number for number in numbers if numbers.count(number) > 1)
-        raise SuperelementError(f"{table}: expected each node once; node {twice} occurs again")
+        raise SuperelementError(
+            f"{table}: expected each node at most once; node {twice} occurs again"
+        )
     groups: dict[str, list[int]] = {}
     for place, row in enumerate(rows):
         for name in (row.get(GROUP) or "").split():

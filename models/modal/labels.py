@@ -1,4 +1,4 @@
-"""Frequencies and labels of all modes of a structure; fields are computed when needed.
+"""Frequencies and labels of all modes of a structure; shapes are computed when needed.
 
 On a cyclic structure every mode is stored as complex amplitudes in one sector. All modes of
 hundreds of blades then fit in memory, and the suspension pair is chosen from all modes, not only

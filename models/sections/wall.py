@@ -109,7 +109,8 @@ class WallProperties:
 
 
 class Arc(Table):
-    """An arc of wall with another section or material; the wall has the keys that are left out."""
+    """An arc of wall with another section or material. Keys that are left out have the values of
+    the wall."""
 
     start: Angle
     """Angle from the x axis at which the arc begins [rad]."""

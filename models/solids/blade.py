@@ -170,7 +170,7 @@ def _speed(value: float | str) -> float:
 
 
 def _scaled(mesh: Any, unit: str, axis: str) -> VolumeMesh:
-    """Return a mesh in m that rotates about z."""
+    """Return a mesh with lengths in metres and the axis of rotation z."""
     try:
         scale = to_si(f"1 {unit}", "m")
     except ValueError as error:

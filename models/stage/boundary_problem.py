@@ -48,8 +48,8 @@ class BoundaryProblem:
     """Distance of each contact node inside the radius from which the clearance is measured [m],
     (nodes,); with a coating plus the depth of the metal below the surface of the coating."""
     wall: FloatArray
-    """Clearance [m] and its derivative by the angle [m], (angles, 2), at equally spaced angles from
-    0 or at the nodes of a flexible casing."""
+    """Clearance [m] and its derivative with respect to the angle [m], (angles, 2), at equally
+    spaced angles from 0 or at the nodes of a flexible casing."""
     speed: float  #: speed of rotation [rad/s]
     friction: float  #: friction coefficient
     full_sliding: bool

@@ -122,7 +122,10 @@ def _load_faults(stage: Stage) -> Iterator[Fault]:
     loads = excitation_loads(stage)
     felt = [load.take(kept.rotor, kept.casing) for load in loads]
     if loads and not any(load.rotor.any() or load.casing.any() for load in felt):
-        expected = f"a load on modes kept by reduction.modes = {case.reduction.modes!r}"
+        expected = (
+            "a load that excites at least one mode kept by"
+            f" reduction.modes = {case.reduction.modes!r}"
+        )
         key = "excitation" if isinstance(case.excitation, tuple) else "excitation.type"
         yield case_fault(case, key, expected)
 

@@ -93,7 +93,10 @@ def node_coating_faults(case: Case, coating: NodeCoating | None, speed: float) -
     step = case.march.time_step
     if not abs(speed) * step * coating.radius < coating.arc:
         most = int(2.0 * np.pi / (abs(speed) * step))
-        expected = f"at most {most} rods, so that a node passes less than one rod in a time step"
+        expected = (
+            f"at most {most} rods, the elements of the coating,"
+            " so that a node passes less than one rod in a time step"
+        )
         yield case_fault(case, "casing.coating.elements", expected)
 
 

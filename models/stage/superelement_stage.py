@@ -177,8 +177,8 @@ class SuperelementStage:
 
     @cached_property
     def wall(self) -> FloatArray:
-        """Clearance [m] and its derivative by the angle [m], at equal angles or at the nodes of a
-        flexible casing, (angles, 2)."""
+        """Clearance [m] and its derivative with respect to the angle [m], at equal
+        angles or at the nodes of a flexible casing, (angles, 2)."""
         profile, angles = self.case.casing.clearance_profile, self._wall_angle
         return np.column_stack([profile.value(angles), profile.slope(angles)])
 

@@ -172,7 +172,7 @@ def _dof_faults(
     if given.size and not (given.min() >= 0 and given.max() < part.size):
         yield f"{key}: expected numbers from 0 to {part.size - 1}, got {_extreme(given, part.size)}"
     elif len(np.unique(given)) < given.size:
-        yield f"{key}: expected each degree of freedom once"
+        yield f"{key}: expected each degree of freedom at most once"
 
 
 def _picture_faults(part: Superelement) -> Iterator[str]:

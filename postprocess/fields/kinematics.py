@@ -241,7 +241,8 @@ def recess_at_rest(dataset: xr.Dataset) -> Array:
 
 
 def smallest_clearance(dataset: xr.Dataset) -> float:
-    """Return the smallest clearance plus the smallest recess of a tip [m], without vibration; the
+    """Return the smallest clearance plus the smallest `tip_recess` [m], which is the distance of a
+    tip inside the radius from which the clearance is measured. Vibration is not included; the
     static growth of the tips at speed is subtracted if the case gives the clearance at rest."""
     stage = dataset.variables
     return float(stage["clearance"].values.min() + stage["tip_recess"].values.min())

@@ -63,7 +63,7 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     """Return a result of any format with all coordinates of the schema.
 
     Variables that older formats lack are added: changes of the sections along beams, which are zero
-    (format 1); static growth, which is zero, and the recess of the tips at rest (before format 4);
+    (format 1); static growth, which is zero, and `tip_recess` at rest (before format 4);
     frequencies of waves, equal to the frequencies of the modes (before format 5); and the work of
     closing, which is nan (before format 6).
     """

@@ -222,7 +222,8 @@ def _largest(geometry: xr.Dataset, body: Body, coordinates: FloatArray) -> float
 
 def _gaps(geometry: xr.Dataset, rotor: FloatArray, casing: FloatArray) -> FloatArray:
     """Return clearance plus wall displacement minus tip displacement at each tip, (pictures,
-    blades); the recess of the tips is not included."""
+    blades). `tip_recess`, by which each tip lies inside the tip radius, is not included; the caller
+    adds it."""
     angle = geometry["tip_angle"].values
     wall = casing_rows(geometry, angle)[:, 0]
     gap = clearance_at(geometry, angle) + casing @ wall.T - rotor @ tip_rows(geometry)[0].T

@@ -269,8 +269,8 @@ class StageParts:
     ) -> meshio.Mesh | None:
         """Return springs, dampers, struts and links as lines; None if the stage has none of these.
 
-        An end that is attached to a body has the `warp` and, to first order, the `displacement` of
-        the body.
+        An end that is attached to a body has the `warp` of the body, and the `displacement` of the
+        body except for terms of second order in the displacement.
         """
         angles = float(turns[1][index]), float(turns[0][index])
         moved = self._symbols.drawn(

@@ -23,5 +23,6 @@ def node_regime(dataset: xr.Dataset) -> Regime:
 
 
 def smallest_node_clearance(dataset: xr.Dataset) -> float:
-    """Return the smallest clearance plus the smallest recess of a contact node [m]."""
+    """Return the smallest clearance plus the smallest distance of a contact node inside the radius
+    from which the clearance is measured [m]."""
     return float(dataset["clearance"].values.min() + dataset["contact_recess"].values.min())

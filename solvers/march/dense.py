@@ -1,8 +1,8 @@
 """Schemes with the contact laws "moreau-jean" and "penalty", on dense matrices.
 
 Both integrate velocities with the midpoint rule (see `solvers/kernel/dense.c`). The matrices B_N
-and B_T of the tips are defined in `reference`. With the gap g, its rate u_N and the relative
-tangential velocity u_T, the contact laws are:
+and B_T turn normal and friction impulses at the tips into impulses on the coordinates. With
+the gap g, its rate u_N and the relative tangential velocity u_T, the contact laws are:
 
 ``moreau-jean`` (Jean 1999; Moreau 1988): for a tip whose gap would be closed in the free step,
 

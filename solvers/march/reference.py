@@ -319,8 +319,8 @@ class Reference:
         return self._problem.spring_stiffness(self._problem.speed * n * self._dt) @ x
 
     def _rows(self, x: FloatArray, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return B_N and B_T of the tips at step n, (tips, modes), and clearance plus recess,
-        (tips,).
+        """Return B_N and B_T of the tips at step n, (tips, modes), and clearance plus
+        `metal_recess`, (tips,).
 
         With `tip_rotation`, the angles of the tips include their tangential displacements in ``x``.
         """

@@ -18,8 +18,8 @@ RESULT_NAME = "result.nc"
 
 RESULT_FORMAT = 9
 """Current format of result.nc. Files of formats 1 and 2 contain no format number. A file of an
-older format lacks variables with a higher number in the column "since"; coordinates, recess and
-growth of tips, and frequencies of waves are added when such a file is opened."""
+older format lacks variables with a higher number in the column "since"; coordinates,
+`tip_recess` and `tip_growth`, and frequencies of waves are added when such a file is opened."""
 
 SWEEP_FORMAT = 7
 """Current format of sweep.nc. A file of an older format lacks variables with a higher number in the

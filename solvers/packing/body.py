@@ -24,7 +24,7 @@ def pack_body(
         loads: modal forces of each load pattern, (modes,) each.
         arrangement: arrangement of the modes.
         dt: time step [s].
-        coupled: true if the matrix A couples the modes.
+        coupled: true if the matrix A = M/dt^2 + D/(2 dt) couples the modes.
     """
     inverse = scheme_inverse(frequency, damping_ratio, dt)
     stiffness, size = frequency * np.abs(frequency), np.abs(frequency)

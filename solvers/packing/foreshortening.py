@@ -78,7 +78,8 @@ def pack_foreshortening(
     sign[:, :terms] = shortening.sign
 
     def by_pair(forces: FloatArray, motions: FloatArray) -> FloatArray:
-        """Return the motions (n, m, ...) due to forces, padded by term."""
+        """Return the coordinate of each term of tip m due to a unit force at tip n, (tips n,
+        tips m, lanes), with zeros after the last term."""
         pairs = aligned((tips, tips, lanes))
         pairs[..., :terms] = np.einsum("ni,mki->nmk", forces, motions)
         return pairs

@@ -61,8 +61,8 @@ def progress_bar(label: str, *, lines: str = "") -> Iterator[Update]:
 
     Args:
         label: text before the bar.
-        lines: noun of the counted items, such as "points"; if empty, nothing is written without a
-            terminal.
+        lines: noun of the counted items, such as "points", in the lines that are written if there
+            is no terminal; if empty, no lines are written.
     """
     from rich import progress as bars
 

@@ -101,7 +101,7 @@ def show(
     from bladewhirl.studies.runs.superelement_picture import draw_superelement
 
     if output is not None and not png:
-        raise UserError("--output: allowed with --png only, which draws the stage")
+        raise UserError("--output: allowed only with --png, the option that draws the stage")
     values = overrides or []
     checked = read_case(case, values)
     if checked.bladed_disk.superelement is not None:

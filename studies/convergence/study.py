@@ -99,7 +99,9 @@ def convergence(
             try:
                 with_values(case, {key: value})
             except CaseError as error:
-                raise UserError(f"{key} = {value:g}: {error.lines[0]}") from None
+                line = error.lines[0]
+                named = "" if line.startswith(f"{key} = ") else f"{key} = {value:g}: "
+                raise UserError(f"{named}{line}") from None
     store = RunStore(directory=folder / RUNS_NAME, scheduler=scheduler, workers=workers)
     steps, counts = time_steps or default_time_steps(case), modes or default_modes(case)
     study = Convergence(

@@ -29,7 +29,8 @@ Load = Literal["distortion", "imbalance"]
 """Load that starts the contact: the paper's scenarios A and B."""
 
 PERTURBATION = 1e-7
-"""Relative change of the force between repeats, because motions near a threshold are chaotic."""
+"""Relative change of the force from one repeat to the next. Near a threshold motions are chaotic,
+so the repeats show whether a verdict depends on such a small change."""
 
 QUICK_DURATION = 2.5
 """Duration of a quick march [s]. Marches with casing distortion at the normalised speed 1.05

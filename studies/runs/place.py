@@ -32,7 +32,9 @@ def locked(folder: Path) -> Iterator[None]:
         try:
             _lock(file)
         except OSError:
-            raise UserError(f"{folder}: is in use; another process writes a run there") from None
+            raise UserError(
+                f"{folder}: is in use; another process is writing a run there"
+            ) from None
         try:
             yield
         finally:

@@ -243,7 +243,7 @@ def parse_over(options: Sequence[str]) -> dict[str, tuple[Value, ...]]:
         if not (key and equals and text):
             raise UserError(f"{OVER} {option}: expected KEY=START:STOP:STEP or KEY=VALUE,VALUE")
         if key in over:
-            raise UserError(f"{OVER} {key}: expected each key once")
+            raise UserError(f"{OVER} {key}: expected each key at most once")
         is_range = ":" in text
         parts = text.split(":") if is_range else text.removesuffix(",").split(",")
         matches = [match for match in map(NUMBER.fullmatch, parts) if match is not None]

@@ -48,8 +48,8 @@ FEWEST_TURNS = 3.0
 CARRY_RULE = (
     "the march at each speed starts from the displacements and velocities of the march at the"
     " speed before, in the last third of its time, at the record at which the rotor has turned most"
-    " nearly by whole revolutions; loads that end act at the first speed only, and loads have their"
-    " ramps there; after a march that diverged or failed, motion starts anew"
+    " nearly by whole revolutions; loads that end, and ramps of loads, act at the first speed only;"
+    " after a march that diverged or failed, motion starts anew"
 )
 """Text of the rule, which every such sweep contains."""
 

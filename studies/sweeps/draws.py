@@ -114,5 +114,5 @@ def parse_draws(
         )
     keys = [perturbation.key for perturbation in perturbations]
     if len(set(keys)) < len(keys):
-        raise UserError(f"{PERTURB}: expected each key once")
+        raise UserError(f"{PERTURB}: expected each key at most once")
     return Draws(count=count, seed=seed, perturbations=tuple(perturbations), until=until)

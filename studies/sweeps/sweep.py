@@ -56,7 +56,7 @@ class Sweep:
     wall_time: float  #: wall time of this call [s]
     marched: int  #: number of points marched by this call
     not_needed: int = 0  #: number of random draws that were skipped, see `until` and `screen`
-    screened: int = 0  #: number of marches that are screening marches, see `screen`
+    screened: int = 0  #: number of points with the result of a screening march
     left_out: Mapping[str, str] = field(default_factory=dict)  #: figures not drawn, and the reasons
 
     @property

@@ -53,8 +53,8 @@ def point_table(table: str | Path | Columns) -> PointTable:
         match = _HEAD.fullmatch(name)
         if match is None or match[1] in values:
             raise UserError(
-                f'{source} column "{name}": expected each key once, with its unit in brackets if'
-                " the values have one, such as casing.clearance [mm]"
+                f'{source} column "{name}": expected each key at most once, with its unit in'
+                " brackets if the values have one, such as casing.clearance [mm]"
             )
         numbers = [
             _number(cell[column], match[2], f"{row} {match[1]} = {shown(cell[column])}")

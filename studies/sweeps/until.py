@@ -95,7 +95,8 @@ class Judge:
             yield from self._decided(point)
 
     def _decided(self, point: int) -> Iterator[tuple[int, Outcome | None]]:
-        """Yield the outcomes of a point that can be written, see `take`."""
+        """Yield number and outcome of every draw of a point whose outcome can be written; None if
+        the draw is left out. See `take`."""
         first, row = point * self._count, self._regime[point]
         known, needed, put_off = self._needed(row)
         for draw in range(min(known, needed)):

@@ -209,7 +209,7 @@ SECTION = "*BEAM SECTION, ELSET=all, MATERIAL=TITAN, SECTION=RECT\n0.1, 0.01\n"
         ("a.inp", "*NODE\n1, nan, 0\n2, 1, 0\n*ELEMENT, TYPE=B21\n1, 1, 2\n", "finite coordinates"),
         ("a.inp", INP + "*ELEMENT, TYPE=B22\n1, 1, 2, 3\n", "found 1 curved cells of type B22"),
         ("a.inp", INP + "*ELEMENT, TYPE=B21\n1, 1, 4\n", "node 4 is not defined"),
-        ("a.inp", INP + "1, 5, 5\n", "each node once; node number 1 is defined twice"),
+        ("a.inp", INP + "1, 5, 5\n", "each node at most once; node number 1 is defined twice"),
         ("a.inp", BEAM + SECTION, r"\*MATERIAL, NAME=TITAN, which a \*BEAM SECTION names"),
         ("a.inp", BEAM + MATERIAL + SECTION, r"\*DENSITY under \*MATERIAL, NAME=TITAN"),
         ("a.inp", INP + "*NGEN\n1, 3, 1\n", r"without \*NGEN"),

@@ -238,7 +238,7 @@ def test_random_mistuning_comes_from_its_seed() -> None:
 
 BAD: list[tuple[dict[str, Any], str]] = [
     ({"shrouds": [{"radius": 0.6}]}, r"shrouds = .* radii above bladed_disk.disk_radius = 0.05"),
-    ({"shrouds": [{"radius": 0.4, "cuts": [6]}]}, "blades from 0 to 5, each once"),
+    ({"shrouds": [{"radius": 0.4, "cuts": [6]}]}, "blades from 0 to 5, each at most once"),
     ({"shrouds": [{"radius": 0.4}, {"radius": 0.4, "cuts": [1]}]}, "one shroud at each radius"),
     ({"point_masses": [{"radius": 0.01, "mass": 1.0}]}, "radii of 0 or from disk_radius"),
     ({"disk_rings": [{"radius": 0.05}]}, "different radii below bladed_disk.disk_radius"),

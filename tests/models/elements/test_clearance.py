@@ -157,7 +157,11 @@ def test_a_worn_profile_is_read_beside_the_case(tmp_path: Path) -> None:
         ("angle [deg],recess at 1 kg [mm]", "{},0", "kilogram is"),
         ("angle [deg],recess at 1 mm [mm],recess at 2 mm [mm]", "{},0", "3 numbers in line 2"),
         ("angle [deg],recess at 1 mm [mm]", "0,{}", "one value at each angle"),
-        ("angle [deg],recess at 1 mm [mm],recess at 2 mm [mm]", "{},0,0.95", "a recess up to"),
+        (
+            "angle [deg],recess at 1 mm [mm],recess at 2 mm [mm]",
+            "{},0,0.95",
+            "a removed depth up to",
+        ),
         ("angle [deg],recess at 1 mm [mm],recess at 2 mm [mm]", "{},0,0.1", "or a bladed_disk"),
     ],
 )

@@ -264,7 +264,7 @@ BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
         "",
         "mesh.sections: expected a section for all lines; 12 of 12 have none, in 'blades', 'spok",
     ),
-    (doubled, "", "one node at each place; 1 pairs of nodes coincide, the first at (0.05, 0)"),
+    (doubled, "", "most one node at each place; 1 pairs of nodes coincide, the first at (0.05, 0)"),
     (
         lambda lines: replace(lines, lines=np.vstack([lines.lines, lines.lines[:1, ::-1]]),
                               line_data={k: np.append(v, 1.0) for k, v in lines.line_data.items()}),

@@ -116,7 +116,7 @@ def test_free_motion_counts_the_clearance_that_will_be_left() -> None:
             {"table": [[1.0, 1e-4], [0.5, 1e-4]]},
             "closure.table = .*: expected rows in ascending",
         ),
-        ({"amount": -2e-3, "time_constant": 1.0}, "opens the gap by less than casing.clearance"),
+        ({"amount": -2e-3, "time_constant": 1.0}, "widens the gap by less than casing.clearance"),
         (
             {"table": [[0, 1e-3]]},
             "closure.table = .*: expected a closure at t = 0 that is smaller",

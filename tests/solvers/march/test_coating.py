@@ -110,7 +110,10 @@ def test_hardening_follows_from_the_tangent_modulus() -> None:
         ({"limit": 1.2}, r"coating.limit = 1.2: expected a number above 0 and up to 1"),
         ({"tangent_modulus": 1e6}, "tangent_modulus = .*: expected either hardening or"),
         ({"profile": {"points": [[0, 1e-3]] * 3}}, "profile.points = .*: expected 8 to"),
-        ({"profile": {"lobes": [{"lobes": 2, "amplitude": 4.6e-3}]}}, "a recess up to limit"),
+        (
+            {"profile": {"lobes": [{"lobes": 2, "amplitude": 4.6e-3}]}},
+            "a removed depth up to limit",
+        ),
     ],
 )
 def test_a_coating_that_makes_no_sense(coating: dict[str, Any], message: str) -> None:

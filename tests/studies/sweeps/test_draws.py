@@ -109,7 +109,7 @@ def test_a_sweep_has_a_dimension_of_draws(tmp_path: Path) -> None:
         (3, ["contact.friction"], 'expected "KEY = SIZE"'),
         (3, ["contact.friction = 0"], "a size above zero"),
         (3, ["contact.friction = 0.1 uniform normal"], 'expected "KEY = SIZE"'),
-        (3, ["contact.friction = 0.1"] * 2, "expected each key once"),
+        (3, ["contact.friction = 0.1"] * 2, "expected each key at most once"),
         (3, ["contact.grip = 0.1"], "a key of the case that holds a number"),
     ],
 )

@@ -62,7 +62,7 @@ def test_bad_ranges_say_what_was_expected(option: str, message: str) -> None:
 
 
 def test_a_key_comes_once() -> None:
-    with pytest.raises(UserError, match="each key once"):
+    with pytest.raises(UserError, match="each key at most once"):
         parse_over(["a=1,2", "a=3,4"])
 
 

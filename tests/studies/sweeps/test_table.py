@@ -49,8 +49,14 @@ def test_a_file_columns_and_a_frame_say_the_same(tmp_path: Path) -> None:
         ("", "points.csv: expected a first line of keys"),
         ("march.speed\n", "points.csv, line 1, expected at least one key and one point"),
         ("march.speed\n1,2\n", "points.csv, line 2: expected 1 values, one for each key"),
-        ("march.speed,march.speed\n1,2\n", 'line 1, column "march.speed": expected each key once'),
-        ("march speed\n1\n", 'line 1, column "march speed": expected each key once, with its unit'),
+        (
+            "march.speed,march.speed\n1,2\n",
+            'line 1, column "march.speed": expected each key at most once',
+        ),
+        (
+            "march speed\n1\n",
+            'line 1, column "march speed": expected each key at most once, with its unit',
+        ),
         ("march.speed\n1\nfast\n", 'line 3, march.speed = "fast": expected a number'),
         ("casing.clearance [mm]\n1 m\n", '= "1 m": expected a number in mm, as line 1 says'),
         ("casing.clearance\n1 m\n1 mm\n", "casing.clearance: expected one unit, not"),
