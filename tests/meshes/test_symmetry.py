@@ -31,14 +31,14 @@ def test_sectors_are_found_in_any_numbering(seed: int) -> None:
     shuffled = np.empty_like(points)
     shuffled[number] = points * (1.0 + 1e-9 * rng.normal(size=points.shape))
     lines = rng.permuted(rng.permutation(number[lines]), axis=1)
-    found = rotational_sectors(shuffled, lines, number[tips], int(number[-1]))
-    assert found is not None
-    assert found.shape == (SECTORS, 3)
-    assert set(found.ravel()) == set(range(len(points))) - {number[-1]}
-    assert all(number[tip] in sector for tip, sector in zip(tips, found, strict=True))
-    even = symmetric_points(shuffled, found)
+    actual = rotational_sectors(shuffled, lines, number[tips], int(number[-1]))
+    assert actual is not None
+    assert actual.shape == (SECTORS, 3)
+    assert set(actual.ravel()) == set(range(len(points))) - {number[-1]}
+    assert all(number[tip] in sector for tip, sector in zip(tips, actual, strict=True))
+    even = symmetric_points(shuffled, actual)
     assert np.abs(even - shuffled).max() < 1e-8
-    places = even[found] @ [1.0, 1.0j]
+    places = even[actual] @ [1.0, 1.0j]
     turns = np.exp(2j * np.pi * np.arange(SECTORS) / SECTORS)[:, None]
     np.testing.assert_allclose(places, places[:1] * turns, atol=1e-15)
 

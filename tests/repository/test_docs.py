@@ -25,13 +25,13 @@ def test_blocks_that_run_are_on_pages_that_the_site_executes() -> None:
 
 
 def test_every_key_of_the_template_is_in_the_reference() -> None:
-    told = set(re.findall(r"^```\{confval\} (\S+)", reference.case_keys(), flags=re.MULTILINE))
+    messages = set(re.findall(r"^```\{confval\} (\S+)", reference.case_keys(), flags=re.MULTILINE))
     table = ""
     for line in template().splitlines():
-        if found := re.match(r"\[(\w+)\]", line):
-            table = f"{found[1]}."
-        elif found := re.match(r"(\w+) = ", line):
-            assert table + found[1] in told
+        if actual := re.match(r"\[(\w+)\]", line):
+            table = f"{actual[1]}."
+        elif actual := re.match(r"(\w+) = ", line):
+            assert table + actual[1] in messages
 
 
 def test_every_command_and_option_is_in_the_reference() -> None:

@@ -29,10 +29,10 @@ def test_public_names_change_on_purpose() -> None:
 
 @pytest.mark.parametrize("name", bw.__all__)
 def test_a_name_is_that_of_what_it_names(name: str) -> None:
-    found = getattr(bw, name)
+    actual = getattr(bw, name)
     if name != "__version__":
-        assert found.__name__.rpartition(".")[2] == name
-        assert inspect.getdoc(found)
+        assert actual.__name__.rpartition(".")[2] == name
+        assert inspect.getdoc(actual)
 
 
 def test_the_tour_names_all() -> None:

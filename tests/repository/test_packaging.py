@@ -12,8 +12,8 @@ FOLDERS = ("meshes", "models", "solvers", "postprocess", "studies")
 def test_every_folder_with_code_is_a_declared_package() -> None:
     config = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
     folders = {p.parent.relative_to(ROOT) for f in FOLDERS for p in (ROOT / f).rglob("*.py")}
-    found = {"bladewhirl", *(".".join(["bladewhirl", *folder.parts]) for folder in folders)}
-    assert found == set(config["packages"])
+    actual = {"bladewhirl", *(".".join(["bladewhirl", *folder.parts]) for folder in folders)}
+    assert actual == set(config["packages"])
     assert config["package-dir"] == {
         "bladewhirl": "bladewhirl",
         **{f"bladewhirl.{folder}": folder for folder in FOLDERS},

@@ -35,11 +35,11 @@ HOSTILE = (
 @pytest.fixture(scope="module")
 def asked() -> Iterator[tuple[str, list[str]]]:
     """Address of a server, and what is asked of it."""
-    found: list[str] = []
+    actual: list[str] = []
 
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
-            found.append(self.path)
+            actual.append(self.path)
             self.send_error(404)
 
         def log_message(self, format: str, *args: object) -> None:
@@ -47,7 +47,7 @@ def asked() -> Iterator[tuple[str, list[str]]]:
 
     server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
     Thread(target=server.serve_forever, daemon=True).start()
-    yield f"http://127.0.0.1:{server.server_port}", found
+    yield f"http://127.0.0.1:{server.server_port}", actual
     server.shutdown()
     server.server_close()
 

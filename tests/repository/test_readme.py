@@ -31,8 +31,8 @@ def commands() -> list[list[str]]:
     code = "\n".join([*blocks("sh", text), *blocks("console", text)]).replace("\\\n", " ")
     lines = code.replace("&&", "\n").splitlines()
     split = [shlex.split(line, comments=True) for line in lines]
-    found = [words[1:] for words in split if words and Path(words[0]).name == "bladewhirl"]
-    return [list(words) for words in dict.fromkeys(map(tuple, found))]
+    actual = [words[1:] for words in split if words and Path(words[0]).name == "bladewhirl"]
+    return [list(words) for words in dict.fromkeys(map(tuple, actual))]
 
 
 def test_it_is_short() -> None:

@@ -294,9 +294,9 @@ def mutated(content: bytes, chance: random.Random) -> bytes:
             case _:
                 numbers = [*re.finditer(rb"-?\d+\.?\d*(e-?\d+)?", made[:100_000])]
                 if numbers:
-                    found = chance.choice(numbers)
+                    actual = chance.choice(numbers)
                     word = chance.choice(("0", "-1", "1e300", "nan", "7", "99999999999"))
-                    made[found.start() : found.end()] = word.encode()
+                    made[actual.start() : actual.end()] = word.encode()
     return bytes(made)
 
 
@@ -354,9 +354,9 @@ def attempt(arguments: list[str], folder: Path) -> tuple[int, str, str]:
     with contextlib.suppress(ProcessLookupError):  # what it started and left
         os.killpg(child, signal.SIGKILL)
     out = (folder / ".out").read_text(errors="replace")
-    told = (folder / ".err").read_text(errors="replace")
+    messages = (folder / ".err").read_text(errors="replace")
     code = os.waitstatus_to_exitcode(status)
-    return code, _fault(code, out, told, arguments), told
+    return code, _fault(code, out, messages, arguments), messages
 
 
 def _child(arguments: list[str], folder: Path) -> None:
@@ -427,7 +427,7 @@ def fuzz(kind: str, first: int, count: int, keep: Path | None = None) -> list[Fi
         count: of inputs.
         keep: folder for what offended; none when None.
     """
-    found, answered = [], 0
+    actual, answered = [], 0
     with tempfile.TemporaryDirectory(prefix="fuzz-") as place:
         makers = Makers(Path(place))
         makers.prepare(kind)
@@ -435,17 +435,17 @@ def fuzz(kind: str, first: int, count: int, keep: Path | None = None) -> list[Fi
             folder = Path(place) / "input"
             folder.mkdir()
             arguments = getattr(makers, kind)(random.Random(f"{kind} {number}"), folder)
-            code, fault, told = attempt(arguments, folder)
+            code, fault, messages = attempt(arguments, folder)
             answered += code == 0
             if fault:
-                last = "\n".join(told.splitlines()[-6:])
-                found.append(Finding(number, arguments, fault, last))
+                last = "\n".join(messages.splitlines()[-6:])
+                actual.append(Finding(number, arguments, fault, last))
                 print(f"{kind} {number}: {arguments}: {fault}\n{last}\n", flush=True)
                 if keep is not None:
                     shutil.copytree(folder, keep / f"{kind}_{number}", symlinks=True)
             shutil.rmtree(folder)
-    print(f"{kind}: {count} inputs, {answered} answered, {len(found)} findings")
-    return found
+    print(f"{kind}: {count} inputs, {answered} answered, {len(actual)} findings")
+    return actual
 
 
 if __name__ == "__main__":

@@ -37,7 +37,7 @@ GO_ON = 10  #: one of so many is resumed
 
 def killed(case: Case, folder: Path, chance: random.Random) -> int:
     """Begin a run in a process of its own and kill it; the steps that it had done."""
-    told, tell = os.pipe()
+    messages, tell = os.pipe()
     child = os.fork()
     if child == 0:
 
@@ -61,7 +61,7 @@ def killed(case: Case, folder: Path, chance: random.Random) -> int:
         time.sleep(chance.uniform(0.0, NEAR))
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
-    with os.fdopen(told, "rb") as stream:
+    with os.fdopen(messages, "rb") as stream:
         return int(max([0, *np.frombuffer(stream.read(), dtype="<i8")]))
 
 

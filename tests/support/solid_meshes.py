@@ -50,13 +50,13 @@ def grid_mesh(
 
 def _tetrahedra() -> list[Array]:
     """Return the corners of six tetrahedra that fill the unit cube, all about one diagonal."""
-    found = []
+    actual = []
     for order in permutations(range(3)):
         corners = np.array([[0, 0, 0], *np.cumsum(np.eye(3)[[*order]], axis=0)])
         if np.linalg.det(np.diff(corners, axis=0)) < 0.0:
             corners[[1, 2]] = corners[[2, 1]]
-        found.append(corners)
-    return found
+        actual.append(corners)
+    return actual
 
 
 def cantilever(cell_type: str, boxes: tuple[int, int, int] = (6, 2, 1)) -> meshio.Mesh:

@@ -80,10 +80,10 @@ def ring_moved(casing: CasingModel, x: float, y: float, turn: float) -> FloatArr
     """Field of a ring moved as a whole, by Hermite's nodal values."""
     angle, radius = casing.mesh.angles, casing.mesh.radius
     cos, sin = np.cos(angle), np.sin(angle)
-    found = np.zeros(casing.structure.size)
+    actual = np.zeros(casing.structure.size)
     nodes = casing.structure.node_dofs.T
-    found[nodes[RADIAL]], found[nodes[TANGENTIAL]] = x * cos + y * sin, y * cos - x * sin
-    found[nodes[TANGENTIAL]] += radius * turn
-    found[nodes[RADIAL + 1]] = (y * cos - x * sin) / radius
-    found[nodes[TANGENTIAL + 1]] = -(x * cos + y * sin) / radius
-    return found
+    actual[nodes[RADIAL]], actual[nodes[TANGENTIAL]] = x * cos + y * sin, y * cos - x * sin
+    actual[nodes[TANGENTIAL]] += radius * turn
+    actual[nodes[RADIAL + 1]] = (y * cos - x * sin) / radius
+    actual[nodes[TANGENTIAL + 1]] = -(x * cos + y * sin) / radius
+    return actual

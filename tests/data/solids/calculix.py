@@ -85,8 +85,8 @@ def frequencies(model: str, modes: str, speed: float) -> list[tuple[int, float]]
         subprocess.run(["ccx", "job"], cwd=folder, check=True, capture_output=True)
         table = (Path(folder) / "job.dat").read_text().split("P A R T I C I P A T I O N")
     words = [line.split() for part in table for line in part.splitlines()]
-    found = [one for one in words if len(one) in (5, 6) and one[0].isdigit() and one[-5].isdigit()]
-    return [(int(one[0]), float(one[-2])) for one in found]
+    actual = [one for one in words if len(one) in (5, 6) and one[0].isdigit() and one[-5].isdigit()]
+    return [(int(one[0]), float(one[-2])) for one in actual]
 
 
 content: dict = {"speed": SPEED, "sectors": SECTORS}

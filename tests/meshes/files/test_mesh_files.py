@@ -27,8 +27,8 @@ def places(mesh: GroupedLines, group: str) -> set[tuple[float, float]]:
 def spans(mesh: GroupedLines, lines: IntArray) -> list[Span]:
     """Lines as pairs of points, in one order whatever the numbering."""
     ends = np.sort(mesh.lines[lines], axis=1)
-    found = [tuple(map(tuple, mesh.points[pair].tolist())) for pair in ends]
-    return sorted((min(a, b), max(a, b)) for a, b in found)
+    actual = [tuple(map(tuple, mesh.points[pair].tolist())) for pair in ends]
+    return sorted((min(a, b), max(a, b)) for a, b in actual)
 
 
 @pytest.mark.parametrize(
@@ -91,8 +91,8 @@ def meshes(draw: st.DrawFn) -> GroupedLines:
 
     def groups(size: int, prefix: str) -> dict[str, IntArray]:
         members = st.sets(st.integers(0, size - 1), min_size=1).map(sorted)
-        found = draw(st.dictionaries(NAMES, members, max_size=3))
-        return {f"{prefix} {name}": np.array(numbers) for name, numbers in found.items()}
+        actual = draw(st.dictionaries(NAMES, members, max_size=3))
+        return {f"{prefix} {name}": np.array(numbers) for name, numbers in actual.items()}
 
     def data(size: int, *names: str) -> dict[str, FloatArray]:
         value = st.sampled_from([0.1, 2.1e11, 1.0 / 3.0, 7800.0])
@@ -121,8 +121,8 @@ def test_what_is_written_is_read_again(tmp_path: Path, suffix: str, mesh: Groupe
     assert set(again.node_groups) == set(mesh.node_groups)
     assert set(again.line_groups) - {"lines"} == set(mesh.line_groups)
     for name, nodes in mesh.node_groups.items():
-        found = again.points[again.node_groups[name]].tolist()
-        assert sorted(found) == sorted(mesh.points[nodes].tolist())
+        actual = again.points[again.node_groups[name]].tolist()
+        assert sorted(actual) == sorted(mesh.points[nodes].tolist())
     for name, lines in mesh.line_groups.items():
         assert spans(again, again.line_groups[name]) == spans(mesh, lines)
     order, same = (np.lexsort(m.points.T) for m in (mesh, again))

@@ -241,8 +241,8 @@ def test_all_faults_of_a_file_at_once(tmp_path: Path) -> None:
     path.write_text(BAD)
     lines = faults(read_case, path)
     assert all(line.startswith(f"{path}: ") and "\n" not in line for line in lines)
-    found = [line.removeprefix(f"{path}: ").partition(": expected ")[0] for line in lines]
-    assert sorted(found) == sorted(
+    actual = [line.removeprefix(f"{path}: ").partition(": expected ")[0] for line in lines]
+    assert sorted(actual) == sorted(
         [
             'titel = "x"',
             "speed = 3",
@@ -285,9 +285,9 @@ def test_all_faults_of_a_file_at_once(tmp_path: Path) -> None:
     ],
 )
 def test_faults_name_the_key_and_what_was_expected(text: str, line: str) -> None:
-    found = fault(loads, text, file="a.toml")
-    assert found.startswith("a.toml: ")
-    assert line in found
+    actual = fault(loads, text, file="a.toml")
+    assert actual.startswith("a.toml: ")
+    assert line in actual
 
 
 def test_values_compared_with_a_mistaken_one_are_not_blamed() -> None:

@@ -29,10 +29,10 @@ from bladewhirl.models.inputs.units import Speed
 )
 def test_overrides(override: str, key: str, value: object) -> None:
     text = "bladed_disk.blade = { width = 0.3, thickness = 0.03 }\nmarch.speed = 7"
-    found: Any = loads(text, overrides=[override])
+    actual: Any = loads(text, overrides=[override])
     for part in key.split("."):
-        found = getattr(found, part)
-    assert found == value
+        actual = getattr(actual, part)
+    assert actual == value
 
 
 def test_overrides_leave_the_rest_of_an_inline_table_and_the_last_wins() -> None:

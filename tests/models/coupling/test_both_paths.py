@@ -57,11 +57,11 @@ def modal_stages(blades: int = 8) -> tuple[ModalStage, ModalStage]:
     """The same of the full models; the casing keeps its symmetry, which stability asks for."""
     cyclic = modal_stage(case(blades))
     with pytest.MonkeyPatch.context() as patch:
-        found: Any = structures.Structure.__dict__["is_cyclic"]
+        actual: Any = structures.Structure.__dict__["is_cyclic"]
         patch.setattr(
             structures.Structure,
             "is_cyclic",
-            property(lambda self: self.layout.sectors == 24 and found.func(self)),
+            property(lambda self: self.layout.sectors == 24 and actual.func(self)),
         )
         dense = modal_stage(case(blades))
     return cyclic, dense
@@ -112,13 +112,13 @@ def test_growth_rates(damping: float, blades: int) -> None:
     expected = growth_rate(one.modes, speed=speeds, kappa=kappa)
     assert np.count_nonzero(growth_rate(undamped, speed=speeds, kappa=kappa) > 0.1) > 1
     for speed, growth in zip(speeds.tolist(), expected.tolist(), strict=True):
-        found = la.eigvals(other.state_matrix(speed, kappa)).real.max()
-        assert found == pytest.approx(growth, abs=SAME * speed)
+        actual = la.eigvals(other.state_matrix(speed, kappa)).real.max()
+        assert actual == pytest.approx(growth, abs=SAME * speed)
 
 
 def test_single_steps() -> None:
     """Ten steps from the same start, tips in the casing from the first on."""
-    found = []
+    actual = []
     for stage in stages():
         problem = contact_problem(stage)
         scheme = CentralDifference(problem, 2e-6, 1)
@@ -126,7 +126,7 @@ def test_single_steps() -> None:
         _, chunk, _ = scheme.advance(scheme.init(), 700)
         tips = stage.rotor.tip_radial @ chunk.rotor_displacement.T
         wall = stage.reduced_casing.nodal[:, 0] @ chunk.casing_displacement.T
-        found.append((tips, wall, chunk.contact_impulse, chunk.gap))
-    assert np.count_nonzero(found[0][2]) > 5
-    for one, other in zip(*found, strict=True):
+        actual.append((tips, wall, chunk.contact_impulse, chunk.gap))
+    assert np.count_nonzero(actual[0][2]) > 5
+    for one, other in zip(*actual, strict=True):
         np.testing.assert_allclose(one, other, atol=SAME * abs(one).max())

@@ -68,8 +68,8 @@ def test_all_modes_have_zones_at_their_own_coincidence_speeds() -> None:
     unit = reference()
     zones = unstable_zones(whole, kappas=np.array([1e-3]), low=0.6 * unit, high=1.6 * unit)
     names = [whole.name[casing] for casing in zones.casing]
-    found = dict(zip(names, zones.lower / unit, strict=True))
-    assert found == pytest.approx(
+    actual = dict(zip(names, zones.lower / unit, strict=True))
+    assert actual == pytest.approx(
         {
             "casing k=1": 1.0550,
             "casing k=2": 0.8319,

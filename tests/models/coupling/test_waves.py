@@ -150,8 +150,8 @@ def test_dampers_are_in_the_damping_matrix() -> None:
     stiffness = np.diag(system.frequency**2)
     state = np.block([[np.zeros((size, size)), np.eye(size)], [-stiffness, -system.damping]])
     exact = la.eigvals(state)
-    found = exponents(system, speed=0.9 * modal.reference_frequency, kappa=0.0)
-    np.testing.assert_allclose(np.sort(found.real), np.sort(exact.real), atol=1e-4)
+    actual = exponents(system, speed=0.9 * modal.reference_frequency, kappa=0.0)
+    np.testing.assert_allclose(np.sort(actual.real), np.sort(exact.real), atol=1e-4)
     undamped = coupled_waves(modal, modes="all", damped=False, physical=True)
     assert not undamped.damping.any()
     assert exact.real.min() < -0.005 * system.frequency.max()
@@ -180,8 +180,8 @@ def test_rotating_axes_hold_unlike_blades_still(speed: float) -> None:
     ).y[:, -1]
     multipliers = la.eigvals(turn.reshape(2 * size, 2 * size))
     expected = np.sort(np.log(np.abs(multipliers))) / period
-    found = np.sort(exponents(system, speed=omega, kappa=kappa).real)
-    np.testing.assert_allclose(found, expected, atol=1e-6 * omega)
+    actual = np.sort(exponents(system, speed=omega, kappa=kappa).real)
+    np.testing.assert_allclose(actual, expected, atol=1e-6 * omega)
 
 
 def test_a_stage_that_nothing_holds_still_has_no_state_matrix() -> None:

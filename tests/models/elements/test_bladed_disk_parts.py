@@ -174,9 +174,9 @@ def test_a_rim_is_joined_by_its_springs_alone() -> None:
     thick = {"width": 0.1, "thickness": 0.2}
     body = disk(disk_kind="rim", point_masses=hub, blade=thick, disk=thick, clamped=True, **web)
     mass = body.model.mass - 10.0
-    found = natural_frequencies(body)[:3]
+    actual = natural_frequencies(body)[:3]
     expected = np.sqrt(6 * (200.0 + 100.0) / 2.0 / mass)  # cos^2 and sin^2 over six roots
-    assert np.isclose(found, expected, rtol=1e-4).sum() == 2
+    assert np.isclose(actual, expected, rtol=1e-4).sum() == 2
     with pytest.raises(CaseError, match=r"a mass at radius = 0"):
         disk(disk_kind="rim")
 
@@ -193,11 +193,11 @@ def test_a_ring_of_straight_beams_vibrates_as_a_ring() -> None:
     sketch.set("centre", "centre")
     sketch.set("tips", "ring")
     body = assemble_bladed_disk(sketch.build(), shaft_stiffness=1e-3, clamped=True)
-    found = natural_frequencies(body)[3:]
+    actual = natural_frequencies(body)[3:]
     k = np.repeat(np.arange(2, 6), 2)
     scale = section.bending_stiffness / (section.line_mass * radius**4)
     expected = np.sqrt(scale * k**2 * (k**2 - 1.0) ** 2 / (k**2 + 1.0))
-    np.testing.assert_allclose(found[:8], expected, rtol=5e-3)
+    np.testing.assert_allclose(actual[:8], expected, rtol=5e-3)
 
 
 def test_mistuning_by_lists() -> None:

@@ -86,8 +86,8 @@ def test_masses() -> None:
     np.testing.assert_allclose(bar.mass[:2, :2], weight / 3 * np.eye(2), atol=1e-12)
     casing = ring(bar)
     moved = ring_moved(casing, 0.0, 1.0, 0.0)
-    found = moved @ casing.structure.mass @ moved
-    assert found == pytest.approx(MASS + weight / 3, rel=1e-5)
+    actual = moved @ casing.structure.mass @ moved
+    assert actual == pytest.approx(MASS + weight / 3, rel=1e-5)
     assert casing.mass == pytest.approx(MASS + weight)
 
 
@@ -107,15 +107,15 @@ def test_a_built_in_strut_is_a_cantilever() -> None:
 
 def foot_errors(first: float, ends: Literal["pinned", "built-in"]) -> FloatArray:
     """Errors of eight frequencies with 40 and 80 elements on three struts, (2, 8)."""
-    found = []
+    actual = []
     for elements in (40, 80, 240):
         struts = [
             strut(first + np.pi * a, steel(0.01), length=0.3, inclination=0.5, ends=ends)
             for a in (0.0, 0.6, 1.2)
         ]
         casing = ring(*struts, elements=elements)
-        found.append(structure_modes(casing.structure, CASING_REFERENCE, 8).frequency)
-    return np.array(found[:2]) / found[2] - 1.0
+        actual.append(structure_modes(casing.structure, CASING_REFERENCE, 8).frequency)
+    return np.array(actual[:2]) / actual[2] - 1.0
 
 
 @pytest.mark.parametrize(

@@ -16,12 +16,12 @@ U, DU, W, DW = range(4)  # order of a curved beam's DoF at a node
 def test_straight_beam_is_the_textbook_one(length: float) -> None:
     one = straight_beams(np.array([length]), np.array([[0, 1]]), 2)
     order = one.node_dofs.ravel()
-    found = one.matrix(straight_stiffness, EA=np.array([EA]), EI=np.array([EI])).toarray()
+    actual = one.matrix(straight_stiffness, EA=np.array([EA]), EI=np.array([EI])).toarray()
     expected = beam_stiffness(EA, EI, length)
-    np.testing.assert_allclose(found[np.ix_(order, order)], expected, rtol=1e-11, atol=0.0)
-    found = one.matrix(mass, rho_A=np.array([RHO_A])).toarray()
+    np.testing.assert_allclose(actual[np.ix_(order, order)], expected, rtol=1e-11, atol=0.0)
+    actual = one.matrix(mass, rho_A=np.array([RHO_A])).toarray()
     np.testing.assert_allclose(
-        found[np.ix_(order, order)], beam_mass(RHO_A, length), rtol=1e-11, atol=0.0
+        actual[np.ix_(order, order)], beam_mass(RHO_A, length), rtol=1e-11, atol=0.0
     )
 
 
@@ -30,11 +30,11 @@ def test_elements_of_many_lengths_keep_their_own_matrices() -> None:
     lengths = np.array([0.3, 2.0, 1e-3, 0.7])
     beams = straight_beams(lengths, np.arange(8).reshape(4, 2), 8)
     values = np.array([1.0, 2.0, 3.0, 4.0])
-    found = beams.matrix(straight_stiffness, EA=values, EI=10.0 * values).toarray()
+    actual = beams.matrix(straight_stiffness, EA=values, EI=10.0 * values).toarray()
     for i, (length, value) in enumerate(zip(lengths, values, strict=True)):
         order = beams.node_dofs[2 * i : 2 * i + 2].ravel()
         expected = beam_stiffness(value, 10.0 * value, length)
-        np.testing.assert_allclose(found[np.ix_(order, order)], expected, rtol=1e-11)
+        np.testing.assert_allclose(actual[np.ix_(order, order)], expected, rtol=1e-11)
 
 
 def hermite(length: float) -> list[Polynomial]:
@@ -78,9 +78,9 @@ def test_curved_beam_against_its_energy_in_polynomials(shallow: bool) -> None:
     ones = np.ones(1)
     curvature = ones / radius
     bend = 0.0 * curvature if shallow else curvature
-    found = one.matrix(
+    actual = one.matrix(
         curved_stiffness, EA=EA * ones, EI=EI * ones, curvature=curvature, bend=bend
     ).toarray()
-    np.testing.assert_allclose(found[order], stiffness, rtol=1e-12, atol=1e-12 * stiffness.max())
-    found = one.matrix(mass, rho_A=RHO_A * ones).toarray()
-    np.testing.assert_allclose(found[order], RHO_A * inertia, rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(actual[order], stiffness, rtol=1e-12, atol=1e-12 * stiffness.max())
+    actual = one.matrix(mass, rho_A=RHO_A * ones).toarray()
+    np.testing.assert_allclose(actual[order], RHO_A * inertia, rtol=1e-12, atol=1e-15)

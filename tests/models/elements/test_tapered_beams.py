@@ -81,11 +81,11 @@ def test_a_station_inside_an_element_leaves_its_mean() -> None:
     fine = (np.arange(30000) + 0.5) / 30000
     for elements in (1, 3, 5):
         middle, change = along_elements(TAPER, elements)
-        found = along(TAPER, fine).reshape(4, elements, -1)
+        actual = along(TAPER, fine).reshape(4, elements, -1)
         shift = fine[: 30000 // elements] * elements - 0.5
-        np.testing.assert_allclose(middle, found.mean(axis=2), rtol=1e-8)
+        np.testing.assert_allclose(middle, actual.mean(axis=2), rtol=1e-8)
         np.testing.assert_allclose(
-            change, 12.0 * (found * shift).mean(axis=2), rtol=1e-7, atol=1e-9 * middle.max()
+            change, 12.0 * (actual * shift).mean(axis=2), rtol=1e-7, atol=1e-9 * middle.max()
         )
 
 

@@ -175,11 +175,11 @@ def test_a_mesh_of_gmsh_takes_the_cyclic_path_and_gives_the_dense_frequencies() 
     dense = assembled(replace(model, mesh=mesh))
     assert not dense.structure.is_cyclic
     stiffness, mass = (m.toarray() for m in (dense.structure.stiffness, dense.structure.mass))
-    wanted = np.sqrt(la.eigh(stiffness, mass, eigvals_only=True))
-    found = lowest_frequencies(cyclic.structure, 4)
-    assert [*found] == [*range(7)]
-    for frequency in np.concatenate([*found.values()]):
-        assert np.abs(wanted - frequency).min() <= 1e-9 * frequency
+    expected_values = np.sqrt(la.eigh(stiffness, mass, eigvals_only=True))
+    actual = lowest_frequencies(cyclic.structure, 4)
+    assert [*actual] == [*range(7)]
+    for frequency in np.concatenate([*actual.values()]):
+        assert np.abs(expected_values - frequency).min() <= 1e-9 * frequency
 
 
 def test_mass_of_the_example_by_hand() -> None:
@@ -335,9 +335,9 @@ def test_what_a_file_says_of_some_lines_is_completed_by_the_material(tmp_path: P
     modulus = np.where(np.arange(len(lines.lines)) < 220, 7e10, np.nan)
     data = {**lines.line_data, "young_modulus": modulus}
     del data["density"]
-    found = through(tmp_path / "a.vtu", replace(lines, line_data=data)).properties
-    assert set(found.density) == {7800.0}
-    assert found.young_modulus.tolist() == [7e10] * 220 + [2.1e11] * 44
+    actual = through(tmp_path / "a.vtu", replace(lines, line_data=data)).properties
+    assert set(actual.density) == {7800.0}
+    assert actual.young_modulus.tolist() == [7e10] * 220 + [2.1e11] * 44
 
 
 def test_the_template_shows_a_mapping_on_one_line(tmp_path: Path) -> None:
@@ -355,20 +355,20 @@ def test_sections_that_change_along_lines(tmp_path: Path, suffix: str) -> None:
     drawn = varied(heavy_tip=False)
     lines, path = grouped_lines(drawn), tmp_path / f"a{suffix}"
     assert [name for name in lines.line_data if name.endswith("_change")] == ["thickness_change"]
-    found = through(path, lines).properties
+    actual = through(path, lines).properties
     kept = drawn.properties.thickness_change if suffix != ".inp" else np.zeros(7 * 8)
     order = np.argsort(drawn.properties.thickness, kind="stable")
-    again = np.argsort(found.thickness, kind="stable")
-    np.testing.assert_array_equal(found.thickness[again], drawn.properties.thickness[order])
-    np.testing.assert_array_equal(found.thickness_change[again], kept[order])
+    again = np.argsort(actual.thickness, kind="stable")
+    np.testing.assert_array_equal(actual.thickness[again], drawn.properties.thickness[order])
+    np.testing.assert_array_equal(actual.thickness_change[again], kept[order])
     assert ("thickness_change" in left_out(path, lines)) == (suffix == ".inp")
 
 
 def test_a_section_in_the_case_is_one_along_its_lines(tmp_path: Path) -> None:
     lines = grouped_lines(varied(heavy_tip=False))
     own = {"blades": MeshSection(width=0.08, thickness=0.006)}
-    found = through(tmp_path / "a.vtu", lines, sections=own).properties
-    assert not found.thickness_change.any()
+    actual = through(tmp_path / "a.vtu", lines, sections=own).properties
+    assert not actual.thickness_change.any()
 
 
 def test_sections_that_fall_below_zero_along_a_line(tmp_path: Path) -> None:

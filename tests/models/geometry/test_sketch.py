@@ -101,8 +101,8 @@ def test_a_quarter_arc_under_a_load_at_its_end() -> None:
         # Down along -y at the end: the moment at angle s from the end is F R (1 - cos s).
         axis = disk.mesh.node_axes[disk.model.tips[0]]
         force[disk.tip_radial[0]], force[disk.tip_tangential[0]] = -np.sin(axis), -np.cos(axis)
-        found = np.linalg.solve(disk.structure.stiffness.toarray(), force)
-        end = disk.cartesian(found[:, None])[disk.model.tips[0], :, 0]
+        actual = np.linalg.solve(disk.structure.stiffness.toarray(), force)
+        end = disk.cartesian(actual[:, None])[disk.model.tips[0], :, 0]
         exact = (3.0 * np.pi / 4.0 - 2.0) * radius**3 / section.bending_stiffness
         errors.append(abs(-end[1] / exact - 1.0))
     assert errors[-1] < 1e-3
@@ -139,7 +139,7 @@ def test_rotary_inertia_of_a_mass() -> None:
 
 @pytest.mark.parametrize("angle", [0.0, 0.7])
 def test_a_rigid_arm_moves_its_end_as_a_beam_of_great_stiffness_does(angle: float) -> None:
-    found = []
+    actual = []
     for stiff in (False, True):
         sketch = Sketch()
         sketch.node("clamp", 0.0, shared=True)
@@ -161,10 +161,10 @@ def test_a_rigid_arm_moves_its_end_as_a_beam_of_great_stiffness_does(angle: floa
         field = disk.cartesian(np.linalg.solve(disk.structure.stiffness.toarray(), force))
         # Node numbers differ between the two; places do not.
         order = np.lexsort(disk.mesh.points.round(9).T)
-        found.append((field[order], natural_frequencies(disk)[:4]))
-    largest = abs(found[0][0]).max()
-    np.testing.assert_allclose(found[0][0], found[1][0], atol=1e-5 * largest)
-    np.testing.assert_allclose(found[0][1], found[1][1], rtol=1e-5)
+        actual.append((field[order], natural_frequencies(disk)[:4]))
+    largest = abs(actual[0][0]).max()
+    np.testing.assert_allclose(actual[0][0], actual[1][0], atol=1e-5 * largest)
+    np.testing.assert_allclose(actual[0][1], actual[1][1], rtol=1e-5)
 
 
 def test_springs_act_between_nodes_and_to_the_frame() -> None:
@@ -274,8 +274,8 @@ def test_sectors_of_two_blades_are_found_to_be_two_sectors() -> None:
         sketch.member(f"blade {blade}", "centre", f"tip {blade}", steel(0.02), elements=2)
     sketch.set("centre", "centre")
     sketch.set("tips", "tip 0", "tip 1")
-    found = assemble_bladed_disk(sketch.build(), shaft_stiffness=1e7, clamped=False)
-    assert found.structure.symmetry == "6 equal sectors: cyclic path"
+    actual = assemble_bladed_disk(sketch.build(), shaft_stiffness=1e7, clamped=False)
+    assert actual.structure.symmetry == "6 equal sectors: cyclic path"
     sketch.mass("tip 1", 0.1)
-    found = assemble_bladed_disk(sketch.build(), shaft_stiffness=1e7, clamped=False)
-    assert found.structure.symmetry == "6 sectors that differ: dense path"
+    actual = assemble_bladed_disk(sketch.build(), shaft_stiffness=1e7, clamped=False)
+    assert actual.structure.symmetry == "6 sectors that differ: dense path"

@@ -56,12 +56,12 @@ def test_matrices_of_calculix_are_those_of_mesh3d_at_speed() -> None:
     speed = json.loads((DATA / "calculix.json").read_text())["speed"]
     mesh = cantilever("tetra", (2, 1, 1))
     expected = mesh3d(mesh, **STEEL, mass_quadrature="reduced", speed=speed)
-    part, found, total = imported(DATA / "matrices.inp", **TIP)
+    part, actual, total = imported(DATA / "matrices.inp", **TIP)
     for mine, theirs in ((expected.mass, part.mass), (expected.stiffness, part.stiffness)):
         assert abs(mine - theirs).max() < 1e-10 * abs(mine).max()
     assert part.contact_position == pytest.approx(expected.contact_position, abs=1e-12)
     assert np.array_equal(part.contact_dofs, expected.contact_dofs)
-    assert found.rigid_modes == 0
+    assert actual.rigid_modes == 0
     assert total == pytest.approx([expected.mass.sum() / 3.0] * 3)
     assert part.points is not None
     assert part.triangles is not None
@@ -164,10 +164,10 @@ def test_negative_eigenvalues_are_counted() -> None:
 
 def test_rigid_modes_are_counted_and_left_out() -> None:
     part = mesh3d(cantilever("tetra10", (2, 1, 1)), **STEEL, clamped=None)
-    found = inspect(part)
-    assert found.rigid_modes == 6
-    assert found.frequencies[0] > 1000.0
-    assert len(found.frequencies) == 10
+    actual = inspect(part)
+    assert actual.rigid_modes == 6
+    assert actual.frequencies[0] > 1000.0
+    assert len(actual.frequencies) == 10
 
 
 @pytest.mark.parametrize(

@@ -18,10 +18,10 @@ UNITS = {"length_unit": "inch", "mass_unit": "lbf s2/inch"}
 
 def test_displacements_are_turned_into_the_basic_axes() -> None:
     """Node 11 has axes of its own: with the wrong ones the mass would differ by direction."""
-    part, found, total = imported(FILES / "inboard.op4", contact="11,19", **UNITS)
+    part, actual, total = imported(FILES / "inboard.op4", contact="11,19", **UNITS)
     printed = 1.755052 * 0.45359237 * 9.80665 / 0.0254  # mass in inboard.out
     assert total == pytest.approx([printed] * 3, rel=1e-6)
-    assert found.rigid_modes == 6
+    assert actual.rigid_modes == 6
     inch = 0.0254
     assert part.contact_position == pytest.approx(np.array([[600, 300, 300], [600, 300, 0]]) * inch)
     assert np.array_equal(part.contact_dofs, [[6, 7, 8], [12, 13, 14]])

@@ -13,7 +13,7 @@ from bladewhirl.models.modal.full_stage import lowest_frequencies
 def test_frequencies_are_quotients_in_long_double(blades: int, elements: int) -> None:
     tables = {"bladed_disk": {"blades": blades, "elements_per_blade": elements}}
     structure = case_bladed_disk(case_from(tables), clamped=False).structure
-    found = lowest_frequencies(structure, 3)
+    actual = lowest_frequencies(structure, 3)
     assert structure.layout is not None
     for k, (mass, stiffness) in structure.layout.blocks(structure.mass, structure.stiffness):
         if k not in (0, 1, 2, blades // 2):
@@ -23,4 +23,4 @@ def test_frequencies_are_quotients_in_long_double(blades: int, elements: int) ->
             np.sum(vectors.conj() * (matrix.astype(np.clongdouble) @ vectors), axis=0).real
             for matrix in (stiffness, mass)
         )
-        np.testing.assert_allclose(found[k], np.sqrt(strain / inertia).astype(float), rtol=1e-9)
+        np.testing.assert_allclose(actual[k], np.sqrt(strain / inertia).astype(float), rtol=1e-9)

@@ -35,19 +35,19 @@ def mistuned(spread: float) -> BladedDiskModel:
 
 def test_fields_are_modes_with_the_cosine_largest_in_sector_0() -> None:
     disk = bladed_disk(blades=7, elements=3)
-    found = modes_of(disk)
+    actual = modes_of(disk)
     structure = disk.structure
-    shapes = found.fields(np.arange(found.count))
+    shapes = actual.fields(np.arange(actual.count))
     np.testing.assert_allclose(
-        shapes.T @ (structure.mass @ shapes), np.eye(found.count), atol=1e-10
+        shapes.T @ (structure.mass @ shapes), np.eye(actual.count), atol=1e-10
     )
     strain = np.einsum("im,im->m", shapes, structure.stiffness @ shapes)
-    np.testing.assert_allclose(strain, found.frequency**2, rtol=1e-9)
+    np.testing.assert_allclose(strain, actual.frequency**2, rtol=1e-9)
     in_springs = np.einsum("im,im->m", shapes, structure.springs @ shapes) / strain
-    np.testing.assert_allclose(found.spring_share, in_springs, atol=1e-9)
+    np.testing.assert_allclose(actual.spring_share, in_springs, atol=1e-9)
     for k in (1, 2, 3):
-        cosine, sine = found.find("1F", k)
-        radial = found.fields(np.array([cosine, sine]))[disk.tip_radial]
+        cosine, sine = actual.find("1F", k)
+        radial = actual.fields(np.array([cosine, sine]))[disk.tip_radial]
         wave = 2.0 * np.pi * k * np.arange(7) / 7
         np.testing.assert_allclose(radial[:, 0], radial[0, 0] * np.cos(wave), atol=1e-9)
         np.testing.assert_allclose(radial[:, 1], radial[0, 0] * np.sin(wave), atol=1e-9)
@@ -59,42 +59,42 @@ def test_families_survive_mistuning(spread: float) -> None:
     """Families of blades are far apart, so each must have as many modes as there are blades."""
     disk = mistuned(spread)
     assert not disk.structure.is_cyclic
-    found = modes_of(disk, 3 * BLADES + 2)
-    assert Counter(found.family) == {"1F": 22, "suspension": 2, "2F": 22, "3F": 22}
+    actual = modes_of(disk, 3 * BLADES + 2)
+    assert Counter(actual.family) == {"1F": 22, "suspension": 2, "2F": 22, "3F": 22}
     names = ["1F"] * 22 + ["suspension"] * 2 + ["2F"] * 22 + ["3F"] * 22
-    assert list(found.family) == names
+    assert list(actual.family) == names
     # Blades vibrate on their own: few modes still have one nodal diameter.
-    assert np.median(found.purity) < 0.5
-    suspension = [name == "suspension" for name in found.family]
-    np.testing.assert_array_equal(found.nodal_diameter[suspension], 1)
-    assert found.purity[suspension].min() > 0.99
-    assert (found.purity > 1.0 / (BLADES // 2 + 1)).all()
-    shape = found.fields(np.array([0]))[:, 0]
-    residual = disk.structure.stiffness @ shape - found.frequency[0] ** 2 * (
+    assert np.median(actual.purity) < 0.5
+    suspension = [name == "suspension" for name in actual.family]
+    np.testing.assert_array_equal(actual.nodal_diameter[suspension], 1)
+    assert actual.purity[suspension].min() > 0.99
+    assert (actual.purity > 1.0 / (BLADES // 2 + 1)).all()
+    shape = actual.fields(np.array([0]))[:, 0]
+    residual = disk.structure.stiffness @ shape - actual.frequency[0] ** 2 * (
         disk.structure.mass @ shape
     )
     assert np.abs(residual).max() < 1e-6 * np.abs(disk.structure.stiffness @ shape).max()
 
 
 def test_labels_of_hardly_mistuned_blades_are_those_of_the_tuned_ones() -> None:
-    tuned, found = modes_of(bladed_disk(disk_thickness=0.03), 68), modes_of(mistuned(1e-6), 68)
-    np.testing.assert_allclose(found.frequency, tuned.frequency, rtol=1e-5)
-    np.testing.assert_allclose(found.purity[:3], 1.0, atol=1e-3)
+    tuned, actual = modes_of(bladed_disk(disk_thickness=0.03), 68), modes_of(mistuned(1e-6), 68)
+    np.testing.assert_allclose(actual.frequency, tuned.frequency, rtol=1e-5)
+    np.testing.assert_allclose(actual.purity[:3], 1.0, atol=1e-3)
     # Blades hardly feel each other: where frequencies are close, nodal diameters mix at once.
-    assert list(found.nodal_diameter[:3]) == list(tuned.nodal_diameter[:3]) == [1, 1, 0]
-    assert found.family == tuned.family
+    assert list(actual.nodal_diameter[:3]) == list(tuned.nodal_diameter[:3]) == [1, 1, 0]
+    assert actual.family == tuned.family
 
 
 def test_two_hundred_blades_by_the_cyclic_path() -> None:
     """6,602 degrees of freedom; each mode found is one of the whole structure."""
     disk = bladed_disk(blades=200, elements=10, disk_thickness=0.03)
     structure = disk.structure
-    found = modes_of(disk, 602)
-    assert Counter(found.family) == {"1F": 200, "2F": 200, "3F": 200, "suspension": 2}
-    assert set(found.nodal_diameter) == set(range(101))
+    actual = modes_of(disk, 602)
+    assert Counter(actual.family) == {"1F": 200, "2F": 200, "3F": 200, "suspension": 2}
+    assert set(actual.nodal_diameter) == set(range(101))
     chosen = np.array([0, 5, 150, 333, 601])
-    shapes = found.fields(chosen)
-    force = structure.mass @ (shapes * found.frequency[chosen] ** 2)
+    shapes = actual.fields(chosen)
+    force = structure.mass @ (shapes * actual.frequency[chosen] ** 2)
     answer: FloatArray = spla.splu(structure.stiffness.tocsc()).solve(force)
     np.testing.assert_allclose(answer, shapes, rtol=0.0, atol=2e-6 * np.abs(shapes).max())
 

@@ -52,8 +52,8 @@ def test_reduction_keeps_statics_and_only_raises_frequencies(
     assert (modes.frequency >= full * (1.0 - 1e-8)).all()
     forces = np.eye(disk.structure.size)[:, boundary]
     exact = spla.splu(disk.structure.stiffness.tocsc()).solve(forces)
-    found = modes.shapes @ ((modes.shapes.T @ forces) / modes.frequency[:, None] ** 2)
-    np.testing.assert_allclose(found, exact, atol=1e-10 * np.abs(exact).max())
+    actual = modes.shapes @ ((modes.shapes.T @ forces) / modes.frequency[:, None] ** 2)
+    np.testing.assert_allclose(actual, exact, atol=1e-10 * np.abs(exact).max())
 
 
 @settings(max_examples=25)

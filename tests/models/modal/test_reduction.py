@@ -98,8 +98,8 @@ def test_static_shapes_and_fixed_interface_modes_span_the_reduced_structure(
     squares = fixed_interface_frequencies(disk)[: reduction.kept] ** 2
     held = fixed.T @ (stiffness @ fixed)
     np.testing.assert_allclose(held, np.diag(squares), atol=1e-9 * squares.max(initial=1.0))
-    found = la.eigvalsh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))
-    np.testing.assert_allclose(np.sqrt(found), reduction.modes.frequency, rtol=1e-8)
+    actual = la.eigvalsh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))
+    np.testing.assert_allclose(np.sqrt(actual), reduction.modes.frequency, rtol=1e-8)
 
 
 @pytest.mark.parametrize("tips", [slice(2), slice(None)], ids=["two tips", "half the centre"])

@@ -24,8 +24,8 @@ def test_the_suspension_is_where_it_is_wanted(wanted: float) -> None:
 def test_the_paper_s_springs_come_back() -> None:
     """The frequency that 34 MN/m give asks for 34 MN/m."""
     modes = modal_stage(Case()).free_modes
-    found = float(modes.frequency[modes.find("suspension", 1)[0]] / (2.0 * np.pi))
-    shaft = with_sized_shaft(with_values(Case(), {KEY: found})).shaft
+    actual = float(modes.frequency[modes.find("suspension", 1)[0]] / (2.0 * np.pi))
+    shaft = with_sized_shaft(with_values(Case(), {KEY: actual})).shaft
     assert shaft.stiffness == pytest.approx(Case().shaft.stiffness, rel=1e-8)
 
 

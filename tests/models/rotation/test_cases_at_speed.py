@@ -53,9 +53,9 @@ def test_the_table_goes_to_a_file_and_back() -> None:
 def test_the_reduction_at_speed(ratio: float) -> None:
     """On a basis found with K_Omega, as accurate as the reference found such a basis to be."""
     stage = build_stage(with_values(turning(), {"march.speed": ratio}))
-    found = stage.reduction.modes
+    actual = stage.reduction.modes
     for k, frequencies in known(ratio)["centrifugal"].items():
-        own = np.unique(np.round(found.frequency[found.nodal_diameter == int(k)], 9))[:1]
+        own = np.unique(np.round(actual.frequency[actual.nodal_diameter == int(k)], 9))[:1]
         np.testing.assert_allclose(own / (2 * np.pi), frequencies[:1], rtol=5e-6)
     assert stage.frequency_error["1F"] < 5e-6
     assert max(stage.frequency_error[f] for f in ("1F", "suspension", "2F")) < 7e-4
@@ -99,8 +99,8 @@ def test_reduced_matrices_with_coriolis_forces() -> None:
     assert abs(reduced.gyroscopic + reduced.gyroscopic.T).max() == 0.0
     waves = [row[way][str(k)][0] for k in range(1, 11) for way in ("backward", "forward")]
     waves += [row["backward"][str(k)][0] for k in (0, 11)]
-    found = reduced.frequencies[:22] / (2 * np.pi)
-    np.testing.assert_allclose(found, sorted(waves), rtol=7e-5)
+    actual = reduced.frequencies[:22] / (2 * np.pi)
+    np.testing.assert_allclose(actual, sorted(waves), rtol=7e-5)
     damped, _ = damped_eigenvalues(
         reduced.mass, reduced.damping + reduced.gyroscopic, reduced.stiffness
     )
@@ -114,9 +114,9 @@ def test_a_march_knows_coriolis_forces_and_damping_of_the_modes_at_rest() -> Non
     """Past the critical speed it needs them."""
     assert contact_problem(build_stage(turning())).rotor.by_velocity is None
     stage = build_stage(turning("full"))
-    found = contact_problem(stage).rotor.by_velocity
-    assert found is not None
-    rates, _ = damped_eigenvalues(np.eye(len(found)), found, np.diag(stage.rotor.stiffness))
+    actual = contact_problem(stage).rotor.by_velocity
+    assert actual is not None
+    rates, _ = damped_eigenvalues(np.eye(len(actual)), actual, np.diag(stage.rotor.stiffness))
     (growth,) = [growth for ratio, growth, _ in THIN["growth_rates_xi_0.005"] if ratio == 1.05]
     assert rates.real.max() == pytest.approx(growth, rel=2e-4)
     with pytest.raises(CaseError, match=r"march\.speed = 2\.2: expected less than 2\.10802"):
@@ -127,8 +127,8 @@ def listed_modes(case: Case, folder: Path, *options: str) -> dict[str, Any]:
     """What `bladewhirl modes --json` says."""
     file = folder / "case.toml"
     file.write_text(dumps_case(case), encoding="utf-8")
-    found: dict[str, Any] = json.loads(answer("modes", file, "--json", *options).stdout)
-    return found
+    actual: dict[str, Any] = json.loads(answer("modes", file, "--json", *options).stdout)
+    return actual
 
 
 @pytest.mark.parametrize(
@@ -175,8 +175,8 @@ def test_a_result_has_the_waves_that_its_modes_make_up(ratio: float) -> None:
     for way in WAYS:
         for k in (1, 3):
             own = np.flatnonzero(arrays.rotor_nodal_diameter == k)[:6:2]
-            found = getattr(arrays, f"rotor_{way}_frequency")[own] / (2.0 * np.pi)
-            np.testing.assert_allclose(found, known(1.05)[way][str(k)][:3], rtol=3e-3)
+            actual = getattr(arrays, f"rotor_{way}_frequency")[own] / (2.0 * np.pi)
+            np.testing.assert_allclose(actual, known(1.05)[way][str(k)][:3], rtol=3e-3)
 
 
 def test_the_error_of_the_reduction_is_that_of_its_waves() -> None:
@@ -215,5 +215,7 @@ def test_blades_hardly_unlike_have_nearly_the_same_waves() -> None:
     assert np.any(alike.rotor_backward_frequency > 1.1 * alike.rotor_forward_frequency)
     own = np.flatnonzero(unlike.rotor_nodal_diameter == 1)[:6]
     for way in WAYS:
-        wanted, found = (getattr(each, f"rotor_{way}_frequency")[own] for each in (alike, unlike))
-        np.testing.assert_allclose(found, wanted, rtol=1e-5)
+        expected_values, actual = (
+            getattr(each, f"rotor_{way}_frequency")[own] for each in (alike, unlike)
+        )
+        np.testing.assert_allclose(actual, expected_values, rtol=1e-5)

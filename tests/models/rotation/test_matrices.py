@@ -132,8 +132,8 @@ def test_cantilevers_with_coriolis(row: dict[str, Any]) -> None:
     for elements in (20, 40):
         disk, time = cantilevers(row["delta"], row["alpha"], elements)
         modes = whirl_modes(rotation_matrices(disk).at_speed(row["gamma"] / time, "full"))
-        found = modes.frequency[modes.nodal_diameter == 0][:2] * time
-        errors.append(np.abs(found / row["frequencies"][:2] - 1.0))
+        actual = modes.frequency[modes.nodal_diameter == 0][:2] * time
+        errors.append(np.abs(actual / row["frequencies"][:2] - 1.0))
     assert errors[1].max() < 1e-3
     assert observed_order(np.array(errors)).min() > 1.8
 
@@ -174,9 +174,9 @@ def test_waves_are_seen_from_the_static_frame() -> None:
     for branch in np.unique(branches):  # ascending frequencies, so from the lowest
         own = modes.rank[branches == branch]
         np.testing.assert_array_equal(own, np.arange(len(own)))
-    found = modes.static_frequency(omega), modes.static_direction(omega)
+    actual = modes.static_frequency(omega), modes.static_direction(omega)
     fields = modes.fields(np.arange(modes.count))[disk.tip_radial]
-    for mode, (w, static, way) in enumerate(zip(modes.frequency, *found, strict=True)):
+    for mode, (w, static, way) in enumerate(zip(modes.frequency, *actual, strict=True)):
         k = modes.nodal_diameter[mode]
         if modes.direction[mode] == "standing":
             assert (k, static, way) == (0, w, "standing")
@@ -218,8 +218,8 @@ def test_large_structures_have_their_lowest_modes_found() -> None:
     w, fields = lowest_gyroscopic_eigen(
         structure.mass, structure.stiffness, structure.gyroscopic, 20
     )
-    found = whirl_modes(structure, 10).frequency
-    np.testing.assert_allclose(np.sort(np.abs(w.real))[::2], found, rtol=1e-8)
+    actual = whirl_modes(structure, 10).frequency
+    np.testing.assert_allclose(np.sort(np.abs(w.real))[::2], actual, rtol=1e-8)
     assert np.abs(w.imag).max() < 1e-6
     norms = np.einsum("im,im->m", fields.conj(), structure.mass @ fields).real
     np.testing.assert_allclose(norms, 1.0)
@@ -251,15 +251,15 @@ def test_internal_damping_feeds_whirl_until_bearings_hold_it(omega: float) -> No
         turning[y, x] += bearing * omega
         return float(damped_eigenvalues(mass, damping, turning)[0].real.max())
 
-    found = internal_growth(disk, matrices, omega, "full", damping_ratio=0.01)
-    assert found.nodal_diameter == 1
-    assert found.rate == pytest.approx(rate(0.0), abs=1e-7)
-    assert (found.rate > 0.0) == (abs(omega) > 255.0)  # its lowest frequency
-    assert found.holding is not None
-    if found.rate > 0.0:
-        assert rate(found.holding) == pytest.approx(0.0, abs=1e-6)
+    actual = internal_growth(disk, matrices, omega, "full", damping_ratio=0.01)
+    assert actual.nodal_diameter == 1
+    assert actual.rate == pytest.approx(rate(0.0), abs=1e-7)
+    assert (actual.rate > 0.0) == (abs(omega) > 255.0)  # its lowest frequency
+    assert actual.holding is not None
+    if actual.rate > 0.0:
+        assert rate(actual.holding) == pytest.approx(0.0, abs=1e-6)
     else:
-        assert found.holding == 0.0
+        assert actual.holding == 0.0
 
 
 def test_growth_goes_with_the_square_of_the_speed_unless_the_load_follows_it() -> None:

@@ -79,13 +79,13 @@ def test_no_speed_is_left_out(waves: Waves) -> None:
         seen = seen[3 * seen > casing]
         np.testing.assert_allclose(waves.meeting(casing, 5.0), seen, atol=5e-3)
         np.testing.assert_array_equal(waves.meeting(casing, seen[0] - 5e-3), [])
-    found, _ = waves.synchronous(3)
-    np.testing.assert_allclose(found, crossings(waves, 3 * speeds, speeds), atol=5e-3)
+    actual, _ = waves.synchronous(3)
+    np.testing.assert_allclose(actual, crossings(waves, 3 * speeds, speeds), atol=5e-3)
 
 
 def test_branches_are_ranked_from_the_lowest_both_ways(waves: Waves) -> None:
-    found = [waves.rank(0.3, w) for w in waves.frequencies(0.3).real]
-    assert found == [(rank, True) for rank in (2, 1, 0)] + [(rank, False) for rank in (0, 1, 2)]
+    actual = [waves.rank(0.3, w) for w in waves.frequencies(0.3).real]
+    assert actual == [(rank, True) for rank in (2, 1, 0)] + [(rank, False) for rank in (0, 1, 2)]
 
 
 @pytest.mark.parametrize("effects", ["none", "centrifugal", "full"])

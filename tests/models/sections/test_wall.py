@@ -50,8 +50,8 @@ def test_lobes_of_twice_the_nodal_diameter_split_its_pair(k: int) -> None:
 
 def test_other_lobes_leave_pairs_together_to_first_order() -> None:
     profile = RingProfile(mean=0.01, lobes=(Lobe(lobes=3, amplitude=1e-5, phase=0.4),))
-    found = frequencies(ring(wall=Wall(section=steel(0.01), thickness=profile), elements=48), 4)
-    np.testing.assert_allclose(found[::2], found[1::2], rtol=5e-6)
+    actual = frequencies(ring(wall=Wall(section=steel(0.01), thickness=profile), elements=48), 4)
+    np.testing.assert_allclose(actual[::2], actual[1::2], rtol=5e-6)
 
 
 def test_an_arc_all_around_is_a_wall_of_its_section() -> None:
@@ -100,9 +100,9 @@ def test_smooth_walls_and_arcs_that_end_at_nodes_converge_with_the_fourth_power(
 
 def test_arcs_that_end_inside_elements_are_right_to_a_per_cent() -> None:
     arc = Arc(start=0.7, end=2.5, thickness=0.02)
-    found = np.abs(errors(Wall(section=steel(0.01), arcs=(arc,)), (20, 40)))
-    assert found[1].max() < 2e-2
-    assert found[1].max() < 0.7 * found[0].max()
+    actual = np.abs(errors(Wall(section=steel(0.01), arcs=(arc,)), (20, 40)))
+    assert actual[1].max() < 2e-2
+    assert actual[1].max() < 0.7 * actual[0].max()
 
 
 def test_nothing_jumps_as_an_arc_grows() -> None:
@@ -111,8 +111,8 @@ def test_nothing_jumps_as_an_arc_grows() -> None:
     for steps in (8, 32):
         ends = np.linspace(0.40, 0.40 + 0.5 * np.pi / 40, steps + 1)  # a quarter of an element
         arcs = [Arc(start=0.1, end=end, thickness=0.02) for end in ends]
-        found = [frequencies(ring(wall=Wall(section=steel(0.01), arcs=(arc,))), 2) for arc in arcs]
-        largest.append(np.abs(np.diff(found, axis=0)).max())
+        actual = [frequencies(ring(wall=Wall(section=steel(0.01), arcs=(arc,))), 2) for arc in arcs]
+        largest.append(np.abs(np.diff(actual, axis=0)).max())
     assert largest[1] < 0.5 * largest[0]
 
 

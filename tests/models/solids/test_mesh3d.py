@@ -28,17 +28,17 @@ BLADE = ROOT / "tests" / "data" / "solids" / "blade.msh"
 @pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron20"])
 def test_frequencies_of_a_blade_are_those_of_calculix(kind: str) -> None:
     part = mesh3d(cantilever(kind), **STEEL, mass_quadrature="reduced")
-    found = lowest_frequencies(part.mass, part.stiffness, 10)
-    assert found == pytest.approx(CALCULIX["blade"][kind], rel=1e-6)
+    actual = lowest_frequencies(part.mass, part.stiffness, 10)
+    assert actual == pytest.approx(CALCULIX["blade"][kind], rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["tetra10", "hexahedron20"])
 def test_frequencies_of_a_rotating_blade_are_those_of_calculix(kind: str) -> None:
     speed = CALCULIX["speed"]
     part = mesh3d(cantilever(kind), **STEEL, mass_quadrature="reduced", speed=speed)
-    found = lowest_frequencies(part.mass, part.stiffness, 10)
-    assert found == pytest.approx(CALCULIX["rotating blade"][kind], rel=1e-6)
-    assert found[0] > 1.4 * CALCULIX["blade"][kind][0]  # else the comparison would say little
+    actual = lowest_frequencies(part.mass, part.stiffness, 10)
+    assert actual == pytest.approx(CALCULIX["rotating blade"][kind], rel=1e-6)
+    assert actual[0] > 1.4 * CALCULIX["blade"][kind][0]  # else the comparison would say little
 
 
 @pytest.mark.parametrize("kind", ["tetra10", "hexahedron20"])
@@ -46,8 +46,8 @@ def test_frequencies_of_a_rotating_blade_are_those_of_calculix(kind: str) -> Non
 def test_frequencies_of_a_wheel_are_those_of_calculix(kind: str, speed: float) -> None:
     part = mesh3d(bladed_sector(kind), **STEEL, **TIE, mass_quadrature="reduced", speed=speed)
     expected = np.array(CALCULIX["rotating sector" if speed else "sector"][kind])
-    found = wheel_frequencies(part, SECTORS, 10)
-    assert found == pytest.approx(expected, rel=1e-6)
+    actual = wheel_frequencies(part, SECTORS, 10)
+    assert actual == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", CELL_TYPES)

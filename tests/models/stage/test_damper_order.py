@@ -39,9 +39,9 @@ def pushed(damping: float) -> ContactProblem:
 @cache
 def reference(damping: float, dt: float) -> FloatArray:
     """Displacement of the blade [m] where dampers feel contact at once."""
-    found = run_reference(pushed(damping), dt, round(END / dt), dampers_feel_contact=True)
-    assert found.contact_impulse.any()
-    return np.asarray(found.rotor_displacement[:, 0])
+    actual = run_reference(pushed(damping), dt, round(END / dt), dampers_feel_contact=True)
+    assert actual.contact_impulse.any()
+    return np.asarray(actual.rotor_displacement[:, 0])
 
 
 def difference(damping: float, dt: float) -> float:
@@ -82,5 +82,5 @@ def test_the_error_that_the_document_states() -> None:
     stated = re.findall(r"(\S+) of the gap\s+for dampers of (\d+) kN s/m", text)
     assert [1e3 * float(each) for _, each in stated] == [*DAMPERS.values()]
     value, damping = stated[-1]
-    found = difference(1e3 * float(damping), Case().march.time_step)
-    assert found == pytest.approx(float(value), rel=0.06)
+    actual = difference(1e3 * float(damping), Case().march.time_step)
+    assert actual == pytest.approx(float(value), rel=0.06)

@@ -188,16 +188,16 @@ def test_excitations_of_a_list_act_together_and_a_list_of_one_changes_nothing() 
 def test_a_rigid_rotor_under_a_static_harmonic_force() -> None:
     """m x'' + k x = F cos(omega t) R(-Omega t) e_x from rest, solved by hand."""
     given = on_support(*RIGID, HARMONIC)
-    time, found = marched(given)
+    time, actual = marched(given)
     mass = given.disk.model.mass
     natural = np.sqrt(1e6 / mass)
-    expected = np.zeros_like(found)
+    expected = np.zeros_like(actual)
     for rate in (300.0 + 66.0 * np.pi, 300.0 - 66.0 * np.pi):
         size = 0.5 * 700.0 / mass / (natural**2 - rate**2)
         expected[:, 0] += size * (np.cos(rate * time) - np.cos(natural * time))
         expected[:, 1] -= size * (np.sin(rate * time) - rate / natural * np.sin(natural * time))
     assert abs(expected).max() > 1e-4
-    np.testing.assert_allclose(found, expected, atol=1e-4 * abs(expected).max())
+    np.testing.assert_allclose(actual, expected, atol=1e-4 * abs(expected).max())
 
 
 def test_a_rigid_rotor_set_off_by_initial_values() -> None:
@@ -212,12 +212,12 @@ def test_a_rigid_rotor_set_off_by_initial_values() -> None:
         tips = np.column_stack([radial, tangential]).tolist()
         initial.append(f"initial.tip_{name}={tips}")
     given = on_support(*RIGID, *initial)
-    time, found = marched(given)
+    time, actual = marched(given)
     natural = np.sqrt(1e6 / given.disk.model.mass)
     expected = np.cos(natural * time)[:, None] * centre["displacement"]
     expected += np.sin(natural * time)[:, None] * centre["velocity"] / natural
     # The rim is a polygon and roots turn with the rotor only nearly: shapes are rigid to 1e-4.
-    np.testing.assert_allclose(found, expected, atol=2e-4 * abs(expected).max())
+    np.testing.assert_allclose(actual, expected, atol=2e-4 * abs(expected).max())
 
 
 @pytest.mark.parametrize("clamped", [False, True])

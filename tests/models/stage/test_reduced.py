@@ -83,9 +83,9 @@ def test_matrices_can_be_read_by_name() -> None:
 
 
 def test_a_stage_is_told_on_one_screen() -> None:
-    told = repr(damped("even"))
-    assert len(told.splitlines()) < 24
-    assert max(map(len, told.splitlines())) <= 100
+    messages = repr(damped("even"))
+    assert len(messages.splitlines()) < 24
+    assert max(map(len, messages.splitlines())) <= 100
     for words in (
         "6 blades",
         "6 equal sectors: cyclic path",
@@ -93,5 +93,5 @@ def test_a_stage_is_told_on_one_screen() -> None:
         "suspension",
         "% off the full model",
     ):
-        assert words in told, words
+        assert words in messages, words
     assert repr(damped("even").reduced).startswith("ReducedDisk: 35 coordinates (12 tip, 2 centre")

@@ -56,8 +56,8 @@ def test_equal_springs_keep_the_cyclic_path() -> None:
     same, unequal = on_shaft(2e7, 2e7), on_shaft(2e7, 2.0001e7)
     assert same.reduction.modes.is_cyclic
     assert not unequal.reduction.modes.is_cyclic
-    told = "6 equal sectors on springs that differ: dense path"
-    assert unequal.symmetry["bladed_disk"] == told
+    messages = "6 equal sectors on springs that differ: dense path"
+    assert unequal.symmetry["bladed_disk"] == messages
     np.testing.assert_array_equal(
         same.reduction.modes.frequency, on_shaft(2e7, None).reduction.modes.frequency
     )
@@ -80,13 +80,13 @@ def test_modes_that_do_not_move_the_centre_stay() -> None:
 def test_the_example_pulls_along_the_softer_spring() -> None:
     case = read_case(EXAMPLES / "unequal_shaft.toml")
     assert loads(dumps_case(case)) == case
-    found = build_stage(case)
-    assert stage_properties(found)["cyclic"] == {"bladed_disk": False, "casing": True}
+    actual = build_stage(case)
+    assert stage_properties(actual)["cyclic"] == {"bladed_disk": False, "casing": True}
     x, y = case.shaft.stiffnesses
     assert x < y
     # The static answer at the clearance speed closes the clearance where the tips go with the hub.
-    speed = 0.95 * found.reference_frequency
-    force = imbalance_force(found) * (speed / found.speed) ** 2
+    speed = 0.95 * actual.reference_frequency
+    force = imbalance_force(actual) * (speed / actual.speed) ** 2
     assert force / x == pytest.approx(1e-3, rel=1e-3)
 
 
@@ -142,8 +142,8 @@ def test_a_speed_at_the_suspension_frequency_is_excited_at_the_rate_of_the_swing
     growth = np.abs(np.roots([1.0, 0.0, -4.0 * natural**2, 0.0, -(swing**2)]).imag).max()
     _, chunk, _ = run(rigid(x, y, mass, natural), 1e-4, 20_000)
     size = np.linalg.norm(chunk.rotor_displacement, axis=1)
-    found = np.log(size[20_000] / size[10_000])
-    assert found == pytest.approx(growth, rel=0.01)
+    actual = np.log(size[20_000] / size[10_000])
+    assert actual == pytest.approx(growth, rel=0.01)
 
 
 @pytest.mark.parametrize("seed", [1, 5])
@@ -156,10 +156,10 @@ def test_every_step_is_the_one_plain_numpy_takes(seed: int) -> None:
 
 def test_bearings_keep_the_mean_in_the_modes() -> None:
     """And the cyclic path: what swings comes in the march alone."""
-    found = on_shaft(3e7, 1e7, "shaft.frame=static")
-    assert found.reduction.modes.is_cyclic
-    assert found.rotor.anisotropy == 1e7
-    np.testing.assert_array_equal(found.rotor.frequency, on_shaft(2e7, None).rotor.frequency)
+    actual = on_shaft(3e7, 1e7, "shaft.frame=static")
+    assert actual.reduction.modes.is_cyclic
+    assert actual.rotor.anisotropy == 1e7
+    np.testing.assert_array_equal(actual.rotor.frequency, on_shaft(2e7, None).rotor.frequency)
     held = on_shaft(3e7, 1e7, "shaft.frame=static", "shaft.clamped=true")
     assert held.rotor.anisotropy == 0.0
     assert on_shaft(2e7, None).rotor.anisotropy == 0.0

@@ -99,11 +99,11 @@ def test_faults_of_the_march_come_together() -> None:
         "march.displacement_limit=0.05",
         "initial.centre_displacement=[0.0, 0.06]",
     )
-    with pytest.raises(CaseError) as found:
+    with pytest.raises(CaseError) as actual:
         contact_problem(far)
-    keys = [fault.key for fault in found.value.faults]
+    keys = [fault.key for fault in actual.value.faults]
     assert keys == ["march.speed", "initial.tip_displacement", "initial.centre_displacement"]
-    assert "blade 0 starts 0.002 m outward" in found.value.lines[1]
+    assert "blade 0 starts 0.002 m outward" in actual.value.lines[1]
 
 
 @pytest.mark.parametrize(

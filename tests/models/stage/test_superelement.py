@@ -74,10 +74,10 @@ def test_initial_motion_and_blade_forces_of_a_wheel_are_those_of_beams(tmp_path:
     first, _ = march_in_memory(prepare(beams))
     second, _ = march_in_memory(prepare(wheel))
     expected = bw.tip_displacement(first)["displacement"]
-    found = second["contact_displacement"].values
+    actual = second["contact_displacement"].values
     scale = float(np.abs(expected).max())
     for number, name in enumerate(("radial", "tangential")):
-        assert found[:, :, number] == pytest.approx(
+        assert actual[:, :, number] == pytest.approx(
             expected.sel(component=name).values, abs=1e-6 * scale
         )
     assert scale > 1e-4

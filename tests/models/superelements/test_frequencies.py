@@ -21,8 +21,8 @@ def chain(size: int) -> tuple[Any, Any, Any]:
 def test_frequencies_of_a_chain(monkeypatch: pytest.MonkeyPatch, small: int) -> None:
     monkeypatch.setattr(frequencies, "SMALL", small)
     mass, stiffness, expected = chain(200)
-    found = frequencies.lowest_frequencies(mass, stiffness, 12)
-    assert found == pytest.approx(expected[:12], rel=1e-9)
+    actual = frequencies.lowest_frequencies(mass, stiffness, 12)
+    assert actual == pytest.approx(expected[:12], rel=1e-9)
 
 
 @pytest.mark.parametrize("small", [10, 1000])
@@ -34,13 +34,13 @@ def test_coordinates_without_mass_have_no_frequency(
     _, _, expected = chain(100)
     _, stiffness, _ = chain(201)
     mass = sp.diags_array(np.arange(201) % 2.0, format="csr")
-    found = frequencies.lowest_frequencies(mass, 2.0 * stiffness, 12)
-    assert found == pytest.approx(expected[:12], rel=1e-9)
+    actual = frequencies.lowest_frequencies(mass, 2.0 * stiffness, 12)
+    assert actual == pytest.approx(expected[:12], rel=1e-9)
 
 
 def test_rigid_modes_have_frequency_zero() -> None:
     _, stiffness, _ = chain(100)
     stiffness[0, 0] = stiffness[99, 99] = 1e6
-    found = frequencies.lowest_frequencies(sp.eye_array(100), stiffness, 2)
+    actual = frequencies.lowest_frequencies(sp.eye_array(100), stiffness, 2)
     wave = np.pi / 200
-    assert found == pytest.approx([0.0, 2e3 * np.sin(wave) / (2.0 * np.pi)], abs=1e-4)
+    assert actual == pytest.approx([0.0, 2e3 * np.sin(wave) / (2.0 * np.pi)], abs=1e-4)

@@ -113,26 +113,26 @@ class TestOpenResult:
 
 class TestCoordinates:
     def test_blades_nodes_axes_and_components_are_found_by_name(self, run: Path) -> None:
-        with open_result(run) as found:
+        with open_result(run) as actual:
             plain = synthetic_result(records=21)
-            np.testing.assert_array_equal(found["gap"].sel(blade=3), plain["gap"][:, 3])
-            assert found["casing_shape"].sel(casing_component="u").sizes == {
+            np.testing.assert_array_equal(actual["gap"].sel(blade=3), plain["gap"][:, 3])
+            assert actual["casing_shape"].sel(casing_component="u").sizes == {
                 "casing_node": 40,
                 "casing_mode": 4,
             }
-            angle = found["clearance"].coords["casing_angle"]
+            angle = actual["clearance"].coords["casing_angle"]
             np.testing.assert_array_equal(angle, plain["casing_angle"])
-            family = found["rotor_displacement"].coords["rotor_family"]
-            assert found["rotor_displacement"][:, family == "1F"].sizes["rotor_mode"] == 2
+            family = actual["rotor_displacement"].coords["rotor_family"]
+            assert actual["rotor_displacement"][:, family == "1F"].sizes["rotor_mode"] == 2
 
     def test_old_formats_have_straight_beams_and_tips_at_rest(self, run: Path) -> None:
         file = run / "result.nc"
         changes = [f"rotor_{name}_change" for name in ("thickness", "width", "young_modulus")]
         changes += ["tip_recess", "tip_growth"]
         synthetic_result(records=3).drop_vars(changes).to_netcdf(file, engine="h5netcdf")
-        with open_result(run) as found:
-            assert not any(found[name].any() for name in changes)
-            assert found["rotor_width_change"].attrs["units"] == "m"
+        with open_result(run) as actual:
+            assert not any(actual[name].any() for name in changes)
+            assert actual["rotor_width_change"].attrs["units"] == "m"
 
 
 class TestPortions:

@@ -22,8 +22,8 @@ def result() -> xr.Dataset:
 
 
 def test_every_number_is_that_of_a_plain_loop(result: xr.Dataset) -> None:
-    found = stress_history(result)
-    assert found.member.values.tolist() == [
+    actual = stress_history(result)
+    assert actual.member.values.tolist() == [
         *(f"blade {number}" for number in range(22)),
         *("spokes", "rim", "casing"),
     ]
@@ -36,7 +36,7 @@ def test_every_number_is_that_of_a_plain_loop(result: xr.Dataset) -> None:
             q = result[f"{body}_displacement"].values[record]
             modulus = result[f"{body}_young_modulus"].values[own][:, None]
             axial, bending = rows.axial[own] @ q, rows.bending[own] @ q
-            at = found.sel(member=name).isel(time=record)
+            at = actual.sel(member=name).isel(time=record)
             upper = max((modulus * (axial + bending)).max(), (modulus * (axial - bending)).max())
             lower = min((modulus * (axial + bending)).min(), (modulus * (axial - bending)).min())
             assert float(at.largest_stress) == pytest.approx(upper, rel=1e-9, abs=1e-6)
@@ -54,13 +54,13 @@ def test_every_number_is_that_of_a_plain_loop(result: xr.Dataset) -> None:
 
 
 def test_peaks_are_the_extremes_of_all_times(result: xr.Dataset) -> None:
-    found = stress_history(result)
-    size = np.maximum(found.largest_stress, -found.smallest_stress)
-    np.testing.assert_allclose(np.abs(found.peak_stress), size.max("time"))
-    at = found.time.values[size.argmax("time").values]
-    np.testing.assert_array_equal(found.peak_time, at)
+    actual = stress_history(result)
+    size = np.maximum(actual.largest_stress, -actual.smallest_stress)
+    np.testing.assert_allclose(np.abs(actual.peak_stress), size.max("time"))
+    at = actual.time.values[size.argmax("time").values]
+    np.testing.assert_array_equal(actual.peak_time, at)
     # The blades bend most at their roots (w'' of the mode falls linearly to the tip).
-    np.testing.assert_allclose(found.peak_radius[:22], synthetic.DISK_RADIUS)
+    np.testing.assert_allclose(actual.peak_radius[:22], synthetic.DISK_RADIUS)
 
 
 def test_portions_do_not_show(result: xr.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:

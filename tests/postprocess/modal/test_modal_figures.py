@@ -100,19 +100,19 @@ def test_whirling_modes_travel_as_they_are_called(k: int) -> None:
     """With Coriolis forces each wave has a frequency of its own, at speed."""
     own = stage(effects="full")
     assert own.disk_whirl is not None
-    found = own.disk_whirl.modes
+    actual = own.disk_whirl.modes
     numbers = own.disk_whirl.find("1F", k)
-    assert {found.direction[number] for number in numbers} == (
+    assert {actual.direction[number] for number in numbers} == (
         {"forward", "backward"} if k else {"standing"}
     )
     for number in numbers:
-        way = found.direction[number]
+        way = actual.direction[number]
         wave: Wave = way
         data = mode_motion(own, "bladed-disk", np.array([number]), wave=wave, title="a mode")
         angle, field = radial(data, "bladed-disk")
         sense = {"forward": 1.0, "backward": -1.0}.get(way, 0.0)
         crest = wave_coefficient(field, angle, k)
-        frequency = found.frequency[number]
+        frequency = actual.frequency[number]
         rate = phase_rate(data["time"].values, crest) if sense else 0.0
         assert rate == pytest.approx(sense * frequency)
         velocity, moved = data["rotor_velocity"].values, data["rotor_displacement"].values
@@ -283,15 +283,15 @@ def test_veering_at_speed_tells_waves_both_ways() -> None:
     """Branches at the case's stiffness are the whirling modes, found from other matrices."""
     own, data = stage(effects="full"), whirling()
     assert own.disk_whirl is not None
-    found = own.disk_whirl.modes
+    actual = own.disk_whirl.modes
     for way in ("backward", "forward"):
-        here = (found.nodal_diameter == 1) & (np.array(found.direction) == way)
+        here = (actual.nodal_diameter == 1) & (np.array(actual.direction) == way)
         branches = data.isel(branch=(data["branch_direction"] == way).values)
         drawn = 2.0 * np.pi * branches["branch_frequency"].sel(stiffness=own.case.shaft.stiffness)
         size = branches.sizes["branch"]
-        np.testing.assert_allclose(drawn, found.frequency[here][:size], rtol=1e-8)
+        np.testing.assert_allclose(drawn, actual.frequency[here][:size], rtol=1e-8)
         share = branches["branch_spring_share"].sel(stiffness=own.case.shaft.stiffness)
-        np.testing.assert_allclose(share, found.spring_share[here][:size], rtol=1e-6, atol=1e-9)
+        np.testing.assert_allclose(share, actual.spring_share[here][:size], rtol=1e-6, atol=1e-9)
         names = np.array(own.disk_whirl.family)[here][:size]
         assert branches["branch_family"].values.tolist() == names.tolist()
     first = data.frequency.sel(centre="free", family="1F", nodal_diameter=1)

@@ -19,13 +19,13 @@ def result() -> xr.Dataset:
 
 
 def test_the_drive_gives_what_contact_does_and_what_is_rubbed_away(result: xr.Dataset) -> None:
-    found = works(result)
+    actual = works(result)
     dragged = float(result["friction_impulse"].sum()) * synthetic.SPEED * synthetic.TIP_RADIUS
-    assert found["drive"] == pytest.approx(dragged)  # normal forces do no work here
-    assert found["heat"] == pytest.approx(dragged - found["friction"])
+    assert actual["drive"] == pytest.approx(dragged)  # normal forces do no work here
+    assert actual["heat"] == pytest.approx(dragged - actual["friction"])
     risen = float(result["energy"][-1] - result["energy"][0])
-    fed = found["load"] + found["normal"] + found["friction"] + found["springs"]
-    assert risen == pytest.approx(fed - found["damping"])
+    fed = actual["load"] + actual["normal"] + actual["friction"] + actual["springs"]
+    assert risen == pytest.approx(fed - actual["damping"])
     assert late_drive_power(result) == pytest.approx(dragged, rel=0.2)  # in one second
 
 
@@ -71,9 +71,9 @@ def test_a_force_is_a_mean_over_a_stated_time() -> None:
 
 def test_stresses_are_the_peaks_of_their_history(result: xr.Dataset) -> None:
     history = stress_history(result)
-    found = stress_peaks(peak_stresses(result))
+    actual = stress_peaks(peak_stresses(result))
     blades = np.abs(history["peak_stress"].values[:-1])
-    assert abs(found["bladed_disk"]["stress"]) == pytest.approx(blades.max())
-    assert found["bladed_disk"]["member"] == history["member"].values[blades.argmax()]
-    assert found["casing"]["stress"] == pytest.approx(float(history["peak_stress"][-1]))
-    assert found["casing"]["member"] == "casing"
+    assert abs(actual["bladed_disk"]["stress"]) == pytest.approx(blades.max())
+    assert actual["bladed_disk"]["member"] == history["member"].values[blades.argmax()]
+    assert actual["casing"]["stress"] == pytest.approx(float(history["peak_stress"][-1]))
+    assert actual["casing"]["member"] == "casing"

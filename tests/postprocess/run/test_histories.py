@@ -38,9 +38,9 @@ def result() -> xr.Dataset:
 def test_a_window_in_seconds_is_that_of_the_records(
     result: xr.Dataset, analyse: Callable[..., xr.Dataset]
 ) -> None:
-    found = analyse(result, start=0.2, end=1.5)
-    xr.testing.assert_identical(found, analyse(result.isel(time=slice(200, 1501))))
-    assert found.attrs["speed"] == result.attrs["speed"]
+    actual = analyse(result, start=0.2, end=1.5)
+    xr.testing.assert_identical(actual, analyse(result.isel(time=slice(200, 1501))))
+    assert actual.attrs["speed"] == result.attrs["speed"]
     with pytest.raises(ViewError, match=r"window \[0\.7, 0\.2\] s: expected a start"):
         analyse(result, start=0.7, end=0.2)
 

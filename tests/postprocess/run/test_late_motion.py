@@ -26,9 +26,9 @@ def test_a_drifting_whirl_scatters() -> None:
     result["rotor_displacement"][:, :2] = 1e-3 * circle
     result["rotor_velocity"][:, :2] = 1e-3 * rate[:, None] * (circle[:, ::-1] * [-1.0, 1.0])
     result["rotor_displacement"][:, 2:] = 0.0
-    found = of(result)
-    assert found.whirl_frequency == pytest.approx(20.0, rel=1e-3)
-    assert found.whirl_scatter == pytest.approx(10.0 / np.sqrt(12.0), rel=0.02)
+    actual = of(result)
+    assert actual.whirl_frequency == pytest.approx(20.0, rel=1e-3)
+    assert actual.whirl_scatter == pytest.approx(10.0 / np.sqrt(12.0), rel=0.02)
 
 
 def test_maxima_of_an_ellipse_are_its_long_half_axis() -> None:
@@ -49,9 +49,9 @@ def test_maxima_of_an_ellipse_are_its_long_half_axis() -> None:
 @pytest.mark.parametrize("records", [1, 2, 401])
 def test_a_shaft_at_rest_has_no_whirl(records: int) -> None:
     result = synthetic.synthetic_result(shaft_radius=0.0, records=records, speed=0.0)
-    found = of(result)
-    assert found.late_radius == 0.0
-    assert np.isnan(found.whirl_frequency)
-    assert found.whirl_rotating == "none"
-    assert found.scenario == "at-rest"
-    assert len(found.section) == len(found.radius_peak) == 0
+    actual = of(result)
+    assert actual.late_radius == 0.0
+    assert np.isnan(actual.whirl_frequency)
+    assert actual.whirl_rotating == "none"
+    assert actual.scenario == "at-rest"
+    assert len(actual.section) == len(actual.radius_peak) == 0

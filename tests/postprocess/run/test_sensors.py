@@ -67,10 +67,10 @@ def test_wall_sensors_move_as_the_waves_of_the_ring(result: xr.Dataset) -> None:
         ("acceleration", second, 0.2e-3 * 3600.0 * step**2 / 12),
     ):
         with pytest.warns(Hint, match="wall samples 3000 times a second, but the run has only"):
-            found = bw.sensors(result, [WALL | {"quantity": quantity, "sampling_rate": rate}])
-        np.testing.assert_allclose(found["time_3000_Hz"], time, atol=1e-12)
-        np.testing.assert_allclose(found["wall"], values, rtol=0, atol=1.01 * error + 1e-15)
-        assert abs(found["wall"] - values).max() > 0.5 * error  # the error that the text states
+            actual = bw.sensors(result, [WALL | {"quantity": quantity, "sampling_rate": rate}])
+        np.testing.assert_allclose(actual["time_3000_Hz"], time, atol=1e-12)
+        np.testing.assert_allclose(actual["wall"], values, rtol=0, atol=1.01 * error + 1e-15)
+        assert abs(actual["wall"] - values).max() > 0.5 * error  # the error that the text states
     along = bw.sensors(result, [WALL | {"direction": "tangential"}])["wall"]
     expected = bw.casing_displacement(result, "90 deg")["displacement"].sel(component="tangential")
     np.testing.assert_allclose(along, expected[:, 0], atol=1e-18)
@@ -89,18 +89,18 @@ def test_the_centre_is_seen_in_the_static_frame(result: xr.Dataset) -> None:
     """A whirl at -70 rad/s in axes that turn at 80 rad/s is one at 10 rad/s."""
     for order, quantity in enumerate(("displacement", "velocity", "acceleration")):
         sensor = {"type": "centre", "angle": 0.5, "quantity": quantity, "name": "probe"}
-        found = bw.sensors(result, [sensor], start=0.1)["probe"]
-        phase = 10.0 * found["time"].values - 0.5 + 0.5 * np.pi * order
+        actual = bw.sensors(result, [sensor], start=0.1)["probe"]
+        phase = 10.0 * actual["time"].values - 0.5 + 0.5 * np.pi * order
         accuracy = (1e-12, 1e-12, 0.8e-3 * 70.0**4 * 1e-6 / 12)[order]
         expected = 0.8e-3 * 10.0**order * np.cos(phase)
-        np.testing.assert_allclose(found, expected, rtol=0, atol=accuracy)
+        np.testing.assert_allclose(actual, expected, rtol=0, atol=accuracy)
 
 
 def test_tip_timing_is_that_of_the_function(result: xr.Dataset) -> None:
-    found = bw.sensors(result, [TIMING])
+    actual = bw.sensors(result, [TIMING])
     exact = bw.tip_timing(result, ["0 deg", "90 deg"])
-    np.testing.assert_array_equal(found["btt_arrival"], exact["arrival"])
-    np.testing.assert_allclose(found["btt"], exact["deflection"], atol=1e-12)
+    np.testing.assert_array_equal(actual["btt_arrival"], exact["arrival"])
+    np.testing.assert_allclose(actual["btt"], exact["deflection"], atol=1e-12)
 
 
 def test_noise_of_arrivals_is_noise_of_deflections(result: xr.Dataset) -> None:

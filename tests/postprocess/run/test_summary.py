@@ -255,8 +255,8 @@ class TestRegimes:
 
     def test_chaos_about_a_steady_amplitude_rarely_looks_divergent(self) -> None:
         rng = np.random.default_rng(11)
-        found = [judged(np.exp(wander(rng, 0.05, 0.3)), contact=ALWAYS).name for _ in range(60)]
-        assert found.count("divergent") <= 2
+        actual = [judged(np.exp(wander(rng, 0.05, 0.3)), contact=ALWAYS).name for _ in range(60)]
+        assert actual.count("divergent") <= 2
 
     @pytest.mark.parametrize(
         "amplitude",
@@ -378,14 +378,14 @@ class TestRegimes:
         motion[:, 1] = size * np.sin(75.0 * time)
         result["rotor_displacement"] = ("time", "rotor_mode"), motion
         result["contact_steps"] = xr.full_like(result["contact_steps"], 10)
-        found = classify(result, strain_energies(result)["total"].values)
-        assert found.name == regime
-        assert found.growth is not None
-        assert found.ripple is not None
-        assert found.ripple.rate == pytest.approx(ripple, abs=0.05)
-        assert abs(found.growth.rate) < 0.1
-        assert found.ripple.residual < 0.05
-        assert "growth rate of the motion about its mean position" in found.reason
+        actual = classify(result, strain_energies(result)["total"].values)
+        assert actual.name == regime
+        assert actual.growth is not None
+        assert actual.ripple is not None
+        assert actual.ripple.rate == pytest.approx(ripple, abs=0.05)
+        assert abs(actual.growth.rate) < 0.1
+        assert actual.ripple.residual < 0.05
+        assert "growth rate of the motion about its mean position" in actual.reason
 
     def test_a_curved_record_has_its_rate_at_the_end_and_a_misfit(self) -> None:
         """The logarithm goes as the square of time: its slope doubles from middle to end."""
@@ -439,8 +439,8 @@ class TestWriting:
         page = (ROOT / "docs" / "reference" / "summary.md").read_text(encoding="utf-8")
         rows = [line.split("|")[1:-1:2] for line in page.splitlines() if line.startswith("|")]
         labels = "; ".join(label.strip() for label, _ in rows)
-        told = set(re.findall(r"`(\w+)", "".join(keys for _, keys in rows[2:])))
-        assert told == KEYS | wear_summary(WORN).keys()
+        messages = set(re.findall(r"`(\w+)", "".join(keys for _, keys in rows[2:])))
+        assert messages == KEYS | wear_summary(WORN).keys()
         printed = summary_rows(summarise(result, REPORT))
         assert [
             name for name in printed if name.strip().removesuffix(", largest") not in labels

@@ -44,8 +44,8 @@ class TestSpectrum:
     ) -> None:
         orbit = shaft_orbit(synthetic.synthetic_result(records=4001, speed=speed))
         spectrum = shaft_spectrum(orbit, frame)
-        found, height = peak(spectrum)
-        assert found == pytest.approx(frequency, abs=0.5 * spectrum.attrs["resolution"])
+        actual, height = peak(spectrum)
+        assert actual == pytest.approx(frequency, abs=0.5 * spectrum.attrs["resolution"])
         assert height == pytest.approx(RADIUS, rel=0.02)
         mirrored = spectrum.amplitude.sel(frequency=-frequency, method="nearest")
         assert float(mirrored) < 1e-3 * RADIUS

@@ -40,12 +40,12 @@ def seen(frequency: float, speed: float, frame: Frame) -> float:
 @pytest.mark.parametrize("frequency", [3.573, -40.5, 12.0])
 @pytest.mark.parametrize("frame", FRAMES)
 def test_a_circle_turns_at_its_frequency(speed: float, frequency: float, frame: Frame) -> None:
-    found = whirl(orbit_of({frequency: RADIUS}, speed), frame)
+    actual = whirl(orbit_of({frequency: RADIUS}, speed), frame)
     expected = seen(frequency, speed, frame)
-    assert found.frequency == pytest.approx(expected, rel=1e-9)
-    assert found.error == pytest.approx(0.0, abs=1e-6)
+    assert actual.frequency == pytest.approx(expected, rel=1e-9)
+    assert actual.error == pytest.approx(0.0, abs=1e-6)
     direction = "forward" if expected > 0 else "backward"
-    assert found.text == f"{direction}, {abs(expected):.3g} Hz"
+    assert actual.text == f"{direction}, {abs(expected):.3g} Hz"
 
 
 @pytest.mark.parametrize("speed", SPEEDS)
@@ -53,8 +53,8 @@ def test_a_circle_turns_at_its_frequency(speed: float, frequency: float, frame: 
 def test_a_small_fast_component_does_not_count(speed: float, frame: Frame) -> None:
     """The mean of x cross v over r^2 would be -28.9 Hz in rotating axes."""
     orbit = orbit_of({-40.5: RADIUS, 100.0: 0.3 * RADIUS}, speed)
-    found = whirl(orbit, frame)
-    assert found.frequency == pytest.approx(seen(-40.5, speed, frame), abs=0.05)
+    actual = whirl(orbit, frame)
+    assert actual.frequency == pytest.approx(seen(-40.5, speed, frame), abs=0.05)
     lines = strongest_lines(orbit, frame)
     expected = [seen(value, speed, frame) for value in (-40.5, 100.0)]
     np.testing.assert_allclose([line.frequency for line in lines], expected, atol=0.02)
@@ -87,10 +87,10 @@ def test_net_turns_that_no_line_has_are_no_rate(speed: float) -> None:
     """Three circles, none larger than the others together: -59.9 Hz on average, steadily."""
     orbit = orbit_of({-100.0: RADIUS, -30.0: 0.85 * RADIUS, 20.0: 0.6 * RADIUS}, speed)
     for frame in FRAMES:
-        found = whirl(orbit, frame)
-        assert found.rate / (2 * np.pi) == pytest.approx(seen(-59.9, speed, frame), abs=0.1)
-        assert found.error / (2 * np.pi) < 0.01
-        assert found.frequency is None
+        actual = whirl(orbit, frame)
+        assert actual.rate / (2 * np.pi) == pytest.approx(seen(-59.9, speed, frame), abs=0.1)
+        assert actual.error / (2 * np.pi) < 0.01
+        assert actual.frequency is None
     mostly = orbit_of({-100.0: RADIUS, -30.0: 0.5 * RADIUS, 20.0: 0.4 * RADIUS}, speed)
     assert whirl(mostly, "rotating").frequency == pytest.approx(-100.0, abs=0.1)
 
@@ -101,9 +101,9 @@ def test_the_error_gives_how_the_rate_wanders() -> None:
     rate = np.where(np.arange(4000) // 400 % 2, 14.0, 10.0)
     angle = 2 * np.pi * np.cumsum(rate) * 2.5e-4
     orbit["rotating"][:] = RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
-    found = whirl(orbit, "rotating")
-    assert found.frequency == pytest.approx(12.0, rel=0.02)
-    assert found.error / (2 * np.pi) == pytest.approx(2 * np.sqrt(10 / 9) / np.sqrt(10), rel=1e-3)
+    actual = whirl(orbit, "rotating")
+    assert actual.frequency == pytest.approx(12.0, rel=0.02)
+    assert actual.error / (2 * np.pi) == pytest.approx(2 * np.sqrt(10 / 9) / np.sqrt(10), rel=1e-3)
 
 
 @pytest.mark.parametrize("records", [1, 2, 15])

@@ -63,10 +63,10 @@ def none(tmp_path: Path) -> Path:
 
 def test_points_are_put_in_order(one: Path) -> None:
     with open_sweep(one) as sweep:
-        found = shaft_radius(sweep, "march_speed")
-        np.testing.assert_array_equal(found["march_speed"], [0.8, 1.0, 1.2, 1.4, 1.6])
+        actual = shaft_radius(sweep, "march_speed")
+        np.testing.assert_array_equal(actual["march_speed"], [0.8, 1.0, 1.2, 1.4, 1.6])
         expected = [0.2e-3, 1.3e-3, 0.4e-3, np.nan, 0.0]
-        np.testing.assert_allclose(found["shaft_radius_max"].values, [expected], rtol=1e-12)
+        np.testing.assert_allclose(actual["shaft_radius_max"].values, [expected], rtol=1e-12)
         assert regimes(sweep, "march_speed")["regime"].values.tolist() == [
             ["no-contact", "sustained", "no-contact", "unknown", "no-contact"]
         ]
@@ -74,21 +74,21 @@ def test_points_are_put_in_order(one: Path) -> None:
 
 def test_a_whirl_has_its_frequency_and_rest_has_none(one: Path) -> None:
     with open_sweep(one) as sweep:
-        found = whirls(sweep, "march_speed").isel(line=0)
+        actual = whirls(sweep, "march_speed").isel(line=0)
         sides = contact_sides(sweep, "march_speed").isel(line=0)
     moving, resting = slice(0, 3), slice(3, 5)
-    rotating = found["frequency"].sel(frame="rotating").values
+    rotating = actual["frequency"].sel(frame="rotating").values
     np.testing.assert_allclose(rotating[moving], WHIRL, rtol=1e-9)
     assert np.isnan(rotating[resting]).all()
-    speeds = REFERENCE * found["march_speed"].values / (2 * np.pi)
-    static = found["frequency"].sel(frame="static").values
+    speeds = REFERENCE * actual["march_speed"].values / (2 * np.pi)
+    static = actual["frequency"].sel(frame="static").values
     np.testing.assert_allclose(static[moving], WHIRL + speeds[moving], rtol=1e-9)
-    assert found["direction"].sel(frame="rotating").values.tolist() == [
+    assert actual["direction"].sel(frame="rotating").values.tolist() == [
         *["backward"] * 3,
         "unknown",
         "at rest",
     ]
-    assert found["direction"].sel(frame="static").values[:3].tolist() == [
+    assert actual["direction"].sel(frame="static").values[:3].tolist() == [
         "backward",  # 60 against 70 rad/s
         "forward",
         "forward",
@@ -128,12 +128,12 @@ def test_many_points_share_columns(one: Path, monkeypatch: pytest.MonkeyPatch) -
 def test_two_keys_give_a_line_for_each_value_of_the_other(two: Path) -> None:
     key, other = "march_speed", "contact_friction"
     with open_sweep(two) as sweep:
-        found = shaft_radius(sweep, key)
+        actual = shaft_radius(sweep, key)
         maps = frequency_map(sweep, key)
-    assert found["shaft_radius_max"].dims == ("line", key)
-    expected = found["march_speed"] + found["contact_friction"]
-    np.testing.assert_allclose(found["shaft_radius_max"], 1e-4 * expected.transpose("line", key))
-    assert found[other].dims == ("line",)
+    assert actual["shaft_radius_max"].dims == ("line", key)
+    expected = actual["march_speed"] + actual["contact_friction"]
+    np.testing.assert_allclose(actual["shaft_radius_max"], 1e-4 * expected.transpose("line", key))
+    assert actual[other].dims == ("line",)
     top = maps["amplitude"].max("frequency").transpose("line", key)
     assert (np.diff(top.values, axis=0) > 0).all()
     assert (np.diff(top.values, axis=1) > 0).all()
@@ -145,13 +145,13 @@ def test_a_bifurcation_diagram_tells_periods_apart(tmp_path: Path) -> None:
     motions = [whirling(2 * np.pi * 10.0, share) for share in turns]
     folder = synthetic_sweep(tmp_path / "b", {"shaft.stiffness": (1.0, 2.0, 3.0)}, motions)
     with open_sweep(folder) as sweep:
-        found = bifurcation(sweep, "shaft_stiffness").isel(line=0)
-    x = [values[np.isfinite(values)] for values in found["section_x"].values]
+        actual = bifurcation(sweep, "shaft_stiffness").isel(line=0)
+    x = [values[np.isfinite(values)] for values in actual["section_x"].values]
     assert [len(values) for values in x] == [10, 10, 10]  # of a second, the last third
     np.testing.assert_allclose(x[0], 1e-3, rtol=1e-3)
     np.testing.assert_allclose(np.sort(x[1]), np.repeat([-1e-3, 1e-3], 5), rtol=1e-2)
     assert len(np.unique(x[2].round(5))) == 10
-    radius = found["section_radius"].values
+    radius = actual["section_radius"].values
     np.testing.assert_allclose(radius[np.isfinite(radius)], 1e-3, rtol=1e-3)
 
 
@@ -172,25 +172,25 @@ def test_blades_are_counted_by_their_share_of_contact(one: Path) -> None:
         share = np.zeros((5, 22))
         share[0, :4], share[0, 4:10] = 1.0, 0.3  # of speed 1.2
         changed = sweep.assign(late_contact_share=(("march_speed", "blade"), share))
-        found = blade_contacts(changed, "march_speed").isel(line=0)
+        actual = blade_contacts(changed, "march_speed").isel(line=0)
     classes = ("permanent", "intermittent", "free")
-    assert [found[name].values[2] for name in classes] == [4, 6, 12]
-    assert [found[name].values[0] for name in classes] == [0, 0, 22]
-    assert np.isnan(found["free"].values[3])  # it failed
+    assert [actual[name].values[2] for name in classes] == [4, 6, 12]
+    assert [actual[name].values[0] for name in classes] == [0, 0, 22]
+    assert np.isnan(actual["free"].values[3])  # it failed
 
 
 def test_energies_are_those_of_the_modes(one: Path) -> None:
     """Two modes in quadrature hold 1/2 omega^2 q^2 together at any time."""
     with open_sweep(one) as sweep:
-        found = point_energies(sweep, "march_speed").isel(line=0)
+        actual = point_energies(sweep, "march_speed").isel(line=0)
     radii = np.array([0.2e-3, 1.3e-3, 0.4e-3])
-    np.testing.assert_allclose(found["suspension"][:3], 0.5 * 190.0**2 * radii**2, rtol=1e-9)
-    family = found["first_family"].sel(nodal_diameter=1).values
+    np.testing.assert_allclose(actual["suspension"][:3], 0.5 * 190.0**2 * radii**2, rtol=1e-9)
+    family = actual["first_family"].sel(nodal_diameter=1).values
     np.testing.assert_allclose(family[:3], 0.5 * 75.0**2 * 0.3e-3**2, rtol=1e-9)
     np.testing.assert_allclose(
-        found["total"][:3], (found["suspension"] + found["rest"])[:3] + family[:3], rtol=1e-12
+        actual["total"][:3], (actual["suspension"] + actual["rest"])[:3] + family[:3], rtol=1e-12
     )
-    assert np.isnan(found["total"].values[3])
+    assert np.isnan(actual["total"].values[3])
 
 
 def test_a_third_key_makes_rows_of_maps(tmp_path: Path) -> None:
@@ -205,10 +205,10 @@ def test_a_third_key_makes_rows_of_maps(tmp_path: Path) -> None:
         maps = sweep_maps(sweep, "march_speed")
         radius = shaft_radius(sweep, "march_speed")
         top = frequency_map(sweep, "march_speed")["amplitude"].max("frequency")
-    for found in (maps, radius):
+    for actual in (maps, radius):
         names = ("march_speed", "contact_friction", "casing_support")
-        expected = 1e-5 * sum((found[name] for name in names), xr.DataArray(0.0))
-        size = found["shaft_radius_max"]
+        expected = 1e-5 * sum((actual[name] for name in names), xr.DataArray(0.0))
+        size = actual["shaft_radius_max"]
         np.testing.assert_allclose(size, expected.transpose(*size.dims), rtol=1e-12)
     np.testing.assert_allclose(maps["casing_support"], [3.0, 5.0])
     ratio = top.values / radius["shaft_radius_max"].values
@@ -219,10 +219,10 @@ def test_a_third_key_makes_rows_of_maps(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_all_figures_come_with_their_data(one: Path, tmp_path: Path) -> None:
     result = answer("plot", one, "all", "-o", tmp_path)
-    told = {line.split(" left out")[0] for line in result.stderr.splitlines()}
+    messages = {line.split(" left out")[0] for line in result.stderr.splitlines()}
     of_beams = {name for name, kind in SWEEP_FIGURES.items() if "beams" in kind.models}
-    drawn = of_beams - told
-    assert told == {"maps", "probability", "wear"}
+    drawn = of_beams - messages
+    assert messages == {"maps", "probability", "wear"}
     files = {f"{name}.{kind}" for name in drawn for kind in ("png", "pdf", "nc")}
     assert {path.name for path in tmp_path.iterdir()} == {*files, "manifest.json"}
     for name in drawn:

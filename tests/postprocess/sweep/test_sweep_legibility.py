@@ -49,28 +49,28 @@ def four(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def boxes(figure: Figure) -> dict[str, Bbox]:
     """Boxes of each part of a figure: its panels with all their labels, legends, texts."""
     figure.draw_without_rendering()
-    found = {f"legend {n}": part.get_window_extent() for n, part in enumerate(figure.legends)}
-    found |= {text.get_text(): text.get_window_extent() for text in figure.texts}
+    actual = {f"legend {n}": part.get_window_extent() for n, part in enumerate(figure.legends)}
+    actual |= {text.get_text(): text.get_window_extent() for text in figure.texts}
     for number, axes in enumerate(figure.axes):
         box = axes.get_tightbbox()
         assert isinstance(box, Bbox)
-        found[f"panel {number}"] = box
-    return found
+        actual[f"panel {number}"] = box
+    return actual
 
 
 @pytest.mark.parametrize("name", ["frequency-map", "energy-families", "maps", "contact-classes"])
 def test_figures_of_four_keys_stay_on_their_canvas(four: Path, name: str) -> None:
     with open_sweep(four) as sweep:
         figure, _ = SweepFigures(sweep).draw(name)
-    found = boxes(figure)
+    actual = boxes(figure)
     width, height = figure.bbox.size
     strays = [
         part
-        for part, box in found.items()
+        for part, box in actual.items()
         if min(box.x0, box.y0) < -EDGE or box.x1 > width + EDGE or box.y1 > height + EDGE
     ]
     assert strays == []
-    apart = [box for part, box in found.items() if part.startswith(("legend", "panel"))]
+    apart = [box for part, box in actual.items() if part.startswith(("legend", "panel"))]
     for number, box in enumerate(apart):
         assert not any(overlap(box, other) for other in apart[:number])
 
@@ -109,12 +109,12 @@ def test_points_that_nothing_touches_have_no_side(four: Path) -> None:
         share = np.zeros(sweep["late_contact_share"].shape)
         share[1, ..., 3] = 0.5
         changed = sweep.assign(late_contact_share=(sweep["late_contact_share"].dims, share))
-        found = contact_sides(changed, "march_speed")
-    assert (found["scenario"].values[:, [0, 2]] == "no-contact").all()
-    assert np.isnan(found["shaft_lead"].values[:, [0, 2]]).all()
-    assert np.isfinite(found["shaft_lead"].values[:, 1]).all()
-    assert not (found["scenario"].values[:, 1] == "no-contact").any()
-    figure = plot_contact_sides(found)
+        actual = contact_sides(changed, "march_speed")
+    assert (actual["scenario"].values[:, [0, 2]] == "no-contact").all()
+    assert np.isnan(actual["shaft_lead"].values[:, [0, 2]]).all()
+    assert np.isfinite(actual["shaft_lead"].values[:, 1]).all()
+    assert not (actual["scenario"].values[:, 1] == "no-contact").any()
+    figure = plot_contact_sides(actual)
     low, high = figure.axes[1].get_xlim()
     assert low < SPEEDS[0]  # though nothing is drawn there
     assert high > SPEEDS[-1]

@@ -176,9 +176,9 @@ def test_free_whirl_has_the_frequencies_of_the_whirling_modes() -> None:
     w, p = whirls(given.rotor)
     (row,) = [r for r in reference("rotation")["stages"]["0.01"]["speeds"] if r["ratio"] == 1.05]
     for way in ("backward", "forward"):
-        wanted = 2 * np.pi * row[way]["1"][0]
-        mode = int(np.abs(np.abs(w) - wanted).argmin())
-        assert abs(w[mode]) == pytest.approx(wanted, rel=1e-4)  # of the reduction
+        expected_values = 2 * np.pi * row[way]["1"][0]
+        mode = int(np.abs(np.abs(w) - expected_values).argmin())
+        assert abs(w[mode]) == pytest.approx(expected_values, rel=1e-4)  # of the reduction
         whirl, rate = 1e-4 * p[:, mode], 1j * w[mode]
         still = np.zeros(len(given.casing.frequency))
         start = Start(
@@ -203,14 +203,14 @@ def test_a_disk_that_turns_the_other_way_moves_as_in_a_mirror() -> None:
         turning_stage("imbalance", *small, f"march.speed={speed}") for speed in (1.05, -1.05)
     )
     mirrored = -np.arange(8) % 8
-    found = []
+    actual = []
     for given in (forward, backward):
         load = replace(given.loads[0], rotor=3e2 * given.loads[0].rotor)
         _, chunk, _ = run(replace(given, loads=(load,)), 1e-6, 6000, every=100)
         assert chunk.contact_impulse.any()
         moved = chunk.rotor_displacement
-        found.append((moved @ given.rotor.tip_radial.T, moved @ given.rotor.tip_tangential.T))
-    (radial, tangential), (other_radial, other_tangential) = found
+        actual.append((moved @ given.rotor.tip_radial.T, moved @ given.rotor.tip_tangential.T))
+    (radial, tangential), (other_radial, other_tangential) = actual
     size = 1e-7 * np.abs(tangential).max()
     np.testing.assert_allclose(other_radial, radial[:, mirrored], atol=size)
     np.testing.assert_allclose(other_tangential, -tangential[:, mirrored], atol=size)

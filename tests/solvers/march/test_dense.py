@@ -42,14 +42,14 @@ def test_free_motion_is_that_of_central_differences(law: SchemeName, name: str) 
     differences = []
     for steps in (50, 100):
         dt = 5e-5 / steps
-        expected, found = (
+        expected, actual = (
             marched(given, dt, steps, every=steps, scheme=scheme)
             for scheme in ("central-difference", law)
         )
-        assert ledger_residual(found) < 1e-11
+        assert ledger_residual(actual) < 1e-11
         differences.append(
             [
-                np.abs(getattr(found, part) - getattr(expected, part))[-1].max()
+                np.abs(getattr(actual, part) - getattr(expected, part))[-1].max()
                 / np.abs(getattr(expected, part))[-1].max()
                 for part in ("rotor_displacement", "casing_displacement")
             ]
@@ -82,8 +82,8 @@ def test_impulses_where_friction_slips_are_those_of_central_differences(
     fast = marched(given, 5e-7, 1600, every=100)
     slow = marched(given, 5e-7, 1600, every=100, scheme="moreau-jean")
     for name in ("contact_impulse", "friction_impulse"):
-        wanted, found = (getattr(chunk, name).sum() for chunk in (fast, slow))
-        assert found == pytest.approx(wanted, rel=0.02)
+        expected_values, actual = (getattr(chunk, name).sum() for chunk in (fast, slow))
+        assert actual == pytest.approx(expected_values, rel=0.02)
     assert slow.friction_work[-1] == pytest.approx(fast.friction_work[-1], rel=0.05)
     assert ledger_residual(slow) < 1e-11
     assert slow.gap.min() > -2e-5  # half a step of an impact

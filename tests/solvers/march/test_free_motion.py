@@ -44,8 +44,8 @@ def test_a_stopped_march_begins_as_the_whole_one_and_nothing_touches_later(
     for name in ("rotor_displacement", "casing_displacement", "energy", "contact_steps"):
         assert_array_equal(short[name], long[name][: short.sizes["time"]])
     assert not long["contact_steps"][short.sizes["time"] // 2 :].any()
-    for found in (short, long):
-        assert classify(found, strain_energies(found)["total"].values).name == regime
+    for actual in (short, long):
+        assert classify(actual, strain_energies(actual)["total"].values).name == regime
 
 
 def test_no_state_with_so_little_energy_closes_the_gap() -> None:

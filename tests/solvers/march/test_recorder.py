@@ -80,11 +80,11 @@ def test_the_layout_covers_everything_there_is() -> None:
 def test_what_a_stage_has_none_of_is_left_out(tmp_path: Path) -> None:
     with Recorder(tmp_path / "result.nc", small_stage(), ATTRIBUTES) as recorder:
         recorder.write(made_up(small_stage(), 0, 1))
-    with xr.open_dataset(tmp_path / "result.nc") as found:
-        missing = {*STATIC} - {*found.variables}
+    with xr.open_dataset(tmp_path / "result.nc") as actual:
+        missing = {*STATIC} - {*actual.variables}
         hung = {"rotor_link", "rotor_spring", "mass_node", "point_mass"}
         assert missing == {name for name in STATIC if name.startswith("support_")} | hung
-        assert "support" not in found.sizes
+        assert "support" not in actual.sizes
 
 
 def test_a_result_grows_and_reads_back_to_the_last_bit(tmp_path: Path) -> None:
@@ -97,27 +97,27 @@ def test_a_result_grows_and_reads_back_to_the_last_bit(tmp_path: Path) -> None:
         assert (recorder.records, recorder.steps) == (208, 20_700)
         recorder.finish("completed", "", {"wall_time": 0.5})
     whole = made_up(stage, 0, 208)
-    with xr.open_dataset(tmp_path / "result.nc") as found:
-        assert {*found.variables} == {*RESULT} - {*COATING}
+    with xr.open_dataset(tmp_path / "result.nc") as actual:
+        assert {*actual.variables} == {*RESULT} - {*COATING}
         for name, variable in {**HISTORY, **STATIC, **INDICES}.items():
-            assert found[name].dims == variable.dimensions
-            assert found[name].attrs["units"] == variable.units
-            assert found[name].attrs["long_name"] == variable.long_name
-            kind = found[name].dtype.kind
+            assert actual[name].dims == variable.dimensions
+            assert actual[name].attrs["units"] == variable.units
+            assert actual[name].attrs["long_name"] == variable.long_name
+            kind = actual[name].dtype.kind
             assert kind in "OU" if variable.kind == "str" else kind == variable.kind[0]
-            assert name in found.coords or not variable.is_coordinate
+            assert name in actual.coords or not variable.is_coordinate
         for name in HISTORY:
-            np.testing.assert_array_equal(found[name].values, getattr(whole, name))
+            np.testing.assert_array_equal(actual[name].values, getattr(whole, name))
         for field in fields(StageArrays):
             given = np.asarray(getattr(stage, field.name))
-            np.testing.assert_array_equal(found[field.name].values, given)
-        assert found["contact_steps"].dtype == np.int64
-        assert found["rotor_family"].values[0] == "1F"
-        assert found["rotor_shape"].sel(rotor_component="y").sizes["rotor_node"] == 16
-        assert found.encoding["unlimited_dims"] == {"time"}
+            np.testing.assert_array_equal(actual[field.name].values, given)
+        assert actual["contact_steps"].dtype == np.int64
+        assert actual["rotor_family"].values[0] == "1F"
+        assert actual["rotor_shape"].sel(rotor_component="y").sizes["rotor_node"] == 16
+        assert actual.encoding["unlimited_dims"] == {"time"}
         expected = {"end_reason": "completed", "end_message": "", "steps": 20_700, **ATTRIBUTES}
-        assert {name: found.attrs[name] for name in expected} == expected
-        assert found.attrs["wall_time"] == 0.5
+        assert {name: actual.attrs[name] for name in expected} == expected
+        assert actual.attrs["wall_time"] == 0.5
 
 
 def test_variables_and_dimensions_are_those_postprocess_is_tested_with(tmp_path: Path) -> None:
@@ -126,13 +126,13 @@ def test_variables_and_dimensions_are_those_postprocess_is_tested_with(tmp_path:
     attributes: dict[str, Attribute] = {str(name): value for name, value in model.attrs.items()}
     with Recorder(tmp_path / "result.nc", stage, attributes) as recorder:
         recorder.write(made_up(stage, 0, 1))
-    with open_result(tmp_path) as found:
-        check_result(found, "it")
-        assert {*model.variables} == {*found.variables} - {*INDICES}
+    with open_result(tmp_path) as actual:
+        check_result(actual, "it")
+        assert {*model.variables} == {*actual.variables} - {*INDICES}
         for name, variable in model.variables.items():
-            assert found[name].dims == variable.dims
+            assert actual[name].dims == variable.dims
             text = variable.dtype.kind in "UO"
-            assert found[name].dtype.kind in ("UO" if text else variable.dtype.kind)
+            assert actual[name].dtype.kind in ("UO" if text else variable.dtype.kind)
 
 
 def test_a_number_that_is_not_finite_never_gets_in(tmp_path: Path) -> None:
@@ -147,11 +147,11 @@ def test_a_number_that_is_not_finite_never_gets_in(tmp_path: Path) -> None:
             recorder.write(replace(chunk, gap=gap, rotor_velocity=velocity))
         assert (recorder.records, recorder.steps) == (4, 300)
         recorder.finish("divergent", "too far", {})
-    with xr.open_dataset(tmp_path / "result.nc") as found:
-        assert found.sizes["time"] == 4
-        for name in found.variables:
-            if found[name].dtype.kind == "f":
-                assert np.isfinite(found[name].values).all()
+    with xr.open_dataset(tmp_path / "result.nc") as actual:
+        assert actual.sizes["time"] == 4
+        for name in actual.variables:
+            if actual[name].dtype.kind == "f":
+                assert np.isfinite(actual[name].values).all()
 
 
 @pytest.mark.parametrize(("chunk", "chunks", "tolerance"), [(4000, 5, 0.02), (7, 1, 0.05)])
@@ -163,5 +163,5 @@ def test_the_size_of_a_result_is_foretold(
     with Recorder(path, stage, ATTRIBUTES) as recorder:
         for number in range(chunks):
             recorder.write(made_up(stage, number * chunk, chunk))
-    told = result_bytes(stage, chunk * chunks)
-    assert path.stat().st_size == pytest.approx(told, rel=tolerance)
+    messages = result_bytes(stage, chunk * chunks)
+    assert path.stat().st_size == pytest.approx(messages, rel=tolerance)

@@ -69,9 +69,9 @@ def test_columns_stand_by_parity_and_across_from_their_partners(
 
 @pytest.mark.parametrize("shape", [7, (3, 5), (0, 8)])
 def test_arrays_start_on_a_cache_line(shape: int | tuple[int, ...]) -> None:
-    found: list[FloatArray] = [aligned(shape) for _ in range(20)]
-    assert all(each.ctypes.data % CACHE_LINE == 0 or each.size == 0 for each in found)
-    assert not np.any(found)
+    actual: list[FloatArray] = [aligned(shape) for _ in range(20)]
+    assert all(each.ctypes.data % CACHE_LINE == 0 or each.size == 0 for each in actual)
+    assert not np.any(actual)
 
 
 @pytest.mark.parametrize("cyclic", [True, False])

@@ -23,8 +23,8 @@ def stage() -> Coincidences:
 
 
 def test_every_pair_of_one_nodal_diameter_has_its_speed() -> None:
-    found = stage()
-    assert found.count == 6
+    actual = stage()
+    assert actual.count == 6
     expected = {
         (3, 3): (1.02 + 0.64) / 2,
         (1, 1): 1.055,
@@ -33,20 +33,20 @@ def test_every_pair_of_one_nodal_diameter_has_its_speed() -> None:
         (1, 2): 59.0,
         (2, 2): 60.5,
     }
-    assert dict(zip(zip(found.rotor, found.casing, strict=True), found.speed, strict=True)) == (
+    assert dict(zip(zip(actual.rotor, actual.casing, strict=True), actual.speed, strict=True)) == (
         pytest.approx(expected)
     )
-    assert list(found.nodal_diameter) == [2, 1, 1, 2, 1, 1]
-    assert (np.diff(found.speed) > 0.0).all()
+    assert list(actual.nodal_diameter) == [2, 1, 1, 2, 1, 1]
+    assert (np.diff(actual.speed) > 0.0).all()
 
 
 def test_corotating_waves_never_coincide() -> None:
-    found = stage()
+    actual = stage()
     for mode, k in enumerate(ROTOR_K):
         for wall, wall_k in enumerate(CASING_K):
             if k == wall_k and k > 0:
                 apart = abs(CASING[wall] - ROTOR[mode]) / k
-                assert not np.isclose(found.speed, apart).any()
+                assert not np.isclose(actual.speed, apart).any()
 
 
 def test_speeds_inside_a_range_with_its_ends() -> None:
@@ -60,10 +60,10 @@ def test_speeds_inside_a_range_with_its_ends() -> None:
 def test_both_bodies_see_the_same_wave_at_the_coincidence(
     rotor: float, casing: float, k: int
 ) -> None:
-    found = coincidences(
+    actual = coincidences(
         rotor_frequency=[rotor],
         rotor_nodal_diameter=[k],
         casing_frequency=[casing],
         casing_nodal_diameter=[k],
     )
-    assert k * found.speed[0] - casing == pytest.approx(rotor, abs=1e-9)
+    assert k * actual.speed[0] - casing == pytest.approx(rotor, abs=1e-9)

@@ -71,9 +71,9 @@ def test_response_obeys_the_periodic_equations(damping_ratio: float) -> None:
 
 def test_modes_are_complete_and_the_growing_one_is_first() -> None:
     """Three types coexist: oscillatory, damped and divergent modes (claim 12)."""
-    found = coupled_modes(six_modes(), speed=SPEED, kappa=KAPPA)
-    assert len(found) == 6
-    growth = np.array([mode.eigenvalue.real for mode in found])
+    actual = coupled_modes(six_modes(), speed=SPEED, kappa=KAPPA)
+    assert len(actual) == 6
+    growth = np.array([mode.eigenvalue.real for mode in actual])
     assert growth[0] == pytest.approx(
         float(growth_rate(six_modes(), speed=SPEED, kappa=KAPPA)), rel=1e-9
     )

@@ -99,14 +99,14 @@ def test_a_step_errs_with_the_seventh_power_of_its_length(monkeypatch: pytest.Mo
 
     def after(steps: int) -> FloatArray:
         monkeypatch.setattr("bladewhirl.solvers.stability.floquet.FEWEST_STEPS", steps)
-        found = floquet(
+        actual = floquet(
             lambda times: np.array([[4.0, 1.0], [1.0, 2.0]]) * np.cos(times)[:, None, None] ** 2,
             period=np.pi,
             damping=np.array([[0.1, 0.3], [-0.2, 0.2]]),
             tolerance=np.inf,
         )
-        assert found.steps == 2 * steps
-        return found.monodromy
+        assert actual.steps == 2 * steps
+        return actual.monodromy
 
     exact = after(200)
     errors = [np.abs(after(steps) - exact).max() for steps in (7, 14)]

@@ -25,23 +25,23 @@ def test_contact_is_on_the_shafts_side_while_the_casing_moves_less(
     turn: float, share: float
 ) -> None:
     wave = np.exp(1j * turn)
-    found = mode_scenario(shaft=0.9 * wave, rotor=wave, casing=share * wave)
-    assert found.kind == "standard"
-    assert found.lead == pytest.approx(0.0, abs=1e-9)
+    actual = mode_scenario(shaft=0.9 * wave, rotor=wave, casing=share * wave)
+    assert actual.kind == "standard"
+    assert actual.lead == pytest.approx(0.0, abs=1e-9)
 
 
 @given(turn=st.floats(-3.0, 3.0), share=st.floats(1.01, 50.0))
 def test_contact_is_opposite_when_the_casing_moves_more(turn: float, share: float) -> None:
     wave = np.exp(1j * turn)
-    found = mode_scenario(shaft=0.9 * wave, rotor=wave, casing=share * wave)
-    assert found.kind == "inverted"
-    assert abs(found.lead) == pytest.approx(np.pi)
+    actual = mode_scenario(shaft=0.9 * wave, rotor=wave, casing=share * wave)
+    assert actual.kind == "inverted"
+    assert abs(actual.lead) == pytest.approx(np.pi)
 
 
 def test_contact_is_opposite_when_the_tips_move_against_the_centre() -> None:
-    found = mode_scenario(shaft=1e-3, rotor=-2e-4, casing=0.0)
-    assert found.kind == "inverted"
-    assert abs(found.lead) == pytest.approx(np.pi)
+    actual = mode_scenario(shaft=1e-3, rotor=-2e-4, casing=0.0)
+    assert actual.kind == "inverted"
+    assert abs(actual.lead) == pytest.approx(np.pi)
 
 
 def test_the_smallest_clearance_is_where_a_search_along_the_circle_finds_it() -> None:
@@ -49,9 +49,9 @@ def test_the_smallest_clearance_is_where_a_search_along_the_circle_finds_it() ->
     angle = np.linspace(-np.pi, np.pi, 100_001)
     gap = 2.0 + np.real((casing - rotor) * np.exp(-1j * angle))
     nearest = smallest_clearance_angle(gap[None], angle)[0]
-    found = mode_scenario(shaft=shaft, rotor=rotor, casing=casing)
+    actual = mode_scenario(shaft=shaft, rotor=rotor, casing=casing)
     turned = np.angle(np.exp(1j * (np.angle(shaft) - nearest)))
-    assert found.lead == pytest.approx(turned, abs=1e-4)
+    assert actual.lead == pytest.approx(turned, abs=1e-4)
 
 
 @pytest.mark.parametrize(("offset", "kind"), [(0.0, "standard"), (np.pi, "inverted")])
@@ -62,10 +62,10 @@ def test_a_motion_is_told_apart_and_its_phase_shift_measured(
 ) -> None:
     noise = 0.2 * np.random.default_rng(0).standard_normal(len(TIME))
     place = rate * TIME - offset - shift + noise - noise.mean()
-    found = motion_scenario(shaft=whirl(rate), clearance_angle=place)
-    assert found.kind == kind
-    assert np.angle(np.exp(1j * (found.lead - offset))) == pytest.approx(shift, abs=0.01)
-    assert 0.9 < found.steadiness < 1.0
+    actual = motion_scenario(shaft=whirl(rate), clearance_angle=place)
+    assert actual.kind == kind
+    assert np.angle(np.exp(1j * (actual.lead - offset))) == pytest.approx(shift, abs=0.01)
+    assert 0.9 < actual.steadiness < 1.0
 
 
 def test_the_frame_does_not_matter() -> None:
@@ -76,17 +76,17 @@ def test_the_frame_does_not_matter() -> None:
 
 
 def test_contact_all_round_has_no_scenario() -> None:
-    found = motion_scenario(shaft=whirl(40.0), clearance_angle=np.linspace(0.0, 200.0, 400))
-    assert found.kind == "unsteady"
+    actual = motion_scenario(shaft=whirl(40.0), clearance_angle=np.linspace(0.0, 200.0, 400))
+    assert actual.kind == "unsteady"
 
 
 def test_only_instants_with_weight_count() -> None:
     place = np.where(TIME < 0.5, 40.0 * TIME, 40.0 * TIME + np.pi)
-    found = motion_scenario(
+    actual = motion_scenario(
         shaft=whirl(40.0), clearance_angle=place, weight=(TIME < 0.5).astype(float)
     )
-    assert found.kind == "standard"
-    assert found.steadiness == pytest.approx(1.0)
+    assert actual.kind == "standard"
+    assert actual.steadiness == pytest.approx(1.0)
 
 
 def test_a_shaft_at_rest_has_no_direction() -> None:
@@ -110,10 +110,10 @@ def test_size_and_unit_do_not_matter(size: float, lead: float, kind: str) -> Non
         clearance_angle=40.0 * TIME - np.pi * lead,
         weight=np.full(len(TIME), 1e-3 / len(TIME)),
     )
-    for found in (of_mode, of_motion):
-        assert found.kind == kind
-        assert found.steadiness == pytest.approx(1.0)
-        assert found.lead == pytest.approx(np.pi * lead)
+    for actual in (of_mode, of_motion):
+        assert actual.kind == kind
+        assert actual.steadiness == pytest.approx(1.0)
+        assert actual.lead == pytest.approx(np.pi * lead)
     with pytest.raises(ValueError, match="shaft does not move"):
         mode_scenario(shaft=1e-10 * size, rotor=size, casing=0.0)
     with pytest.raises(ValueError, match="move by the same amount"):

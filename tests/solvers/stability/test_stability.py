@@ -94,7 +94,7 @@ def test_rotors_that_turn_have_the_same_spectrum_at_half_the_size(
 @pytest.mark.parametrize("mirrored", [True, False])
 def test_waves_of_a_rotor_that_turns_meet_the_casing_s_where_a_scan_says(mirrored: bool) -> None:
     modes = turning_pairs(0.0, mirrored=mirrored)
-    found = coincidence_speeds(modes)
+    actual = coincidence_speeds(modes)
     rotor, speeds = np.arange(3, 6), np.linspace(1e-3, 8.0, 2001)
     waves = [np.sort(rotor_waves(modes.take(rotor), speed).real) for speed in speeds]
     expected = {}
@@ -105,7 +105,7 @@ def test_waves_of_a_rotor_that_turns_meet_the_casing_s_where_a_scan_says(mirrore
             if met.size:
                 expected[casing, int(mode)] = speeds[met[0]]
     assert len(expected) == 6
-    assert found == pytest.approx(expected, abs=8e-3)
+    assert actual == pytest.approx(expected, abs=8e-3)
 
 
 def test_no_springs_no_growth() -> None:

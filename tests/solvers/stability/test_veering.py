@@ -30,9 +30,9 @@ def test_a_mass_on_a_spring_in_front_of_an_oscillator() -> None:
     springs = np.array([1.0, 100.0, 1e4])
     stiffness = np.array([[k, -k], [-k, k]], dtype=np.complex128)
     mass = np.diag([m1, m2]).astype(np.complex128)
-    found = shaft_veering(stiffness, mass, np.array([1.0 + 0j, 0.0]), springs=springs, branches=1)
+    actual = shaft_veering(stiffness, mass, np.array([1.0 + 0j, 0.0]), springs=springs, branches=1)
     for kappa, frequency, share in zip(
-        springs, found.frequency[:, 0], found.spring_share[:, 0], strict=True
+        springs, actual.frequency[:, 0], actual.spring_share[:, 0], strict=True
     ):
         middle = (kappa + k) / m1 + k / m2
         square = (middle - np.sqrt(middle**2 - 4.0 * kappa * k / (m1 * m2))) / 2.0
@@ -40,7 +40,7 @@ def test_a_mass_on_a_spring_in_front_of_an_oscillator() -> None:
         ratio = k / (k - m2 * square)  # of the second mass's motion to the first's
         energy = kappa + k * (ratio - 1.0) ** 2
         assert share == pytest.approx(kappa / energy, rel=1e-6)
-    assert found.clamped == pytest.approx([np.sqrt(k / m2)])
+    assert actual.clamped == pytest.approx([np.sqrt(k / m2)])
 
 
 def test_the_same_two_masses_with_coriolis_forces_and_spin_softening() -> None:
@@ -50,9 +50,9 @@ def test_the_same_two_masses_with_coriolis_forces_and_spin_softening() -> None:
     elastic = np.array([[k, -k, 0.0], [-k, k, 0.0], [0.0, 0.0, own**2 + softening]]) + 0j
     matrices = np.diag(m) + 0j, elastic - softening * np.diag(m), 1j * np.diag(g)
     springs, centre = np.array([40.0, 100.0, 1e4]), np.array([1.0 + 0j, 0.0, 0.0])
-    found = whirl_veering(matrices, elastic, centre, springs=springs, branches=2)
-    assert found.direction == ("backward", "backward", "forward", "forward")
-    for kappa, frequency, share in zip(springs, found.frequency, found.spring_share, strict=True):
+    actual = whirl_veering(matrices, elastic, centre, springs=springs, branches=2)
+    assert actual.direction == ("backward", "backward", "forward", "forward")
+    for kappa, frequency, share in zip(springs, actual.frequency, actual.spring_share, strict=True):
         first, second = (
             np.polynomial.Polynomial([held - softening * mass, -turned, -mass])
             for held, turned, mass in zip((kappa + k, k), g[:2], m[:2], strict=True)
@@ -65,13 +65,13 @@ def test_the_same_two_masses_with_coriolis_forces_and_spin_softening() -> None:
         np.testing.assert_allclose(share, kappa / energy, rtol=1e-9, atol=1e-15)
     alone = np.polynomial.Polynomial([k - softening * m[1], -g[1], -m[1]]).roots()
     clamped = np.sort([*alone, own, -own])[[2, 3, 1, 0]]
-    np.testing.assert_allclose(found.clamped * [1.0, 1.0, -1.0, -1.0], clamped)
+    np.testing.assert_allclose(actual.clamped * [1.0, 1.0, -1.0, -1.0], clamped)
 
 
 def test_branches_are_the_frequencies_of_stages_built_with_that_stiffness() -> None:
     springs = np.array([1e5, 3.4e7, 5e9])
-    found = veering(stage(), families=2, stiffnesses=springs)["branch_frequency"]
-    for kappa, row in zip(springs, 2.0 * np.pi * found.values, strict=True):
+    actual = veering(stage(), families=2, stiffnesses=springs)["branch_frequency"]
+    for kappa, row in zip(springs, 2.0 * np.pi * actual.values, strict=True):
         modes = stage(float(kappa)).free_modes
         first = modes.frequency[(modes.nodal_diameter == 1) & (modes.column == 1)]
         np.testing.assert_allclose(row, first[:5], rtol=1e-7)
@@ -79,41 +79,41 @@ def test_branches_are_the_frequencies_of_stages_built_with_that_stiffness() -> N
 
 def test_branches_rise_between_those_of_a_clamped_centre() -> None:
     """Interlacing: each branch stays between two neighbouring clamped frequencies."""
-    found = diagrams()
-    frequency, clamped = found["branch_frequency"].values, found["clamped_frequency"].values
+    actual = diagrams()
+    frequency, clamped = actual["branch_frequency"].values, actual["clamped_frequency"].values
     assert (np.diff(frequency, axis=0) > -1e-9 * frequency[1:]).all()
     assert (frequency <= clamped * (1 + 1e-9)).all()
     assert (frequency[:, 1:] >= clamped[:-1] * (1 - 1e-9)).all()
     np.testing.assert_allclose(frequency[-1, :3], clamped[:3], rtol=1e-3)
     # A soft shaft carries the disk as a rigid body: all the energy is in the springs.
-    assert found["branch_spring_share"].values[0, 0] > 0.99
+    assert actual["branch_spring_share"].values[0, 0] > 0.99
 
 
 def test_clamped_frequencies_of_the_branches_are_those_of_the_clamped_stage() -> None:
     modes = stage().clamped_modes
     first = modes.frequency[(modes.nodal_diameter == 1) & (modes.column == 1)][:5]
-    found = diagrams()["clamped_frequency"].values
-    np.testing.assert_allclose(2.0 * np.pi * found, first, rtol=1e-9)
+    actual = diagrams()["clamped_frequency"].values
+    np.testing.assert_allclose(2.0 * np.pi * actual, first, rtol=1e-9)
 
 
 def test_clamping_changes_one_nodal_diameter_and_the_suspension_is_between_the_families() -> None:
-    found = diagrams()
-    shifts = clamping_shifts(found)
+    actual = diagrams()
+    shifts = clamping_shifts(actual)
     assert shifts.pop(1) > 0.02
     assert set(shifts) == {0, *range(2, 12)}
     assert max(shifts.values()) < 1e-9
-    assert veering_facts(found)["suspension, rotating frame"] == "2.527 ω₁"
-    assert found.sizes["mode"] == 2 * 12 * 12 + 1
+    assert veering_facts(actual)["suspension, rotating frame"] == "2.527 ω₁"
+    assert actual.sizes["mode"] == 2 * 12 * 12 + 1
 
 
 def test_past_a_critical_speed_where_both_waves_of_the_suspension_go_backward() -> None:
     """More families than there are modes are all of them."""
     past = {"rotation.effects": "full", "march.speed": 2.0, "shaft.stiffness": 5e6}
     springs = np.geomspace(1e7, 3.4e7, 7)
-    found = veering(with_values(Case(), past), families=10**11, stiffnesses=springs)
-    waves = veering_facts(found)["suspension, rotating frame"]
+    actual = veering(with_values(Case(), past), families=10**11, stiffnesses=springs)
+    waves = veering_facts(actual)["suspension, rotating frame"]
     assert waves.count("backward") == 2
-    shifts = clamping_shifts(found)
+    shifts = clamping_shifts(actual)
     assert shifts.pop(1) > 1e-3 > max(shifts.values())
-    names = [text.get_text() for text in plot_shaft_veering(found).axes[0].texts]
+    names = [text.get_text() for text in plot_shaft_veering(actual).axes[0].texts]
     assert names.count("suspension") == 2  # each where the springs have the energy

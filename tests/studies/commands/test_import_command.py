@@ -12,8 +12,8 @@ DECK = ROOT / "tests" / "data" / "solids" / "matrices.inp"
 
 def test_an_import_is_told_and_written(tmp_path: Path) -> None:
     target = tmp_path / "blade.npz"
-    told = answer("import", DECK, "--contact", "tip", "--name", "rotor 37", "-o", target).stdout
-    words = " ".join(told.split())
+    messages = answer("import", DECK, "--contact", "tip", "--name", "rotor 37", "-o", target).stdout
+    words = " ".join(messages.split())
     assert "name rotor 37 source matrices.inp of CalculiX coordinates 24" in words
     assert "rigid modes 0 first frequencies" in words
     assert "300.23" in words  # radius of a corner of the tip [mm]

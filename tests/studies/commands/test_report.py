@@ -107,10 +107,10 @@ def test_it_begins_with_the_run_at_one_instant(folder: Path, page: Parsed) -> No
         largest = result["time"].values[result["contact_impulse"].values.max(axis=1).argmax()]
         total = strain_energies(result)["total"].values
     path, histories = page.plots
-    told = histories["data"][0]["customdata"]  # blade, span, (N, N, mm)
-    np.testing.assert_allclose(told[..., 0], maps["force"].values.T, rtol=1e-4)
-    np.testing.assert_allclose(told[..., 1], maps["friction"].values.T, rtol=1e-4)
-    np.testing.assert_allclose(told[..., 2], 1e3 * maps["gap"].values.T, rtol=1e-4)
+    messages = histories["data"][0]["customdata"]  # blade, span, (N, N, mm)
+    np.testing.assert_allclose(messages[..., 0], maps["force"].values.T, rtol=1e-4)
+    np.testing.assert_allclose(messages[..., 1], maps["friction"].values.T, rtol=1e-4)
+    np.testing.assert_allclose(messages[..., 2], 1e3 * maps["gap"].values.T, rtol=1e-4)
     energy = {line["name"]: line["y"] for line in histories["data"][3:]}
     np.testing.assert_allclose(energy["total"], total, rtol=1e-6)
     # The markers that follow the cursor, and where it begins.

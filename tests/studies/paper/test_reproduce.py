@@ -271,11 +271,11 @@ def test_the_page_says_what_is_computed(tmp_path: Path) -> None:
     plan = Plan(claims=chosen_claims(numbers), changes={}, quick=False, repeats=1)
     card, evidence = reproduce_claims(plan, tmp_path, workers=1)
     with evidence:
-        found = {str(score.claim.number): score.verdict for score in card.scores}
-    assert found == {number: said[number] for number in found}
-    modal = {number for number in range(1, 16) if found[str(number)] != "holds"}
+        actual = {str(score.claim.number): score.verdict for score in card.scores}
+    assert actual == {number: said[number] for number in actual}
+    modal = {number for number in range(1, 16) if actual[str(number)] != "holds"}
     assert modal == {5, 15}
-    assert found["5"] == found["15"] == "partly"
+    assert actual["5"] == actual["15"] == "partly"
 
 
 def test_the_readme_counts_what_its_page_lists(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -76,9 +76,9 @@ def test_a_march_in_two_parts_is_one_march(effects: str) -> None:
     second, _ = march_in_memory(prepared)
     record = int(np.abs(first["time"].values - 2.0 * turn).argmin())
     for name in ("rotor_displacement", "rotor_velocity"):
-        expected, found = first[name].values[record:], second[name].values
+        expected, actual = first[name].values[record:], second[name].values
         scale = np.abs(expected).max()
-        np.testing.assert_allclose(found[: len(expected)], expected, rtol=0.0, atol=1e-2 * scale)
+        np.testing.assert_allclose(actual[: len(expected)], expected, rtol=0.0, atol=1e-2 * scale)
         assert np.abs(first[name].values[: len(expected)] - expected).max() > 0.1 * scale
 
 

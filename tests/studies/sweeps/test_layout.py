@@ -28,11 +28,11 @@ def extent(*durations: float, record_step: float = 1e-4) -> Extent:
 
 def test_the_extent_is_that_of_all_points() -> None:
     more = with_values(small(**{"march.duration": 0.1}), {"bladed_disk.blades": 9})
-    found = march_extent([small(**{"march.duration": 0.02}), more, more])
-    assert (found.shortest, found.record_step) == (0.02, 1e-4)
-    assert (found.steps, found.most_steps) == (10_000 + 2 * 50_000, 50_000)
-    assert found.histories == {(6, 201): 1, (9, 1001): 2}
-    assert (found.blades, found.records) == (9, 1001)
+    actual = march_extent([small(**{"march.duration": 0.02}), more, more])
+    assert (actual.shortest, actual.record_step) == (0.02, 1e-4)
+    assert (actual.steps, actual.most_steps) == (10_000 + 2 * 50_000, 50_000)
+    assert actual.histories == {(6, 201): 1, (9, 1001): 2}
+    assert (actual.blades, actual.records) == (9, 1001)
 
 
 def test_lines_are_multiples_of_one_over_the_window_of_the_shortest(stage: Stage) -> None:

@@ -24,8 +24,8 @@ def test_a_stage_is_that_of_the_speed_of_its_point(effects: str) -> None:
     )
     stages = [stage_at(case) for case in (slow, fast)]
     frequencies = [stage.arrays.rotor_frequency for stage in stages if isinstance(stage, Stage)]
-    for case, found in zip((slow, fast), frequencies, strict=True):
-        assert_array_equal(found, bw.build_stage(case).arrays.rotor_frequency)
+    for case, actual in zip((slow, fast), frequencies, strict=True):
+        assert_array_equal(actual, bw.build_stage(case).arrays.rotor_frequency)
     assert (frequencies[0] == frequencies[1]).all() == (effects == "none")
 
 
@@ -38,13 +38,13 @@ def test_records_in_memory_are_those_in_a_file(tmp_path: Path) -> None:
     assert {name: report[name] for name in report if name not in clocks} == {
         name: same[name] for name in same if name not in clocks
     }
-    with bw.open_result(tmp_path) as found:
-        assert {*kept.variables} == {*found.variables}
-        assert {*kept.coords} == {*found.coords}
+    with bw.open_result(tmp_path) as actual:
+        assert {*kept.variables} == {*actual.variables}
+        assert {*kept.coords} == {*actual.coords}
         for name in kept.variables:
-            assert kept[name].dims == found[name].dims
-            assert_array_equal(kept[name].values, found[name].values)
-        assert {*found.attrs} - {*kept.attrs} == {"format"}
+            assert kept[name].dims == actual[name].dims
+            assert_array_equal(kept[name].values, actual[name].values)
+        assert {*actual.attrs} - {*kept.attrs} == {"format"}
 
 
 def test_points_that_share_their_room_are_those_marched_in_their_own() -> None:

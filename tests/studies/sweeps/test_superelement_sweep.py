@@ -62,8 +62,8 @@ def test_a_point_is_the_run_of_its_case(case: Case, swept: Path, tmp_path: Path)
         )
     )
     summary: Any = bw.run(fast, tmp_path / "run", frames=0).summary
-    with open_sweep(swept) as found:
-        point = found.isel(march_speed=1, contact_friction=0)
+    with open_sweep(swept) as actual:
+        point = actual.isel(march_speed=1, contact_friction=0)
         for name in ("impulse_per_revolution", "energy_residual", "steps"):
             assert float(point[name]) == getattr(summary, name)
         assert float(point["contact_force_max"]) == summary.contact_force_max["force"]
@@ -89,9 +89,9 @@ def test_a_lost_point_is_marched_again_with_the_same_bits(swept: Path, tmp_path:
 def test_it_has_figures_and_a_report(
     swept: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told = answer("plot", swept, "all", "-o", tmp_path).stderr
-    assert "probability left out" in told
-    assert "wear left out" in told
+    messages = answer("plot", swept, "all", "-o", tmp_path).stderr
+    assert "probability left out" in messages
+    assert "wear left out" in messages
     names = {path.stem for path in tmp_path.glob("*.nc")}
     assert names == {"contact-nodes", "node-spectra", "regimes", "contact-classes", "maps"}
     assert "expected one of contact-nodes, node-spectra" in refusal("plot", swept, "whirl")
@@ -183,7 +183,7 @@ def test_a_carried_march_goes_on(file: Path) -> None:
     )
     record = int(np.abs(first["time"].values - 0.02).argmin())  # two revolutions
     for name in ("modal_displacement", "casing_displacement"):
-        expected, found = first[name].values[record:], second[name].values
+        expected, actual = first[name].values[record:], second[name].values
         scale = np.abs(expected).max()
-        np.testing.assert_allclose(found[: len(expected)], expected, rtol=0.0, atol=1e-2 * scale)
+        np.testing.assert_allclose(actual[: len(expected)], expected, rtol=0.0, atol=1e-2 * scale)
         assert np.abs(first[name].values[: len(expected)] - expected).max() > 0.1 * scale

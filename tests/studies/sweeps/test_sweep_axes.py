@@ -11,14 +11,14 @@ from bladewhirl.studies.sweeps.plan import plan_sweep
 
 
 def values(option: str) -> tuple[Value, ...]:
-    [found] = parse_over([option]).values()
-    return found
+    [actual] = parse_over([option]).values()
+    return actual
 
 
 def test_a_range_holds_the_numbers_one_would_type() -> None:
-    found = values("march.speed=0.95:2.0:0.005")
-    assert len(found) == 211
-    assert found == tuple(float(f"{0.95 + 0.005 * i:.3f}") for i in range(211))
+    actual = values("march.speed=0.95:2.0:0.005")
+    assert len(actual) == 211
+    assert actual == tuple(float(f"{0.95 + 0.005 * i:.3f}") for i in range(211))
 
 
 @pytest.mark.parametrize(
