@@ -19,7 +19,12 @@ from bladewhirl.models.case.check import FIXED_PHRASES, KINDS, TABLE_ERRORS, tab
 from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
-from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES, FigureKind
+from bladewhirl.postprocess.plotting.registry import (
+    NODE_FIGURES,
+    RUN_FIGURES,
+    SWEEP_FIGURES,
+    FigureKind,
+)
 from bladewhirl.solvers.march.schema import NODE_RESULT, NODE_SWEEP, RESULT, SWEEP, schema_table
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.outputs import Run
@@ -201,6 +206,7 @@ GENERATED = {
     "sweeps": partial(schema_table, SWEEP),
     "node-sweeps": partial(schema_table, NODE_SWEEP),
     "run-figures": partial(figures, RUN_FIGURES, drawn=True),
+    "node-figures": partial(figures, NODE_FIGURES, drawn=False),
     "sweep-figures": partial(figures, SWEEP_FIGURES, drawn=False),
     "api": api,
     "licences": licences.table,

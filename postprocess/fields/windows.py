@@ -15,12 +15,24 @@ EVEN = 1e-6  #: time steps count as equal if they differ from their median by at
 def select_window(
     dataset: xr.Dataset, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
+    """Return the records of beams within [start, end] [s], by default all records.
+
+    Raises:
+        ViewError: see `time_window`.
+        ResultError: the result is that of a superelement.
+    """
+    check_beams(dataset)
+    return time_window(dataset, start, end)
+
+
+def time_window(
+    dataset: xr.Dataset, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
     """Return the records within [start, end] [s], by default all records.
 
     Raises:
         ViewError: the window ends before it starts, or contains fewer than two records.
     """
-    check_beams(dataset)
     time = dataset["time"].values
     first = time[0] if start is None else start
     last = time[-1] if end is None else end

@@ -76,6 +76,10 @@ def _figures(source: str) -> Mapping[str, FigureKind]:
 
 
 RUN_FIGURES, SWEEP_FIGURES = _figures("run"), _figures("sweep")
+"""Figures of a run of beams, and of a sweep."""
+
+NODE_FIGURES = _figures("superelement")
+"""Figures of a run of a superelement."""
 
 REPLACED: Mapping[str, str] = {"energy-cyclic": "energy-families"}
 """Deprecated figure names and their replacements."""

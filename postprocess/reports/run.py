@@ -1,7 +1,7 @@
 """Report of a run: regime, figures, numbers and case."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import xarray as xr
 
@@ -76,19 +76,24 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
             Section(name=part, title=title, blocks=_drawn(figures, part))
             for part, title in titles.items()
         ),
-        Section(name="numbers", title="Numbers", blocks=[_summary(figures)]),
+        Section(name="numbers", title="Numbers", blocks=[_numbers(figures)]),
         case_section(dataset, provenance, CASE_CAPTION),
     ]
     return Page(
         title=str(dataset.attrs.get("title", "")) or "Run",
         subject=subject(dataset, provenance, name),
-        verdict=_sentence(regime.name).rstrip(".") + ("" if ended else " so far"),
+        verdict=sentence(regime.name).rstrip(".") + ("" if ended else " so far"),
         tone=REGIMES[regime.name].tone if ended else "open",
-        reason=f"{meaning} {_sentence(regime.reason)}",
-        warnings=_warnings(dataset, reason),
+        reason=f"{meaning} {sentence(regime.reason)}",
+        warnings=end_warnings(dataset, reason),
         figures=_glance(dataset, figures.orbit, classes),
         sections=sections,
     )
+
+
+def _numbers(figures: RunFigures) -> Table:
+    dataset, stresses = figures.result, figures.stresses
+    return summary_table(dataset, lambda report: summary_rows(summarise(dataset, report, stresses)))
 
 
 def _drawn(figures: RunFigures, section: str) -> list[ReportFigure]:
@@ -103,20 +108,23 @@ def _late(dataset: xr.Dataset) -> xr.Dataset:
     return late if late.sizes["time"] > 1 else dataset
 
 
-def _summary(figures: RunFigures) -> Table:
-    dataset = figures.result
+def summary_table(
+    dataset: xr.Dataset, rows_of: Callable[[Mapping[str, float]], Mapping[str, str]]
+) -> Table:
+    """Return the rows of a summary, without those that are known only after the march has ended if
+    it has not. `rows_of` makes the rows from the quality measures of the march."""
     reported = {name: dataset.attrs.get(name, math.nan) for name in MARCH_REPORT}
     done = float(dataset["time"].values[-1]) / float(dataset.attrs["time_step"])
     missing = any(math.isnan(float(reported[name])) for name in MARCH_REPORT)
     if missing:
         reported |= {"steps": round(done), "unsolved_steps": 0}
-    rows = summary_rows(summarise(dataset, reported, figures.stresses))
     left_out = {"because", *(UNKNOWN if missing else ())}  # the reason is at the top of the page
-    shown = [row for row in rows.items() if row[0] not in left_out]
+    shown = [row for row in rows_of(reported).items() if row[0] not in left_out]
     return Table(name="summary", title="Summary", rows=shown)
 
 
-def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
+def end_warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
+    """Return warnings for a march that did not reach its planned end."""
     end = f"{float(dataset['time'].values[-1]):.6g} s"
     message = str(dataset.attrs.get("end_message", ""))
     texts = {
@@ -127,7 +135,7 @@ def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
     }
     unfinished = "The march is unfinished: it was killed, or is still running."
     text = texts.get(reason, f"{unfinished} The last record is at {end}.")
-    return [_sentence(text)] if text else []
+    return [sentence(text)] if text else []
 
 
 def _glance(
@@ -171,5 +179,6 @@ def _glance(
     ]
 
 
-def _sentence(words: str) -> str:
+def sentence(words: str) -> str:
+    """Return words with a capital at the start and a full stop at the end."""
     return words[:1].upper() + words[1:].rstrip(".") + "."

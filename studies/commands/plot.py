@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from bladewhirl.postprocess.plotting.registry import REPLACED, RUN_FIGURES, SWEEP_FIGURES, captions
+from bladewhirl.postprocess.plotting.registry import (
+    NODE_FIGURES,
+    REPLACED,
+    RUN_FIGURES,
+    SWEEP_FIGURES,
+    FigureKind,
+    captions,
+)
 from bladewhirl.studies.commands import options
 
 if TYPE_CHECKING:
-    from bladewhirl.postprocess.run.figures import RunFigures
+    from bladewhirl.postprocess.reports.figures import AnyFigures
     from bladewhirl.postprocess.sweep.figures import SweepFigures
 
 ALL = "all"
@@ -39,6 +46,8 @@ def plot(
                     *captions(RUN_FIGURES),
                     "Figures of a sweep:",
                     *captions(SWEEP_FIGURES),
+                    "Figures of a run of a superelement:",
+                    *captions(NODE_FIGURES),
                 ]
             ).replace("[", r"\["),
             show_default=False,
@@ -79,7 +88,7 @@ def plot(
     from bladewhirl.studies.runs.figures_folder import save_figures
 
     of_sweep = _is_sweep(directory)
-    figure_names = SWEEP_FIGURES if of_sweep else RUN_FIGURES
+    figure_names = SWEEP_FIGURES if of_sweep else _figures_of_run(directory)
     if not names:
         typer.echo("\n".join(captions(figure_names)))
         return
@@ -88,7 +97,8 @@ def plot(
         if REPLACED.get(name) in figure_names:
             raise UserError(f"{name}: expected {REPLACED[name]}, which replaces it")
     if unknown:
-        kind = "a sweep has" if of_sweep else "a run has"
+        of_nodes = "of a superelement " if figure_names is NODE_FIGURES else ""
+        kind = "a sweep has" if of_sweep else f"a run {of_nodes}has"
         raise UserError(
             f"{', '.join(unknown)}: {kind} the figures {', '.join(figure_names)}; or {ALL}"
         )
@@ -116,7 +126,7 @@ def plot(
 @contextmanager
 def _opened(
     directory: Path, start: float | None, end: float | None
-) -> Iterator[RunFigures | SweepFigures]:
+) -> Iterator[AnyFigures | SweepFigures]:
     """Yield the figures of a run or of a sweep; modules for the other kind are not loaded."""
     if _is_sweep(directory):
         from bladewhirl.postprocess.sweep.dataset import open_sweep
@@ -126,10 +136,19 @@ def _opened(
             yield SweepFigures(sweep)
         return
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.run.figures import RunFigures
+    from bladewhirl.postprocess.reports.figures import figures_of_run
 
     with open_result(directory) as result:
-        yield RunFigures(result, start, end)
+        yield figures_of_run(result, start, end)
+
+
+def _figures_of_run(directory: Path) -> Mapping[str, FigureKind]:
+    """Return the figures of a run of beams or of a superelement."""
+    from bladewhirl.postprocess.fields.result import open_result
+    from bladewhirl.solvers.march.schema import NODES, tables_of
+
+    with open_result(directory) as result:
+        return NODE_FIGURES if tables_of(result.attrs) is NODES else RUN_FIGURES
 
 
 def _is_sweep(path: Path) -> bool:

@@ -17,6 +17,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.sensors import Sensor
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.plotting.registry import NODE_FIGURES
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME
 from bladewhirl.solvers.march.schema import RESULT_NAME
 
@@ -25,10 +26,6 @@ PROVENANCE_NAME = "provenance.json"
 SUMMARY_NAME = "summary.json"
 VTK_NAME = "vtk"
 ORBIT_NAME, ENERGY_NAME = "orbit.png", "energy.png"
-CONTACT_NAME, TIPS_NAME = "contact.png", "tips.png"
-"""Figures of a superelement."""
-CASING_NAME, WORN_NAME = "casing.png", "wear.png"
-"""Figures of a superelement in a flexible casing, and in a coating."""
 SENSORS_NAME = "sensors.nc"
 WEAR_NAME = "wear.csv"  #: profile of the coating at the end
 REPORT_NAME = "report.html"
@@ -189,8 +186,7 @@ def sensor_files(sensors: Sequence[Sensor]) -> tuple[str, ...]:
 def files_of_run(case: Case) -> tuple[str, ...]:
     """Return the names of the files of a run of a case, without the ParaView series."""
     beams = case.bladed_disk.superelement is None
-    nodes = (CONTACT_NAME, TIPS_NAME, CASING_NAME, WORN_NAME)
-    drawn = (ORBIT_NAME, ENERGY_NAME) if beams else nodes
+    drawn = (ORBIT_NAME, ENERGY_NAME) if beams else tuple(NODE_FIGURES)
     figures = [f"{Path(name).stem}{end}" for name in drawn for end in (".png", ".nc")]
     made = (RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, CHECKPOINT_NAME)
     worn = () if case.casing.coating is None else (WEAR_NAME,)

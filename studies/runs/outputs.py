@@ -140,22 +140,19 @@ def _node_outputs(
 ) -> Run:
     """Write summary, figures and ParaView series of a superelement."""
     from bladewhirl.postprocess.plotting.style import save_figure
-    from bladewhirl.postprocess.superelement import figures, motion, ring, wear
+    from bladewhirl.postprocess.superelement import wear
+    from bladewhirl.postprocess.superelement.run_figures import NodeFigures
     from bladewhirl.postprocess.superelement.series import export_points
     from bladewhirl.postprocess.superelement.summary import summarise_nodes
 
     summary: Any = summarise_nodes(result, report)
     write_atomically(directory / folder.SUMMARY_NAME, summary.to_json())
-    nodes, orbits = motion.contact_nodes(result), motion.tip_orbits(result)
-    save_figure(figures.plot_contact_nodes(nodes), directory / folder.CONTACT_NAME, nodes, ["png"])
-    save_figure(figures.plot_tip_orbits(orbits), directory / folder.TIPS_NAME, orbits, ["png"])
-    if "coating_strain" in result:
-        worn = wear.node_wear(result)
-        save_figure(wear.plot_node_wear(worn), directory / folder.WORN_NAME, worn, ["png"])
-        wear.write_tracks(worn, directory / folder.WEAR_NAME)
-    if ring.is_flexible(result):
-        moved = ring.ring_motion(result)
-        save_figure(ring.plot_ring(moved), directory / folder.CASING_NAME, moved, ["png"])
+    figures = NodeFigures(result)
+    for name in figures.names:
+        figure, drawn = figures.draw(name)
+        save_figure(figure, directory / f"{name}.png", drawn, ["png"])
+        if name == "wear":
+            wear.write_tracks(drawn, directory / folder.WEAR_NAME)
     hints = []
     if window.frames and "point" in result:
         target = directory / folder.VTK_NAME

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
+from command_line import answer, refusal
 from PIL import Image
 from rod_blade import blade, tables
 from typer.testing import CliRunner
@@ -19,6 +21,7 @@ from bladewhirl.models.stage.superelement_hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.postprocess.reports import page as report_page
 from bladewhirl.postprocess.superelement.interaction import plot_interaction
 from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits, wall_contact
 from bladewhirl.postprocess.superelement.picture import render_blades
@@ -233,8 +236,7 @@ def test_commands_for_beams_refuse_a_superelement_in_one_line(file: Path, tmp_pa
     run = bw.run(bw.case_from(given), tmp_path / "run", frames=0)
     folder, case = str(run.directory), str(run.directory / "case.toml")
     for arguments, expected in (
-        (["plot", folder, "orbit"], "found that of a superelement"),
-        (["report", folder], "found that of a superelement"),
+        (["plot", folder, "orbit"], "a run of a superelement has the figures contact, tips"),
         (["render", folder, "--sheet"], "use --png, --gif or --mp4"),
         (["export", folder, "--surface"], "not allowed for a superelement"),
         (["campbell", case], "expected beams here; only run, sweep"),
@@ -415,3 +417,26 @@ def test_show_draws_the_blades_and_the_wall(file: Path, tmp_path: Path) -> None:
     stage = superelement_stage(bw.case_from(tables(tmp_path / "bare.npz")))
     with pytest.raises(ViewError, match="points, recovery and triangles"):
         draw_superelement(stage, tmp_path / "bare.png")
+
+
+@pytest.mark.usefixtures("pictures_unsaved")
+def test_a_run_has_figures_by_name_and_a_report(
+    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = bw.run(bw.case_from(tables(file)), tmp_path / "run", frames=0)
+    told = answer("plot", run.directory, "all", "--from", "0.01", "-o", tmp_path / "plots").stdout
+    assert [line.split()[1].rpartition("/")[2] for line in told.splitlines()] == [
+        "contact.png,",
+        "tips.png,",
+    ]
+    with xr.open_dataset(tmp_path / "plots" / "contact.nc", engine="h5netcdf") as data:
+        assert float(data["time"][0]) == pytest.approx(0.01)
+    assert "expected one of contact, tips" in refusal("plot", run.directory, "casing")
+    monkeypatch.setattr(report_page, "_as_png", lambda figure: "AAAA")
+    answer("report", run.directory)
+    words = (run.directory / "report.html").read_text(encoding="utf-8")
+    summary: Any = run.summary
+    for expected in ("Contact of blades and casing", summary.regime.capitalize(), "normal impulse"):
+        assert expected in words
+    with run.open() as result:
+        assert bw.plot.contact(result).axes
