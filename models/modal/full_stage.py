@@ -160,7 +160,8 @@ class ModalStage:
 
     @property
     def disk_whirl(self) -> Whirl | None:
-        """Whirling modes, with the centre as the case requires; None without Coriolis forces."""
+        """Whirling modes of the bladed disk with a free or clamped centre, as the case requires;
+        None without Coriolis forces."""
         return self.clamped_whirl if self.case.shaft.clamped else self.free_whirl
 
     def _whirl(self, centre: int) -> Whirl | None:

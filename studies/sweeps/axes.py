@@ -218,7 +218,10 @@ def _nominal(case: Case, key: str, over: Mapping[str, Sequence[Value]]) -> tuple
         value_at(case, key)
     ]
     if any(isinstance(value, Speed) and value.kind != "normalised" for value in values):
-        raise UserError(f"{PERTURB} {key}: expected multiples of the reference frequency")
+        raise UserError(
+            f"{PERTURB} {key}: expected the speed in the case and in {OVER} as a multiple of the"
+            " reference frequency, without a unit"
+        )
     numbers = [value.value if isinstance(value, Speed) else value for value in values]
     if None in numbers:
         raise UserError(f"{PERTURB} {key}: expected a key that has a value in the case")
