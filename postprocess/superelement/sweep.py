@@ -64,7 +64,7 @@ def plot_contact_quantities(data: xr.Dataset) -> Figure:
     }
     for name in ("radial", "tangential", "axial"):
         unit, scale = handy_unit(float(data[name].max().fillna(0.0)), "m")
-        panels[name] = (scale, f"{name} displace-\nment [{unit}]")
+        panels[name] = (scale, f"{name}\ndisplacement [{unit}]")
     return plot_quantities(data, panels)
 
 
