@@ -6,9 +6,8 @@ from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.plotting.registry import NODE_FIGURES
 from bladewhirl.postprocess.plotting.titles import speed_label
 from bladewhirl.postprocess.reports.page import Page, Section, report_figures
-from bladewhirl.postprocess.reports.provenance import Provenance, case_section, subject
-from bladewhirl.postprocess.reports.run import CASE_CAPTION, end_warnings, sentence, summary_table
-from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table
+from bladewhirl.postprocess.reports.provenance import Provenance
+from bladewhirl.postprocess.reports.run import page_of_run, summary_table
 from bladewhirl.postprocess.superelement.regime import node_regime
 from bladewhirl.postprocess.superelement.run_figures import NodeFigures
 from bladewhirl.postprocess.superelement.summary import summarise_nodes
@@ -32,40 +31,24 @@ def node_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") 
     Raises:
         ViewError: the result has fewer than two records.
     """
-    figures, regime = NodeFigures(dataset), node_regime(dataset)
-    kinds = [NODE_FIGURES[name] for name in figures.names]
-    meaning = REGIMES[regime.name].meaning
-    reason = str(dataset.attrs.get("end_reason", "completed"))
-    ended = reason in ("completed", "divergent", "damped")
+    figures = NodeFigures(dataset)
+    kinds = [NODE_FIGURES[each] for each in figures.names]
     drawn = {
         part: report_figures(figures.draw, [kind for kind in kinds if kind.section == part])
         for part in TITLES
     }
-    numbers = summary_table(dataset, lambda report: summarise_nodes(dataset, report).rows())
-    sections = [
-        Section(
-            name="verdict",
-            title="Regime, and why",
-            words=f"{meaning} The regime is the first line of the criterion below that applies.",
-            blocks=[criterion_table(regime.name)],
-        ),
-        *(
+    return page_of_run(
+        dataset,
+        provenance,
+        node_regime(dataset),
+        name=name,
+        parts=[
             Section(name=part, title=TITLES[part], blocks=blocks)
             for part, blocks in drawn.items()
             if blocks
-        ),
-        Section(name="numbers", title="Numbers", blocks=[numbers]),
-        case_section(dataset, provenance, CASE_CAPTION),
-    ]
-    return Page(
-        title=str(dataset.attrs.get("title", "")) or "Run",
-        subject=subject(dataset, provenance, name),
-        verdict=sentence(regime.name).rstrip(".") + ("" if ended else " so far"),
-        tone=REGIMES[regime.name].tone if ended else "open",
-        reason=f"{meaning} {sentence(regime.reason)}",
-        warnings=end_warnings(dataset, reason),
-        figures=_glance(dataset),
-        sections=sections,
+        ],
+        numbers=summary_table(dataset, lambda report: summarise_nodes(dataset, report).rows()),
+        glance=_glance(dataset),
     )
 
 

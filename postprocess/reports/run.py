@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import xarray as xr
 
-from bladewhirl.postprocess.energy.regimes import classify
+from bladewhirl.postprocess.energy.regimes import Regime, classify
 from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
@@ -55,39 +55,72 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     figures = RunFigures(dataset)
     energy = strain_energies(dataset)
     regime = classify(dataset, energy["total"].values)
+    instant = Section(
+        name="instant",
+        title="At one instant",
+        blocks=[instants(dataset, figures.contact, figures.orbit, energy)],
+    )
+    parts = [
+        Section(name=part, title=title, blocks=_drawn(figures, part))
+        for part, title in titles.items()
+    ]
+    return page_of_run(
+        dataset,
+        provenance,
+        regime,
+        name=name,
+        first=[instant],
+        reasons=_drawn(figures, "verdict"),
+        parts=parts,
+        numbers=_numbers(figures),
+        glance=_glance(dataset, figures.orbit, contact_classes(_late(dataset))),
+    )
+
+
+def page_of_run(
+    dataset: xr.Dataset,
+    provenance: Provenance,
+    regime: Regime,
+    *,
+    name: str,
+    parts: Sequence[Section],
+    numbers: Table,
+    glance: Sequence[tuple[str, str, str]],
+    first: Sequence[Section] = (),
+    reasons: Sequence[ReportFigure] = (),
+) -> Page:
+    """Return the page of a run from its parts.
+
+    Args:
+        dataset: a result, of beams or of a superelement.
+        provenance: provenance of the run.
+        regime: regime of the run.
+        name: name of the run, such as its folder.
+        parts: sections with figures.
+        numbers: table of the summary.
+        glance: key figures: name, value, remark.
+        first: sections above the regime.
+        reasons: figures that show why the run has this regime.
+    """
     meaning = REGIMES[regime.name].meaning
-    classes = contact_classes(_late(dataset))
     reason = str(dataset.attrs.get("end_reason", "completed"))
     ended = reason in ("completed", "divergent", "damped")
-
-    sections = [
-        Section(
-            name="instant",
-            title="At one instant",
-            blocks=[instants(dataset, figures.contact, figures.orbit, energy)],
-        ),
-        Section(
-            name="verdict",
-            title="Regime, and why",
-            words=f"{meaning} The regime is the first line of the criterion below that applies.",
-            blocks=[*_drawn(figures, "verdict"), criterion_table(regime.name)],
-        ),
-        *(
-            Section(name=part, title=title, blocks=_drawn(figures, part))
-            for part, title in titles.items()
-        ),
-        Section(name="numbers", title="Numbers", blocks=[_numbers(figures)]),
-        case_section(dataset, provenance, CASE_CAPTION),
-    ]
+    verdict = Section(
+        name="verdict",
+        title="Regime, and why",
+        words=f"{meaning} The regime is the first line of the criterion below that applies.",
+        blocks=[*reasons, criterion_table(regime.name)],
+    )
+    table = Section(name="numbers", title="Numbers", blocks=[numbers])
     return Page(
         title=str(dataset.attrs.get("title", "")) or "Run",
         subject=subject(dataset, provenance, name),
-        verdict=sentence(regime.name).rstrip(".") + ("" if ended else " so far"),
+        verdict=_sentence(regime.name).rstrip(".") + ("" if ended else " so far"),
         tone=REGIMES[regime.name].tone if ended else "open",
-        reason=f"{meaning} {sentence(regime.reason)}",
-        warnings=end_warnings(dataset, reason),
-        figures=_glance(dataset, figures.orbit, classes),
-        sections=sections,
+        reason=f"{meaning} {_sentence(regime.reason)}",
+        warnings=_warnings(dataset, reason),
+        figures=glance,
+        sections=[*first, verdict, *parts, table, case_section(dataset, provenance, CASE_CAPTION)],
     )
 
 
@@ -123,7 +156,7 @@ def summary_table(
     return Table(name="summary", title="Summary", rows=shown)
 
 
-def end_warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
+def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
     """Return warnings for a march that did not reach its planned end."""
     end = f"{float(dataset['time'].values[-1]):.6g} s"
     message = str(dataset.attrs.get("end_message", ""))
@@ -135,7 +168,7 @@ def end_warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
     }
     unfinished = "The march is unfinished: it was killed, or is still running."
     text = texts.get(reason, f"{unfinished} The last record is at {end}.")
-    return [sentence(text)] if text else []
+    return [_sentence(text)] if text else []
 
 
 def _glance(
@@ -179,6 +212,6 @@ def _glance(
     ]
 
 
-def sentence(words: str) -> str:
+def _sentence(words: str) -> str:
     """Return words with a capital at the start and a full stop at the end."""
     return words[:1].upper() + words[1:].rstrip(".") + "."

@@ -424,8 +424,10 @@ def test_a_run_has_figures_by_name_and_a_report(
     file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = bw.run(bw.case_from(tables(file)), tmp_path / "run", frames=0)
-    told = answer("plot", run.directory, "all", "--from", "0.01", "-o", tmp_path / "plots").stdout
-    assert [line.split()[1].rpartition("/")[2] for line in told.splitlines()] == [
+    printed = answer(
+        "plot", run.directory, "all", "--from", "0.01", "-o", tmp_path / "plots"
+    ).stdout
+    assert [line.split()[1].rpartition("/")[2] for line in printed.splitlines()] == [
         "contact.png,",
         "tips.png,",
     ]
