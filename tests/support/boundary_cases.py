@@ -1,0 +1,265 @@
+"""Small contact problems of structures with many contact nodes, and their march in plain NumPy."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import scipy.optimize as so
+
+from bladewhirl.meshes.hermite import cubic_weights
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.stage.boundary_problem import BoundaryProblem
+from bladewhirl.models.stage.contact_problem import NodeCoating, ReducedCasing
+from bladewhirl.models.stage.ring import flexible_ring
+from bladewhirl.solvers.march.boundary import BoundaryChunk, BoundaryMarch
+
+CLEARANCE = 2e-4
+E, YIELD, HARD, THICK = 1e9, 1e7, 5e7, 2e-3
+
+
+def advanced(problem: BoundaryProblem, dt: float, steps: int, every: int = 1) -> BoundaryChunk:
+    """Records of x_0 .. x_steps."""
+    scheme = BoundaryMarch(problem, dt, every)
+    state, chunk, end = scheme.advance(scheme.init(), steps + 1)
+    assert end is None
+    assert state.statistics.lcp_failures == 0
+    return chunk
+
+
+def ledger(chunk: BoundaryChunk) -> float:
+    """Error of the energy balance, relative to the largest energy."""
+    gained = chunk.external_work + chunk.normal_work + chunk.friction_work - chunk.damping_work
+    error = np.abs(chunk.energy - chunk.energy[0] - gained)
+    return float(error.max() / np.abs(chunk.energy).max())
+
+
+def bladed(
+    copies: int,
+    nodes: int,
+    *,
+    massless: bool = True,
+    ring: ReducedCasing | None = None,
+    coating: NodeCoating | None = None,
+    **changes: Any,
+) -> BoundaryProblem:
+    """Equal blades of random modes that move outward, in an oval wall or in a ring."""
+    random, modes = np.random.default_rng(7), 8
+    square = random.standard_normal((3 * nodes, 3 * nodes))
+    flexibility = 3e-9 * (square @ square.T / nodes + np.eye(3 * nodes))
+    contact = random.standard_normal((3 * nodes, modes))
+    contact[::3, 0] = np.linspace(1.4, 1.6, nodes)
+    pitch, grid = 2.0 * np.pi / copies * np.arange(copies), 2.0 * np.pi / 64 * np.arange(64)
+    oval = np.column_stack([CLEARANCE + 1e-4 * np.cos(2 * grid), -2e-4 * np.sin(2 * grid)])
+    given: dict[str, Any] = {
+        "frequency": np.tile(np.linspace(900.0, 3e4, modes), (copies, 1)),
+        "damping_ratio": np.full((copies, modes), 0.002),
+        "contact": contact,
+        "compliance": np.tile(massless * flexibility, (copies, 1, 1)),
+        "massless": massless,
+        "angle": pitch[:, None] + np.linspace(-0.06, 0.06, nodes),
+        "radius": np.full(nodes, 0.3 if ring is None else ring.radius),
+        "recess": np.linspace(2e-5, -2e-5, nodes) + (0.0 if coating is None else coating.removable),
+        "wall": oval if ring is None else ring.clearance * [1.0, ring.radius],
+        "speed": 150.0,
+        "friction": 0.1,
+        "full_sliding": False,
+        "displacement_limit": 1.0,
+        "displacement": np.zeros((copies, modes)),
+        "velocity": (1.0 + 0.5 * np.cos(pitch - 0.4))[:, None] * np.eye(modes)[0],
+        "casing": ring,
+        "coating": coating,
+    }
+    return BoundaryProblem(**given | changes)
+
+
+@cache
+def casing(elements: int, *, support: float = 1e7, **wall: float) -> ReducedCasing:
+    """An even flexible ring, thin by default."""
+    table = {
+        "elements": elements,
+        "clearance": CLEARANCE,
+        "support": support,
+        "wall": {"thickness": 5e-3, "width": 0.05} | wall,
+    }
+    case = {"casing": table, "damping": {"ratio": 0.0}}
+    return flexible_ring(Case.model_validate(case)).reduced_casing
+
+
+def coating(tracks: FloatArray, footprint: float, *, limit: float = 0.9) -> NodeCoating:
+    """720 rods in each track, for nodes with their positions along the axis."""
+    axial = np.unique(tracks)
+    return NodeCoating(
+        strain=np.zeros((len(axial), 720)),
+        axial=axial,
+        width=np.full(len(axial), 5e-3),
+        track=np.searchsorted(axial, tracks),
+        footprint=np.full(len(tracks), footprint),
+        radius=0.3,
+        thickness=THICK,
+        young_modulus=E,
+        yield_stress=YIELD,
+        hardening=HARD,
+        limit=limit,
+    )
+
+
+def rubbing(*, massless: bool = True) -> BoundaryProblem:
+    """Two blades in a coated wall, with two tracks."""
+    worn = coating(np.array([0.0, 0.0, 1.0, 1.0]), 4e-3, limit=0.06)
+    return bladed(2, 4, massless=massless, coating=worn)
+
+
+def around(values: FloatArray, length: float, angle: FloatArray) -> FloatArray:
+    """Cubics around a circle at angles, (angles, ...).
+
+    Args:
+        values: values and derivatives at equally spaced angles, (nodes, 2, ...).
+        length: distance of two of them, by which the derivatives are meant.
+        angle: angles [rad], (angles,).
+    """
+    nodes = len(values)
+    place = np.mod(angle * nodes / (2.0 * np.pi), nodes)
+    first = place.astype(int) % nodes
+    weight = cubic_weights(place - np.floor(place), length)
+    ends = np.concatenate([values[first], values[(first + 1) % nodes]], axis=1)
+    return np.asarray(np.einsum("qn,nq...->n...", weight, ends))
+
+
+def clearance_at(p: BoundaryProblem, angle: FloatArray) -> FloatArray:
+    """Clearance of the wall at rest [m], (angles,)."""
+    return around(p.wall, 2.0 * np.pi / len(p.wall), angle)
+
+
+class Rods:
+    """The rods under a node at an angle.
+
+    Args:
+        p: problem.
+        strain: plastic strain of all rods, (tracks, rods).
+        node: number of the node in its copy.
+        angle: place of the node.
+    """
+
+    def __init__(self, p: BoundaryProblem, strain: FloatArray, node: int, angle: float) -> None:
+        assert p.coating is not None
+        self._coating, self._track = p.coating, int(p.coating.track[node])
+        middle = 2.0 * np.pi * (np.arange(strain.shape[1]) + 0.5) / strain.shape[1]
+        apart = np.abs(np.angle(np.exp(1j * (middle - angle)))) * p.coating.radius
+        self._under = np.flatnonzero(apart <= 0.5 * p.coating.footprint[node])
+        self._offset = clearance_at(p, middle[self._under]) - clearance_at(p, np.array([angle]))
+        self._plastic = strain[self._track, self._under]
+
+    def pressed(self, gap: float) -> tuple[float, FloatArray]:
+        """Force at a gap to the metal, and the plastic strains there."""
+        worn, plastic = self._coating, self._plastic
+        depth = worn.removable - gap - self._offset
+        trial = np.maximum(0.0, worn.young_modulus * (depth / worn.thickness - plastic))
+        rise = np.maximum(0.0, trial - worn.yield_stress - worn.hardening * plastic)
+        rise = rise / (worn.young_modulus + worn.hardening)
+        rise = np.minimum(rise, np.maximum(0.0, worn.limit - plastic))
+        stress = trial - worn.young_modulus * rise
+        return float(worn.arc * worn.width[self._track] * stress.sum()), plastic + rise
+
+    def force(self, free: float, flexibility: float) -> float:
+        """Force at which the gap is that without a force plus what the force opens."""
+        if free + flexibility * self.pressed(0.0)[0] < 0.0:  # metal
+            return -free / flexibility
+        if self.pressed(free)[0] == 0.0:
+            return 0.0
+        top = max(free, 0.0) + flexibility * self.pressed(0.0)[0] + 1e-6
+        gap = so.brentq(
+            lambda gap: gap - free - flexibility * self.pressed(gap)[0], 0.0, top, xtol=1e-18
+        )
+        return self.pressed(gap)[0]
+
+    def wear(self, strain: FloatArray, gap: float) -> None:
+        """Set the strains after a step at a gap."""
+        strain[self._track, self._under] = self.pressed(gap)[1]
+
+
+def plain(p: BoundaryProblem, dt: float, steps: int) -> dict[str, FloatArray]:
+    """March in NumPy only: dense products, and Gauss-Seidel iterations for all nodes together."""
+    copies, nodes = p.angle.shape
+    rows, count, modes = p.contact.reshape(nodes, 3, -1), copies * nodes, p.contact.shape[1]
+    turning = np.zeros((modes, modes)) if p.by_velocity is None else p.by_velocity
+    squares, loss = p.frequency**2, 2.0 * p.damping_ratio * p.frequency
+    drag = np.array([0.5 / dt * (np.diag(row) + turning) for row in loss])
+    inverse = np.linalg.inv(np.eye(modes) / dt**2 + drag)
+    ring = p.casing
+    stiff = np.zeros(0) if ring is None else ring.frequency
+    lost = np.zeros(0) if ring is None else ring.damping_ratio * stiff / dt
+    now, slow = p.displacement, np.zeros(len(stiff))
+    slowing = squares * now + loss * p.velocity + p.velocity @ turning.T
+    old, slow_old = now - dt * p.velocity - 0.5 * dt**2 * slowing, slow
+    force, direction = np.zeros((count, 3)), np.tile([np.sign(p.speed), 0.0], (count, 1))
+    strain = np.zeros((0, 0)) if p.coating is None else p.coating.strain
+    names = ("force", "q", "casing", "strain")
+    out: dict[str, list[FloatArray]] = {name: [] for name in names}
+    for step in range(steps + 1):
+        for name, value in zip(names, (force, now, slow, strain), strict=True):
+            out[name].append(value)
+        time, by_copy = step * dt, force.reshape(copies, nodes, 3)
+        pushed, blown = np.zeros_like(now), np.zeros_like(slow)
+        for load in p.loads:
+            rise = 0.5 - 0.5 * np.cos(np.pi * min(1.0, time / load.ramp))
+            size = rise * np.cos(load.frequency * time + load.phase) * (time < load.end)
+            pushed, blown = pushed + size * load.amplitude, blown + size * load.casing
+        if p.massless:
+            pushed += np.einsum("ikm,cik->cm", rows, by_copy)
+        pulled = (2.0 / dt**2 - squares) * now - old / dt**2 + np.einsum("cij,cj->ci", drag, old)
+        new = np.einsum("cij,cj->ci", inverse, pulled + pushed)
+        heavy = 1.0 / dt**2 + lost
+        later = (2.0 / dt**2 - stiff**2) * slow + (lost - 1.0 / dt**2) * slow_old + blown
+        later = later / heavy
+        angle = (p.angle + p.speed * (time + dt)).ravel()
+        on_wall = np.zeros((count, 3, len(stiff)))
+        if ring is not None:
+            fields = ring.nodal.reshape(len(ring.nodal), 2, 2, -1).swapaxes(1, 2)
+            on_wall[:, :2] = around(fields, ring.element_length, angle)  # w and u
+        flexible = np.einsum("iam,m,jbm->iajb", on_wall, 1.0 / heavy, on_wall)
+        for copy in range(copies):
+            own = slice(copy * nodes, (copy + 1) * nodes)
+            moving = p.contact @ inverse[copy] @ p.contact.T
+            block = p.compliance[copy] if p.massless else moving
+            flexible[own, :, own] += block.reshape(nodes, 3, nodes, 3)
+        moved = np.einsum("ikm,cm->cik", rows, new).reshape(count, 3)
+        change = moved - np.einsum("ikm,cm->cik", rows, now).reshape(count, 3)
+        if p.massless:
+            bent = np.einsum("cij,cj->ci", p.compliance, by_copy.reshape(copies, -1))
+            change = change - bent.reshape(count, 3)
+        change = change - on_wall @ (later - slow)
+        gap = clearance_at(p, angle) + np.tile(p.recess, copies) - moved[:, 0]
+        gap = gap + on_wall[:, 0] @ later
+        rods: list[Rods] = []
+        if p.coating is not None:
+            rods = [Rods(p, strain, i % nodes, float(angle[i])) for i in range(count)]
+        normal, touched = -force[:, 0], gap.min() < 0.0 or bool(rods)
+        for _ in range(9000 if touched else 0):
+            before = normal.copy()
+            ways = np.column_stack([-np.ones(count), -p.friction * direction])
+            answer = np.einsum("iajb,jb->iaj", flexible, ways)
+            for i in range(count):
+                free = gap[i] - answer[i, 0] @ normal + answer[i, 0, i] * normal[i]
+                unit = -answer[i, 0, i]
+                normal[i] = rods[i].force(free, unit) if rods else max(0.0, -free / unit)
+            if p.full_sliding:
+                slip = change[:, 1:] + (answer @ normal)[:, 1:]
+                slip[:, 0] += p.speed * np.tile(p.radius, copies) * dt
+                touching = normal > 0.0
+                direction = direction.copy()
+                length = np.linalg.norm(slip, axis=1)[:, None]
+                direction[touching] = (slip / length)[touching]
+            if np.allclose(normal, before, rtol=1e-13, atol=1e-15):
+                break
+        after = normal[:, None] * ways if touched else np.zeros_like(force)
+        if rods:
+            strain = strain.copy()
+            for i, rod in enumerate(rods):
+                rod.wear(strain, max(0.0, gap[i] - answer[i, 0] @ normal))
+        if not p.massless:
+            answered = np.einsum("ikm,cik->cm", rows, after.reshape(copies, nodes, 3))
+            new = new + np.einsum("cij,cj->ci", inverse, answered)
+        later = later - np.einsum("iam,ia->m", on_wall, after) / heavy
+        old, now, slow_old, slow, force = now, new, slow, later, after
+    return {name: np.array(values) for name, values in out.items()}
