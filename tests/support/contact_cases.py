@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -35,6 +35,7 @@ __all__ = [
     "run_as_reference",
     "run_reference",
     "small_casing",
+    "small_problem",
     "small_rotor",
     "stage_problem",
     "thrown",
@@ -98,14 +99,27 @@ def _values(chunk: Chunk) -> dict[str, FloatArray]:
 
 
 def run_as_reference(
-    given: ContactProblem, dt: float, steps: int
+    given: ContactProblem, dt: float, steps: int, *, cyclic: bool = True
 ) -> tuple[CentralDifferenceState, Chunk]:
     """March with contact, every step being the one that plain NumPy takes."""
     expected = run_reference(given, dt, steps)
     assert expected.contact_impulse.any()
-    state, chunk, _ = run(given, dt, steps)
+    state, chunk, _ = run(given, dt, steps, cyclic=cyclic)
     assert_same(chunk, expected)
     return state, chunk
+
+
+def small_problem(**tables: Any) -> ContactProblem:
+    """A stage of five blades without a load; `tables` replaces tables of the case."""
+    small: dict[str, Any] = {
+        "bladed_disk": {"blades": 5},
+        "casing": {},
+        "reduction": {"fixed_interface_modes": 10},
+        "excitation": {"type": "none"},
+    }
+    case = small | tables
+    case["casing"] = {"elements": 12} | case["casing"]
+    return contact_problem(build_stage(Case(**case)))
 
 
 @cache

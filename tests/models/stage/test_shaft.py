@@ -1,15 +1,11 @@
 """Shafts whose springs differ: turning with the bladed disk, and standing still."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from contact_cases import (
     ledger_residual,
     problem,
-    random_problem,
     run,
-    run_as_reference,
     small_rotor,
     wall,
 )
@@ -144,14 +140,6 @@ def test_a_speed_at_the_suspension_frequency_is_excited_at_the_rate_of_the_swing
     size = np.linalg.norm(chunk.rotor_displacement, axis=1)
     actual = np.log(size[20_000] / size[10_000])
     assert actual == pytest.approx(growth, rel=0.01)
-
-
-@pytest.mark.parametrize("seed", [1, 5])
-def test_every_step_is_the_one_plain_numpy_takes(seed: int) -> None:
-    given = random_problem(seed, speed=30.0)
-    given = replace(given, rotor=replace(given.rotor, anisotropy=2e4))
-    _, chunk = run_as_reference(given, 1e-4, 120)
-    assert np.abs(chunk.coupling_work).max() > 0.0
 
 
 def test_bearings_keep_the_mean_in_the_modes() -> None:

@@ -6,52 +6,22 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contact_cases import assert_same
+from contact_cases import assert_same, small_problem
 
-from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.case.schemes import SchemeName
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.solvers.march.march import Chunk
-from bladewhirl.solvers.march.reference import Reference
 from bladewhirl.solvers.march.scheme import make_scheme
 
 STEP = 2e-6
-SMALL: dict[str, Any] = {
-    "bladed_disk": {"blades": 5},
-    "casing": {"elements": 12},
-    "reduction": {"fixed_interface_modes": 10},
-    "excitation": {"type": "none"},
-}
-SHAPES: dict[str, dict[str, Any]] = {
-    "exponential, lobes": {
-        "amount": 0.1,
-        "time_constant": 1e-2,
-        "lobes": [{"lobes": 2, "amplitude": 0.02, "phase": 0.3}],
-    },
-    "table": {"table": [[0.0, 0.0], [5e-5, 9e-4], [1.5e-4, 1.2e-3], [2.5e-4, 1.25e-3]]},
-}
 
 
 def problem(closure: dict[str, Any] | None, **casing: Any) -> ContactProblem:
-    ring = SMALL["casing"] | casing | ({} if closure is None else {"closure": closure})
-    return contact_problem(build_stage(Case(**SMALL | {"casing": ring})))
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("cyclic", [True, False])
-def test_a_closing_wall_moves_as_in_the_reference(shape: str, cyclic: bool) -> None:
-    given = problem(SHAPES[shape])
-    fast, plain = CentralDifference(given, STEP, 1, cyclic=cyclic), Reference(given, STEP, 1)
-    _, chunk, _ = fast.advance(fast.init(), 150)
-    _, expected, _ = plain.advance(plain.init(), 150)
-    assert expected.contact_impulse.any()
-    assert_same(chunk, expected)
+    return small_problem(casing=casing | ({} if closure is None else {"closure": closure}))
 
 
 @pytest.mark.parametrize("name", ["central-difference", "moreau-jean", "penalty"])
@@ -75,7 +45,9 @@ def test_a_closure_that_does_not_change_is_a_smaller_clearance(name: SchemeName)
 @pytest.mark.parametrize("name", ["central-difference", "moreau-jean", "penalty"])
 def test_the_work_of_a_closing_wall_closes_the_ledger(name: SchemeName) -> None:
     """A wall that pushes tips from rest is the only source of energy."""
-    scheme = make_scheme(problem(SHAPES["exponential, lobes"]), STEP, 1, name)
+    lobes = [{"lobes": 2, "amplitude": 0.02, "phase": 0.3}]
+    closing = {"amount": 0.1, "time_constant": 1e-2, "lobes": lobes}
+    scheme = make_scheme(problem(closing), STEP, 1, name)
     _, chunk, _ = scheme.advance(scheme.init(), 1000)
     put_in = chunk.normal_work + chunk.friction_work
     wall = chunk.normal_work - chunk.closing_work
@@ -101,8 +73,7 @@ def test_free_motion_counts_the_clearance_that_will_be_left() -> None:
         {"clearance": 1e-3},
         {"clearance": 2e-3, "closure": {"amount": 1e-3, "time_constant": 9.0}},
     ):
-        case = Case(**SMALL | {"casing": SMALL["casing"] | casing, "excitation": load})
-        enough.append(FreeMotion.of(contact_problem(build_stage(case)), STEP).enough)
+        enough.append(FreeMotion.of(small_problem(casing=casing, excitation=load), STEP).enough)
     assert enough[0] == pytest.approx(enough[1], rel=0.01)  # of rings of other radii
 
 

@@ -6,20 +6,15 @@ from typing import Literal
 import numpy as np
 import pytest
 from contact_cases import (
-    assert_same,
     ledger_residual,
     problem,
-    random_problem,
     run,
-    run_reference,
     small_casing,
     small_rotor,
     stage_problem,
     thrown,
     wall,
 )
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.interpolate import CubicHermiteSpline
 
 from bladewhirl.models.case.schemes import SCHEMES
@@ -29,25 +24,6 @@ from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.solvers.march.scheme import make_scheme
 
 Sliding = Literal["permanent", "signed"]
-
-
-@settings(max_examples=25)
-@given(
-    seed=st.integers(0, 10**6),
-    tips=st.integers(1, 5),
-    nodes=st.integers(1, 6),
-    sliding=st.sampled_from(["permanent", "signed"]),
-    speed=st.sampled_from([-90.0, -1.0, 0.0, 1.0, 90.0]),
-    tip_rotation=st.booleans(),
-)
-def test_every_step_is_the_one_plain_numpy_takes(
-    seed: int, tips: int, nodes: int, sliding: Sliding, speed: float, tip_rotation: bool
-) -> None:
-    dt, steps = 1e-4, 120
-    given = random_problem(
-        seed, tips=tips, nodes=nodes, sliding=sliding, speed=speed, tip_rotation=tip_rotation
-    )
-    assert_same(run(given, dt, steps)[1], run_reference(given, dt, steps))
 
 
 def test_columns_that_the_displacements_do_not_follow_are_refused() -> None:
