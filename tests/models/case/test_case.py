@@ -14,8 +14,9 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.check import case_from
 from bladewhirl.models.case.excitation import EXCITATIONS, CasingDistortion, Harmonic, Imbalance
-from bladewhirl.models.case.file import with_values
+from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.shaft import Shaft
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
@@ -143,6 +144,7 @@ class TestDimensionalKeys:
         number, text = case_from(tables(key, 10 * size)), case_from(tables(key, f"10 {unit}"))
         assert get(text, key) == pytest.approx(10 * size, rel=1e-15)
         assert get(number, key) == 10 * size
+        assert loads(dumps_case(text)) == text
 
     def test_refuse_negative_and_meaningless_zero(
         self, key: str, unit: str, size: float, zero: bool
@@ -187,7 +189,9 @@ def test_ratios(key: str) -> None:
 @pytest.mark.parametrize("key", CHOICES)
 def test_choices(key: str) -> None:
     for choice in CHOICES[key]:
-        assert get(case_from(tables(key, choice)), key) == choice
+        case = case_from(tables(key, choice))
+        assert get(case, key) == choice
+        assert loads(dumps_case(case)) == case
     for value in ("other", 1, True, [CHOICES[key][0]]):
         line = fault_of(key, value)
         assert all(f'"{choice}"' in line for choice in CHOICES[key])

@@ -1,14 +1,10 @@
 """Representation of a case and handy units."""
 
-from pathlib import Path
-
 import pytest
 
 import bladewhirl as bw
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.inputs.units import handy, handy_unit, to_si
-
-EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
 def small_sketch() -> bw.Sketch:
@@ -42,13 +38,6 @@ def test_default_blades_are_not_shown_beside_a_sketch() -> None:
     assert loads(text) == case
     before = f"{text}[bladed_disk]\nblades = 22\n"  # earlier versions wrote its defaults
     assert loads(before) == case
-
-
-@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
-def test_examples_fit_on_a_screen(path: Path) -> None:
-    lines = repr(bw.read_case(path)).splitlines()
-    assert len(lines) <= 12
-    assert max(map(len, lines)) <= 80
 
 
 @pytest.mark.parametrize(

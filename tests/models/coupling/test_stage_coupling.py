@@ -9,8 +9,6 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.shaft import Shaft
 from bladewhirl.models.coupling.stage_modes import StageModes, stage_modes
 from bladewhirl.models.modal.full_stage import modal_stage
-from bladewhirl.solvers.stability.floquet import coupled_floquet
-from bladewhirl.solvers.stability.growth import growth_rate
 from bladewhirl.solvers.stability.zones import unstable_zones
 
 
@@ -80,22 +78,6 @@ def test_all_modes_have_zones_at_their_own_coincidence_speeds() -> None:
         },
         abs=1e-4,
     )
-
-
-@pytest.mark.parametrize(("speed", "unstable"), [(0.85, [2]), (1.121, [1, 4])])
-def test_monodromy_of_all_modes_agrees_with_the_autonomous_form(
-    speed: float, unstable: list[int]
-) -> None:
-    """The larger system of all nodal diameters and families, damped, at kappa = 800 N/m."""
-    omega, kappa = speed * reference(), 800.0
-    whole = stage(0.001).with_unit_amplitudes().modes
-    turns = coupled_floquet(whole, speed=omega, kappa=kappa)
-    assert [
-        k for k, turn in zip(whole.harmonics, turns, strict=True) if turn.growth > 0.0
-    ] == unstable
-    for k, turn in zip(whole.harmonics, turns, strict=True):
-        growth = growth_rate(whole.harmonic(k), speed=omega, kappa=kappa)
-        assert turn.growth == pytest.approx(growth, rel=1e-6, abs=1e-6 * reference())
 
 
 def test_physical_amplitudes_weaken_the_coupling() -> None:
