@@ -119,7 +119,7 @@ def test_a_slightly_uneven_stage_is_near_the_even_one() -> None:
 
 
 def test_bearings_that_stand_still_excite_whirl_at_the_suspension_frequency() -> None:
-    """b^4 - 4 w^2 b^2 = (d/m)^2 of a rigid rotor that turns at w, see tests of the shaft."""
+    """b^4 - 4 w^2 b^2 = (d/m)^2 of a rigid rotor that turns at w."""
     mass, natural, swing = 2.0, 100.0, 2e3
     system = CoupledEquations(
         name=("x", "y"),

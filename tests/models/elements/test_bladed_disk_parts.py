@@ -4,20 +4,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
-from scipy.special import iv, jv
-from stages import beam, clamped, natural_frequencies, observed_order, steel
+from stages import natural_frequencies
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.check import case_from
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.case.template import dumps_case
-from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import case_beam_model, case_bladed_disk
 from bladewhirl.models.geometry.beam_model import BeamModel
-from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.sections.rectangular import Material, Section
 
 
 def disk(*, clamped: bool = False, **tables: Any) -> BladedDiskModel:
@@ -40,23 +36,6 @@ def along_blade(shown: BeamModel, blade: int) -> FloatArray:
         node = int(lines[lines[:, 0] == node, 1][0])
         chain.append(node)
     return shown.mesh.points[chain]
-
-
-def test_a_wedge_vibrates_as_kirchhoff_found() -> None:
-    """w = x^(-1/2) (J1 + I1 terms) of 2 k sqrt(x): J1 I2 + I1 J2 = 0 at z, omega ~ z^2 / 4."""
-
-    def equation(z: float) -> float:
-        return float(jv(1, z) * iv(2, z) + iv(1, z) * jv(2, z))
-
-    factor = brentq(equation, 4.0, 5.0) ** 2 / 4.0
-    assert factor == pytest.approx(5.315, abs=1e-3)  # as tabulated
-    section = steel(0.05)
-    exact = factor * np.sqrt(section.bending_stiffness / section.line_mass)
-    thin = Section(width=0.1, thickness=1e-12, material=Material())
-    lowest = [natural_frequencies(clamped(beam([section, thin], n)))[0] for n in (5, 10, 20, 40)]
-    errors = np.array(lowest) / exact - 1.0
-    assert abs(errors[1]) < 1e-5
-    np.testing.assert_allclose(observed_order(errors), 4.0, atol=0.3)
 
 
 def test_a_taper_runs_from_root_to_tip_through_cuts() -> None:
@@ -179,25 +158,6 @@ def test_a_rim_is_joined_by_its_springs_alone() -> None:
     assert np.isclose(actual, expected, rtol=1e-4).sum() == 2
     with pytest.raises(CaseError, match=r"a mass at radius = 0"):
         disk(disk_kind="rim")
-
-
-def test_a_ring_of_straight_beams_vibrates_as_a_ring() -> None:
-    """omega^2 = EI k^2 (k^2 - 1)^2 / (rho A R^4 (k^2 + 1)) without extension, R/h = 200."""
-    section, radius = steel(0.005), 1.0
-    sketch = Sketch(60)
-    sketch.node("centre", 0.0, shared=True)
-    sketch.node("ring", radius)
-    sketch.member("ring", "ring", "ring+1", section)
-    sketch.spring("ring", "centre", radial=1e-3, tangential=1e-3)
-    sketch.mass("centre", 1.0)
-    sketch.set("centre", "centre")
-    sketch.set("tips", "ring")
-    body = assemble_bladed_disk(sketch.build(), shaft_stiffness=1e-3, clamped=True)
-    actual = natural_frequencies(body)[3:]
-    k = np.repeat(np.arange(2, 6), 2)
-    scale = section.bending_stiffness / (section.line_mass * radius**4)
-    expected = np.sqrt(scale * k**2 * (k**2 - 1.0) ** 2 / (k**2 + 1.0))
-    np.testing.assert_allclose(actual[:8], expected, rtol=5e-3)
 
 
 def test_mistuning_by_lists() -> None:

@@ -2,21 +2,18 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy.linalg as la
 from faults import faults
-from scipy.optimize import brentq
 from stages import beam, bladed_disk, clamped, natural_frequencies, steel, translation
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements.bladed_disk import assemble_bladed_disk
-from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.sections.rectangular import Section
 
@@ -110,22 +107,6 @@ def test_a_quarter_arc_under_a_load_at_its_end() -> None:
     assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.2)
 
 
-def test_a_point_mass_at_the_end_of_a_cantilever() -> None:
-    """cos cosh + 1 + r b (cos sinh - sin cosh) = 0 with r = m / (rho A L)."""
-    section, mass = steel(0.01), 5.0
-    sketch = beam(section, 20)
-    sketch.mass("end", mass)
-    ratio = mass / section.line_mass
-
-    def equation(b: float) -> float:
-        c, s, ch, sh = np.cos(b), np.sin(b), np.cosh(b), np.sinh(b)
-        return float(c * ch + 1.0 + ratio * b * (c * sh - s * ch))
-
-    wave = np.sqrt(section.bending_stiffness / section.line_mass)
-    expected = [wave * brentq(equation, *bracket) ** 2 for bracket in ((0.5, 2.0), (3.5, 4.6))]
-    np.testing.assert_allclose(natural_frequencies(clamped(sketch))[:2], expected, rtol=2e-6)
-
-
 def test_rotary_inertia_of_a_mass() -> None:
     """A light beam with a heavy disk at its end: the 2 x 2 eigenproblem of the end alone."""
     section = Section(width=0.1, thickness=0.01, young_modulus=2.1e11, density=1e-6)
@@ -181,19 +162,6 @@ def test_springs_act_between_nodes_and_to_the_frame() -> None:
     field = translation(disk, 1.0, 0.0)
     expected = 10.0 * 1.5 + 20.0 * 1.5  # cos^2 and sin^2 over three blades
     assert field @ added @ field == pytest.approx(expected, rel=1e-6)
-
-
-def test_the_same_disk_from_one_sector_and_from_all_drawn_out() -> None:
-    """A mesh without sectors, and yet the same machine."""
-    sketch = star(4)
-    sketch.member("rim", "root", "root+1", steel(0.02), elements=2)
-    drawn = sketch.build()
-    bare: BeamModel = replace(drawn, mesh=replace(drawn.mesh, sectors=None))
-    one = assemble_bladed_disk(drawn, shaft_stiffness=1e7, clamped=False)
-    other = assemble_bladed_disk(bare, shaft_stiffness=1e7, clamped=False)
-    assert one.structure.is_cyclic
-    assert not other.structure.is_cyclic
-    np.testing.assert_allclose(natural_frequencies(one), natural_frequencies(other), rtol=1e-12)
 
 
 def _loose(sketch: Sketch) -> None:

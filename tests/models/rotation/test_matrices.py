@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg as la
-from stages import bladed_disk, observed_order, oracle, steel, translation
+from stages import bladed_disk, steel, translation
 
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.cyclic import SectorLayout
@@ -22,7 +22,6 @@ from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.rotation.waves import internal_growth
 from bladewhirl.models.rotation.whirl_modes import WhirlModes, directions, travelling, whirl_modes
 from bladewhirl.models.sections.rectangular import Section
-from bladewhirl.studies.verification.rotation import cantilevers
 
 THREAD = Section(width=1e-4, thickness=1e-4, young_modulus=1.0, density=1e-3)
 
@@ -106,36 +105,6 @@ def test_a_pendulum_on_a_rigid_link() -> None:
         assert square == pytest.approx(
             (2e3 + omega**2 * 2.0 * 0.4 * 0.1) / (2.0 * 0.1**2), rel=1e-5
         )
-
-
-@pytest.mark.parametrize("row", oracle("rotation")["cantilevers"]["flapwise"], ids=str)
-def test_cantilevers_without_coriolis(row: dict[str, Any]) -> None:
-    """Flapwise is out of plane, without spin softening: w_f^2 = w_c^2 + Omega^2."""
-    errors = []
-    for elements in (6, 12):
-        disk, time = cantilevers(row["delta"], 1e3, elements)
-        structure = rotation_matrices(disk).at_speed(row["gamma"] / time, "centrifugal")
-        assert structure.layout is not None
-        (_, (mass, stiffness)), *_ = structure.layout.blocks(structure.mass, structure.stiffness)
-        squares = la.eigvalsh(stiffness, mass, subset_by_index=(0, 1)) * time**2
-        np.testing.assert_allclose(np.sqrt(squares), row["chordwise_no_coriolis"][:2], rtol=5e-3)
-        flapwise = np.sqrt(squares + row["gamma"] ** 2)
-        errors.append(np.abs(flapwise / row["flapwise"][:2] - 1.0))
-    assert errors[1].max() < 3e-4
-    assert observed_order(np.array(errors)).min() > 3.5
-
-
-@pytest.mark.parametrize("row", oracle("rotation")["cantilevers"]["chordwise"], ids=str)
-def test_cantilevers_with_coriolis(row: dict[str, Any]) -> None:
-    """Coriolis couples bending to stretching, whose linear elements converge with second order."""
-    errors = []
-    for elements in (20, 40):
-        disk, time = cantilevers(row["delta"], row["alpha"], elements)
-        modes = whirl_modes(rotation_matrices(disk).at_speed(row["gamma"] / time, "full"))
-        actual = modes.frequency[modes.nodal_diameter == 0][:2] * time
-        errors.append(np.abs(actual / row["frequencies"][:2] - 1.0))
-    assert errors[1].max() < 1e-3
-    assert observed_order(np.array(errors)).min() > 1.8
 
 
 @pytest.mark.parametrize("effects", ["centrifugal", "full"])

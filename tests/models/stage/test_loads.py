@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from contact_cases import run
 from stages import stage
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.models.stage.loads import (
     excitation_loads,
@@ -143,29 +141,6 @@ def test_a_harmonic_force_in_either_frame() -> None:
         np.testing.assert_allclose(force, [size, 0.0], atol=1e-8)
 
 
-RIGID = (
-    "bladed_disk.blades=4",
-    "bladed_disk.elements_per_blade=1",
-    "bladed_disk.tip_radius=0.1",
-    "bladed_disk.blade.thickness=0.05",
-    "bladed_disk.disk.thickness=0.05",
-    "shaft.stiffness=1e6",
-    "casing.clearance=0.04",
-    "casing.elements=8",
-    "reduction.fixed_interface_modes=4",
-    "damping.ratio=0.0",
-    "march.speed=300 rad/s",
-)
-"""A rotor far stiffer than its springs, far from its casing."""
-
-
-def marched(given: Stage) -> tuple[FloatArray, FloatArray]:
-    """Times and displacements of the centre, (records, 2), for 50 ms."""
-    _, chunk, end = run(contact_problem(given), 1e-6, 50_000, every=100)
-    assert end is None
-    return chunk.time, chunk.rotor_displacement @ given.rotor.centre.T
-
-
 def test_excitations_of_a_list_act_together_and_a_list_of_one_changes_nothing() -> None:
     tables = [
         '{type = "casing-distortion"}',
@@ -183,41 +158,6 @@ def test_excitations_of_a_list_act_together_and_a_list_of_one_changes_nothing() 
             np.testing.assert_array_equal(load.casing, other.casing)
             assert (load.end, load.ramp, load.frequency) == (other.end, other.ramp, other.frequency)
     assert unbalance(together) == 0.5
-
-
-def test_a_rigid_rotor_under_a_static_harmonic_force() -> None:
-    """m x'' + k x = F cos(omega t) R(-Omega t) e_x from rest, solved by hand."""
-    given = on_support(*RIGID, HARMONIC)
-    time, actual = marched(given)
-    mass = given.disk.model.mass
-    natural = np.sqrt(1e6 / mass)
-    expected = np.zeros_like(actual)
-    for rate in (300.0 + 66.0 * np.pi, 300.0 - 66.0 * np.pi):
-        size = 0.5 * 700.0 / mass / (natural**2 - rate**2)
-        expected[:, 0] += size * (np.cos(rate * time) - np.cos(natural * time))
-        expected[:, 1] -= size * (np.sin(rate * time) - rate / natural * np.sin(natural * time))
-    assert abs(expected).max() > 1e-4
-    np.testing.assert_allclose(actual, expected, atol=1e-4 * abs(expected).max())
-
-
-def test_a_rigid_rotor_set_off_by_initial_values() -> None:
-    """x(t) = x_0 cos(omega t) + v_0 / omega sin(omega t): all of the rotor moves together."""
-    centre = {"displacement": np.array([1e-3, -2e-3]), "velocity": np.array([0.5, 0.8])}
-    angles = 2.0 * np.pi * np.arange(4) / 4
-    initial = []
-    for name, (x, y) in centre.items():
-        radial = x * np.cos(angles) + y * np.sin(angles)
-        tangential = y * np.cos(angles) - x * np.sin(angles)
-        initial.append(f"initial.centre_{name}={[float(x), float(y)]}")
-        tips = np.column_stack([radial, tangential]).tolist()
-        initial.append(f"initial.tip_{name}={tips}")
-    given = on_support(*RIGID, *initial)
-    time, actual = marched(given)
-    natural = np.sqrt(1e6 / given.disk.model.mass)
-    expected = np.cos(natural * time)[:, None] * centre["displacement"]
-    expected += np.sin(natural * time)[:, None] * centre["velocity"] / natural
-    # The rim is a polygon and roots turn with the rotor only nearly: shapes are rigid to 1e-4.
-    np.testing.assert_allclose(actual, expected, atol=2e-4 * abs(expected).max())
 
 
 @pytest.mark.parametrize("clamped", [False, True])

@@ -2,21 +2,11 @@
 
 import numpy as np
 import pytest
-from contact_cases import (
-    ledger_residual,
-    problem,
-    run,
-    small_rotor,
-    wall,
-)
 from places import EXAMPLES
-from scipy.integrate import solve_ivp
-from stages import SMALL, observed_order, stage
+from stages import SMALL, stage
 
-from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.modal.modes import suspension_pair
-from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.loads import imbalance_force
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.studies.runs.properties import stage_properties
@@ -82,62 +72,6 @@ def test_the_example_pulls_along_the_softer_spring() -> None:
     speed = 0.95 * actual.reference_frequency
     force = imbalance_force(actual) * (speed / actual.speed) ** 2
     assert force / x == pytest.approx(1e-3, rel=1e-3)
-
-
-def rigid(x: float, y: float, mass: float, speed: float) -> ContactProblem:
-    """A rigid rotor on springs that stand still, in its two translations."""
-    mean = 0.5 * (x + y)
-    rotor = small_rotor(
-        np.full(2, np.sqrt(mean / mass)),
-        tip_radial=np.array([[1.0, 0.0]]) / np.sqrt(mass),
-        tip_tangential=np.array([[0.0, 1.0]]) / np.sqrt(mass),
-        centre=np.eye(2) / np.sqrt(mass),
-        anisotropy=0.5 * (x - y),
-    )
-    start = {
-        "rotor": np.array([1e-3, 2e-4]) * np.sqrt(mass),
-        "rotor_velocity": np.array([0.05, -0.1]) * np.sqrt(mass),
-    }
-    return problem(rotor, wall(1e6), start=start, speed=speed)
-
-
-@pytest.mark.parametrize("speed", [0.0, 80.0])
-def test_springs_that_stand_still_swing_in_rotating_axes(speed: float) -> None:
-    """Against the motion by scipy: force of the ground's springs, turned forth and back."""
-    x, y, mass, end = 3e4, 1e4, 2.0, 0.2
-    given = rigid(x, y, mass, speed)
-    root = np.sqrt(mass)
-
-    def rates(time: float, state: FloatArray) -> FloatArray:
-        cos, sin = np.cos(speed * time), np.sin(speed * time)
-        turn = np.array([[cos, -sin], [sin, cos]])
-        pull = -turn.T @ (np.array([x, y]) * (turn @ state[:2]))
-        return np.concatenate([state[2:], pull / mass])
-
-    begin = np.concatenate([given.start.rotor, given.start.rotor_velocity]) / root
-    exact = solve_ivp(rates, (0.0, end), begin, rtol=1e-11, atol=1e-14).y[:2, -1]
-    errors = []
-    for steps in (1000, 2000, 4000):
-        _, chunk, _ = run(given, end / steps, steps)
-        errors.append(np.abs(chunk.rotor_displacement[-1] / root - exact).max())
-        assert ledger_residual(chunk) < 1e-10
-        assert chunk.coupling_work.any() == (speed != 0.0)
-    assert errors[-1] < 1e-3 * np.abs(exact).max()
-    np.testing.assert_allclose(observed_order(np.array(errors)), 2.0, atol=0.05)
-
-
-def test_a_speed_at_the_suspension_frequency_is_excited_at_the_rate_of_the_swing() -> None:
-    """Motions exp(i b t) of the static frame obey (w^2 - (b - W)^2) (w^2 - (b + W)^2) = (d/m)^2.
-
-    With the speed W = w this is b^4 - 4 w^2 b^2 = (d/m)^2, and one b is imaginary.
-    """
-    x, y, mass = 2.2e4, 1.8e4, 2.0
-    natural, swing = np.sqrt(2e4 / mass), 2e3 / mass
-    growth = np.abs(np.roots([1.0, 0.0, -4.0 * natural**2, 0.0, -(swing**2)]).imag).max()
-    _, chunk, _ = run(rigid(x, y, mass, natural), 1e-4, 20_000)
-    size = np.linalg.norm(chunk.rotor_displacement, axis=1)
-    actual = np.log(size[20_000] / size[10_000])
-    assert actual == pytest.approx(growth, rel=0.01)
 
 
 def test_bearings_keep_the_mean_in_the_modes() -> None:
