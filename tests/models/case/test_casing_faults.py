@@ -6,6 +6,7 @@ from faults import fault
 from bladewhirl.models.case.check import case_from
 
 LOBES = {"lobes": 2, "amplitude": 1e-4}
+SHRINKING = {"amount": 1e-4, "time_constant": 1.0}
 TURN = [{"angle": 0, "thickness": 0.01}, {"angle": "1 turn", "thickness": 0.02}]
 
 
@@ -37,6 +38,18 @@ TURN = [{"angle": 0, "thickness": 0.01}, {"angle": "1 turn", "thickness": 0.02}]
         (
             {"struts": [{"angle": 0.0, "length": 1.0, "inclination": "90 deg"}]},
             "casing.struts[0].inclination",
+        ),
+        ({"closure": {}}, "closure.amount = 0.0: expected a closure other than zero, or a table"),
+        ({"closure": {"amount": 1e-4}}, "closure.time_constant: expected a time"),
+        ({"closure": SHRINKING | {"table": [[0, 1e-4]]}}, "either a table or an"),
+        ({"closure": {"table": [[1.0, 1e-4], [0.5, 1e-4]]}}, ": expected rows in ascending"),
+        (
+            {"closure": SHRINKING | {"amount": -2e-3}},
+            "widens the gap by less than casing.clear",
+        ),
+        (
+            {"elements": 12, "closure": SHRINKING | {"lobes": [{"lobes": 9, "amplitude": 1e-5}]}},
+            ": expected at most 3 lobes",
         ),
     ],
 )

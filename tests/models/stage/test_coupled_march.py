@@ -1,32 +1,25 @@
 """Marches with springs between rotor and casing: Eqs (8)-(10), against plain NumPy."""
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 from contact_cases import ledger_residual, run, run_as_reference, thrown
 from faults import faults
+from stages import stage
 
-from bladewhirl.models.case.file import loads
 from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.stage import Stage, build_stage
 
 COARSE = ("reduction.fixed_interface_modes=22", "casing.elements=20")
 POINT = ("march.speed=1.17", "coupling.stiffness=500")
 """The paper's example point: Figs 11 and 14."""
 
 
-@cache
-def stage(*overrides: str) -> Stage:
-    """A coarse stage on the soft support of the modal work."""
-    return build_stage(loads("", overrides=[*COARSE, *POINT, *overrides]))
-
-
 def problem(*overrides: str) -> ContactProblem:
-    return contact_problem(stage(*overrides))
+    """A coarse stage on the soft support of the modal work."""
+    return contact_problem(stage(*COARSE, *POINT, *overrides))
 
 
 def springs(given: ContactProblem) -> CouplingSprings:

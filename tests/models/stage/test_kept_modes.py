@@ -1,10 +1,10 @@
 """Marches in some of a stage's modes: names, projection, and the paper's six-mode space."""
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
+import stages
 from contact_cases import assert_same, ledger_residual, run, run_as_reference, thrown
 from faults import fault
 
@@ -12,7 +12,7 @@ from bladewhirl.models.case.file import loads
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.loads import radial_mode
-from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
@@ -20,10 +20,9 @@ from bladewhirl.studies.runs.recorded_march import march_in_memory
 CONTACT = ("casing.support=7.975e6", "reduction.fixed_interface_modes=22", "casing.elements=20")
 
 
-@cache
 def stage(modes: str, *overrides: str) -> Stage:
     """A coarse stage for contact simulations that keeps some modes."""
-    return build_stage(loads("", overrides=[*CONTACT, *overrides, f"reduction.modes={modes}"]))
+    return stages.stage(*CONTACT, *overrides, f"reduction.modes={modes}")
 
 
 def kept(modes: str) -> tuple[set[tuple[str, int]], set[tuple[str, int]]]:
