@@ -178,6 +178,44 @@ class Rods:
         strain[self._track, self._under] = self.pressed(gap)[1]
 
 
+def contact_forces(
+    p: BoundaryProblem,
+    flexible: FloatArray,
+    gap: FloatArray,
+    change: FloatArray,
+    force: FloatArray,
+    direction: FloatArray,
+    rods: list[Rods],
+) -> tuple[FloatArray, FloatArray]:
+    """Contact forces and directions of friction after a step, by Gauss-Seidel iterations.
+
+    Args:
+        p: problem.
+        flexible: displacements for unit forces [m/N], (nodes, 3, nodes, 3).
+        gap: gaps without forces [m], (nodes,).
+        change: slip on the wall in the step without forces [m], (nodes, 3).
+        force: forces before the step [N], (nodes, 3).
+        direction: directions of friction before the step, (nodes, 2).
+        rods: rods under each node, empty without a coating.
+    """
+    normal, direction = -force[:, 0], direction.copy()
+    for _ in range(9000):
+        before = normal.copy()
+        ways = np.column_stack([-np.ones(len(gap)), -p.friction * direction])
+        answer = np.einsum("iajb,jb->iaj", flexible, ways)
+        for i, unit in enumerate(-np.diag(answer[:, 0])):
+            free = gap[i] - answer[i, 0] @ normal - unit * normal[i]
+            normal[i] = rods[i].force(free, unit) if rods else max(0.0, -free / unit)
+        if p.full_sliding:
+            slip = change[:, 1:] + (answer @ normal)[:, 1:]
+            touching = normal > 0.0
+            length = np.linalg.norm(slip, axis=1)[:, None]
+            direction[touching] = (slip / length)[touching]
+        if np.allclose(normal, before, rtol=1e-13, atol=1e-15):
+            break
+    return normal[:, None] * ways, direction
+
+
 def plain(p: BoundaryProblem, dt: float, steps: int) -> dict[str, FloatArray]:
     """March in NumPy only: dense products, and Gauss-Seidel iterations for all nodes together."""
     copies, nodes = p.angle.shape
@@ -229,34 +267,20 @@ def plain(p: BoundaryProblem, dt: float, steps: int) -> dict[str, FloatArray]:
             bent = np.einsum("cij,cj->ci", p.compliance, by_copy.reshape(copies, -1))
             change = change - bent.reshape(count, 3)
         change = change - on_wall @ (later - slow)
+        change[:, 1] += p.speed * np.tile(p.radius, copies) * dt
         gap = clearance_at(p, angle) + np.tile(p.recess, copies) - moved[:, 0]
         gap = gap + on_wall[:, 0] @ later
         rods: list[Rods] = []
         if p.coating is not None:
             rods = [Rods(p, strain, i % nodes, float(angle[i])) for i in range(count)]
-        normal, touched = -force[:, 0], gap.min() < 0.0 or bool(rods)
-        for _ in range(9000 if touched else 0):
-            before = normal.copy()
-            ways = np.column_stack([-np.ones(count), -p.friction * direction])
-            answer = np.einsum("iajb,jb->iaj", flexible, ways)
-            for i in range(count):
-                free = gap[i] - answer[i, 0] @ normal + answer[i, 0, i] * normal[i]
-                unit = -answer[i, 0, i]
-                normal[i] = rods[i].force(free, unit) if rods else max(0.0, -free / unit)
-            if p.full_sliding:
-                slip = change[:, 1:] + (answer @ normal)[:, 1:]
-                slip[:, 0] += p.speed * np.tile(p.radius, copies) * dt
-                touching = normal > 0.0
-                direction = direction.copy()
-                length = np.linalg.norm(slip, axis=1)[:, None]
-                direction[touching] = (slip / length)[touching]
-            if np.allclose(normal, before, rtol=1e-13, atol=1e-15):
-                break
-        after = normal[:, None] * ways if touched else np.zeros_like(force)
+        after = np.zeros_like(force)
+        if gap.min() < 0.0 or rods:
+            after, direction = contact_forces(p, flexible, gap, change, force, direction, rods)
         if rods:
             strain = strain.copy()
-            for i, rod in enumerate(rods):
-                rod.wear(strain, max(0.0, gap[i] - answer[i, 0] @ normal))
+            apart = gap - np.einsum("ijb,jb->i", flexible[:, 0], after)
+            for rod, distance in zip(rods, apart.tolist(), strict=True):
+                rod.wear(strain, max(0.0, distance))
         if not p.massless:
             answered = np.einsum("ikm,cik->cm", rows, after.reshape(copies, nodes, 3))
             new = new + np.einsum("cij,cj->ci", inverse, answered)
