@@ -20,13 +20,13 @@ import sys
 import tempfile
 import traceback
 import warnings
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 from unittest import mock
 
 import h5py
 import numpy as np
+from places import DATA, EXAMPLES
 from small_run import COMMAND, SMALL, small
 
 from bladewhirl.meshes.files.registry import WRITERS
@@ -35,12 +35,8 @@ from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.studies.commands.cli import app, main
 
-ROOT = Path(__file__).parents[2]
 SECONDS, BYTES, FILE_BYTES = 30, 6 * 2**30, 2**28
-"""What a command may take: of the processor (twenty times that on the clock), memory and disk."""
-
-RECORDED = {"march.record_step": 2e-5, "march.duration": 0.002}
-"""Values of the run, and of the case, that inputs begin with."""
+"""Limits of a command: processor time (twenty times that on the clock), memory and disk."""
 
 SHORT = "march = { speed = 1.05, time_step = 2e-6, record_step = 2e-5, duration = 4e-4 }"
 
@@ -49,12 +45,24 @@ VALUES: tuple[Any, ...] = (
     *(0.0, -0.0, 0.5, -1.5, 1e-300, 5e-324, 1e-9, 1e9, 1e299, 1.7e308, -1e308),
     *(float("nan"), float("inf"), -float("inf")),
     *("", "a", "1 mm", "120 mm", "-3 mm", "1e400 mm", "2500 rpm", "nan Hz", "inf", "1 kg", "m"),
-    *("all six free 1F:1 casing:99 none imbalance harmonic \x00 ü\u202e".split(" ")),
+    *"all six free 1F:1 casing:99 none imbalance harmonic \x00 ü\u202e".split(" "),
     *([], {}, [1], ["a"], [[0.0, 1.0]], [{}], {"a": 1}, {"width": "120 mm"}, [[[]]]),
 )
+"""Values of a case or of a JSON document."""
 
 FACTORS = (0, -1, 1e-300, 1e-12, 1e-3, 0.3, 0.9, 1.1, 2, 3, 4, 1e3, 1e12, 1e300)
-"""What numbers of a case are multiplied by."""
+"""Multipliers of numbers of a case or of a JSON document."""
+
+TOKENS = ("1e400", "1e300", "nan", "-1", "0", "7", "99999999999", "\n", '"', "\xff")
+"""Words that replace bytes or numbers of a file."""
+
+STORED: dict[str, tuple[Any, ...]] = {
+    "f": (np.nan, np.inf, -1.0, 1e300, 0.0, 999.0),
+    "i": (-1, 0, 99, 127),
+    "O": ("nothing",),
+    "": ("fast", "", np.nan, np.inf, -1, 0, 999, 1e300, b"\xff", []),
+}
+"""Values of a netCDF file by the kind of the array; those of attributes under ""."""
 
 WORDS = (
     *("0", "1", "-1", "3", "1e300", "nan", "inf", "-inf", "1e-300", "99999999999", "x", "", " "),
@@ -65,139 +73,123 @@ WORDS = (
 )
 """Arguments of options."""
 
-MODAL = (
-    *("show", "show --case", "modes --json --count 9", "mesh", "mesh -o out.vtu"),
-    *("mesh -o out.inp", "campbell --json", "veering --json"),
-    "stability --json --speed 1.1 --kappa 300",
-    "stability --json --speeds 0.9:1.2:3 --kappas 0:300:2",
-    "sweep --over march.speed=1,2 --dry",
-)
-"""Commands on a case."""
-
 READING = (
     *("plot run orbit", "plot run energy -o p.png", "plot run gaps", "plot run spectrum --data"),
     *("plot run contact-phase", "plot run stress", "plot run regime", "plot run whirl"),
     *("plot run energy-families", "export run --frames 2 -o s", "export run --frames 2 --surface"),
     *("report run", "run --resume run --frames 0", "run --resume run --set march.duration=0.003"),
 )
-"""Commands on a run."""
 
+COMMANDS = {
+    "case": (
+        *("show case.toml", "show case.toml --case", "modes case.toml --json --count 9"),
+        *("mesh case.toml", "mesh case.toml -o out.vtu", "mesh case.toml -o out.inp"),
+        *("campbell case.toml --json", "veering case.toml --json"),
+        "stability case.toml --json --speed 1.1 --kappa 300",
+        "stability case.toml --json --speeds 0.9:1.2:3 --kappas 0:300:2",
+        "sweep case.toml --over march.speed=1,2 --dry",
+    ),
+    "mesh": ("show case.toml --json", "modes case.toml --json"),
+    "result": READING,
+    "sweep": ("plot sweep", "plot sweep frequency-map", "report sweep", "plot sweep regimes"),
+    "options": READING,
+}
+"""Commands by the kind of input."""
 
-SWEEP = ("plot sweep", "plot sweep frequency-map", "report sweep", "plot sweep regimes")
-"""Commands on a sweep."""
-
-
-class Finding(NamedTuple):
-    """An input that ended in something else than an answer or a sentence."""
-
-    number: int
-    arguments: list[str]
-    fault: str
-    told: str  #: the last lines of standard error
+FILES = {
+    "result": (
+        *("result.nc",) * 8,
+        *("checkpoint.npz", "case.toml", "summary.json", "provenance.json"),
+    ),
+    "sweep": ("sweep.nc", "sweep.nc", "sweep.json", "failures.json"),
+}
+"""Files of a run and of a sweep, by how often they are spoiled."""
 
 
 class Makers:
-    """Inputs of all kinds, by number; what they begin with is made once, in a folder.
+    """Inputs of all kinds, by number; the files that they begin with are made once, in a folder.
 
     Args:
-        base: folder for it.
+        base: the folder.
     """
 
     def __init__(self, base: Path) -> None:
         self._base = base
-        files = sorted((ROOT / "examples").glob("*.toml"))
-        self._tables = [_small(read_case(file).model_dump(exclude_none=True)) for file in files]
-        self._tables.append(small().model_dump(exclude_none=True))
-        self._tables.append(
-            read_case(ROOT / "tests/data/sketch_stage.toml").model_dump(exclude_none=True)
-        )
-        self._keys = sorted({key for tables in self._tables for key in _keys(tables)})
+        files = [*sorted(EXAMPLES.glob("*.toml")), DATA / "sketch_stage.toml"]
+        cases = [*map(read_case, files), small()]
+        self._tables = [cheap(case.model_dump(exclude_none=True)) for case in cases]
 
     def prepare(self, kind: str) -> None:
-        """Make what inputs of a kind begin with, and load what their commands need."""
-        (self._base / "case.toml").write_text(dumps_case(small(**RECORDED)))
+        """Make the files that inputs of a kind begin with, and load the modules of commands."""
+        recorded = {"march.record_step": 2e-5, "march.duration": 0.002}
+        (self._base / "case.toml").write_text(dumps_case(small(**recorded)))
         meshes = self._base / "meshes"
-        shutil.copytree(ROOT / "tests/data/meshes", meshes)
-        shutil.copy(ROOT / "examples/shrouded_fan.msh", meshes)
+        shutil.copytree(DATA / "meshes", meshes)
+        shutil.copy(EXAMPLES / "shrouded_fan.msh", meshes)
         with contextlib.chdir(self._base):
             for suffix in WRITERS:
                 call(["mesh", "case.toml", "-o", f"meshes/disk{suffix}"])
-            call(["run", "case.toml", "--frames", "2", "-o", "run"])
+            call(["run", "case.toml", "--frames", "2", "-o", "result"])
             if kind == "sweep":  # pools leave threads behind, which forks don't go with
                 over = "sweep case.toml --over march.speed=1,1.1 -o sweep --workers 1 --yes"
                 given = [sys.executable, "-c", COMMAND, *over.split(), "--set", SHORT]
                 subprocess.run(given, check=True, capture_output=True)
-            shutil.copytree("run", "used")
-            warm = {"case": MODAL, "mesh": MODAL[:5], "sweep": SWEEP}.get(kind, READING)
-            for words in warm:
-                command, *rest = words.replace(" run", " used").split()
-                call([command, *(["case.toml"] if words in MODAL else []), *rest])
+                failures = [{"point": 1, "march.speed": 1.1, "reason": "why"}]
+                Path("sweep/failures.json").write_text(json.dumps(failures))
+            shutil.copytree("result", "run")
+            for words in COMMANDS[kind]:
+                call(words.split())
 
     def case(self, chance: random.Random, folder: Path) -> list[str]:
-        """A case with other values, or other bytes."""
+        """A case with other values or tables, or other bytes."""
         tables = json.loads(json.dumps(chance.choice(self._tables)))
-        own = sorted(_keys(tables))
         for _ in range(chance.choice((1, 1, 2, 3))):
-            _change(tables, chance.choice(own if chance.random() < 0.8 else self._keys), chance)
-        words = chance.choice((*MODAL, "run --frames 0 --json -o run", "run --frames 0 -o run"))
+            if chance.random() < 0.8:
+                change(tables, chance)
+            else:
+                other = chance.choice(self._tables)
+                name = chance.choice(sorted(other))
+                tables[name] = json.loads(json.dumps(other[name]))
         text = "\n".join(f"{key} = {toml_value(value)}" for key, value in tables.items()).encode()
-        if chance.random() < 0.2:
-            text = mutated(text, chance)
-        (folder / "case.toml").write_bytes(text)
-        command, *rest = words.split()
-        march = ["--set", SHORT] if command == "run" and chance.random() < 0.8 else []
-        return [command, "case.toml", *rest, *march]
+        content = mutated(text, chance) if chance.random() < 0.2 else text
+        (folder / "case.toml").write_bytes(content)
+        run = "run case.toml --frames 0 -o run"
+        given = chance.choice((*COMMANDS["case"], run, f"{run} --json")).split()
+        return given + ["--set", SHORT] * (given[0] == "run" and chance.random() < 0.8)
 
     def mesh(self, chance: random.Random, folder: Path) -> list[str]:
         """A mesh file with other bytes, looked at, written, or named by a case."""
         files = [f for f in sorted((self._base / "meshes").iterdir()) if f.suffix in WRITERS]
         source = chance.choice(files)
-        content = mutated(source.read_bytes(), chance)
         suffix = chance.choice((source.suffix,) * 9 + tuple(WRITERS))
-        (folder / f"disk{suffix}").write_bytes(content)
+        (folder / f"disk{suffix}").write_bytes(mutated(source.read_bytes(), chance))
         if chance.random() < 0.6:
             out = chance.choice(([], ["-o", f"out{chance.choice(tuple(WRITERS))}"]))
             return ["mesh", f"disk{suffix}", *out]
         table = f'bladed_disk.mesh = {{ file = "disk{suffix}", tips = "tips" }}\n'
         (folder / "case.toml").write_text(table + chance.choice(("", "casing.elements = 12\n")))
-        return [chance.choice(("show", "modes")), "case.toml", "--json"]
+        return chance.choice(COMMANDS["mesh"]).split()
 
     def result(self, chance: random.Random, folder: Path) -> list[str]:
         """A run with other bytes or values in its files, looked at."""
-        shutil.copytree(self._base / "run", folder / "run")
-        names = ("result.nc",) * 8 + ("checkpoint.npz", "case.toml", "summary.json")
-        file = folder / "run" / chance.choice((*names, "provenance.json"))
-        if file.suffix == ".nc" and chance.random() < 0.6:
-            edit(file, chance)
-        else:
-            file.write_bytes(mutated(file.read_bytes(), chance))
+        shutil.copytree(self._base / "result", folder / "run")
+        spoil(folder / "run" / chance.choice(FILES["result"]), chance)
         return chance.choice(READING).split()
 
     def sweep(self, chance: random.Random, folder: Path) -> list[str]:
         """A sweep with other bytes or values in its files, looked at or gone on with."""
         shutil.copytree(self._base / "sweep", folder / "sweep")
-        failures = [{"point": 1, "march.speed": 1.1, "reason": "why"}]
-        (folder / "sweep" / "failures.json").write_text(json.dumps(failures))
-        names = ("sweep.nc", "sweep.nc", "sweep.json", "failures.json")
-        file = folder / "sweep" / chance.choice(names)
-        if file.suffix == ".nc" and chance.random() < 0.6:
-            edit(file, chance)
-        elif file.suffix == ".json" and chance.random() < 0.6:
-            document = json.loads(file.read_text())
-            _change_json(document, chance)
-            file.write_text(json.dumps(document))
-        else:
-            file.write_bytes(mutated(file.read_bytes(), chance))
+        file = folder / "sweep" / chance.choice(FILES["sweep"])
+        spoil(file, chance)
         resume = ["sweep --resume sweep --workers 1 --yes"] if file.suffix == ".json" else []
-        words = (*SWEEP, *resume)
-        return chance.choice(words).split()
+        return chance.choice((*COMMANDS["sweep"], *resume)).split()
 
     def options(self, chance: random.Random, folder: Path) -> list[str]:
         """A command with words that fit none of its options, or all."""
         import typer.main
 
         (folder / "case.toml").write_text(SMALL)
-        os.symlink(self._base / "run", folder / "run")
+        os.symlink(self._base / "result", folder / "run")
         commands: dict[str, Any] = vars(typer.main.get_command(app))["commands"]
         costly = {"search", "reproduce", "verify", "convergence", "render"}
         name = chance.choice(sorted(set(commands) - costly))
@@ -212,13 +204,11 @@ class Makers:
                     given.append(chance.choice((*WORDS, "out", "out.png", "run", "case.toml")))
         if name in {"run", "sweep"} and chance.random() < 0.8:
             given += ["--set", SHORT]
-        if name == "new":
-            given = [word for word in given if not word.startswith("/")]
-        return given
+        return [word for word in given if name != "new" or not word.startswith("/")]
 
 
-def _small(tables: dict[str, Any]) -> dict[str, Any]:
-    """A case with fewer elements, to be cheap."""
+def cheap(tables: dict[str, Any]) -> dict[str, Any]:
+    """Return the tables of a case with fewer elements."""
     disk = tables.get("bladed_disk", {})
     if "superelement" in disk:
         tables["reduction"]["free_interface_modes"] = 5
@@ -229,105 +219,74 @@ def _small(tables: dict[str, Any]) -> dict[str, Any]:
     return tables
 
 
-def _keys(tables: dict[str, Any], prefix: str = "") -> Iterator[str]:
-    for key, value in tables.items():
-        yield prefix + key
-        if isinstance(value, dict):
-            yield from _keys(value, f"{prefix}{key}.")
-
-
-def _change(tables: Any, key: str, chance: random.Random) -> None:
-    """Give a dotted key another value, go into arrays now and then, or drop it."""
-    *parents, name = key.split(".")
-    for parent in parents:
-        if not isinstance(tables, dict):
-            return
-        tables = tables.setdefault(parent, {})
-    if not isinstance(tables, dict):
-        return
-    old = tables.get(name)
-    way = chance.random()
-    if isinstance(old, list) and old and way < 0.5:
-        row = chance.randrange(len(old))
-        if isinstance(old[row], dict) and old[row]:
-            _change(old[row], chance.choice(sorted(old[row])), chance)
+def change(document: Any, chance: random.Random, values: tuple[Any, ...] = VALUES) -> None:
+    """Give a place in nested tables and lists another value, or drop it."""
+    while document:
+        place = chance.choice([*document] if isinstance(document, dict) else range(len(document)))
+        old, way = document[place], chance.random()
+        if isinstance(old, dict | list) and old and way < 0.95:
+            document = old
+            continue
+        if 0.8 < way < 0.84:
+            del document[place]
+        elif isinstance(old, int | float) and not isinstance(old, bool) and way < 0.8:
+            number = (float(old) or 1.0) * chance.choice(FACTORS)
+            whole = isinstance(old, int) and abs(number) < 1e308
+            document[place] = int(number) if whole else number
         else:
-            old[row] = chance.choice(VALUES)
-    elif way < 0.1:
-        tables.pop(name, None)
-    elif isinstance(old, int | float) and not isinstance(old, bool) and way < 0.8:
-        number = (old or 1) * chance.choice(FACTORS)
-        tables[name] = int(number) if isinstance(old, int) and chance.random() < 0.9 else number
-    else:
-        tables[name] = chance.choice(VALUES)
-
-
-def _change_json(document: Any, chance: random.Random) -> None:
-    """Another value somewhere in a document."""
-    while isinstance(document, dict | list) and document:
-        keys = list(document) if isinstance(document, dict) else range(len(document))
-        key = chance.choice(list(keys))
-        if not isinstance(document[key], dict | list) or chance.random() < 0.4:
-            document[key] = chance.choice((*VALUES, None))
-            return
-        document = document[key]
+            document[place] = chance.choice(values)
+        return
 
 
 def mutated(content: bytes, chance: random.Random) -> bytes:
-    """Bytes with some flipped, cut out, doubled, replaced or lost at the end."""
+    """Return bytes some of which are flipped, cut out, doubled, replaced or lost at the end."""
     made = bytearray(content)
     for _ in range(chance.choice((1, 1, 2, 8))):
-        at = chance.randrange(len(made) + 1)
-        span = min(len(made) - at, chance.choice((1, 1, 4, 30, 500)))
-        match chance.randrange(6):
-            case 0 | 1 if at < len(made):
-                made[at] ^= 1 << chance.randrange(8)
-            case 2:
-                del made[at : at + span]
-            case 3:
-                made[at:at] = made[at : at + span]
-            case 4:
-                word = chance.choice(("1e400", "nan", "-1", "0", "99999999999", "\n", '"', "\xff"))
-                made[at : at + span] = word.encode("latin-1")
-            case 5 if chance.random() < 0.3:
-                del made[at:]
-            case _:
-                numbers = [*re.finditer(rb"-?\d+\.?\d*(e-?\d+)?", made[:100_000])]
-                if numbers:
-                    actual = chance.choice(numbers)
-                    word = chance.choice(("0", "-1", "1e300", "nan", "7", "99999999999"))
-                    made[actual.start() : actual.end()] = word.encode()
+        at, way = chance.randrange(len(made) + 1), chance.random()
+        span, token = slice(at, at + chance.choice((1, 1, 4, 30, 500))), chance.choice(TOKENS)
+        numbers = [*re.finditer(rb"-?\d+\.?\d*(e-?\d+)?", made[:100_000])]
+        if way < 0.3 and numbers:
+            made[slice(*chance.choice(numbers).span())] = token.encode("latin-1")
+        elif way < 0.35:
+            del made[at:]
+        else:
+            flipped = bytes(byte ^ 1 << chance.randrange(8) for byte in made[span])
+            made[span] = chance.choice((flipped, b"", 2 * made[span], token.encode("latin-1")))
     return bytes(made)
 
 
+def spoil(file: Path, chance: random.Random) -> None:
+    """Change the values of a netCDF or JSON file, or the bytes of any file."""
+    if chance.random() < 0.4 or file.suffix not in {".nc", ".json"}:
+        file.write_bytes(mutated(file.read_bytes(), chance))
+    elif file.suffix == ".nc":
+        edit(file, chance)
+    else:
+        document = json.loads(file.read_text())
+        change(document, chance, (*VALUES, None))
+        file.write_text(json.dumps(document))
+
+
 def edit(file: Path, chance: random.Random) -> None:
-    """Give a netCDF file another attribute, another value, or another shape of an array."""
-    words: tuple[Any, ...] = ("fast", "", np.nan, np.inf, -1, 0, 999, 1e300, b"\xff", [])
+    """Give a netCDF file another attribute, another value or array, or one less of them."""
+    way = chance.random()
     with h5py.File(file, "r+") as h5:
-        names = sorted(name for name in h5 if isinstance(h5[name], h5py.Dataset))
         if chance.random() < 0.5:
-            own = sorted(h5.attrs)
-            name = chance.choice([key for key in own if not key.startswith("_")])
-            if chance.random() < 0.15:
+            name = chance.choice(sorted(key for key in h5.attrs if not key.startswith("_")))
+            if way < 0.15:
                 del h5.attrs[name]
             else:
-                h5.attrs[name] = chance.choice(words)
+                h5.attrs[name] = chance.choice(STORED[""])
             return
-        name = chance.choice(names)
+        name = chance.choice(sorted(name for name in h5 if isinstance(h5[name], h5py.Dataset)))
         data = h5[name]
-        way = chance.random()
         if way < 0.1:
             del h5[name]
-        elif data.size and data.dtype.kind in "fi":
-            where = tuple(chance.randrange(length) for length in data.shape)
-            kinds = {"f": (np.nan, np.inf, -1.0, 1e300, 0.0, 999.0), "i": (-1, 0, 99, 127)}
-            value = chance.choice(kinds[data.dtype.kind])
-            if way < 0.6 or not where:
-                data[where] = value
-            else:
-                data[...] = value
         elif data.size:
-            data[...] = "nothing"
+            where = tuple(chance.randrange(length) for length in data.shape)
+            number = data.dtype.kind in "fi"
+            value = chance.choice(STORED[data.dtype.kind if number else "O"])
+            data[where if number and way < 0.6 else ...] = value
 
 
 def call(arguments: list[str]) -> None:
@@ -347,14 +306,10 @@ def attempt(arguments: list[str], folder: Path) -> tuple[int, str, str]:
     child = os.fork()
     if child == 0:
         _child(arguments, folder)
-    signal.signal(signal.SIGALRM, lambda *_: os.killpg(child, signal.SIGKILL))
-    signal.alarm(20 * SECONDS)
     _, status = os.waitpid(child, 0)
-    signal.alarm(0)
     with contextlib.suppress(ProcessLookupError):  # what it started and left
         os.killpg(child, signal.SIGKILL)
-    out = (folder / ".out").read_text(errors="replace")
-    messages = (folder / ".err").read_text(errors="replace")
+    out, messages = ((folder / name).read_text(errors="replace") for name in (".out", ".err"))
     code = os.waitstatus_to_exitcode(status)
     return code, _fault(code, out, messages, arguments), messages
 
@@ -364,6 +319,7 @@ def _child(arguments: list[str], folder: Path) -> None:
     code = 70
     try:
         os.setsid()
+        signal.alarm(20 * SECONDS)
         for limit, most in (
             (resource.RLIMIT_CPU, SECONDS),
             (resource.RLIMIT_AS, BYTES),
@@ -388,20 +344,16 @@ def _child(arguments: list[str], folder: Path) -> None:
     os._exit(code)
 
 
-def _fault(code: int, out: str, told: str, arguments: list[str]) -> str:
-    """Why a command did not end well; empty if it did."""
-    if code == -signal.SIGKILL and "Large stage: " in told:
+def _fault(code: int, out: str, messages: str, arguments: list[str]) -> str:
+    """Return why a command did not end well; nothing if it did."""
+    if code == -signal.SIGKILL and "Large stage: " in messages:
         return ""  # it said before it began what it takes
     if code < 0:
         return f"killed by {signal.Signals(-code).name}"
-    if "Traceback" in told or "Traceback" in out:
-        return "traceback"
-    if re.search(r"\w+Warning\b", told):
-        return "warning"
-    if code not in (0, 1, 2):
-        return f"exit code {code}"
-    if code and not told.strip():
-        return f"exit code {code} without a word"
+    if found := re.search(r"Traceback|\w+Warning\b", messages) or re.search("Traceback", out):
+        return found[0]
+    if code not in (0, 1, 2) or (code and not messages.strip()):
+        return f"exit code {code}, {len(messages)} characters"
     if code == 0 and "--json" in arguments:
         try:
             json.loads(out, parse_constant=_refuse)
@@ -418,8 +370,8 @@ def _refuse(constant: str) -> None:
     raise ValueError(f"a number that is none: {constant}")
 
 
-def fuzz(kind: str, first: int, count: int, keep: Path | None = None) -> list[Finding]:
-    """Try inputs of a kind; what went wrong.
+def fuzz(kind: str, first: int, count: int, keep: Path | None = None) -> int:
+    """Try inputs of a kind, print the findings, return their number.
 
     Args:
         kind: name of a method of `Makers`.
@@ -427,7 +379,7 @@ def fuzz(kind: str, first: int, count: int, keep: Path | None = None) -> list[Fi
         count: of inputs.
         keep: folder for what offended; none when None.
     """
-    actual, answered = [], 0
+    answered = findings = 0
     with tempfile.TemporaryDirectory(prefix="fuzz-") as place:
         makers = Makers(Path(place))
         makers.prepare(kind)
@@ -438,21 +390,21 @@ def fuzz(kind: str, first: int, count: int, keep: Path | None = None) -> list[Fi
             code, fault, messages = attempt(arguments, folder)
             answered += code == 0
             if fault:
+                findings += 1
                 last = "\n".join(messages.splitlines()[-6:])
-                actual.append(Finding(number, arguments, fault, last))
                 print(f"{kind} {number}: {arguments}: {fault}\n{last}\n", flush=True)
                 if keep is not None:
                     shutil.copytree(folder, keep / f"{kind}_{number}", symlinks=True)
             shutil.rmtree(folder)
-    print(f"{kind}: {count} inputs, {answered} answered, {len(actual)} findings")
-    return actual
+    print(f"{kind}: {count} inputs, {answered} answered, {findings} findings")
+    return findings
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Give the command line inputs nobody means.")
-    parser.add_argument("kind", choices=["case", "mesh", "result", "sweep", "options"])
+    parser.add_argument("kind", choices=COMMANDS)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--keep", type=Path)
-    wanted = parser.parse_args()
-    sys.exit(bool(fuzz(wanted.kind, wanted.first, wanted.count, wanted.keep)))
+    given = parser.parse_args()
+    sys.exit(bool(fuzz(given.kind, given.first, given.count, given.keep)))

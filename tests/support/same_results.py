@@ -13,33 +13,19 @@ three minutes on one core.
 """
 
 import json
-import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from places import DATA, EXAMPLES
 
-ROOT = Path(__file__).parents[2]
-IMBALANCE = ROOT / "examples" / "imbalance.toml"
-CASES = [
-    *(
-        ROOT / "examples" / f"{name}.toml"
-        for name in (
-            "casing_distortion",
-            "imbalance",
-            "coupled_modes",
-            "shrouded_fan",
-            "mistuned_blades",
-            "unequal_bearings",
-        )
-    ),
-    ROOT / "tests" / "data" / "sketch_stage.toml",
-]
+IMBALANCE = EXAMPLES / "imbalance.toml"
+NAMES = "casing_distortion imbalance coupled_modes shrouded_fan mistuned_blades unequal_bearings"
+CASES = [*(EXAMPLES / f"{name}.toml" for name in NAMES.split()), DATA / "sketch_stage.toml"]
 DENSE_SCHEMES = ("moreau-jean", "penalty")
 SPINNING = "rotation.effects=full"
 SWEPT = ["--over", "march.speed=1.0:1.1:0.05", "--set", "march.duration=0.2"]
@@ -98,84 +84,60 @@ def make(folder: Path) -> None:
     bladewhirl("report", folder / "sweep")
 
 
-def dataset_differences(first: Path, second: Path) -> Iterator[str]:
-    """Yield the variables in which two NetCDF files differ."""
-    with (
-        xr.open_dataset(first, decode_times=False) as one,
-        xr.open_dataset(second, decode_times=False) as other,
-    ):
-        for name in sorted({*one.variables, *other.variables}, key=str):
-            if name not in one.variables or name not in other.variables:
-                yield f"{name}: only in {(first, second)[name in other.variables]}"
-                continue
-            a, b = one[name].values, other[name].values
-            if a.dtype != b.dtype or a.shape != b.shape:
-                yield f"{name}: {a.dtype}{a.shape} and {b.dtype}{b.shape}"
-            elif a.dtype.kind in "fc" and not np.array_equal(a, b, equal_nan=True):
-                worst = np.nanmax(np.abs(a - b)) / max(np.nanmax(np.abs(a)), 1e-300)
-                yield f"{name}: differs by {worst:.3g} of its largest value"
-            elif a.dtype.kind not in "fc" and not (a == b).all():
-                yield f"{name}: differs"
+def flattened(document: Any, place: str = "") -> dict[str, Any]:
+    """Return numbers and truth values of a JSON document by their path; of texts the presence."""
+    if not isinstance(document, dict | list):
+        return {place: type(document).__name__ if isinstance(document, str) else repr(document)}
+    items = document.items() if isinstance(document, dict) else enumerate(document)
+    return {
+        path: value
+        for key, item in items
+        if "version" not in str(key)
+        for path, value in flattened(item, f"{place}.{key}").items()
+    }
 
 
-def flattened(document: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the path and value of each key, number and truth value of a JSON document."""
-    if isinstance(document, dict | list):
-        items = document.items() if isinstance(document, dict) else enumerate(document)
-        for key, value in items:
-            yield from flattened(value, f"{place}.{key}")
-    else:
-        yield place, type(document).__name__ if isinstance(document, str) else document
+def contents(file: Path) -> dict[str, Any]:
+    """Return what is compared of a file, by name."""
+    if file.suffix == ".nc":
+        with xr.open_dataset(file, decode_times=False) as data:
+            return {str(name): values.values for name, values in data.variables.items()}
+    if file.suffix == ".json":
+        return flattened(json.loads(file.read_text()))
+    if file.suffix == ".html":
+        return {"data of the page": PAGE_DATA.findall(file.read_text())}
+    return {"bytes": file.read_bytes()} if file.suffix in {".csv", ".vtu"} else {}
 
 
-def json_differences(first: Path, second: Path) -> Iterator[str]:
-    """Yield the keys in which two JSON documents differ; texts are compared by presence only."""
-    one, other = (dict(flattened(json.loads(f.read_text()))) for f in (first, second))
-    for key in sorted({*one, *other}):
-        if "version" not in key and repr(one.get(key)) != repr(other.get(key)):
-            yield f"{key}: {one.get(key)} and {other.get(key)}"
+def difference(one: Any, other: Any) -> str:
+    """Return in words how two values differ; nothing if they are equal to the last bit."""
+    if not isinstance(one, np.ndarray) or not isinstance(other, np.ndarray):
+        known = isinstance(one, str) and isinstance(other, str)
+        return "" if one == other else f"{one} and {other}" if known else "differs"
+    if one.dtype != other.dtype or one.shape != other.shape:
+        return f"{one.dtype}{one.shape} and {other.dtype}{other.shape}"
+    if one.dtype.kind not in "fc":
+        return "" if (one == other).all() else "differs"
+    if np.array_equal(one, other, equal_nan=True):
+        return ""
+    worst = np.nanmax(np.abs(one - other)) / max(np.nanmax(np.abs(one)), 1e-300)
+    return f"differs by {worst:.3g} of its largest value"
 
 
-def byte_differences(first: Path, second: Path) -> Iterator[str]:
-    """Yield a line if the bytes of two files differ."""
-    if first.read_bytes() != second.read_bytes():
-        yield "differs"
-
-
-def page_differences(first: Path, second: Path) -> Iterator[str]:
-    """Yield a line if the JSON blocks of two pages differ."""
-    one, other = (PAGE_DATA.findall(f.read_text()) for f in (first, second))
-    if one != other:
-        yield "its data differ"
-
-
-COMPARISONS = {
-    ".nc": dataset_differences,
-    ".json": json_differences,
-    ".csv": byte_differences,
-    ".vtu": byte_differences,
-    ".html": page_differences,
-}
-
-
-def compare(first: Path, second: Path) -> int:
+def compare(*tops: Path) -> int:
     """Print the differences between two folders; return their number."""
     count = 0
-    files = {
-        Path(folder, name).relative_to(top)
-        for top in (first, second)
-        for folder, _, names in os.walk(top)
-        for name in names
-        if Path(name).suffix in COMPARISONS
-    }
+    files = {path.relative_to(top) for top in tops for path in top.rglob("*.*") if path.is_file()}
     for file in sorted(files):
-        if missing := [top for top in (first, second) if not (top / file).exists()]:
-            lines = [f"missing in {missing[0]}"]
-        else:
-            lines = list(COMPARISONS[file.suffix](first / file, second / file))
-        count += len(lines)
-        for line in lines:
-            print(f"{file}: {line}")
+        one, other = (contents(top / file) if (top / file).exists() else {} for top in tops)
+        for name in sorted({*one, *other}):
+            if name in one and name in other:
+                words = difference(one[name], other[name])
+            else:
+                words = f"missing in {tops[name in one]}"
+            if words:
+                count += 1
+                print(f"{file}: {name}: {words}")
     print(f"{len(files)} files, {count} differences")
     return count
 
