@@ -5,12 +5,12 @@ from typing import Any
 
 import pytest
 
-from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.inputs.errors import UserError
 
 
 def faults(call: Callable[..., object], *given: Any, **more: Any) -> list[str]:
     """Lines of the error that a call ends in."""
-    with pytest.raises(CaseError) as caught:
+    with pytest.raises(UserError) as caught:
         call(*given, **more)
     return caught.value.lines
 

@@ -1,13 +1,17 @@
 """A small sweep, and stand-ins for its work in a module that workers can import."""
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from bladewhirl.models.case.file import loads
-from bladewhirl.studies.sweeps.points import Outcome, Point, Work, march_point
+from bladewhirl.studies.sweeps import sweep
+from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
+from bladewhirl.studies.sweeps.workers import ready
 
 CASE = loads("""
 bladed_disk = { blades = 8, elements_per_blade = 2 }
@@ -19,12 +23,47 @@ march = { duration = 6e-3, record_step = 5e-5 }
 OVER = {"march.speed": [0.95, 1.05, 1.15], "contact.friction": [0.05, 0.1]}
 
 
-def march_in_process(
-    work: Work, points: Iterable[Point], **_: object
-) -> Iterator[tuple[int, Outcome]]:
-    """March points one after the other, without the processes of a cluster."""
-    for point in points:
-        yield point.number, march_point(work, point)
+class Killed(Exception):
+    """End of a process."""
+
+
+class InProcess:
+    """Stand-in for workers: points are marched in this process, in lots and in reverse order, until
+    no march is `left`; then the process dies."""
+
+    def __init__(self) -> None:
+        self.left, self.calls, self.marched = 10**9, 0, list[Point]()
+        self.outcome: Callable[[Work, Point], Outcome] = march_point
+        self._first: Outcome | None = None
+
+    def march(
+        self, work: Work, points: Iterable[Point | None], *, workers: int | None, **_: object
+    ) -> Iterator[tuple[int, Outcome]]:
+        waiting, self.calls = iter(points), self.calls + 1
+        while lot := ready(waiting, workers or 1):
+            for point in reversed(lot):
+                if not self.left:
+                    raise Killed
+                self.left -= 1
+                self.marched.append(point)
+                yield point.number, self.outcome(work, point)
+
+    def like_the_first(self, work: Work, point: Point, **values: int) -> Outcome:
+        """Return the outcome of the first point, which alone is marched, with other values."""
+        self._first = self._first or march_point(work, point)
+        assert not isinstance(self._first, Failure)
+        return {**self._first, **{name: np.array(value) for name, value in values.items()}}
+
+
+@contextmanager
+def in_process(*, figures: bool = False) -> Iterator[InProcess]:
+    """Let sweeps be marched in this process, by default without leaving figures."""
+    made = InProcess()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sweep, "march_points", lambda *given, **more: made.march(*given, **more))
+        if not figures:
+            patch.setattr("bladewhirl.postprocess.sweep.figures.leave_figures", lambda _: {})
+        yield made
 
 
 def same_bits(one: Path, other: Path) -> bool:

@@ -1,26 +1,22 @@
 """Sweeps that carry the motion from speed to speed: order, state, interruptions, hysteresis."""
 
-from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from small_run import small
-from sweep_work import same_bits
+from sweep_work import InProcess, Killed, same_bits
 
-import bladewhirl.studies.sweeps.sweep as sweep_module
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.contact_problem import NEVER, Load
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, flag, open_sweep
 from bladewhirl.studies.runs.prepare import prepare_stage
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.sweeps.carried import COMPLETED, Chains, continued, late_state
-from bladewhirl.studies.sweeps.points import Outcome, Point, Work, march_point, stage_at
+from bladewhirl.studies.sweeps.points import stage_at
 from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
 
 DIVERGENT = flag("end_reason", "divergent")
@@ -96,38 +92,6 @@ def test_loads_go_on_without_ramp_and_pulses_are_over() -> None:
         np.testing.assert_array_equal(load.rotor, other.rotor)
 
 
-class Killed(Exception):
-    """End of a process."""
-
-
-class InProcess:
-    """March in this process, in lots of ready points and in reverse order; die when `left` is 0."""
-
-    left = 10**9
-
-    def march(
-        self, work: Work, points: Iterable[Point | None], *, workers: int | None, **_: object
-    ) -> Iterator[tuple[int, Outcome]]:
-        waiting = iter(points)
-        while True:
-            lot = [point for point in islice(waiting, workers or 1) if point is not None]
-            if not lot:
-                return
-            for point in reversed(lot):
-                if not self.left:
-                    raise Killed
-                self.left -= 1
-                yield point.number, march_point(work, point)
-
-
-@pytest.fixture
-def process(monkeypatch: pytest.MonkeyPatch) -> InProcess:
-    made = InProcess()
-    monkeypatch.setattr(sweep_module, "march_points", made.march)
-    monkeypatch.setattr("bladewhirl.postprocess.sweep.figures.leave_figures", lambda directory: {})
-    return made
-
-
 def short() -> Case:
     case = small(**FREE)
     return small(**FREE, **{"march.duration": 3.4 * 2.0 * np.pi / stage_at(case).speed})
@@ -153,24 +117,3 @@ def test_neither_workers_nor_kills_change_the_file(process: InProcess, tmp_path:
             for at in (1.0, 1.1)
         ]
     assert same == [False, False]  # each is the first speed of one of the two sweeps
-
-
-@pytest.mark.parametrize(
-    ("over", "given", "expected"),
-    [
-        ("contact.friction", {}, "needs --over march.speed"),
-        ("march.speed", {"stop_when": "damped"}, "not allowed together with --screen, --until"),
-        ("march.speed", {}, "expected marches of at least 3 revolutions, not of"),
-    ],
-)
-def test_what_cannot_be_carried(
-    over: str, given: dict[str, Any], expected: str, tmp_path: Path
-) -> None:
-    with pytest.raises(UserError, match=f"--continue: {expected}|{expected}"):
-        run_sweep(small(), {over: [0.1, 0.2]}, tmp_path, carry="up", **given)
-
-
-def test_walls_that_change_are_refused(tmp_path: Path) -> None:
-    case = small(**{"casing.closure": {"amount": 1e-4, "time_constant": 0.1}})
-    with pytest.raises(UserError, match=r"--continue: expected a casing without casing\.coating"):
-        run_sweep(case, {"march.speed": [1.0, 1.1]}, tmp_path, carry="up")

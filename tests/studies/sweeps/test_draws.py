@@ -7,7 +7,6 @@ import pytest
 import xarray as xr
 from small_run import small
 
-from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.probability import plot_probability, probability
@@ -78,7 +77,7 @@ def test_wilson_at_the_ends() -> None:
     np.testing.assert_allclose(high, [0.2775328, 1.0, 1.0], atol=1e-7)
 
 
-@pytest.mark.usefixtures("in_process", "pictures_unsaved")
+@pytest.mark.usefixtures("process")
 def test_a_sweep_has_a_dimension_of_draws(tmp_path: Path) -> None:
     perturb = ["contact.friction = 1e-3"]
     folder = tmp_path / "sweep"
@@ -98,24 +97,6 @@ def test_a_sweep_has_a_dimension_of_draws(tmp_path: Path) -> None:
     (tmp_path / "plan").mkdir()
     write_plan(plan, tmp_path / "plan")
     assert read_plan(tmp_path / "plan").grid == plan.grid
-
-
-@pytest.mark.parametrize(
-    ("count", "perturb", "expected"),
-    [
-        (3, [], "--draws 3: needs --perturb"),
-        (None, ["contact.friction = 0.1"], "--perturb: needs --draws"),
-        (1, ["contact.friction = 0.1"], "expected 2 to 10000 random draws"),
-        (3, ["contact.friction"], 'expected "KEY = SIZE"'),
-        (3, ["contact.friction = 0"], "a size above zero"),
-        (3, ["contact.friction = 0.1 uniform normal"], 'expected "KEY = SIZE"'),
-        (3, ["contact.friction = 0.1"] * 2, "expected each key at most once"),
-        (3, ["contact.grip = 0.1"], "a key of the case that holds a number"),
-    ],
-)
-def test_draws_that_cannot_be(count: int | None, perturb: list[str], expected: str) -> None:
-    with pytest.raises(UserError, match=expected):
-        make_grid(CASE, OVER, large=False, draws=parse_draws(count, perturb, 0))
 
 
 def test_a_sweep_without_draws_has_no_probability() -> None:

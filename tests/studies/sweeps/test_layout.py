@@ -54,3 +54,6 @@ def test_what_coarse_records_do_not_resolve_is_left_out(stage: Stage) -> None:
 def test_very_long_marches_reach_less_far(stage: Stage) -> None:
     assert len(make_layout(extent(1000.0), stage).frequency) == MOST_LINES
     assert len(make_layout(extent(1e-3), stage).frequency) >= 3
+    instant = make_layout(extent(0.0), stage)
+    assert np.isfinite(instant.frequency).all()
+    assert instant.samples == 1

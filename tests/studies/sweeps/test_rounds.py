@@ -1,24 +1,19 @@
 """Screened sweeps: which draws are repeated, and that order and interruptions do not matter."""
 
 import json
-from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import h5py
-import numpy as np
 import pytest
 from small_run import small
-from sweep_work import same_bits
+from sweep_work import InProcess, Killed, same_bits
 
-import bladewhirl.studies.sweeps.sweep as sweep_module
 from bladewhirl.models.case.template import dumps_case
-from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import flag, open_sweep
 from bladewhirl.solvers.march.schema import SCREENING, SWEEP
 from bladewhirl.studies.sweeps.layout import make_layout, march_extent
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point, stage_at
 from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
-from bladewhirl.studies.sweeps.workers import ready
 
 DIVERGENT, SUSTAINED = flag("regime", "divergent"), flag("regime", "sustained")
 CASE = small(**{"contact.friction": 0.2, "march.duration": 2e-3})
@@ -30,44 +25,36 @@ UNSURE = 1.2
 TWO = {"march.speed": [UNSURE, 1.5]}
 
 
-class Killed(Exception):
-    """End of a process."""
-
-
 class Toy:
-    """March points in lots, in reverse order; die before a given number of marches."""
+    """Outcomes of points: one screened draw of each `draws` differs at one speed.
 
-    def __init__(self) -> None:
-        self.left, self.screened, self.known = 10**9, list[bool](), dict[float, Outcome]()
-        self.calls = 0
-        self.differs, self.draws = 1, 6  # draw that differs at `UNSURE`, and number of draws
+    Args:
+        process: that marches the points.
+    """
 
-    def march(
-        self, work: Work, points: Iterable[Point], *, workers: int | None, **_: object
-    ) -> Iterator[tuple[int, Outcome]]:
-        waiting, self.calls = iter(points), self.calls + 1
-        while lot := ready(waiting, workers or 1):
-            for point in reversed(lot):
-                if not self.left:
-                    raise Killed
-                self.left -= 1
-                self.screened.append(point.screen)
-                speed = float(point.values["march.speed"])
-                data = self.known[0.0] = self.known.get(0.0) or march_point(work, point)
-                assert not isinstance(data, Failure)
-                differs = point.screen and point.number % self.draws == self.differs
-                grows = speed == 1.0 or (speed == UNSURE and differs)
-                regime = DIVERGENT if grows else SUSTAINED
-                steps = np.array(1 if point.screen else 2)
-                yield point.number, {**data, "regime": np.array(regime), "steps": steps}
+    def __init__(self, process: InProcess) -> None:
+        self.process, self.differs, self.draws = process, 1, 6
+        process.outcome = self.outcome
+
+    def outcome(self, work: Work, point: Point) -> Outcome:
+        speed = float(point.values["march.speed"])
+        differs = point.screen and point.number % self.draws == self.differs
+        grows = speed == 1.0 or (speed == UNSURE and differs)
+        return self.process.like_the_first(
+            work,
+            point,
+            regime=DIVERGENT if grows else SUSTAINED,
+            steps=1 if point.screen else 2,
+        )
+
+    @property
+    def screened(self) -> list[bool]:
+        return [point.screen for point in self.process.marched]
 
 
 @pytest.fixture
-def toy(monkeypatch: pytest.MonkeyPatch) -> Toy:
-    made = Toy()
-    monkeypatch.setattr(sweep_module, "march_points", made.march)
-    monkeypatch.setattr("bladewhirl.postprocess.sweep.figures.leave_figures", lambda directory: {})
-    return made
+def toy(process: InProcess) -> Toy:
+    return Toy(process)
 
 
 @pytest.mark.parametrize("differs", [1, 5])
@@ -76,7 +63,7 @@ def test_points_whose_draws_differ_are_repeated(toy: Toy, tmp_path: Path, differ
     done = run_sweep(CASE, OVER, tmp_path, draws=6, perturb=PERTURB, screen=True)
     assert (done.done, done.screened, done.marched) == (18, 12, 19 + differs)
     assert toy.screened == [True] * (13 + differs) + [False] * 6
-    assert toy.calls == 1  # workers are started once
+    assert toy.process.calls == 1  # workers are started once
     with open_sweep(tmp_path) as sweep:
         assert (sweep["screened"] == "yes").values.tolist() == [[True] * 6, [False] * 6, [True] * 6]
         assert sweep["steps"].values.tolist() == [[1] * 6, [2] * 6, [1] * 6]
@@ -93,13 +80,13 @@ def test_neither_workers_nor_kills_change_the_file(
     run_sweep(CASE, TWO, tmp_path / "one", draws=10, perturb=PERTURB, screen=True, until=until)
     whole = len(toy.screened)
     for left in (whole // 3, whole - 1):  # in either round
-        folder, toy.left = tmp_path / f"killed-{left}", left
+        folder, toy.process.left = tmp_path / f"killed-{left}", left
         with pytest.raises(Killed):
             run_sweep(
                 CASE, TWO, folder, draws=10, perturb=PERTURB, screen=True, until=until, workers=2
             )
         assert toy.screened[-1] == (left < whole // 2)
-        toy.left = 10**9
+        toy.process.left = 10**9
         resume_sweep(folder, workers=3)
         assert same_bits(tmp_path / "one", folder)
 
@@ -141,17 +128,3 @@ def test_options_that_are_not_used_leave_no_trace(tmp_path: Path) -> None:
     assert list(plan) == [
         *("bladewhirl", "format", "digest", "case", "over", "histories", "stop_when", "draws")
     ]
-
-
-@pytest.mark.parametrize("given", [{"draws": 3}, {}, {"histories": True, "draws": 9}])
-def test_too_few_draws_and_histories_are_refused(given: dict[str, int], tmp_path: Path) -> None:
-    perturb = PERTURB if "draws" in given else []
-    expected = "not allowed .* --histories" if "histories" in given else "needs --draws of at least"
-    with pytest.raises(UserError, match=f"--screen: {expected}"):
-        run_sweep(CASE, OVER, tmp_path, perturb=perturb, screen=True, **given)  # type: ignore[arg-type]
-
-
-def test_a_case_that_cannot_be_screened_is_refused(tmp_path: Path) -> None:
-    case = small(**{"march.scheme": "penalty", "march.duration": 2e-3})
-    with pytest.raises(UserError, match=r'--screen: expected march\.scheme = "central-difference"'):
-        run_sweep(case, OVER, tmp_path, draws=8, perturb=PERTURB, screen=True)

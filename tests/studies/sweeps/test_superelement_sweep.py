@@ -7,20 +7,19 @@ from typing import Any
 import numpy as np
 import pytest
 from command_line import answer, refusal
+from faults import fault
 from numpy.testing import assert_array_equal
 from rod_blade import blade, tables
-from sweep_work import march_in_process
+from sweep_work import in_process
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.postprocess.reports import page as report_page
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
 from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.studies.runs.prepare import prepare, prepare_any
 from bladewhirl.studies.runs.recorded_march import march_in_memory
-from bladewhirl.studies.sweeps import sweep
 from bladewhirl.studies.sweeps.carried import continued, late_state
 from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
 
@@ -42,8 +41,7 @@ def case(file: Path) -> Case:
 @pytest.fixture(scope="module")
 def swept(case: Case, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("sweep") / "swept"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sweep, "march_points", march_in_process)
+    with in_process(figures=True):
         done = run_sweep(case, SPEEDS | {"contact.friction": (0.0, 0.1)}, folder)
     assert (done.points, done.done, done.left_out) == (4, 4, {})
     return folder
@@ -76,12 +74,11 @@ def test_a_point_is_the_run_of_its_case(case: Case, swept: Path, tmp_path: Path)
         assert min(near, 150.0 - near) <= float(point["frequency"][1])  # an engine order
 
 
-def test_a_lost_point_is_marched_again_with_the_same_bits(swept: Path, tmp_path: Path) -> None:
+@pytest.mark.usefixtures("process")
+def test_lost_points_are_marched_again_with_the_same_bits(swept: Path) -> None:
     before = (swept / SWEEP_NAME).read_bytes()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sweep, "march_points", march_in_process)
-        (swept / SWEEP_NAME).unlink()
-        assert resume_sweep(swept).marched == 4
+    (swept / SWEEP_NAME).unlink()
+    assert resume_sweep(swept).marched == 4
     assert (swept / SWEEP_NAME).read_bytes() == before
 
 
@@ -102,14 +99,12 @@ def test_it_has_figures_and_a_report(
 
 
 def test_what_only_beams_can_do_is_refused(case: Case, tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="--screen: not allowed together with bladed_disk"):
-        run_sweep(
-            case, SPEEDS, tmp_path / "s", screen=True, draws=5, perturb=["contact.friction = 0.1"]
-        )
-    with pytest.raises(
-        UserError, match=r"point casing.clearance = 1e-4: .*a wall outside all contact"
-    ):
-        run_sweep(case, {"casing.clearance": (3e-4, 1e-4)}, tmp_path / "w")
+    draws: Any = {"screen": True, "draws": 5, "perturb": ["contact.friction = 0.1"]}
+    line = fault(run_sweep, case, SPEEDS, tmp_path / "s", **draws)
+    assert line.startswith("--screen: not allowed together with bladed_disk")
+    line = fault(run_sweep, case, {"casing.clearance": (3e-4, 1e-4)}, tmp_path / "w")
+    assert "point casing.clearance = 1e-4: " in line
+    assert "a wall outside all contact" in line
     assert not any(tmp_path.iterdir())
 
 

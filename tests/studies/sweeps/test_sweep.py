@@ -3,17 +3,14 @@
 import json
 import subprocess
 import sys
-from collections.abc import Iterable
-from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import dask
 import numpy as np
 import pytest
 import xarray as xr
 from command_line import answer, refusal
-from sweep_work import CASE, OVER, march_in_process, same_bits
+from sweep_work import CASE, OVER, InProcess, Killed, same_bits
 from synthetic_sweep import LAYOUT
 
 from bladewhirl.models.case.file import with_values
@@ -33,7 +30,6 @@ from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
 from bladewhirl.studies.sweeps import plan as sweep_plan
-from bladewhirl.studies.sweeps import sweep as sweep_module
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, plan_sweep, read_plan, write_plan
 from bladewhirl.studies.sweeps.points import Point, Work
@@ -87,12 +83,8 @@ def test_the_dataset_names_its_dimensions(swept: Path) -> None:
         assert plain["steps"].dtype == np.int64
 
 
-@pytest.mark.usefixtures("in_process")
-def test_full_histories_are_runs_of_the_size_that_was_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    figures = "bladewhirl.postprocess.sweep.figures.leave_figures"
-    monkeypatch.setattr(figures, lambda directory: ())
+@pytest.mark.usefixtures("process")
+def test_full_histories_are_runs_of_the_size_that_was_told(tmp_path: Path) -> None:
     run_sweep(CASE, {"contact.friction": [0.05, 0.1]}, tmp_path / "sweep", histories=True)
     files = sorted((tmp_path / "sweep" / HISTORIES_NAME).iterdir())
     assert [path.name for path in files] == ["point_0.nc", "point_1.nc"]
@@ -115,23 +107,19 @@ def test_figures_are_left(swept: Path) -> None:
 
 
 def test_an_interrupted_sweep_is_finished_with_the_same_bits(
-    swept: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    swept: Path, tmp_path: Path, process: InProcess
 ) -> None:
-    def interrupted(work: Work, points: Iterable[Point], **_: object) -> Any:
-        yield from march_in_process(work, islice(points, 2))
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(sweep_module, "march_points", interrupted)
-    with pytest.raises(KeyboardInterrupt):
+    process.left = 2
+    with pytest.raises(Killed):
         run_sweep(CASE, OVER, tmp_path / "sweep")
-    monkeypatch.setattr(sweep_module, "march_points", march_in_process)
+    process.left = 10
     done = resume_sweep(tmp_path / "sweep")
     assert (done.marched, done.done) == (4, 6)
     assert same_bits(swept, tmp_path / "sweep")
     assert resume_sweep(tmp_path / "sweep").marched == 0
 
 
-@pytest.mark.usefixtures("in_process")
+@pytest.mark.usefixtures("process")
 def test_failed_points_are_reported_and_the_others_done(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

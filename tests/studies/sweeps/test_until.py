@@ -1,22 +1,18 @@
 """Draws that stop when the outcome is known: the rule, the order of arrival, more draws later."""
 
-from collections.abc import Iterable, Iterator
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from small_run import small
-from sweep_work import same_bits
+from sweep_work import InProcess, same_bits
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, flag, open_sweep
 from bladewhirl.postprocess.sweep.probability import probability
 from bladewhirl.postprocess.sweep.shares import settled, wilson
-from bladewhirl.studies.sweeps import sweep as sweep_module
-from bladewhirl.studies.sweeps.draws import parse_draws
-from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
+from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work
 from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
 from bladewhirl.studies.sweeps.until import Judge, narrower
 
@@ -29,25 +25,14 @@ PERTURB = ["contact.friction = 1e-3"]
 
 
 @pytest.fixture
-def toy(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let points be marched in lots, in reverse order, with outcomes of equal probability; without
-    figures."""
-    known = dict[str, Outcome]()
+def toy(process: InProcess) -> None:
+    """Give the points outcomes of equal probability."""
 
-    def march(
-        work: Work, points: Iterable[Point], *, workers: int | None, **_: object
-    ) -> Iterator[tuple[int, Outcome]]:
-        waiting = iter(points)
-        while lot := list(islice(waiting, workers or 1)):
-            for point in reversed(lot):
-                data = known["point"] = known.get("point") or march_point(work, point)
-                assert not isinstance(data, Failure)
-                regime = DIVERGENT if float(point.values["contact.friction"]) > 0.2 else SUSTAINED
-                yield point.number, {**data, "regime": np.array(regime)}
+    def outcome(work: Work, point: Point) -> Outcome:
+        grows = float(point.values["contact.friction"]) > 0.2
+        return process.like_the_first(work, point, regime=DIVERGENT if grows else SUSTAINED)
 
-    monkeypatch.setattr(sweep_module, "march_points", march)
-    figures = "bladewhirl.postprocess.sweep.figures.leave_figures"
-    monkeypatch.setattr(figures, lambda directory: {})
+    process.outcome = outcome
 
 
 def outcome(regime: int) -> Outcome:
@@ -148,15 +133,6 @@ def test_a_killed_addition_of_draws_is_completed(tmp_path: Path) -> None:
     (tmp_path / "few" / "sweep.json").write_bytes(plan)  # as after a kill before the plan
     assert resume_sweep(tmp_path / "few", draws=3).marched == 0
     assert (tmp_path / "few" / "sweep.nc").read_bytes() == bits
-
-
-@pytest.mark.parametrize(
-    ("count", "until"), [(20, 0.0), (20, 1.0), (20, float("nan")), (None, 0.2)]
-)
-def test_widths_that_cannot_be(count: int | None, until: float) -> None:
-    expected = "expected the width of a confidence interval" if count else "needs --draws"
-    with pytest.raises(UserError, match=f"--until {until}: {expected}"):
-        parse_draws(count, PERTURB if count else [], 0, until)
 
 
 def test_a_resumed_point_needs_the_first_missing_draw() -> None:
