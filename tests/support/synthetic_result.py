@@ -11,7 +11,7 @@ amplitude and exact Hermite data.
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
@@ -212,3 +212,15 @@ def synthetic_result(
             "steps": 1000 * (records - 1),
         },
     )
+
+
+def resting(records: int = 2, speed: float = SPEED, **motion: ArrayLike) -> xr.Dataset:
+    """A result at rest, but for the given modal coordinates and rates, such as
+    `rotor_displacement`: (mode,), or (record, mode)."""
+    result = synthetic_result(records=records, speed=speed)
+    for body in ("rotor", "casing"):
+        for name in (f"{body}_displacement", f"{body}_velocity"):
+            values = np.broadcast_to(motion.pop(name, 0.0), result[name].shape)
+            result[name] = result[name].dims, np.array(values, dtype=np.float64)
+    assert not motion
+    return result

@@ -14,29 +14,29 @@ def result() -> xr.Dataset:
     return synthetic.synthetic_result()
 
 
-class TestFrameRecords:
-    def test_spread_evenly_between_the_ends(self, result: xr.Dataset) -> None:
-        records = kinematics.frame_records(result, 5, 0.1, 0.3)
-        np.testing.assert_array_equal(records, [100, 150, 200, 250, 300])
+@pytest.mark.parametrize(
+    ("frames", "start", "end", "records"),
+    [
+        (5, 0.1, 0.3, [100, 150, 200, 250, 300]),
+        (3, 0.0104, 0.0130, [10, 12, 13]),  # the nearest records
+        (5000, None, None, range(401)),  # each record once
+        (2, 0.3, 3.0, [300, 400]),  # the run ended early
+    ],
+)
+def test_frames_are_spread_evenly_between_the_ends(
+    result: xr.Dataset, frames: int, start: float | None, end: float | None, records: list[int]
+) -> None:
+    np.testing.assert_array_equal(kinematics.frame_records(result, frames, start, end), records)
 
-    def test_snapped_to_the_nearest_record(self, result: xr.Dataset) -> None:
-        records = kinematics.frame_records(result, 3, 0.0104, 0.0130)
-        np.testing.assert_array_equal(records, [10, 12, 13])
 
-    def test_more_frames_than_records_gives_each_record_once(self, result: xr.Dataset) -> None:
-        np.testing.assert_array_equal(kinematics.frame_records(result, 5000), np.arange(401))
-
-    def test_end_beyond_a_run_that_ended_early(self, result: xr.Dataset) -> None:
-        assert kinematics.frame_records(result, 2, 0.3, 3.0)[-1] == 400
-
-    @pytest.mark.parametrize(
-        ("frames", "start", "end"), [(0, None, None), (5, 0.3, 0.2), (5, 0.5, 0.6), (5, -1, 0.1)]
-    )
-    def test_refused(
-        self, result: xr.Dataset, frames: int, start: float | None, end: float | None
-    ) -> None:
-        with pytest.raises(ValueError, match=r"must be|expected a start"):
-            kinematics.frame_records(result, frames, start, end)
+@pytest.mark.parametrize(
+    ("frames", "start", "end"), [(0, None, None), (5, 0.3, 0.2), (5, 0.5, 0.6), (5, -1, 0.1)]
+)
+def test_frames_that_are_refused(
+    result: xr.Dataset, frames: int, start: float | None, end: float | None
+) -> None:
+    with pytest.raises(ValueError, match=r"must be|expected a start"):
+        kinematics.frame_records(result, frames, start, end)
 
 
 def test_hint_only_below_24_frames_a_revolution(result: xr.Dataset) -> None:

@@ -1,4 +1,5 @@
-"""Strains against beam theory: statics of single loads, closed forms, motions without strain."""
+"""Strains against beam theory: closed forms, motions without strain; `verify sensors` compares
+those of beams with the statics of a force on a tip."""
 
 import numpy as np
 import pytest
@@ -11,60 +12,7 @@ from bladewhirl.models.elements.casing import RADIAL, RADIAL_SLOPE
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.strains import casing_strain_rows, rotor_strain_rows
 
-FORCE = 250.0  # N
-LENGTH, THICKNESS, WIDTH, YOUNG = 0.45, 0.01, 0.1, 2.1e11
-
-
-def rotor_under(load: str) -> xr.Dataset:
-    """The static answer of the bladed disk to a force on the tip of blade 3, as its only mode."""
-    disk = stages.bladed_disk(disk_thickness=0.03)
-    force = np.zeros(disk.structure.size)
-    force[(disk.tip_radial if load == "radial" else disk.tip_tangential)[3]] = FORCE
-    answer = spla.spsolve(disk.structure.stiffness.tocsc(), force)
-    properties = disk.properties
-    return xr.Dataset(
-        {
-            "rotor_point": (("rotor_node", "axis"), disk.mesh.points),
-            "rotor_line": (("rotor_line", "end"), disk.mesh.lines),
-            "rotor_thickness": ("rotor_line", properties.thickness),
-            "rotor_thickness_change": ("rotor_line", np.zeros(len(properties.thickness))),
-            "rotor_shape": (
-                ("rotor_node", "rotor_component", "rotor_mode"),
-                disk.cartesian(answer[:, None]),
-            ),
-        }
-    )
-
-
-def blade(number: int) -> slice:
-    return slice(10 * number, 10 * number + 10)
-
-
-def test_moment_of_a_force_on_a_tip_grows_to_the_root() -> None:
-    axial, bending = rotor_strain_rows(rotor_under("tangential"), 4)
-    along = (np.arange(10)[:, None] + np.linspace(0.0, 1.0, 5)) / 10 * LENGTH
-    modulus = WIDTH * THICKNESS**2 / 6
-    expected = FORCE * (LENGTH - along) / modulus / YOUNG  # M = F L at the root
-    np.testing.assert_allclose(
-        bending[blade(3), :, 0], expected, rtol=1e-7, atol=1e-9 * expected.max()
-    )
-    np.testing.assert_allclose(axial[blade(3), :, 0], 0.0, atol=1e-9 * expected.max())
-    # No other blade bears a load.
-    np.testing.assert_allclose(bending[blade(7)], 0.0, atol=1e-9 * expected.max())
-
-
-def test_tension_of_a_force_along_a_blade() -> None:
-    axial, bending = rotor_strain_rows(rotor_under("radial"), 3)
-    expected = FORCE / (YOUNG * WIDTH * THICKNESS)
-    np.testing.assert_allclose(axial[blade(3), :, 0], expected, rtol=1e-7)
-    np.testing.assert_allclose(bending[blade(3), :, 0], 0.0, atol=1e-7 * expected)
-
-
-def test_bending_strain_is_that_of_the_right_surface() -> None:
-    """A blade on +x whose tip moves to +y is stretched on its right, the side of -y."""
-    result = synthetic.synthetic_result(records=2)
-    first = np.flatnonzero(result.rotor_part.values == "blades")[0]
-    assert rotor_strain_rows(result).bending[first, 0, 3] > 0.0  # the mode swings it to +y
+THICKNESS, WIDTH, YOUNG = 0.01, 0.1, 2.1e11
 
 
 def test_rigid_motions_strain_nothing() -> None:

@@ -37,18 +37,6 @@ REPORT = {
     "wall_time": 1.75,
     "us_per_step": 4.375,
 }
-KEYS = {
-    *"regime regime_criterion growth_rate growth_rate_error end_reason end_time".split(),
-    *"shaft_radius_max shaft_radius_final tip_displacement_max".split(),
-    *"growth_rate_end growth_residual ripple_growth_rate ripple_growth_rate_error".split(),
-    *"whirl_frequency_rotating whirl_frequency_static whirl_frequency_error whirl_lines".split(),
-    *"ripple_rms ripple_frequency ripple_lines".split(),
-    *"strain_energy_rest strain_energy_casing_final work".split(),
-    *"drive_power drive_torque casing_displacement_max contact_force_max".split(),
-    *"contact_impulse stress_max yield_strength".split(),
-    *"strain_energy_max strain_energy_final contact_share gap_violation_max".split(),
-    *("energy_residual", *REPORT),
-}
 
 
 @pytest.fixture
@@ -414,11 +402,11 @@ WORN = xr.Dataset(
 
 
 class TestWriting:
-    def test_json_has_the_keys_at_full_precision(self, result: xr.Dataset, tmp_path: Path) -> None:
+    def test_json_is_at_full_precision(self, result: xr.Dataset, tmp_path: Path) -> None:
         summary = summarise(result, REPORT)
         document = json.loads(write_summary(summary, tmp_path / "summary.json").read_text())
         assert document["growth_rate"] is None  # too short a history
-        assert set(document) == KEYS
+        assert document.keys() >= REPORT.keys()
         assert Summary(**document) == summary
         assert set(document["strain_energy_final"]) == {"suspension", "1F", "rest"}
 
@@ -440,8 +428,9 @@ class TestWriting:
         rows = [line.split("|")[1:-1:2] for line in page.splitlines() if line.startswith("|")]
         labels = "; ".join(label.strip() for label, _ in rows)
         messages = set(re.findall(r"`(\w+)", "".join(keys for _, keys in rows[2:])))
-        assert messages == KEYS | wear_summary(WORN).keys()
-        printed = summary_rows(summarise(result, REPORT))
+        summary = summarise(result, REPORT)
+        assert messages == json.loads(summary.to_json()).keys() | wear_summary(WORN).keys()
+        printed = summary_rows(summary)
         assert [
             name for name in printed if name.strip().removesuffix(", largest") not in labels
         ] == []

@@ -1,13 +1,8 @@
 """What a sweep keeps of a run: spectra against closed forms."""
 
 import numpy as np
-import pytest
 
-from bladewhirl.models.case.analysis import March
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.sweep.digest import magnitudes
-from bladewhirl.studies.sweeps.layout import make_layout, march_extent
 
 STEP = 1e-3
 FREQUENCY = np.arange(-100, 101) / 0.5  # of a window of half a second
@@ -38,23 +33,3 @@ def test_it_is_the_sum_that_defines_it_at_any_frequency_and_length() -> None:
 
 def test_too_few_records_have_no_spectrum() -> None:
     assert np.isnan(magnitudes(np.ones(3, dtype=complex), STEP, FREQUENCY)).all()
-
-
-@pytest.mark.parametrize(
-    ("durations", "window"), [((3.0, 3.0), 1.5), ((1.0, 3.0), 0.5), ((0.02, 0.02), 0.01)]
-)
-def test_frequencies_are_those_of_the_shortest_window(
-    durations: tuple[float, float], window: float
-) -> None:
-    cases = [Case(march=March(duration=duration)) for duration in durations]
-    layout = make_layout(march_extent(cases), build_stage(cases[0]))
-    assert layout.window == pytest.approx(window, rel=1e-12)
-    assert layout.frequency[len(layout.frequency) // 2] == 0.0
-    assert 0.7 * 402.3 < layout.frequency[-1] < 402.4  # ten times the reference frequency
-
-
-def test_a_march_without_duration_has_a_layout() -> None:
-    case = Case(march=March(duration=0.0))
-    layout = make_layout(march_extent([case]), build_stage(case))
-    assert np.isfinite(layout.frequency).all()
-    assert layout.samples == 1

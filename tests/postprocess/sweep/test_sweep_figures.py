@@ -23,6 +23,7 @@ from bladewhirl.postprocess.sweep.quantities import (
     shaft_radius,
     whirls,
 )
+from bladewhirl.postprocess.sweep.regimes import regime_entries, regime_names
 from bladewhirl.postprocess.sweep.rows import blade_contacts, point_energies
 
 REFERENCE = 75.0  # rad/s
@@ -252,3 +253,16 @@ def test_what_a_sweep_has_not_is_said_in_one_line(
     one: Path, arguments: list[str], complaint: str
 ) -> None:
     assert complaint in refusal("plot", one, *arguments)
+
+
+def test_draws_that_were_not_needed_are_not_counted_as_without_result() -> None:
+    data = xr.Dataset(
+        {
+            "regime": ("draw", ["sustained", "unknown", "unknown", "unknown"]),
+            "state": ("draw", ["done", "not-needed", "not-needed", "failed"]),
+        }
+    )
+    entries = regime_entries(regime_names(data))
+    texts = [text for _, text in entries]
+    assert texts == ["sustained: 1", "skipped, outcome known: 2", "no result: 1"]
+    assert np.unique(regime_names(data)).size == 3
