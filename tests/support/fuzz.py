@@ -7,8 +7,8 @@ are made from their number alone, so a finding is repeated by `--first NUMBER --
 
 import argparse
 import contextlib
-import io
 import json
+import multiprocessing
 import os
 import random
 import re
@@ -18,16 +18,16 @@ import signal
 import subprocess
 import sys
 import tempfile
-import traceback
 import warnings
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 import h5py
 import numpy as np
+from command_line import answer
 from places import DATA, EXAMPLES
 from small_run import COMMAND, SMALL, small
+from typer.testing import CliRunner
 
 from bladewhirl.meshes.files.registry import WRITERS
 from bladewhirl.models.case.file import read_case
@@ -128,8 +128,8 @@ class Makers:
         shutil.copy(EXAMPLES / "shrouded_fan.msh", meshes)
         with contextlib.chdir(self._base):
             for suffix in WRITERS:
-                call(["mesh", "case.toml", "-o", f"meshes/disk{suffix}"])
-            call(["run", "case.toml", "--frames", "2", "-o", "result"])
+                answer("mesh", "case.toml", "-o", f"meshes/disk{suffix}")
+            answer("run", "case.toml", "--frames", 2, "-o", "result")
             if kind == "sweep":  # pools leave threads behind, which forks don't go with
                 over = "sweep case.toml --over march.speed=1,1.1 -o sweep --workers 1 --yes"
                 given = [sys.executable, "-c", COMMAND, *over.split(), "--set", SHORT]
@@ -138,7 +138,7 @@ class Makers:
                 Path("sweep/failures.json").write_text(json.dumps(failures))
             shutil.copytree("result", "run")
             for words in COMMANDS[kind]:
-                call(words.split())
+                CliRunner().invoke(app, words.split())
 
     def case(self, chance: random.Random, folder: Path) -> list[str]:
         """A case with other values or tables, or other bytes."""
@@ -289,59 +289,35 @@ def edit(file: Path, chance: random.Random) -> None:
             data[where if number and way < 0.6 else ...] = value
 
 
-def call(arguments: list[str]) -> None:
-    """Give a command in this process, output and end aside."""
-    out, err = (io.TextIOWrapper(io.BytesIO()) for _ in range(2))
-    with (
-        mock.patch.object(sys, "argv", ["bladewhirl", *arguments]),
-        contextlib.redirect_stdout(out),
-        contextlib.redirect_stderr(err),
-        contextlib.suppress(SystemExit),
-    ):
-        main()
-
-
 def attempt(arguments: list[str], folder: Path) -> tuple[int, str, str]:
     """Give a command in a process of its own: exit code, fault (empty if none), its words."""
-    child = os.fork()
-    if child == 0:
-        _child(arguments, folder)
-    _, status = os.waitpid(child, 0)
-    with contextlib.suppress(ProcessLookupError):  # what it started and left
-        os.killpg(child, signal.SIGKILL)
+    child = multiprocessing.get_context("fork").Process(target=_child, args=(arguments, folder))
+    child.start()
+    child.join(20 * SECONDS)
+    with contextlib.suppress(ProcessLookupError):  # and what it started and left
+        os.killpg(child.pid or 0, signal.SIGKILL)
+    child.join()
     out, messages = ((folder / name).read_text(errors="replace") for name in (".out", ".err"))
-    code = os.waitstatus_to_exitcode(status)
+    code = child.exitcode or 0
     return code, _fault(code, out, messages, arguments), messages
 
 
 def _child(arguments: list[str], folder: Path) -> None:
-    """The process that gives a command; never returns."""
-    code = 70
-    try:
-        os.setsid()
-        signal.alarm(20 * SECONDS)
-        for limit, most in (
-            (resource.RLIMIT_CPU, SECONDS),
-            (resource.RLIMIT_AS, BYTES),
-            (resource.RLIMIT_FSIZE, FILE_BYTES),
-            (resource.RLIMIT_CORE, 0),
-        ):
-            resource.setrlimit(limit, (most, most))
-        os.chdir(folder)
-        for stream, name in ((1, ".out"), (2, ".err")):
-            os.dup2(os.open(name, os.O_CREAT | os.O_WRONLY | os.O_TRUNC), stream)
-        warnings.simplefilter("error")
-        sys.argv = ["bladewhirl", *arguments]
-        main()
-        code = 0
-    except SystemExit as left:
-        code = left.code if isinstance(left.code, int) else 0 if left.code is None else 70
-    except BaseException:
-        traceback.print_exc()
-    with contextlib.suppress(BaseException):
-        sys.stdout.flush()
-        sys.stderr.flush()
-    os._exit(code)
+    """Give a command, with limits and its words in files."""
+    os.setsid()
+    for limit, most in (
+        (resource.RLIMIT_CPU, SECONDS),
+        (resource.RLIMIT_AS, BYTES),
+        (resource.RLIMIT_FSIZE, FILE_BYTES),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        resource.setrlimit(limit, (most, most))
+    os.chdir(folder)
+    for stream, name in ((1, ".out"), (2, ".err")):
+        os.dup2(os.open(name, os.O_CREAT | os.O_WRONLY | os.O_TRUNC), stream)
+    warnings.simplefilter("error")
+    sys.argv = ["bladewhirl", *arguments]
+    main()
 
 
 def _fault(code: int, out: str, messages: str, arguments: list[str]) -> str:

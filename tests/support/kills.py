@@ -6,10 +6,9 @@ to the bit, and lack no more than one flush; of some it is also seen that they g
 """
 
 import argparse
-import os
+import multiprocessing
 import random
 import shutil
-import signal
 import tempfile
 import time
 from pathlib import Path
@@ -37,19 +36,16 @@ GO_ON = 10  #: one of so many is resumed
 
 def killed(case: Case, folder: Path, chance: random.Random) -> int:
     """Begin a run in a process of its own and kill it; the steps that it had done."""
-    messages, tell = os.pipe()
-    child = os.fork()
-    if child == 0:
+    fork = multiprocessing.get_context("fork")
+    steps = fork.RawValue("q", 0)
 
-        def progress(activity: str, done: int, total: int) -> None:
-            os.write(tell, done.to_bytes(8, "little"))
-            time.sleep(PAUSE)
+    def progress(activity: str, done: int, total: int) -> None:
+        steps.value = done
+        time.sleep(PAUSE)
 
-        try:
-            bw.run(case, folder, frames=0, progress=progress)
-        finally:
-            os._exit(0)
-    os.close(tell)
+    march = {"frames": 0, "progress": progress}
+    child = fork.Process(target=bw.run, args=(case, folder), kwargs=march)
+    child.start()
     result = folder / RESULT_NAME
     while not result.exists():
         time.sleep(1e-4)
@@ -59,10 +55,9 @@ def killed(case: Case, folder: Path, chance: random.Random) -> int:
         while result.stat().st_size == size and time.monotonic() < latest:
             time.sleep(1e-4)
         time.sleep(chance.uniform(0.0, NEAR))
-    os.kill(child, signal.SIGKILL)
-    os.waitpid(child, 0)
-    with os.fdopen(messages, "rb") as stream:
-        return int(max([0, *np.frombuffer(stream.read(), dtype="<i8")]))
+    child.kill()
+    child.join()
+    return int(steps.value)
 
 
 def look(folder: Path, whole: xr.Dataset, steps: int, every: int) -> int:

@@ -10,6 +10,7 @@ import ast
 import contextlib
 import copy
 import importlib.machinery
+import multiprocessing
 import os
 import random
 import signal
@@ -95,32 +96,28 @@ class FirstFault:
 
 def outcome(module: Path, tree: ast.Module, tests: list[str], seconds: int) -> bool:
     """Whether the tests pass, in a process of their own, with the module replaced."""
-    child = os.fork()
-    if child == 0:
+    get_code = importlib.machinery.SourceFileLoader.get_code
+
+    def replaced(self: Any, fullname: str) -> Any:
+        path = Path(self.get_filename(fullname))
+        return compile(tree, path, "exec") if path.samefile(module) else get_code(self, fullname)
+
+    def run_tests() -> None:
         os.setsid()
         with open(os.devnull, "w") as nowhere:
             os.dup2(nowhere.fileno(), 1)
             os.dup2(nowhere.fileno(), 2)
-        loader = importlib.machinery.SourceFileLoader
-        get_code = loader.get_code
+        importlib.machinery.SourceFileLoader.get_code = replaced  # type: ignore[method-assign]
+        options = ["-x", "-q", "-p", "no:cacheprovider"]
+        sys.exit(int(pytest.main([*options, *tests], plugins=[FirstFault()])))
 
-        def replaced(self: Any, fullname: str) -> Any:
-            path = Path(self.get_filename(fullname))
-            return (
-                compile(tree, path, "exec") if path.samefile(module) else get_code(self, fullname)
-            )
-
-        loader.get_code = replaced  # type: ignore[method-assign]
-        code = 1
-        with contextlib.suppress(BaseException):
-            options = ["-x", "-q", "-p", "no:cacheprovider"]
-            code = int(pytest.main([*options, *tests], plugins=[FirstFault()]))
-        os._exit(code)
-    signal.signal(signal.SIGALRM, lambda *_: os.killpg(child, signal.SIGKILL))
-    signal.alarm(seconds)
-    status = os.waitpid(child, 0)[1]
-    signal.alarm(0)
-    return os.waitstatus_to_exitcode(status) == 0
+    child = multiprocessing.get_context("fork").Process(target=run_tests)
+    child.start()
+    child.join(seconds)
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(child.pid or 0, signal.SIGKILL)
+    child.join()
+    return child.exitcode == 0
 
 
 def score(module: Path, tests: list[str], count: int, seed: int) -> tuple[int, int]:

@@ -4,10 +4,16 @@ import base64
 import json
 import re
 from html.parser import HTMLParser
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
+from command_line import answer
 
+from bladewhirl.postprocess.reports import page as report_page
+
+PICTURE = "AAAA"
 LOADING = {"src", "srcset", "data", "poster", "action", "background", "formaction"}
 
 
@@ -26,6 +32,7 @@ class Parsed(HTMLParser):
         self._open = ""
         self._figure = ""
         self.feed(text)
+        self.words = " ".join(self.words.split())
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         given = {name: value or "" for name, value in attrs}
@@ -66,3 +73,15 @@ def _unpacked(found: dict[str, Any]) -> Any:
         return found
     values = np.frombuffer(base64.b64decode(found["bdata"]), dtype=found["dtype"])
     return values.reshape([int(size) for size in found.get("shape", "-1").split(",")])
+
+
+def reported(folder: Path) -> Parsed:
+    """Return the page that `report` writes for a run or a sweep, with `PICTURE` for all figures."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(report_page, "_as_png", lambda figure: PICTURE)
+        done = answer("report", folder)
+    assert done.stdout == f"Wrote {folder / 'report.html'}.\n"
+    parsed = Parsed((folder / "report.html").read_text(encoding="utf-8"))
+    assert parsed.references
+    assert parsed.outside() == []
+    return parsed

@@ -1,12 +1,19 @@
-"""A case of a few blades, cheap to march, and what gives commands in a process of its own."""
+"""A case of a few blades, cheap to march, runs that break off, and commands in a process."""
 
 import os
 import subprocess
 import sys
 from pathlib import Path
 
+import h5py
+import numpy as np
+import pytest
+
+import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads, with_values
+from bladewhirl.solvers.march.schema import RESULT_NAME
+from bladewhirl.studies.runs.recorded_march import Activity
 
 SMALL = """
 title = "A few blades"
@@ -44,3 +51,26 @@ def run_script(name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, script, *arguments], capture_output=True, text=True, env=beside
     )
+
+
+class Disturbed(Exception):
+    """The march ends as by a kill, as far as its folder goes."""
+
+
+def broken_off(case: Case, directory: Path, steps: int, *, overwrite: bool = False) -> None:
+    """Run a case and break off after a number of steps."""
+
+    def disturb(activity: Activity, done: int, total: int) -> None:
+        if done >= steps:
+            raise Disturbed
+
+    with pytest.raises(Disturbed):
+        bw.run(case, directory, frames=0, overwrite=overwrite, progress=disturb)
+
+
+def assert_same_bits(one: Path, other: Path) -> None:
+    """Assert that the results of two runs are equal to the last bit."""
+    with h5py.File(one / RESULT_NAME) as left, h5py.File(other / RESULT_NAME) as right:
+        assert set(left) == set(right)
+        for name in left:
+            np.testing.assert_array_equal(left[name][()], right[name][()])

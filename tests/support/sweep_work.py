@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from bladewhirl.models.case.file import loads
+from bladewhirl.studies.runs.prepare import AnyStage, prepare_any
+from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.sweeps import sweep
+from bladewhirl.studies.sweeps.carried import continued, late_state
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 from bladewhirl.studies.sweeps.workers import ready
 
@@ -64,6 +67,22 @@ def in_process(*, figures: bool = False) -> Iterator[InProcess]:
         if not figures:
             patch.setattr("bladewhirl.postprocess.sweep.figures.leave_figures", lambda _: {})
         yield made
+
+
+def assert_carried_on(stage: AnyStage, *names: str) -> None:
+    """Assert that a march carried on from another moves as the other did after two revolutions, in
+    which the loads repeat themselves."""
+    first, _ = march_in_memory(prepare_any(stage))
+    state = late_state(stage, first)
+    second, _ = march_in_memory(
+        prepare_any(stage, lambda problem, timing: (continued(stage, problem, state), timing))
+    )
+    record = int(np.abs(first["time"].values - 4.0 * np.pi / stage.speed).argmin())
+    for name in names:
+        expected, actual = first[name].values[record:], second[name].values
+        scale = np.abs(expected).max()
+        np.testing.assert_allclose(actual[: len(expected)], expected, rtol=0.0, atol=1e-2 * scale)
+        assert np.abs(first[name].values[: len(expected)] - expected).max() > 0.1 * scale
 
 
 def same_bits(one: Path, other: Path) -> bool:

@@ -6,11 +6,9 @@ import xarray as xr
 from numpy.typing import NDArray
 from places import EXAMPLES
 
-from bladewhirl.models.case.file import read_case
-from bladewhirl.models.case.template import dumps_case
+import bladewhirl as bw
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import Foreshortening
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.fields.blades import line_blades
 from bladewhirl.postprocess.fields.drawback import largest_drawback
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
@@ -20,9 +18,9 @@ from bladewhirl.studies.runs.recorded_march import march_in_memory
 
 def test_the_drawback_of_a_result_is_that_of_the_march() -> None:
     changes = ["contact.foreshortening=true", "march.duration=2 ms", "excitation.amplitude=1e4"]
-    case = read_case(EXAMPLES / "abradable_coating.toml", [*changes, "excitation.ramp=0"])
+    case = bw.read_case(EXAMPLES / "abradable_coating.toml", [*changes, "excitation.ramp=0"])
     result, _ = march_in_memory(prepare(case))
-    given = contact_problem(build_stage(case)).foreshortening
+    given = contact_problem(bw.build_stage(case)).foreshortening
     assert given is not None
     exact = given.opening(result["rotor_displacement"].values).max()
     assert exact > 1e-6
@@ -38,11 +36,11 @@ def bent(*changes: str) -> tuple[xr.Dataset, Foreshortening]:
     march = ["march.time_step=2e-6", "march.record_step=2e-6", "march.duration=0.4 ms"]
     start = "initial.tip_displacement=[[0, 0.03], [0, 0.02], [0, 0.01], [0, 0], [0, -0.01]]"
     on = ["contact.foreshortening=true", start]
-    case = read_case(EXAMPLES / "fan_stage.toml", [*small, *march, *on, *changes])
+    case = bw.read_case(EXAMPLES / "fan_stage.toml", [*small, *march, *on, *changes])
     result, _ = march_in_memory(prepare(case))
-    given = contact_problem(build_stage(case)).foreshortening
+    given = contact_problem(bw.build_stage(case)).foreshortening
     assert given is not None
-    return result.assign_attrs(case=dumps_case(case)), given
+    return result.assign_attrs(case=bw.dumps_case(case)), given
 
 
 def enlarged(result: xr.Dataset, records: list[int]) -> EnlargedStage:

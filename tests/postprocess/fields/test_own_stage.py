@@ -11,18 +11,13 @@ from command_line import answer
 from places import ROOT
 
 import bladewhirl as bw
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import read_case
-from bladewhirl.models.geometry.sketch import Sketch
-from bladewhirl.models.sections.rectangular import Material, Section
-from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 
-STEEL = Material()
+STEEL = bw.Material()
 
 
-def case(sketch: Sketch) -> Case:
+def case(sketch: bw.Sketch) -> bw.Case:
     return sketch.case(
         shaft={"stiffness": "2 MN/m"},
         casing={"elements": 20, "clearance": "0.4 mm", "support": "8 MN/m2"},
@@ -37,8 +32,8 @@ def test_pictures_of_modes_without_nodal_diameters(tmp_path: Path) -> None:
     """Three blades at odd angles: nothing turns them into each other."""
     from bladewhirl.models.case.template import dumps_case
 
-    steel = Section(width=0.08, thickness=0.02, material=STEEL)
-    sketch = Sketch()
+    steel = bw.Section(width=0.08, thickness=0.02, material=STEEL)
+    sketch = bw.Sketch()
     sketch.node("hub", 0.0, shared=True)
     for blade, angle in enumerate((0.0, 1.9, 4.1)):
         sketch.node(f"tip {blade}", 0.4 * np.cos(angle), 0.4 * np.sin(angle))
@@ -61,7 +56,7 @@ def test_a_run_of_a_mesh_moves_to_another_place(tmp_path: Path) -> None:
     for suffix in (".toml", ".msh"):
         shutil.copy(source.with_suffix(suffix), first)
     short = ["march.duration=1e-3", "reduction.fixed_interface_modes=24"]
-    bw.run(read_case(first / "shrouded_fan.toml", short), first / "run", frames=0)
+    bw.run(bw.read_case(first / "shrouded_fan.toml", short), first / "run", frames=0)
     provenance = json.loads((first / "run" / "provenance.json").read_text())
     content = (first / "shrouded_fan.msh").read_bytes()
     assert provenance["mesh"] == {
@@ -71,13 +66,13 @@ def test_a_run_of_a_mesh_moves_to_another_place(tmp_path: Path) -> None:
     moved = tmp_path / "moved"
     shutil.move(first / "run", moved)
     shutil.rmtree(first)
-    with open_result(moved) as result:
+    with bw.open_result(moved) as result:
         text = result.attrs["case"]
         assert 'file = "mesh.msh"' in text
         assert str(tmp_path) not in text
-        assert read_case(moved / "case.toml").blades == 12
+        assert bw.read_case(moved / "case.toml").blades == 12
         (moved / "again.toml").write_text(text)
-        again, _ = march_in_memory(prepare(read_case(moved / "again.toml")))
+        again, _ = march_in_memory(prepare(bw.read_case(moved / "again.toml")))
         assert again["energy"].values.any()
         for name in ("rotor_frequency", "rotor_displacement", "energy"):
             np.testing.assert_array_equal(again[name], result[name])

@@ -17,14 +17,6 @@ def result() -> xr.Dataset:
     return synthetic.synthetic_result(records=3)
 
 
-def moved(result: xr.Dataset, **coordinates: list[float]) -> xr.Dataset:
-    """The result with the same modal coordinates, of "rotor" or "casing", in all records."""
-    copy = result.copy(deep=True)
-    for body, values in coordinates.items():
-        copy[f"{body}_displacement"][:] = np.array(values)
-    return copy
-
-
 def volume(boxes: Boxes) -> float:
     """Volume inside the faces by the divergence theorem: positive where they look outward."""
     corner = boxes.points()[boxes.quads()]
@@ -55,21 +47,21 @@ def test_the_wall_fills_its_volume(result: xr.Dataset) -> None:
 
 def test_a_rotor_that_moves_as_a_whole(result: xr.Dataset) -> None:
     boxes = rotor_boxes(result)
-    shifted = moved(result, rotor=[*RIGID, 0, 0, 0])
+    shifted = synthetic.resting(rotor_displacement=[*RIGID, 0, 0, 0])
     np.testing.assert_allclose(corners(shifted, boxes) - RIGID, 0, atol=1e-15)
-    turned = corners(moved(result, rotor=[0, 0, 1e-3, 0, 0]), boxes)
+    turned = corners(synthetic.resting(rotor_displacement=[0, 0, 1e-3, 0, 0]), boxes)
     x, y, _ = boxes.points().T
     np.testing.assert_allclose(turned, 1e-3 * np.column_stack([-y, x]), atol=1e-15)
 
 
 def test_a_casing_that_moves_as_a_whole(result: xr.Dataset) -> None:
-    shifted = corners(moved(result, casing=[*RIGID, 0, 0]), casing_boxes(result))
+    shifted = corners(synthetic.resting(casing_displacement=[*RIGID, 0, 0]), casing_boxes(result))
     np.testing.assert_allclose(shifted - RIGID, 0, atol=2e-8)  # cubics follow a circle
 
 
 @pytest.mark.parametrize("surface", [False, True])
-def test_stress_at_the_surfaces_of_a_bent_blade(result: xr.Dataset, surface: bool) -> None:
-    bent = moved(result, rotor=[0, 0, 0, 1e-3, 0])
+def test_stress_at_the_surfaces_of_a_bent_blade(surface: bool) -> None:
+    bent = synthetic.resting(rotor_displacement=[0, 0, 0, 1e-3, 0])
     parts = StageParts(bent, np.array([0]), surface=surface, rotating=True)
     rotor = next(parts.grids())["rotor"]
     pieces = 3 if surface else 2

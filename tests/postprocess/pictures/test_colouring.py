@@ -1,5 +1,7 @@
 """True values by which a picture is coloured, against closed forms."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import synthetic_result as synthetic
@@ -10,15 +12,10 @@ from bladewhirl.postprocess.pictures.colouring import Colouring, Field, Stations
 
 STATIONS = Stations(2, 9)
 RECORDS = np.array([0, 1])
-
-
-def still(**motion: tuple[float, ...]) -> xr.Dataset:
-    """A result that stands at the given modal coordinates and rates."""
-    result = synthetic.synthetic_result(records=2)
-    for body in ("rotor", "casing"):
-        for kind in ("displacement", "velocity"):
-            result[f"{body}_{kind}"][:] = np.array(motion.get(f"{body}_{kind}", 0.0))
-    return result
+SHIFT: dict[str, Any] = {
+    "rotor_displacement": (3e-3, 4e-3, 0, 0, 0),
+    "casing_displacement": (1e-3, 0, 0, 0),
+}
 
 
 def coloured(result: xr.Dataset, field: Field, *, rotating: bool = True) -> Colouring:
@@ -31,7 +28,8 @@ def coloured(result: xr.Dataset, field: Field, *, rotating: bool = True) -> Colo
 
 def test_magnitudes_of_motion() -> None:
     colours = coloured(
-        still(rotor_velocity=(3.0, 4.0, 0, 0, 0), casing_velocity=(1, 0, 0, 0)), "velocity"
+        synthetic.resting(rotor_velocity=(3.0, 4.0, 0, 0, 0), casing_velocity=(1, 0, 0, 0)),
+        "velocity",
     )
     np.testing.assert_allclose(colours.rotor, 5.0)
     np.testing.assert_allclose(colours.casing, 1.0, rtol=1e-5)
@@ -42,26 +40,24 @@ def test_a_velocity_is_the_rate_in_the_axes_of_the_picture() -> None:
     """A shaft that stands still in rotating axes turns with them, by Omega r, and a casing that
     stands aside turns back when seen from the rotor.
     """
-    shifted = {"rotor_displacement": (3e-3, 4e-3, 0, 0, 0), "casing_displacement": (1e-3, 0, 0, 0)}
     for rotating, rotor, casing in ((False, 5e-3, 0.0), (True, 0.0, 1e-3)):
-        colours = coloured(still(**shifted), "velocity", rotating=rotating)
+        colours = coloured(synthetic.resting(**SHIFT), "velocity", rotating=rotating)
         np.testing.assert_allclose(colours.rotor, synthetic.SPEED * rotor)
         np.testing.assert_allclose(colours.casing, synthetic.SPEED * casing, rtol=1e-5)
 
 
 def test_deformation_is_displacement_beyond_a_shift() -> None:
-    shift = {"rotor_displacement": (3e-3, 4e-3, 0, 0, 0), "casing_displacement": (1e-3, 0, 0, 0)}
-    colours = coloured(still(**shift), "deformation")
+    colours = coloured(synthetic.resting(**SHIFT), "deformation")
     np.testing.assert_allclose(colours.rotor, 0.0, atol=1e-15)
     np.testing.assert_allclose(colours.casing, 0.0, atol=1e-8)  # cubics follow a circle
-    bent = shift | {"rotor_displacement": (3e-3, 4e-3, 0, 1e-4, 0)}
+    bent = SHIFT | {"rotor_displacement": (3e-3, 4e-3, 0, 1e-4, 0)}
     bent["casing_displacement"] = (1e-3, 0, 2e-4, 0)
-    colours = coloured(still(**bent), "deformation")
+    colours = coloured(synthetic.resting(**bent), "deformation")
     assert (colours.rotor.max(), colours.casing.max()) == pytest.approx((1e-4, 2e-4), rel=1e-3)
 
 
 def test_bending_is_opposite_at_the_two_sides() -> None:
-    result = still(rotor_displacement=(0, 0, 0, 1e-3, 0))
+    result = synthetic.resting(rotor_displacement=(0, 0, 0, 1e-3, 0))
     colours = coloured(result, "bending-strain")
     blade = int(np.flatnonzero(result["rotor_part"].values == "blades")[0])  # on +x, to +y
     curvature = 1e-3 * 3 / (synthetic.TIP_RADIUS - synthetic.DISK_RADIUS) ** 2  # at its root
@@ -89,4 +85,4 @@ def test_unknown_fields_are_refused() -> None:
     with pytest.raises(
         ViewError, match="colour must be one of displacement, deformation, velocity"
     ):
-        colouring(still(), "heat", RECORDS, STATIONS, False)  # type: ignore[arg-type]
+        colouring(synthetic.resting(), "heat", RECORDS, STATIONS, False)  # type: ignore[arg-type]

@@ -13,16 +13,6 @@ FACTOR = 40.0
 SAGITTA = 0.010**2 / 8 / 0.25 * 1.5  # of a blade's end, which is cut along the wall [m]
 
 
-def moved(
-    rotor: tuple[float, ...] = (0, 0, 0, 0, 0), casing: tuple[float, ...] = (0, 0, 0, 0)
-) -> xr.Dataset:
-    """A result that stands at the given modal coordinates; the rotor has turned at record 1."""
-    result = synthetic.synthetic_result(records=2)
-    result["rotor_displacement"][:] = np.array(rotor)
-    result["casing_displacement"][:] = np.array(casing)
-    return result
-
-
 def draw(result: xr.Dataset, *, record: int = 0, exaggeration: float = FACTOR) -> Drawing:
     return Drawing(result, np.array([record]), exaggeration=exaggeration)
 
@@ -50,7 +40,7 @@ class TestMagnify:
 
 class TestContact:
     def test_rest_shows_the_magnified_clearance(self) -> None:
-        seen = draw(moved()).picture(0)
+        seen = draw(synthetic.resting()).picture(0)
         np.testing.assert_allclose(np.linalg.norm(seen.tips, axis=1), synthetic.TIP_RADIUS)
         inner = np.linalg.norm(seen.casing.sides[0, :, 0], axis=1)
         np.testing.assert_allclose(inner, synthetic.TIP_RADIUS + FACTOR * synthetic.CLEARANCE)
@@ -59,7 +49,9 @@ class TestContact:
     def test_a_shift_by_the_clearance_touches_in_one_point(self, record: int) -> None:
         angle = 2 * np.pi * 3 / 22  # towards blade 3, in rotating axes
         shift = synthetic.CLEARANCE * np.array([np.cos(angle), np.sin(angle)])
-        seen = draw(moved((*shift, 0, 0, 0)), record=record).picture(0)
+        seen = draw(synthetic.resting(rotor_displacement=[*shift, 0, 0, 0]), record=record).picture(
+            0
+        )
         gaps = distance_to(seen.casing.sides[0, :, 0], seen.tips)
         assert gaps[3] == pytest.approx(0.0, abs=1e-5)  # chords of the drawn circle
         assert np.all(np.delete(gaps, 3) > 0.02 * FACTOR * synthetic.CLEARANCE)
@@ -67,14 +59,18 @@ class TestContact:
         assert inside.max() <= synthetic.TIP_RADIUS + FACTOR * synthetic.CLEARANCE + 1e-12
 
     def test_a_bent_blade_swings_on_an_arc(self) -> None:
-        seen = draw(moved((0, 0, 0, 2e-3, 0))).picture(0)  # 80 mm as drawn, on a radius of 250
+        seen = draw(synthetic.resting(rotor_displacement=[0, 0, 0, 2e-3, 0])).picture(
+            0
+        )  # 80 mm as drawn, on a radius of 250
         np.testing.assert_allclose(np.linalg.norm(seen.tips, axis=1), synthetic.TIP_RADIUS)
         swing = np.arctan2(seen.tips[0, 1], seen.tips[0, 0])
         assert swing == pytest.approx(FACTOR * 2e-3 / synthetic.TIP_RADIUS)
 
     def test_no_corner_of_a_blade_is_nearer_to_a_tilted_wall_than_its_tip(self) -> None:
         """A shift and an ovalisation tilt the drawn wall by up to 0.25 against the ends."""
-        result = moved((1e-4, 0, 0, 0, 0), (3e-4, 0, 4e-4, 3e-4))
+        result = synthetic.resting(
+            rotor_displacement=[1e-4, 0, 0, 0, 0], casing_displacement=[3e-4, 0, 4e-4, 3e-4]
+        )
         for exaggeration in (1.0, FACTOR):
             seen = draw(result, exaggeration=exaggeration).picture(0)
             angle = np.arctan2(*np.moveaxis(seen.casing.sides[0, :, 0], -1, 0)[::-1])
@@ -92,7 +88,10 @@ class TestContact:
 
 
 class TestRibbons:
-    result = moved((5e-4, -3e-4, 1e-3, 2e-3, 1e-3), (2e-4, 0, 5e-4, 3e-4))
+    result = synthetic.resting(
+        rotor_displacement=[5e-4, -3e-4, 1e-3, 2e-3, 1e-3],
+        casing_displacement=[2e-4, 0, 5e-4, 3e-4],
+    )
 
     @pytest.mark.parametrize("exaggeration", [1.0, FACTOR])
     def test_thickness_is_true(self, exaggeration: float) -> None:
@@ -137,7 +136,7 @@ def test_rotating_picture_is_the_static_one_turned_back() -> None:
 def test_a_short_blade_touches_where_it_does_in_the_run(growth: float) -> None:
     """Growth of a cold clearance leaves less room for all."""
     recess, blade = 0.3e-3, 5
-    result = moved()
+    result = synthetic.resting()
     tip = int(result["tip_node"].values[blade])
     result["rotor_point"][tip] *= 1.0 - recess / synthetic.TIP_RADIUS
     unit = result["rotor_point"].values[tip] / (synthetic.TIP_RADIUS - recess)

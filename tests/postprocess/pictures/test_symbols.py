@@ -1,5 +1,7 @@
 """Symbols of springs, supports and masses: where they stand and what they follow."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import synthetic_result as synthetic
@@ -14,11 +16,9 @@ ZIGZAG, GROUND = TEETH + 1, HATCHES + 1  # strokes of one
 SHAFT = 2  # springs of the shaft
 
 
-def supported(**motion: tuple[float, ...]) -> xr.Dataset:
+def supported(**motion: Any) -> xr.Dataset:
     """A result with a radial spring at 0, a tangential one at 90 degrees, a strut at 180."""
-    result = synthetic.synthetic_result(records=2)
-    for body in ("rotor", "casing"):
-        result[f"{body}_displacement"][:] = np.array(motion.get(body, 0.0))
+    result = synthetic.resting(**motion)
     each = {
         "support_kind": np.array(["spring", "spring", "strut"]),
         "support_angle": np.pi / 2 * np.arange(3),
@@ -67,7 +67,9 @@ def test_a_strut_has_its_length_and_every_end_its_ground() -> None:
 
 def test_feet_move_and_the_ground_stands_clear_of_the_casing() -> None:
     rest, moved = (
-        picture(supported(casing=(shift, 0, 0, 0), rotor=(0, shift, 0, 0, 0))).symbols
+        picture(
+            supported(casing_displacement=(shift, 0, 0, 0), rotor_displacement=(0, shift, 0, 0, 0))
+        ).symbols
         for shift in (0.0, 5e-4)
     )
     start, end = (s.springs.reshape(-1, ZIGZAG, 2, 2)[:, [0, -1], [0, 1]] for s in (rest, moved))
@@ -90,14 +92,12 @@ def test_a_uniform_support_is_spread_around() -> None:
 
 
 def test_springs_and_links_of_the_rotor_join_its_nodes() -> None:
-    plain = synthetic.synthetic_result(records=1)
+    plain = synthetic.resting(records=1)
     tips = plain["tip_node"].values
     result = plain.assign(
         rotor_spring=(("rotor_spring", "end"), np.array([[tips[0], tips[1]], [tips[5], -1]])),
         rotor_link=(("rotor_link", "end"), np.array([[tips[3], 0]])),
     )
-    for name in ("rotor_displacement", "casing_displacement"):
-        result[name] *= 0.0
     seen = picture(result).symbols
     points = result["rotor_point"].values
     springs = seen.springs.reshape(-1, ZIGZAG, 2, 2)[SHAFT:]

@@ -6,11 +6,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from command_line import answer
-from report_pages import Parsed
+from report_pages import Parsed, reported
 from synthetic_sweep import synthetic_sweep
 
-import bladewhirl as bw
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.reports import page as report_page
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
@@ -36,32 +34,20 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def page(folder: Path) -> Parsed:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(report_page, "_as_png", lambda figure: "AAAA")
-        done = answer("report", folder)
-    assert done.stdout == f"Wrote {folder / 'report.html'}.\n"
-    return Parsed((folder / "report.html").read_text(encoding="utf-8"))
+    return reported(folder)
 
 
-def test_it_stands_alone_with_its_figures(page: Parsed) -> None:
-    assert page.references
-    assert page.outside() == []
+def test_it_has_its_figures(page: Parsed) -> None:
     of_beams = {name for name, kind in SWEEP_FIGURES.items() if "beams" in kind.models}
     assert set(page.pictures) == of_beams - {"maps", "probability", "wear"}
 
 
 def test_the_verdict_counts_points(page: Parsed) -> None:
-    words = re.sub(r"\s+", " ", page.words)
+    words = page.words
     assert "Sustained contact at 2 of 3 points" in words
     assert "1 of 4 points failed; the reasons are listed under Points." in words
     assert "march.speed = 1.6 it could not be marched" in words
     assert "unfinished" not in words
-
-
-@pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Leave the pictures of figures empty."""
-    monkeypatch.setattr(report_page, "_as_png", lambda figure: "AAAA")
 
 
 def test_points_and_maps_are_those_of_the_sweep(page: Parsed) -> None:
@@ -79,7 +65,6 @@ def test_points_and_maps_are_those_of_the_sweep(page: Parsed) -> None:
 CASE = "title = 'x'\n\n[casing]\nclearance = 5e-4\n\n[march]\nspeed = 1.2\nduration = 1.0\n"
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_two_keys_and_a_missing_point(tmp_path: Path) -> None:
     over = {"march.speed": (1.0, 1.2), "casing.clearance": (5e-4, 1e-3)}
     motions = [{"speed": REFERENCE, "shaft_radius": radius} for radius in (*RADII, RADII[0])]
@@ -87,8 +72,8 @@ def test_two_keys_and_a_missing_point(tmp_path: Path) -> None:
     folder = synthetic_sweep(tmp_path / "two", over, motions, units=units, case=CASE)
     with h5py.File(folder / SWEEP_NAME, "r+") as file:
         file["state"][1, 0] = 0
-    page = Parsed(bw.report(folder).read_text(encoding="utf-8"))
-    words = re.sub(r"\s+", " ", page.words)
+    page = reported(folder)
+    words = page.words
     assert re.search(r"\d of 3 points so far", words)
     assert "unfinished: 1 of 4 points are missing; bladewhirl sweep --resume" in words
     assert "march.speed casing.clearance [mm] regime largest displacement of the shaft" in words
@@ -108,7 +93,7 @@ def test_two_keys_and_a_missing_point(tmp_path: Path) -> None:
 
 def test_a_sweep_without_a_point_done(tmp_path: Path) -> None:
     folder = synthetic_sweep(tmp_path / "none", {"march.speed": (1.0, 2.0)}, [None, None])
-    page = Parsed(bw.report(folder).read_text(encoding="utf-8"))
+    page = reported(folder)
     assert "No result" in page.words
     assert "2 of 2 points failed" in page.words
     assert "Not drawn: no point of the sweep is finished" in page.words
@@ -125,7 +110,7 @@ def test_the_report_names_points_with_an_uncertain_outcome(
     motions += [{"speed": 1.2 * REFERENCE, "shaft_radius": 1.3e-3}] * 8
     over = {"march.speed": (1.0, 1.2), "draw": tuple(range(8))}
     folder = synthetic_sweep(tmp_path / "draws", over, motions)
-    words = re.sub(r"\s+", " ", Parsed(bw.report(folder).read_text(encoding="utf-8")).words)
+    words = reported(folder).words
     if named:
         assert (
             "uncertain at 1 of 2 points, where the 95 % interval of the share of a regime" in words

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import synthetic_result as synthetic
 import xarray as xr
+from legible import assert_legible
 
 import bladewhirl as bw
 from bladewhirl.models.inputs.units import to_si
@@ -32,8 +33,7 @@ def test_each_is_drawn_and_legible(result: xr.Dataset, name: str) -> None:
     titles = {axes.get_title(loc="left").partition(",")[0] for axes in figure.axes}
     drawn = {"gauge", "btt"} if name == "all-blades" else {"gauge", "wall", "probe"}
     assert drawn <= titles
-    sizes = [float(label.get_fontsize()) for axes in figure.axes for label in axes.texts]
-    assert min([7.0, *sizes]) >= 7.0
+    assert_legible(figure)
 
 
 def test_a_spectrum_has_the_amplitude_and_the_frequency_of_a_vibration(result: xr.Dataset) -> None:

@@ -3,26 +3,13 @@
 import numpy as np
 import pytest
 import synthetic_result as synthetic
-import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import whirl
 
-Array = NDArray[np.float64]
 RADIUS = 0.8e-3
 RATE = 70.0  # rad/s, backward in rotating axes: what the synthetic shaft does
-
-
-def moved(x: Array, y: Array, x_dot: Array, y_dot: Array) -> xr.Dataset:
-    """A result whose centre moves as given; modes 0 and 1 are translations of unit size."""
-    result = synthetic.synthetic_result(records=len(x))
-    for name, columns in (("displacement", (x, y)), ("velocity", (x_dot, y_dot))):
-        motion = np.zeros((len(x), 5))
-        motion[:, :2] = np.column_stack(columns)
-        result[f"rotor_{name}"] = ("time", "rotor_mode"), motion
-    return result
 
 
 class TestShaftOrbit:
@@ -46,8 +33,7 @@ class TestShaftOrbit:
             np.testing.assert_allclose(orbit[f"{frame}_velocity"], around, atol=1e-14)
 
     def test_a_centre_fixed_in_the_rotor_goes_round_with_it(self) -> None:
-        still = np.zeros(401)
-        orbit = shaft_orbit(moved(still + RADIUS, still, still, still))
+        orbit = shaft_orbit(synthetic.resting(401, rotor_displacement=[RADIUS, 0, 0, 0, 0]))
         assert whirl(orbit, "rotating").direction == "none"
         assert whirl(orbit, "static").direction == "forward"
         assert whirl(orbit, "static").rate == pytest.approx(synthetic.SPEED, rel=1e-12)

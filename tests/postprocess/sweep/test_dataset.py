@@ -10,9 +10,7 @@ import xarray as xr
 from synthetic_result import synthetic_result
 from synthetic_sweep import LAYOUT, REPORT
 
-from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.fields.result import ResultError
-from bladewhirl.postprocess.sweep.dataset import open_sweep
+import bladewhirl as bw
 from bladewhirl.postprocess.sweep.digest import digest
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.quantities import along
@@ -42,7 +40,7 @@ def folder(made: Path, tmp_path: Path) -> Path:
 
 
 def test_speeds_in_rpm_stay_beside_si_and_the_ratio(folder: Path) -> None:
-    with open_sweep(folder) as sweep:
+    with bw.open_sweep(folder) as sweep:
         np.testing.assert_array_equal(sweep["march_speed"], RAD_PER_S)
         point = sweep.swap_dims(march_speed="march_speed_rpm").sel(march_speed_rpm=2500.0)
         assert point["state"].item() == "done"
@@ -57,7 +55,7 @@ def test_before_format_4_waves_have_the_frequencies_of_modes(folder: Path) -> No
     with h5py.File(folder / "sweep.nc", "r+") as file:
         file.attrs["format"] = 3
         del file["mode_forward_frequency"]
-    with open_sweep(folder) as sweep:
+    with bw.open_sweep(folder) as sweep:
         xr.testing.assert_equal(sweep["mode_forward_frequency"], sweep["mode_frequency"])
         assert frequency_map(sweep, "march_speed")["mode_line"].notnull().any()
 
@@ -68,9 +66,9 @@ def test_numbers_that_were_changed_are_refused(folder: Path, name: str) -> None:
         first = (0,) * file[name].ndim
         changed = 0.999 * np.nan_to_num(file[name][first], nan=1.0)
         file[name][first] = changed if file[name].dtype.kind == "f" else 0
-    with pytest.raises(ResultError, match="but point 0 was changed after it was written"):
-        open_sweep(folder)
-    with pytest.raises(UserError, match="expected point 0 as it was written"):
+    with pytest.raises(bw.ResultError, match="but point 0 was changed after it was written"):
+        bw.open_sweep(folder)
+    with pytest.raises(bw.UserError, match="expected point 0 as it was written"):
         Store(folder, Grid(axes=(Axis(key="march.speed", values=("2500 rpm", "2600 rpm")),)))
 
 
@@ -78,12 +76,12 @@ def test_numbers_that_were_changed_are_refused(folder: Path, name: str) -> None:
 def test_what_every_sweep_says_of_itself_is_not_missing(folder: Path, name: str) -> None:
     with h5py.File(folder / "sweep.nc", "r+") as file:
         del file.attrs[name]
-    with pytest.raises(ResultError, match="expected a sweep of bladewhirl, it has no"):
-        open_sweep(folder)
+    with pytest.raises(bw.ResultError, match="expected a sweep of bladewhirl, it has no"):
+        bw.open_sweep(folder)
 
 
 def test_a_newer_format_is_refused(folder: Path) -> None:
     with h5py.File(folder / "sweep.nc", "r+") as file:
         file.attrs["format"] = SWEEP_FORMAT + 1
-    with pytest.raises(ResultError, match=r"sweep\.nc: expected .* format .* newer version"):
-        open_sweep(folder)
+    with pytest.raises(bw.ResultError, match=r"sweep\.nc: expected .* format .* newer version"):
+        bw.open_sweep(folder)

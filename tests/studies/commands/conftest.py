@@ -4,6 +4,12 @@ from pathlib import Path
 
 import pytest
 import synthetic_result as synthetic
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladewhirl.studies.modal import campbell, coupled_mode_figures, stability_report, veering
+
+Figures = dict[str, tuple[Figure, xr.Dataset]]
 
 
 @pytest.fixture(scope="module")
@@ -12,3 +18,14 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     directory = tmp_path_factory.mktemp("run")
     synthetic.synthetic_result(elements=1).to_netcdf(directory / "result.nc", engine="h5netcdf")
     return directory
+
+
+@pytest.fixture
+def saved(monkeypatch: pytest.MonkeyPatch) -> Figures:
+    """Collect figures of modal studies with their data instead of saving them."""
+    figures: Figures = {}
+    for module in (campbell, coupled_mode_figures, stability_report, veering):
+        monkeypatch.setattr(
+            module, "save_figures", lambda folder, drawn, **options: figures.update(drawn)
+        )
+    return figures

@@ -57,8 +57,3 @@ def test_table_and_figure(place: Path) -> None:
         np.testing.assert_allclose([float(word) for word in printed], last, rtol=1e-3)
     refused = refusal(*compare(place, "-o", place / "out"))
     assert refused == f"{place / 'out'}: already exists; --overwrite writes into it"
-
-
-def test_faults_of_one_scheme_are_reported(place: Path) -> None:
-    refused = refusal(*compare(place, "--set", "contact.penalty_stiffness=1e13"))
-    assert refused.startswith("--set: contact.penalty_stiffness = 1e13: expected less (")

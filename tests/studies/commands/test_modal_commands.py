@@ -1,7 +1,6 @@
 """`bladewhirl modes`, `campbell` and `veering`: lists, tables, figures and films, bad input."""
 
 import json
-import shlex
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from command_line import answer, refusal
+from command_line import answer
 from matplotlib.figure import Figure
 from places import EXAMPLES
 from report_pages import Parsed
@@ -19,9 +18,7 @@ from bladewhirl.files import MANIFEST_NAME, listed
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.postprocess.modal import motion
-from bladewhirl.studies.modal import campbell as modal_campbell
 from bladewhirl.studies.modal import mode_pictures
-from bladewhirl.studies.modal import veering as modal_veering
 
 SMALL = ("--set", "bladed_disk.blades=5", "--set", "bladed_disk.elements_per_blade=2")
 
@@ -81,10 +78,6 @@ def test_waves_at_speed_are_pictured_as_they_travel(case: Path, tmp_path: Path) 
     answer("modes", case, *effects, "--shapes", "1F:0,1F:1")
     with xr.open_dataset(tmp_path / "new" / "bladed-disk-shapes.nc") as data:
         assert data["rotor_direction"].values.tolist() == ["standing", "forward", "backward"]
-    films = (*effects[:-1], "--animate", "1F:1", "--wave", "standing")
-    refused = refusal("modes", case, *films)
-    expected = "expected backward or forward, the only waves of 1F:1"
-    assert refused == f"--wave standing: {expected}"
 
 
 def test_every_nodal_diameter_and_family_has_its_speed() -> None:
@@ -104,17 +97,6 @@ def test_every_nodal_diameter_and_family_has_its_speed() -> None:
 
 
 Figures = dict[str, tuple[Figure, xr.Dataset]]
-
-
-@pytest.fixture
-def saved(monkeypatch: pytest.MonkeyPatch) -> Figures:
-    """Collect figures with their data instead of saving them."""
-    figures: Figures = {}
-    for module in (modal_campbell, modal_veering):
-        monkeypatch.setattr(
-            module, "save_figures", lambda folder, drawn, **options: figures.update(drawn)
-        )
-    return figures
 
 
 def test_campbell_diagrams_and_table(case: Path, saved: Figures) -> None:
@@ -168,29 +150,3 @@ def test_veering_as_one_document() -> None:
         "frequency_hz": pytest.approx(content["reference_frequency_hz"]),
         "normalised": 1.0,
     }
-
-
-NO_SPEEDS = ': expected START:STOP, with ends that are numbers or text such as "2500 rpm"'
-NOT_ASCENDING = "expected a START of zero or more and a STOP above it"
-
-A_FAMILY = "expected a family of the bladed disk: 1F, suspension, 2F, 3F, 4F, 5F, 6F, 7F, 8F, 9F"
-BAD_INPUT = {
-    "modes --animate 1F:1": "--animate: needs a folder for the pictures, -o DIR",
-    "modes -o new --animate suspensoin": f"--animate suspensoin: {A_FAMILY}"
-    " (did you mean suspension?)",
-    "modes -o new --shapes casing:suspension": "--shapes casing:suspension: expected a"
-    " family of the casing: rigid, 1F, 2F, 3F, 4F",
-    "modes -o new --animate 1F:0 --wave forward": "--wave forward: expected standing,"
-    " the only waves of 1F:0",
-    "campbell --speeds 3:1": f"--speeds 3:1: {NOT_ASCENDING}",
-    "campbell --speeds 0:inf": f"--speeds 0:inf{NO_SPEEDS}",
-    "veering --stiffnesses 0:1e9": "--stiffnesses 0: expected a START above zero",
-}
-"""Command lines with errors, and their messages."""
-
-
-@pytest.mark.parametrize(("command_line", "line"), BAD_INPUT.items())
-def test_bad_input_is_one_line(case: Path, tmp_path: Path, command_line: str, line: str) -> None:
-    command, *arguments = shlex.split(command_line)
-    assert refusal(command, case, *SMALL, *arguments) == line
-    assert [path.name for path in tmp_path.iterdir()] == [case.name]

@@ -64,19 +64,6 @@ def test_a_figure_for_a_paper(directory: Path) -> None:
     assert "rpm)" not in text  # the title that it has by default
 
 
-@pytest.mark.parametrize(
-    ("arguments", "complaint"),
-    [
-        (["waterfall", "orbit", "bode"], "waterfall, bode: a run has the figures orbit, whirl, "),
-        (["orbit", "--from", "0.3", "--to", "0.1"], "window [0.3, 0.1] s: expected a start"),
-        (["energy-cyclic"], "energy-cyclic: expected energy-families, which replaces it"),
-    ],
-)
-def test_bad_input_is_one_line(directory: Path, arguments: list[str], complaint: str) -> None:
-    assert refusal("plot", directory, *arguments).startswith(complaint)
-    assert not (directory / "plots").exists()
-
-
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) -> None:
     still = made(tmp_path / "still", 0.0)

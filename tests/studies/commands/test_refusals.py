@@ -1,9 +1,60 @@
-"""No command that writes pictures or series replaces files of the user without --overwrite."""
+"""Commands that refuse their input in one line, and leave the files of the user as they are."""
 
+import shlex
+import tomllib
 from pathlib import Path
 
 import pytest
 from command_line import refusal
+from places import DATA, EXAMPLES
+from small_run import SMALL
+from synthetic_result import synthetic_result
+
+REFUSED = tomllib.loads((DATA / "refusals.toml").read_text(encoding="utf-8"))
+
+TEXTS = {
+    "small.toml": SMALL,
+    "few.toml": "bladed_disk = { blades = 5, elements_per_blade = 2 }\n",
+    "extreme.toml": "bladed_disk = { blades = 5, elements_per_blade = 2 }\n"
+    "casing.elements = 20\nreduction.fixed_interface_modes = 10\n",
+    "table.csv": "march.speed\n1.1\n",
+    "result.nc": "broken",
+    "bad.msh": "nonsense",
+}
+
+
+@pytest.fixture(scope="module")
+def files(run: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Files by their names in commands."""
+    folder = tmp_path_factory.mktemp("files")
+    for name, text in TEXTS.items():
+        (folder / name).write_text(text)
+    (folder / "one").mkdir()
+    synthetic_result(records=1).to_netcdf(folder / "one" / "result.nc", engine="h5netcdf")
+    return {
+        "FAN": EXAMPLES / "fan_stage.toml",
+        "RUN": run,
+        "BROKEN": folder,
+        "ONE": folder / "one",
+        **{name.split(".")[0].upper(): folder / name for name in TEXTS},
+    }
+
+
+@pytest.mark.parametrize(("command_line", "expected"), REFUSED.items(), ids=REFUSED)
+def test_bad_input_is_one_line(
+    files: dict[str, Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    command_line: str,
+    expected: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name, path in files.items():
+        command_line = command_line.replace(f" {name}", f" {path}")
+    before = sorted(files["RUN"].rglob("*"))
+    assert expected in refusal(*shlex.split(command_line))
+    assert sorted(files["RUN"].rglob("*")) == before
+    assert not [*tmp_path.iterdir(), *files["BROKEN"].rglob("*.html")]
 
 
 @pytest.mark.parametrize(
@@ -27,10 +78,3 @@ def test_a_file_that_is_not_listed_stays(
     assert refused.endswith("--overwrite replaces it)")
     assert theirs.read_text() == "precious"
     assert [path for path in folder.rglob("*") if path.is_file()] == [theirs]
-
-
-@pytest.mark.parametrize("command", ["compare", "convergence", "mesh", "modes", "response", "run"])
-def test_a_change_without_a_value_is_a_fault_of_the_option(tmp_path: Path, command: str) -> None:
-    (tmp_path / "case.toml").write_text("")
-    refused = refusal(command, tmp_path / "case.toml", "--set", "garbage")
-    assert refused == "--set garbage: expected KEY=VALUE with a dotted key, such as march.speed=1.2"

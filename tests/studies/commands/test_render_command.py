@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from command_line import answer, refusal
+from command_line import answer
 from PIL import Image
 
 
@@ -48,31 +48,6 @@ def test_a_page_needs_no_display(run: Path, tmp_path: Path) -> None:
     done = answer("render", run, "-o", path, "--frames", "3")
     assert "3 pictures from" in done.stdout
     assert path.is_file()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--png", "--from", "0.1"], "--from: allowed for an animation or a sheet only"),
-        (["--png", "--time", "soon"], "--time soon: expected a time in seconds"),
-        (["--from", "0.3", "--to", "0.1"], "window [0.3, 0.1] s: expected a start before the end"),
-        (["--png", "--time", "0.1", "--time", "9"], "time 9 s lies outside the run"),
-        (["-o", "film.avi"], "--output film.avi: expected a name that ends in"),
-        (
-            ["--png", "-o", "film.gif"],
-            "--output film.gif: names one file, whose suffix does not",
-        ),
-    ],
-)
-def test_bad_input_is_one_line(
-    run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], message: str
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    before = sorted(run.iterdir())
-    line = refusal("render", run, *arguments)
-    assert message in line
-    assert sorted(run.iterdir()) == before
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_options_of_the_view(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:

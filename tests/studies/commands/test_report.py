@@ -10,18 +10,13 @@ import numpy as np
 import pytest
 import synthetic_result as synthetic
 import xarray as xr
-from command_line import answer, refusal
 from matplotlib.figure import Figure
-from report_pages import Parsed
+from report_pages import PICTURE, Parsed, reported
 
 import bladewhirl as bw
-from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.reports import page as report_page
 from bladewhirl.postprocess.run.blade_contact import contact_maps
-from bladewhirl.postprocess.shaft.orbits import shaft_orbit
-
-PICTURE = "AAAA"
 
 MARCHED = {
     "complementarity_residual": 3.25e-12,
@@ -47,28 +42,16 @@ def made(folder: Path, **attributes: Any) -> Path:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    run = made(tmp_path_factory.mktemp("reports") / "run", title="<b>a & b</b></script>")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(report_page, "_as_png", lambda figure: PICTURE)  # most of the time
-        done = answer("report", run)
-    assert done.stdout == f"Wrote {run / 'report.html'}.\n"
-    return run
+    return made(tmp_path_factory.mktemp("reports") / "run", title="<b>a & b</b></script>")
 
 
 @pytest.fixture(scope="module")
 def page(folder: Path) -> Parsed:
-    return Parsed((folder / "report.html").read_text(encoding="utf-8"))
+    return reported(folder)
 
 
-@pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Reports without their figures, which cost most of the time."""
-    monkeypatch.setattr("bladewhirl.postprocess.reports.run.RUN_FIGURES", {})
-
-
-def test_it_stands_alone(folder: Path, page: Parsed) -> None:
-    assert page.references
-    assert page.outside() == []
+@pytest.mark.usefixtures("page")
+def test_it_stands_alone(folder: Path) -> None:
     text = (folder / "report.html").read_text(encoding="utf-8")
     assert "default-src 'none'" in text  # what a browser would refuse to load
     assert "<title>&lt;b&gt;a &amp; b&lt;/b&gt;&lt;/script&gt;: Sustained</title>" in text
@@ -86,7 +69,6 @@ def test_all_figures_are_inside(page: Parsed) -> None:
 
 
 def test_numbers_are_those_of_the_run(page: Parsed) -> None:
-    words = re.sub(r"\s+", " ", page.words)
     for expected in (
         "1.2 mm",  # the radius of the circle
         "1.2 times the clearance",
@@ -98,14 +80,14 @@ def test_numbers_are_those_of_the_run(page: Parsed) -> None:
         'title = "synthetic"',
         "numpy 2.2.9",
     ):
-        assert expected in words, expected
+        assert expected in page.words, expected
 
 
 def test_it_begins_with_the_run_at_one_instant(folder: Path, page: Parsed) -> None:
     with xr.open_dataset(folder / "result.nc", engine="h5netcdf") as result:
-        maps, orbit = contact_maps(result), shaft_orbit(result).load()
+        maps, orbit = contact_maps(result), bw.shaft_orbit(result).load()
         largest = result["time"].values[result["contact_impulse"].values.max(axis=1).argmax()]
-        total = strain_energies(result)["total"].values
+        total = bw.strain_energies(result)["total"].values
     path, histories = page.plots
     messages = histories["data"][0]["customdata"]  # blade, span, (N, N, mm)
     np.testing.assert_allclose(messages[..., 0], maps["force"].values.T, rtol=1e-4)
@@ -124,8 +106,8 @@ def test_it_begins_with_the_run_at_one_instant(folder: Path, page: Parsed) -> No
         assert len(outlines["places"]) == len(times) == len(page.machine["words"])
 
 
-@pytest.mark.usefixtures("undrawn")
-def test_a_killed_march_is_reported(tmp_path: Path) -> None:
+def test_a_killed_march_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("bladewhirl.postprocess.reports.run.RUN_FIGURES", {})
     run = made(tmp_path / "run", end_reason="unfinished", steps=0, **dict.fromkeys(MARCHED))
     target = tmp_path / "own.html"
     target.write_text("old")
@@ -137,26 +119,3 @@ def test_a_killed_march_is_reported(tmp_path: Path) -> None:
     assert not re.search(r"\bnan\b", page.words)
     assert "900000" in page.words  # steps up to the last record
     assert not (run / "report.html").exists()
-
-
-@pytest.mark.parametrize("kind", ["no folder", "broken", "one record"])
-def test_invalid_runs_are_one_line(tmp_path: Path, kind: str) -> None:
-    place = tmp_path / "place"
-    if kind != "no folder":
-        place.mkdir()
-    if kind == "broken":
-        (place / "result.nc").write_text("broken")
-    if kind == "one record":
-        one = synthetic.synthetic_result(records=1)
-        one.to_netcdf(place / "result.nc", engine="h5netcdf")
-    line = refusal("report", place)
-    assert "expected" in line or "must" in line
-    assert not (place / "report.html").exists()
-
-
-def test_invalid_targets(folder: Path, tmp_path: Path) -> None:
-    for target, complaint in (
-        (tmp_path / "report.pdf", "must end in .html"),
-        (folder / "result.nc" / "report.html", "cannot be written"),
-    ):
-        assert complaint in refusal("report", folder, "-o", target)

@@ -12,10 +12,6 @@ from PIL import Image
 from typer.testing import CliRunner
 
 import bladewhirl as bw
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from
-from bladewhirl.models.case.file import with_values
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.properties import stage_properties
 
@@ -93,10 +89,10 @@ def test_the_suspension_at_speed_is_that_of_modes() -> None:
     # Spin softening: the branch that is 1F at rest has most of its strain energy in the springs.
     soft = {"shaft.stiffness": 6e6, "rotation.effects": "centrifugal", "march.speed": "2300 rpm"}
     small = {"bladed_disk.blades": 8, "bladed_disk.elements_per_blade": 4}
-    case = with_values(Case(), {**small, **soft, "reduction.fixed_interface_modes": 40})
+    case = bw.with_values(bw.Case(), {**small, **soft, "reduction.fixed_interface_modes": 40})
     modes = bw.modes(case).sel(body="bladed-disk", centre="free", nodal_diameter=1)
     suspension = modes.sel(family="suspension").isel(number=0)
-    properties = stage_properties(build_stage(case))
+    properties = stage_properties(bw.build_stage(case))
     assert properties["suspension"]["hz"] == pytest.approx(float(suspension["frequency"]), rel=1e-3)
     share = properties["suspension_spring_share"]
     assert share == pytest.approx(float(suspension["spring_share"]), abs=1e-2)
@@ -105,13 +101,13 @@ def test_the_suspension_at_speed_is_that_of_modes() -> None:
 
 
 def test_the_case_shown_is_the_case(path: Path) -> None:
-    case = case_from(shown(path, "--set", "march.speed=2500 rpm")["case"])
+    case = bw.case_from(shown(path, "--set", "march.speed=2500 rpm")["case"])
     expected = {
         "casing.support": 7.975e6,
         "excitation": {"type": "imbalance"},
         "march.speed": "2500 rpm",
     }
-    assert case == with_values(Case(), expected)
+    assert case == bw.with_values(bw.Case(), expected)
 
 
 def test_tables(path: Path) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from command_line import answer, refusal
+from command_line import answer
 from matplotlib.figure import Figure
 from places import ROOT
 
@@ -14,7 +14,7 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import whirl
 from bladewhirl.studies.commands.options import parse_span
-from bladewhirl.studies.modal import coupled_mode_figures, stability_report
+from bladewhirl.studies.modal import coupled_mode_figures
 
 FAN_STAGE = str(ROOT / "examples" / "fan_stage.toml")
 POINT = ["--speed", "1.17", "--kappa", "500"]
@@ -61,17 +61,15 @@ def test_rest_has_no_monodromy(speed: str) -> None:
     assert "growth_rate_floquet" not in point
 
 
-def test_chart_with_its_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    figures: dict[str, tuple[Figure, xr.Dataset]] = {}
-    monkeypatch.setattr(
-        stability_report, "save_figures", lambda folder, drawn, **options: figures.update(drawn)
-    )
+def test_chart_with_its_figures(
+    tmp_path: Path, saved: dict[str, tuple[Figure, xr.Dataset]]
+) -> None:
     modes = "casing:1,casing:2,1F:1,1F:2,suspension"
     printed = run(*SMALL, "--modes", modes, "-o", str(tmp_path / "chart"))
     rows = [line.split()[:5] for line in printed.splitlines()]
     assert ["casing", "k=2", "1F", "k=2", "0.8319"] in rows
-    assert set(figures) == {"stability", "spectrum", "truncation"}
-    _, chart = figures["stability"]
+    assert set(saved) == {"stability", "spectrum", "truncation"}
+    _, chart = saved["stability"]
     assert chart["growth"].shape == (5, 12)
     zone = chart.isel(zone=(chart["zone_rotor"] == "1F k=1").values)
     assert zone["zone_lower"].values[-1] == pytest.approx(1.1423, abs=2e-3)
@@ -89,6 +87,7 @@ def test_chart_as_one_document(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.usefixtures("saved")
 def test_divergent_mode_in_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Check claim 15 on the written motion."""
     folder = tmp_path / "mode"
@@ -99,7 +98,6 @@ def test_divergent_mode_in_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
             name,
             lambda motion, path, *args, **options: films.append(path.name),
         )
-    monkeypatch.setattr(coupled_mode_figures, "save_figures", lambda *figures, **options: None)
     point = json.loads(run(*POINT, "-o", str(folder), "--json"))
     assert films == ["vtk", "animation.gif"]
     motion = point["coupled_mode"]
@@ -136,36 +134,6 @@ def test_damping_takes_energy_as_a_growing_circle_does(tmp_path: Path) -> None:
         energy = result["energy"].values
         balance = result["coupling_work"].values - result["damping_work"].values
         assert balance == pytest.approx(energy - energy[0])
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--speed", "1", "--kappa", "-1"], "--kappa -1: expected a number of zero or more"),
-        (["--speed", "1"], "--speed, --kappa: expected both"),
-        (["--speed", "2", "--kappa", "500"], "there is no divergent mode to draw"),
-        (["--speed", "1e300", "--kappa", "1"], "--speed 1e300: expected multiples of"),
-        (["--speeds", "1:2"], "--speeds 1:2: expected START:STOP:COUNT"),
-        (
-            ["--modes", "casing:1F:1"],
-            "expected modes that can be coupled by springs, from six, all, casing, 1F",
-        ),
-        (["--set", "shaft.clamped=true"], "--modes six: the stage has no pair of suspension modes"),
-        (
-            ["--damped", "--set", "shaft.damping=10"],
-            "but --damped includes dampers at points; --speed and --kappa compute",
-        ),
-        (
-            ["--set", 'casing.springs=[{ angle = 0.0, radial = "1 MN/m" }]'],
-            "but the casing is not axisymmetric; --speed, --kappa and --physical compute",
-        ),
-    ],
-)
-def test_bad_input_is_one_line(arguments: list[str], message: str, tmp_path: Path) -> None:
-    folder = tmp_path / "none"
-    line = refusal("stability", FAN_STAGE, *arguments, "-o", folder)
-    assert message in line
-    assert not folder.exists()
 
 
 def test_a_span_includes_its_ends_and_takes_units() -> None:

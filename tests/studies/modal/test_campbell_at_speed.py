@@ -10,14 +10,9 @@ from command_line import answer
 from matplotlib.figure import Figure
 from stages import oracle
 
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from
-from bladewhirl.models.case.file import with_values
-from bladewhirl.models.case.template import dumps_case
-from bladewhirl.models.inputs.errors import UserError
+import bladewhirl as bw
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.stage.hints import stage_hints
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.modal.campbell import Frame, plot_campbell
 from bladewhirl.studies.modal import campbell as modal_campbell
 from bladewhirl.studies.modal.campbell import campbell, coincidence_list
@@ -30,8 +25,8 @@ FRAMES: tuple[Frame, ...] = ("rotating", "static")
 KNOWN = oracle("rotation")["stages"]["0.01"]
 
 
-def stage_case(effects: str = "full") -> Case:
-    return case_from(
+def stage_case(effects: str = "full") -> bw.Case:
+    return bw.case_from(
         {
             "bladed_disk": {"disk": {"thickness": 0.01}},
             "rotation": {"effects": effects},
@@ -55,7 +50,7 @@ def test_critical_speeds_and_engine_orders_are_listed() -> None:
     assert named == (1, "suspension", "1F")
     stiffness = stage_case().shaft.stiffness
     stiffer = campbell(
-        with_values(stage_case(), {"shaft.stiffness": 1.001 * stiffness}), speeds=(0.0, 2.5)
+        bw.with_values(stage_case(), {"shaft.stiffness": 1.001 * stiffness}), speeds=(0.0, 2.5)
     )
     gained = (stiffer.critical_rpm.item() / critical["rpm"]) ** 2 - 1.0
     assert gained == pytest.approx(0.001 * critical["spring_share"], rel=1e-2)
@@ -66,7 +61,7 @@ def test_critical_speeds_and_engine_orders_are_listed() -> None:
 
 
 def test_speeds_take_any_unit() -> None:
-    case, same = with_values(stage_case(), SMALL), small_diagram("full")
+    case, same = bw.with_values(stage_case(), SMALL), small_diagram("full")
     hertz = same.attrs["reference_frequency_hz"]
     limits = ("0 rpm", f"{2.5 * 60.0 * hertz!r} rpm")
     result = campbell(case, families=1, speeds=limits, operating=(0.5, "50 Hz"))
@@ -74,7 +69,7 @@ def test_speeds_take_any_unit() -> None:
     assert result.attrs["operating_range"] == pytest.approx((0.5, 50.0 / hertz))
     np.testing.assert_allclose(result.critical_speed, same.critical_speed)
     for wrong in (("0 mm", 1), (2.0, 1.0), (-1.0, 1.0), (float("nan"), 1.0)):
-        with pytest.raises(UserError, match=r"campbell: speeds \("):
+        with pytest.raises(bw.UserError, match=r"campbell: speeds \("):
             campbell(case, speeds=wrong)
 
 
@@ -117,7 +112,7 @@ def texts(figure: Figure) -> list[str]:
 
 @cache
 def small_diagram(effects: str) -> xr.Dataset:
-    case = with_values(stage_case(effects), SMALL)
+    case = bw.with_values(stage_case(effects), SMALL)
     return campbell(case, families=1, speeds=(0.0, 2.5))
 
 
@@ -138,7 +133,7 @@ def test_the_command_prints_critical_speeds(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     file = tmp_path / "case.toml"
-    file.write_text(dumps_case(with_values(stage_case(), SMALL)), encoding="utf-8")
+    file.write_text(bw.dumps_case(bw.with_values(stage_case(), SMALL)), encoding="utf-8")
     monkeypatch.setattr(modal_campbell, "save_figures", lambda *figures, **options: None)
     done = answer("campbell", file, "--speeds", "0:2.5")
     (critical,) = coincidence_list(small_diagram("full"))["critical_speeds"]
@@ -151,14 +146,14 @@ def test_merged_waves_grow() -> None:
     """Ground resonance without damping and contact; the hint comes from the reduced model."""
     soft = {"bladed_disk.blades": 8, "bladed_disk.elements_per_blade": 4, "shaft.stiffness": 6e6}
     turning = {"rotation.effects": "full", "march.speed": 3.6, "damping.ratio": 0.0}
-    case = with_values(Case(), {**soft, **turning, "reduction.fixed_interface_modes": 40})
+    case = bw.with_values(bw.Case(), {**soft, **turning, "reduction.fixed_interface_modes": 40})
     result = campbell(case, families=1, speeds=(0.0, 3.6))
     met, growth = result.attrs["waves_meet"], result["branch_growth"]
     one = growth.isel(branch=int(growth[:, -1].values.argmax()))
     assert (one.sel(line_speed=slice(0.0, met)) == 0.0).all()
     assert (one.where(one["line_speed"] > met, drop=True) > 0.0).all()
     assert result["critical_speed"].max() < met < 3.6
-    stage = build_stage(case)
+    stage = bw.build_stage(case)
     rate = float(one[-1])
     (hint,) = [line for line in stage_hints(stage) if "have coalesced" in line]
     assert float(hint.partition("growth rate ")[2].split()[0]) == pytest.approx(rate, rel=0.01)
@@ -166,19 +161,19 @@ def test_merged_waves_grow() -> None:
 
 def test_unlike_sectors_are_refused() -> None:
     unlike = {**SMALL, "bladed_disk.mistuning": {"stiffness": [1.0] * 7 + [1.01]}}
-    with pytest.raises(UserError, match="campbell: expected equal sectors"):
-        campbell(with_values(stage_case("centrifugal"), unlike))
+    with pytest.raises(bw.UserError, match="campbell: expected equal sectors"):
+        campbell(bw.with_values(stage_case("centrifugal"), unlike))
 
 
 def test_contact_scenarios_are_of_the_wave_where_it_meets_the_casing() -> None:
     """The backward wave of 1F, slow in static axes there, hardly moves the shaft."""
-    stage = modal_stage(with_values(stage_case(), {"casing.support": 1508.0}))
+    stage = modal_stage(bw.with_values(stage_case(), {"casing.support": 1508.0}))
     result = campbell(stage, families=1, speeds=(0.0, 2.5))["normalised_speed"]
     met = result.values[[(row[0], row[2]) == ("1F", 1) for row in result["coincidence"].values]]
     for name, share in CASING_SHARES.items():
         modes = whirling_modes(stage, casing_share=share)
         assert modes.speed / stage.reference_frequency == pytest.approx(met[0], rel=1e-9)
         assert abs(modes.shaft) < 0.5 * abs(modes.rotor), name
-    stiff = with_values(stage_case(), {"casing.support": 7.975e6})
-    with pytest.raises(UserError, match="coincides with the casing wave at no speed"):
+    stiff = bw.with_values(stage_case(), {"casing.support": 7.975e6})
+    with pytest.raises(bw.UserError, match="coincides with the casing wave at no speed"):
         whirling_modes(modal_stage(stiff), casing_share=0.5)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from command_line import answer, refusal
+from command_line import answer
 from places import ROOT
 from synthetic_result import ROTOR_FREQUENCY, synthetic_result
 
@@ -239,24 +239,6 @@ def test_the_command_writes_the_scorecard(
     assert list(dict.fromkeys(re.findall(r"<h3>Like Fig\. (\d+):", page))) == figures
     assert page.count('src="data:image/png;base64,') >= len(figures)
     assert not re.search(r"(src|href)=\"(?!data:|#)", page)  # no file beside it
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["47"], "claim 47: expected numbers from 1 to"),
-        (["1", "--set", "damping.ratio=-1"], "damping.ratio = -1: expected"),
-        (["29", "--speed-step", "0"], "--speed-step 0: expected 0.0001 to 0.6"),
-        (
-            ["1", "--workers", "1", "--scheduler", "tcp://x:1"],
-            "--workers: not allowed together with --sch",
-        ),
-    ],
-)
-def test_faults_end_in_one_line(arguments: list[str], message: str, tmp_path: Path) -> None:
-    line = refusal("reproduce", *arguments, "-o", tmp_path / "out")
-    assert message in line
-    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.slow

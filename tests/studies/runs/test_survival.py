@@ -1,7 +1,6 @@
 """Runs that survive: killed, refused, made longer, overwritten, begun twice."""
 
 import shutil
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -9,28 +8,19 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from small_run import COMMAND, SMALL, run_script, small
+from small_run import COMMAND, SMALL, assert_same_bits, broken_off, run_script, small
 
 import bladewhirl as bw
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import read_case
-from bladewhirl.models.case.template import dumps_case
-from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.schema import HISTORY, RESULT_NAME
 from bladewhirl.solvers.march.scheme import KERNEL
 from bladewhirl.studies.runs.folder import check_free
 from bladewhirl.studies.runs.place import locked
-from bladewhirl.studies.runs.recorded_march import Activity
 from bladewhirl.studies.runs.run import resume
 
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
 
 
-class Disturbed(Exception):
-    """The march ends as by a kill, as far as its folder goes."""
-
-
-def long(**values: object) -> Case:
+def long(**values: object) -> bw.Case:
     """Return the small case with a duration of 0.1 s."""
     return small(**{"march.duration": 0.1, **values})
 
@@ -41,26 +31,11 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return bw.run(long(), tmp_path_factory.mktemp("whole") / "run", frames=0).directory
 
 
-def broken_off(case: Case, directory: Path, steps: int, *, overwrite: bool = False) -> None:
-    def disturb(activity: Activity, done: int, total: int) -> None:
-        if done >= steps:
-            raise Disturbed
-
-    with pytest.raises(Disturbed):
-        bw.run(case, directory, frames=0, overwrite=overwrite, progress=disturb)
-
-
-def assert_same_bits(one: Path, other: Path) -> None:
-    with h5py.File(one / RESULT_NAME) as left, h5py.File(other / RESULT_NAME) as right:
-        assert set(left) == set(right)
-        for name in left:
-            np.testing.assert_array_equal(left[name][()], right[name][()])
-
-
 def test_a_run_broken_off_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) -> None:
     broken_off(long(), tmp_path / "run", 20_000)
-    with h5py.File(tmp_path / "run" / RESULT_NAME) as left:
-        assert 0 < len(left["time"]) < 1001
+    with bw.open_result(tmp_path / "run") as left:
+        assert left.attrs["end_reason"] == "unfinished"
+        assert 0 < left.sizes["time"] < 1001
     done = resume(tmp_path / "run", frames=0)
     assert done.end_reason == "completed"
     assert done.summary.steps == 50_000
@@ -78,17 +53,19 @@ def test_a_finished_run_is_made_longer(whole: Path, tmp_path: Path, duration: fl
 
 
 def test_only_the_duration_may_change(whole: Path, tmp_path: Path) -> None:
-    with pytest.raises(UserError, match=r"only march\.duration may change"):
+    with pytest.raises(bw.UserError, match=r"only march\.duration may change"):
         resume(whole, ["march.speed=1.2"])
     with pytest.raises(
-        UserError, match=r"march\.duration: expected at least 0\.1 s, the time already"
+        bw.UserError, match=r"march\.duration: expected at least 0\.1 s, the time already"
     ):
         resume(whole, ["march.duration=0.05"])
-    assert read_case(whole / "case.toml").march.duration == 0.1
+    assert bw.read_case(whole / "case.toml").march.duration == 0.1
     (tmp_path / "case.toml").write_text(SMALL)
     for content in (b"", b"nonsense", b"PK\x03\x04"):
         (tmp_path / "checkpoint.npz").write_bytes(content)
-        with pytest.raises(UserError, match=r"checkpoint\.npz: expected the state in which a run"):
+        with pytest.raises(
+            bw.UserError, match=r"checkpoint\.npz: expected the state in which a run"
+        ):
             resume(tmp_path)
 
 
@@ -104,11 +81,11 @@ def test_a_run_that_overwrites_and_is_broken_off_leaves_the_old_one(tmp_path: Pa
     broken_off(long(title="new"), out, 20_000, overwrite=True)
     assert (out / "result.nc").read_bytes() == before
     old.mkdir()
-    with pytest.raises(UserError, match=rf"^{old}: this folder exists and has files of an ea"):
+    with pytest.raises(bw.UserError, match=rf"^{old}: this folder exists and has files of an ea"):
         bw.run(long(title="new", **short), out, frames=0, overwrite=True)
     old.rmdir()
     bw.run(long(title="new", **short), out, frames=0, overwrite=True)
-    assert read_case(out / "case.toml").title == "new"
+    assert bw.read_case(out / "case.toml").title == "new"
     assert (out / "vtk").is_symlink()
     assert sorted(elsewhere.rglob("*")) == linked
     assert {path.name for path in tmp_path.iterdir()} == {"run", "elsewhere"}
@@ -121,17 +98,19 @@ def test_a_folder_between_its_first_files_is_not_stuck(tmp_path: Path) -> None:
     check_free(out, overwrite=True)
 
 
-def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
-    with locked(tmp_path), pytest.raises(UserError, match="is in use"), locked(tmp_path):
+def test_two_runs_do_not_share_a_folder(whole: Path, tmp_path: Path) -> None:
+    with locked(tmp_path), pytest.raises(bw.UserError, match="is in use"), locked(tmp_path):
         pytest.fail("two have the lock")
     assert not [*tmp_path.iterdir()]
+    with locked(whole), pytest.raises(bw.UserError, match="is in use"):
+        resume(whole, ["march.duration=0.2"], frames=0)
 
 
 @pytest.mark.slow
 def test_a_refused_write_is_one_line_and_what_was_recorded_stays(tmp_path: Path) -> None:
     case = long(**{"march.duration": 0.2})
     whole = bw.run(case, tmp_path / "whole", frames=0).directory
-    (tmp_path / "case.toml").write_text(dumps_case(case))
+    (tmp_path / "case.toml").write_text(bw.dumps_case(case))
     size = (whole / RESULT_NAME).stat().st_size * 3 // 4
     limit = f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size})); "
     arguments = ["run", str(tmp_path / "case.toml"), "-o", str(tmp_path / "run"), "--frames", "0"]
@@ -143,25 +122,6 @@ def test_a_refused_write_is_one_line_and_what_was_recorded_stays(tmp_path: Path)
     with bw.open_result(tmp_path / "run") as left:
         assert left.sizes["time"] > 0
     resume(tmp_path / "run", frames=0)
-    assert_same_bits(whole, tmp_path / "run")
-
-
-@pytest.mark.slow
-def test_a_killed_run_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) -> None:
-    (tmp_path / "case.toml").write_text(dumps_case(long()))
-    arguments = ["run", str(tmp_path / "case.toml"), "-o", str(tmp_path / "run")]
-    longer = ["--set", "march.duration=360"]
-    with subprocess.Popen([sys.executable, "-c", COMMAND, *arguments, *longer]) as process:
-        while not (tmp_path / "run" / "checkpoint.npz").exists():
-            assert process.poll() is None
-        process.send_signal(signal.SIGKILL)
-    with bw.open_result(tmp_path / "run") as left:
-        assert left.attrs["end_reason"] == "unfinished"
-        np.testing.assert_allclose(left["time"], 1e-4 * np.arange(left.sizes["time"]), atol=1e-9)
-        assert np.isfinite(left["rotor_velocity"].values).all()
-    with pytest.raises(UserError, match="is in use"), locked(tmp_path / "run"):
-        resume(tmp_path / "run", ["march.duration=0.1"], frames=0)
-    resume(tmp_path / "run", ["march.duration=0.1"], frames=0)
     assert_same_bits(whole, tmp_path / "run")
 
 
@@ -211,7 +171,7 @@ def test_a_run_goes_on_with_the_kernel_it_was_begun_with(
     whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(KERNEL, "reference")
-    with pytest.raises(UserError, match="does not contain the state of this march"):
+    with pytest.raises(bw.UserError, match="does not contain the state of this march"):
         resume(whole, ["march.duration=0.2"])
     brief = {"march.record_step": 2e-5, "march.time_step": 1e-5}
     ends = [long(**{"march.duration": end, **brief}) for end in (4e-4, 6e-4)]
@@ -219,5 +179,5 @@ def test_a_run_goes_on_with_the_kernel_it_was_begun_with(
     resume(tmp_path / "run", ["march.duration=6e-4"], frames=0)
     assert_same_bits(bw.run(ends[1], tmp_path / "whole", frames=0).directory, tmp_path / "run")
     monkeypatch.delenv(KERNEL)
-    with pytest.raises(UserError, match="does not contain the state of this march"):
+    with pytest.raises(bw.UserError, match="does not contain the state of this march"):
         resume(tmp_path / "run", ["march.duration=8e-4"])

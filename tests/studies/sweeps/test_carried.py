@@ -7,17 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 from small_run import small
-from sweep_work import InProcess, Killed, same_bits
+from sweep_work import InProcess, Killed, assert_carried_on, same_bits
 
-from bladewhirl.models.case.case import Case
+import bladewhirl as bw
 from bladewhirl.models.stage.contact_problem import NEVER, Load
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, flag, open_sweep
 from bladewhirl.studies.runs.prepare import prepare_stage
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.sweeps.carried import COMPLETED, Chains, continued, late_state
 from bladewhirl.studies.sweeps.points import stage_at
-from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
 
 DIVERGENT = flag("end_reason", "divergent")
 FREE = {
@@ -63,24 +61,12 @@ def test_a_march_in_two_parts_is_one_march(effects: str) -> None:
     changes = {**FREE, "rotation.effects": effects, "march.record_step": 8e-6}
     turn = 2.0 * np.pi / stage_at(small(**changes)).speed
     case = small(**changes, **{"march.duration": 8e-6 * round(2.5 * turn / 8e-6)})
-    stage = build_stage(case)
-    first, _ = march_in_memory(prepare_stage(stage))
-    state = late_state(stage, first)
-    prepared = prepare_stage(
-        stage, lambda problem, timing: (continued(stage, problem, state), timing)
-    )
-    second, _ = march_in_memory(prepared)
-    record = int(np.abs(first["time"].values - 2.0 * turn).argmin())
-    for name in ("rotor_displacement", "rotor_velocity"):
-        expected, actual = first[name].values[record:], second[name].values
-        scale = np.abs(expected).max()
-        np.testing.assert_allclose(actual[: len(expected)], expected, rtol=0.0, atol=1e-2 * scale)
-        assert np.abs(first[name].values[: len(expected)] - expected).max() > 0.1 * scale
+    assert_carried_on(bw.build_stage(case), "rotor_displacement", "rotor_velocity")
 
 
 def test_loads_go_on_without_ramp_and_pulses_are_over() -> None:
     loads: Any = [{"type": "casing-distortion"}, {"type": "engine-order", "ramp": 0.3}]
-    stage = build_stage(small(excitation=loads))
+    stage = bw.build_stage(small(excitation=loads))
     prepared = prepare_stage(stage)
     result, _ = march_in_memory(prepared)
     after = continued(stage, prepared.problem, late_state(stage, result))
@@ -92,7 +78,7 @@ def test_loads_go_on_without_ramp_and_pulses_are_over() -> None:
         np.testing.assert_array_equal(load.rotor, other.rotor)
 
 
-def short() -> Case:
+def short() -> bw.Case:
     case = small(**FREE)
     return small(**FREE, **{"march.duration": 3.4 * 2.0 * np.pi / stage_at(case).speed})
 
@@ -100,16 +86,16 @@ def short() -> Case:
 def test_neither_workers_nor_kills_change_the_file(process: InProcess, tmp_path: Path) -> None:
     over: Any = {"march.speed": [1.0, 1.1], "contact.friction": [0.1, 0.2]}
     case = short()
-    run_sweep(case, over, tmp_path / "one", carry="down", workers=1)
+    bw.run_sweep(case, over, tmp_path / "one", carry="down", workers=1)
     process.left = 3
     with pytest.raises(Killed):
-        run_sweep(case, over, tmp_path / "two", carry="down", workers=2)
+        bw.run_sweep(case, over, tmp_path / "two", carry="down", workers=2)
     process.left = 10**9
     assert len(list((tmp_path / "two" / "states").iterdir())) == 3
-    resume_sweep(tmp_path / "two", workers=2)
+    bw.resume_sweep(tmp_path / "two", workers=2)
     assert same_bits(tmp_path / "one", tmp_path / "two")
     assert not (tmp_path / "two" / "states").exists()
-    run_sweep(case, over, tmp_path / "up", carry="up", workers=2)
+    bw.run_sweep(case, over, tmp_path / "up", carry="up", workers=2)
     with open_sweep(tmp_path / "one") as down, open_sweep(tmp_path / "up") as up:
         assert down.attrs["carry"] == "down"
         same = [

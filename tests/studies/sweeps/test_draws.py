@@ -7,15 +7,13 @@ import pytest
 import xarray as xr
 from small_run import small
 
-from bladewhirl.postprocess.fields.kinematics import ViewError
-from bladewhirl.postprocess.sweep.dataset import open_sweep
+import bladewhirl as bw
 from bladewhirl.postprocess.sweep.probability import plot_probability, probability
 from bladewhirl.postprocess.sweep.quantities import bifurcation
 from bladewhirl.postprocess.sweep.shares import wilson
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.draws import parse_draws
 from bladewhirl.studies.sweeps.plan import plan_sweep, read_plan, write_plan
-from bladewhirl.studies.sweeps.sweep import run_sweep
 
 CASE = small(**{"contact.friction": 0.2})
 OVER = {"march.speed": [1.0, 1.5]}
@@ -81,8 +79,8 @@ def test_wilson_at_the_ends() -> None:
 def test_a_sweep_has_a_dimension_of_draws(tmp_path: Path) -> None:
     perturb = ["contact.friction = 1e-3"]
     folder = tmp_path / "sweep"
-    run_sweep(CASE, OVER, folder, draws=2, perturb=perturb, seed=3)
-    with open_sweep(folder) as sweep:
+    bw.run_sweep(CASE, OVER, folder, draws=2, perturb=perturb, seed=3)
+    with bw.open_sweep(folder) as sweep:
         assert dict(sweep["regime"].sizes) == {"march_speed": 2, "draw": 2}
         shares = probability(sweep)
         np.testing.assert_array_equal(shares["share"].sum("regime"), 1.0)
@@ -100,5 +98,5 @@ def test_a_sweep_has_a_dimension_of_draws(tmp_path: Path) -> None:
 
 
 def test_a_sweep_without_draws_has_no_probability() -> None:
-    with pytest.raises(ViewError, match="expected a sweep with random draws"):
+    with pytest.raises(bw.ViewError, match="expected a sweep with random draws"):
         probability(toy(0.5, 2, 0).isel(draw=0, drop=True))

@@ -18,13 +18,11 @@ import sweep_work
 from distributed import LocalCluster
 from sweep_work import CASE, OVER, same_bits
 
-from bladewhirl.models.case.template import dumps_case
-from bladewhirl.models.inputs.errors import UserError
+import bladewhirl as bw
 from bladewhirl.postprocess.sweep.dataset import DONE, Layout
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
 from bladewhirl.studies.sweeps import workers
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work
-from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
 from bladewhirl.studies.sweeps.workers import march_points
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("pictures_unsaved")]
@@ -34,7 +32,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("pictures_unsaved")]
 def test_the_number_of_workers_does_not_change_the_bits(
     swept: Path, tmp_path: Path, workers: int
 ) -> None:
-    run_sweep(CASE, OVER, tmp_path / "sweep", workers=workers)
+    bw.run_sweep(CASE, OVER, tmp_path / "sweep", workers=workers)
     assert same_bits(swept, tmp_path / "sweep")
 
 
@@ -42,7 +40,7 @@ def test_the_number_of_workers_does_not_change_the_draws(tmp_path: Path) -> None
     perturb = ["contact.friction = 0.5 uniform"]
     folders = [tmp_path / "1", tmp_path / "2"]
     for count, folder in enumerate(folders, 1):
-        done = run_sweep(CASE, OVER, folder, draws=6, perturb=perturb, until=0.2, workers=count)
+        done = bw.run_sweep(CASE, OVER, folder, draws=6, perturb=perturb, until=0.2, workers=count)
         assert (done.done, done.not_needed) == (24, 12)
     assert same_bits(*folders)
 
@@ -52,7 +50,7 @@ def test_an_existing_scheduler_gives_the_same_bits(swept: Path, tmp_path: Path) 
         LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
         dask.config.set({sweep_cluster.ENCRYPTION: False}),
     ):
-        run_sweep(CASE, OVER, tmp_path / "other", scheduler=cluster.scheduler_address)
+        bw.run_sweep(CASE, OVER, tmp_path / "other", scheduler=cluster.scheduler_address)
         assert len(cluster.scheduler_info["workers"]) == 2  # it lives on
     assert same_bits(swept, tmp_path / "other")
 
@@ -62,7 +60,7 @@ def start(
 ) -> subprocess.Popen[bytes]:
     """Start the same sweep in another process, with one worker."""
     case = tmp_path / "case.toml"
-    case.write_text(dumps_case(CASE))
+    case.write_text(bw.dumps_case(CASE))
     options = [f"--over={key}={','.join(map(str, values))}" for key, values in OVER.items()]
     # A shell that runs the tests in the background has its children ignore Ctrl-C.
     raise_on_interrupt = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
@@ -119,10 +117,10 @@ def test_an_ended_sweep_is_finished_with_the_same_bits(
     assert gone(children)
     left = 6 - points_done(folder)
     assert 0 < left <= 4
-    done = resume_sweep(folder, workers=2)
+    done = bw.resume_sweep(folder, workers=2)
     assert (done.marched, done.done) == (left, 6)
     assert same_bits(swept, folder)
-    assert resume_sweep(folder).marched == 0
+    assert bw.resume_sweep(folder).marched == 0
 
 
 def test_ctrl_c_while_workers_start_is_one_line(tmp_path: Path) -> None:
@@ -178,6 +176,6 @@ def test_workers_of_another_version_are_reported_in_one_line(
             work(tmp_path), POINTS[:1], scheduler=cluster.scheduler_address, workers=None
         )
         with pytest.raises(
-            UserError, match=r"workers: expected bladewhirl .*No module named 'old'"
+            bw.UserError, match=r"workers: expected bladewhirl .*No module named 'old'"
         ):
             list(outcomes)

@@ -9,20 +9,15 @@ import dask
 import numpy as np
 import pytest
 import xarray as xr
-from command_line import answer, refusal
+from command_line import answer
 from sweep_work import CASE, OVER, InProcess, Killed, same_bits
 from synthetic_sweep import LAYOUT
 
-from bladewhirl.models.case.file import with_values
-from bladewhirl.models.case.template import dumps_case
-from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.fields.result import ResultError, open_result
+import bladewhirl as bw
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.run.late_motion import late_motion
 from bladewhirl.postprocess.run.summary import summarise
-from bladewhirl.postprocess.shaft.orbits import shaft_orbit
-from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.figures import LEFT_BY_A_SWEEP
 from bladewhirl.studies.runs import folder as run_folder
 from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
@@ -41,14 +36,11 @@ pytestmark = pytest.mark.usefixtures("pictures_unsaved")
 TOO_MANY_MODES = 50_000
 
 
-IMBALANCE = "examples/imbalance.toml"
-
-
 def test_a_point_is_what_a_run_of_its_case_says(swept: Path) -> None:
-    case = with_values(CASE, {"march.speed": 1.05})
+    case = bw.with_values(CASE, {"march.speed": 1.05})
     result, report = march_in_memory(prepare(case))
     summary = summarise(result, report)
-    with open_sweep(swept) as dataset:
+    with bw.open_sweep(swept) as dataset:
         point = dataset.sel(march_speed=1.05, contact_friction=0.1)
         assert point["regime"].item() == summary.regime
         assert point["end_reason"].item() == "completed"
@@ -62,7 +54,7 @@ def test_a_point_is_what_a_run_of_its_case_says(swept: Path) -> None:
             held["suspension"], rel=1e-6
         )
         late = late_part(result)
-        motion = late_motion(late, shaft_orbit(late))
+        motion = late_motion(late, bw.shaft_orbit(late))
         assert point["whirl_frequency"].item() == motion.whirl_frequency
         assert point["whirl_static"].item() == motion.whirl_static
         assert point["scenario"].item() == motion.scenario
@@ -71,7 +63,7 @@ def test_a_point_is_what_a_run_of_its_case_says(swept: Path) -> None:
 
 
 def test_the_dataset_names_its_dimensions(swept: Path) -> None:
-    with open_sweep(swept) as dataset:
+    with bw.open_sweep(swept) as dataset:
         assert dataset["spectrum"].dims == ("march_speed", "contact_friction", "frequency")
         assert dataset["march_speed"].attrs["units"] == "1"
         assert (dataset["state"] == "done").all()
@@ -88,7 +80,7 @@ def test_full_histories_are_runs_of_the_size_that_was_told(tmp_path: Path) -> No
     run_sweep(CASE, {"contact.friction": [0.05, 0.1]}, tmp_path / "sweep", histories=True)
     files = sorted((tmp_path / "sweep" / HISTORIES_NAME).iterdir())
     assert [path.name for path in files] == ["point_0.nc", "point_1.nc"]
-    with open_result(files[1]) as history:
+    with bw.open_result(files[1]) as history:
         assert history.attrs["friction"] == 0.1
         assert history.sizes["time"] == 121
     plan = read_plan(tmp_path / "sweep")
@@ -125,8 +117,8 @@ def test_failed_points_are_reported_and_the_others_done(
 ) -> None:
     """The first and the last stage are looked at beforehand; the one between can't be reduced."""
     monkeypatch.setattr(sweep_plan, "CHECKED_STAGES", 2)
-    case = with_values(CASE, {"march.duration": 1e-4})
-    (tmp_path / "case.toml").write_text(dumps_case(case))
+    case = bw.with_values(CASE, {"march.duration": 1e-4})
+    (tmp_path / "case.toml").write_text(bw.dumps_case(case))
     key = "reduction.fixed_interface_modes"
     over = f"--over={key}=9,{TOO_MANY_MODES},10"
     folder = tmp_path / "out"
@@ -138,38 +130,13 @@ def test_failed_points_are_reported_and_the_others_done(
     assert failure[key] == TOO_MANY_MODES
     assert "at most" in failure["reason"]
     assert json.loads((folder / "failures.json").read_text()) == [failure]
-    with open_sweep(folder) as dataset:
+    with bw.open_sweep(folder) as dataset:
         assert dataset["state"].values.tolist() == ["done", "failed", "done"]
         assert np.isnan(dataset["end_time"].values).tolist() == [False, True, False]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ([], "expected either CASE, --over KEY=VALUES and -o DIR, or --resume DIR"),
-        (
-            ["--resume", "x", "--over", "a=1,2"],
-            "--resume x: omit --over, because x/sweep.json contains",
-        ),
-        (["--resume", "x"], "expected the plan of a sweep"),
-        (["--workers", "1", "--scheduler", "tcp://x:1"], "--workers: not allowed together with"),
-        (
-            [IMBALANCE, "--over", "march.speed=1,2", "--set", "march.speed=3", "-o", "x"],
-            "--set march.speed=3: omit it, because --over sets march.speed",
-        ),
-        (
-            [IMBALANCE, "--over", "march.duration=0.01,1e5", "-o", "x"],
-            "--over: 1e+11 steps of one march are more than 1e+09; --yes runs them all",
-        ),
-    ],
-)
-def test_options_that_do_not_go_together(arguments: list[str], message: str) -> None:
-    line = refusal("sweep", *arguments)
-    assert message in line
-
-
 def test_a_folder_in_use_is_refused(swept: Path) -> None:
-    with pytest.raises(UserError, match="--resume finishes the sweep in it"):
+    with pytest.raises(bw.UserError, match="--resume finishes the sweep in it"):
         run_sweep(CASE, OVER, swept)
     hold = "import h5py, sys; file = h5py.File(sys.argv[1], 'r+'); print(); input()"
     with subprocess.Popen(
@@ -179,7 +146,7 @@ def test_a_folder_in_use_is_refused(swept: Path) -> None:
     ) as other:
         assert other.stdout is not None
         other.stdout.readline()
-        with pytest.raises(UserError, match="still running"):
+        with pytest.raises(bw.UserError, match="still running"):
             resume_sweep(swept)
         other.communicate(b"\n")
 
@@ -199,7 +166,7 @@ def test_a_changed_plan_is_refused(
     plan = (swept / PLAN_NAME).read_text()
     assert was in plan
     (tmp_path / PLAN_NAME).write_text(plan.replace(was, is_now, 1))
-    with pytest.raises(UserError, match=message):
+    with pytest.raises(bw.UserError, match=message):
         resume_sweep(tmp_path)
 
 
@@ -207,7 +174,7 @@ def test_a_dataset_of_another_plan_is_refused(swept: Path, tmp_path: Path) -> No
     grid = make_grid(CASE, {"march.speed": [1, 2]}, large=False)
     write_plan(plan_sweep(CASE, grid, histories=False), tmp_path)
     (tmp_path / "sweep.nc").write_bytes((swept / "sweep.nc").read_bytes())
-    with pytest.raises(UserError, match="expected the dataset of the plan in this folder"):
+    with pytest.raises(bw.UserError, match="expected the dataset of the plan in this folder"):
         resume_sweep(tmp_path)
 
 
@@ -217,7 +184,7 @@ def test_a_dataset_of_another_plan_is_refused(swept: Path, tmp_path: Path) -> No
 )
 def test_damaged_failures_are_told(damaged: str, tmp_path: Path) -> None:
     (tmp_path / FAILURES_NAME).write_text(damaged)
-    with pytest.raises(UserError, match="expected the failed points of a sweep"):
+    with pytest.raises(bw.UserError, match="expected the failed points of a sweep"):
         read_failures(tmp_path, 2)
 
 
@@ -225,7 +192,7 @@ def test_a_sweep_of_another_version_is_not_mixed(
     swept: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(run_folder, "version", lambda: "0.0.0")
-    with pytest.raises(UserError, match=r"expected a plan of bladewhirl 0\.0\.0"):
+    with pytest.raises(bw.UserError, match=r"expected a plan of bladewhirl 0\.0\.0"):
         read_plan(swept)
 
 
@@ -233,20 +200,20 @@ def test_a_sweep_of_another_version_is_not_mixed(
 def test_a_scheduler_without_encryption_has_to_be_allowed(
     monkeypatch: pytest.MonkeyPatch, address: str
 ) -> None:
-    refused = pytest.raises(UserError, match=r"expected tls://HOST:PORT; without TLS anybody")
+    refused = pytest.raises(bw.UserError, match=r"expected tls://HOST:PORT; without TLS anybody")
     work = Work(case="", layout=LAYOUT, histories="")
     points = [Point(number=0, values={})]
     with refused:
         next(march_points(work, points, scheduler=address, workers=None))
     monkeypatch.setattr(sweep_cluster, "PATIENCE", 1.0)
-    allowed = pytest.raises(UserError, match="expected the address of a dask scheduler")
+    allowed = pytest.raises(bw.UserError, match="expected the address of a dask scheduler")
     with dask.config.set({sweep_cluster.ENCRYPTION: False}), allowed:
         next(march_points(work, points, scheduler=address, workers=None))
 
 
 def test_what_is_no_sweep_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ResultError, match="no such file"):
-        open_sweep(tmp_path)
+    with pytest.raises(bw.ResultError, match="no such file"):
+        bw.open_sweep(tmp_path)
 
 
 def test_implausible_values_of_a_key_are_hinted_at(tmp_path: Path) -> None:

@@ -7,15 +7,11 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from command_line import refusal
+from report_pages import reported
 from small_run import small
 from sweep_work import in_process
 
 import bladewhirl as bw
-from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.fields.kinematics import ViewError
-from bladewhirl.postprocess.fields.result import ResultError
-from bladewhirl.postprocess.reports import page
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.quantities import shaft_radius
 from bladewhirl.studies.sweeps.axes import make_grid
@@ -23,7 +19,6 @@ from bladewhirl.studies.sweeps.draws import parse_draws
 from bladewhirl.studies.sweeps.plan import plan_sweep, read_plan, write_plan
 from bladewhirl.studies.sweeps.table import point_table
 
-IMBALANCE = "examples/imbalance.toml"
 CASE = small(**{"march.duration": 2e-3})
 CSV = "march.speed,casing.clearance [mm]\n1.1,0.5\n\n0.9, 0.7\n"
 COLUMNS: dict[str, list[Any]] = {
@@ -64,19 +59,10 @@ def test_a_file_columns_and_a_frame_say_the_same(tmp_path: Path) -> None:
 )
 def test_files_that_are_no_table(tmp_path: Path, text: str, expected: str) -> None:
     (tmp_path / "points.csv").write_text(text)
-    with pytest.raises(UserError, match=r"points\.csv") as caught:
+    with pytest.raises(bw.UserError, match=r"points\.csv") as caught:
         point_table(tmp_path / "points.csv")
     [line] = caught.value.lines
     assert expected in line
-
-
-def test_options_that_do_not_go_with_a_table(tmp_path: Path) -> None:
-    (tmp_path / "points.csv").write_text(CSV)
-    arguments = ["sweep", IMBALANCE, "--table", tmp_path / "points.csv", "-o", "x"]
-    line = refusal(*arguments, "--over", "march.speed=1,2")
-    assert "--over, --table: omit one of them" in line
-    line = refusal(*arguments, "--set", "march.speed=2")
-    assert "--set march.speed=2: omit it, because --table sets march.speed" in line
 
 
 def test_draws_change_the_values_of_each_row(tmp_path: Path) -> None:
@@ -116,7 +102,7 @@ def test_the_dataset_has_the_keys_along_the_points(swept: Path) -> None:
         figure, _ = figures.draw("shaft-radius")
         assert figure.axes[0].lines[0].get_linestyle() == "None"
         for name in ("frequency-map", "maps"):
-            with pytest.raises(ViewError, match="expected a sweep over a grid of values"):
+            with pytest.raises(bw.ViewError, match="expected a sweep over a grid of values"):
                 figures.draw(name)
 
 
@@ -129,15 +115,12 @@ def test_changed_values_of_a_table_are_noticed(swept: Path, tmp_path: Path) -> N
                 file.attrs["table"] = change
             else:
                 file[name][0] = change
-        with pytest.raises(ResultError, match=r"was changed after|as JSON"):
+        with pytest.raises(bw.ResultError, match=r"was changed after|as JSON"):
             bw.open_sweep(copy)
 
 
-def test_the_report_lists_the_values_of_the_keys(
-    swept: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(page, "report_figures", lambda draw, kinds: [])
-    text = bw.report(swept).read_text(encoding="utf-8")
-    assert "Swept: march.speed, casing.clearance." in text
-    assert "casing.clearance [mm]</th>" in text
-    assert "casing clearance = 0.7 mm" in text
+def test_the_report_lists_the_values_of_the_keys(swept: Path) -> None:
+    words = reported(swept).words
+    assert "Swept: march.speed, casing.clearance." in words
+    assert "casing.clearance [mm]" in words
+    assert "casing clearance = 0.7 mm" in (swept / "report.html").read_text(encoding="utf-8")

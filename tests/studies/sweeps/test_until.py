@@ -8,12 +8,10 @@ from numpy.typing import NDArray
 from small_run import small
 from sweep_work import InProcess, same_bits
 
-from bladewhirl.models.inputs.errors import UserError
+import bladewhirl as bw
 from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, flag, open_sweep
-from bladewhirl.postprocess.sweep.probability import probability
 from bladewhirl.postprocess.sweep.shares import settled, wilson
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work
-from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
 from bladewhirl.studies.sweeps.until import Judge, narrower
 
 DIVERGENT, SUSTAINED = flag("regime", "divergent"), flag("regime", "sustained")
@@ -96,42 +94,42 @@ def test_how_often_the_interval_of_a_stopped_point_holds_the_share(
 @pytest.mark.usefixtures("toy")
 def test_the_file_does_not_depend_on_the_number_of_workers(tmp_path: Path) -> None:
     for workers, folder in ((1, "one"), (5, "five")):
-        done = run_sweep(
+        done = bw.run_sweep(
             CASE, OVER, tmp_path / folder, draws=8, perturb=PERTURB, until=0.2, workers=workers
         )
         assert (done.done, done.not_needed) == (12, 4)  # the draws of one point agree
     assert same_bits(tmp_path / "one", tmp_path / "five")
-    assert resume_sweep(tmp_path / "one").marched == 0
+    assert bw.resume_sweep(tmp_path / "one").marched == 0
     with open_sweep(tmp_path / "one") as sweep:
         counts = (sweep["state"] == "done").sum("draw").values.tolist()
-        shares = probability(sweep)
+        shares = bw.probability(sweep)
     assert shares["draws"].values.tolist() == [counts]
     assert shares["uncertain"].values.tolist() == [[count == 8 for count in counts]]
 
 
 @pytest.mark.usefixtures("toy")
 def test_draws_added_later_are_those_of_a_longer_sweep(tmp_path: Path) -> None:
-    run_sweep(CASE, OVER, tmp_path / "all", draws=8, perturb=PERTURB, until=0.2)
-    run_sweep(CASE, OVER, tmp_path / "few", draws=3, perturb=PERTURB, until=0.2)
-    resume_sweep(tmp_path / "few", draws=8, workers=3)
+    bw.run_sweep(CASE, OVER, tmp_path / "all", draws=8, perturb=PERTURB, until=0.2)
+    bw.run_sweep(CASE, OVER, tmp_path / "few", draws=3, perturb=PERTURB, until=0.2)
+    bw.resume_sweep(tmp_path / "few", draws=8, workers=3)
     assert same_bits(tmp_path / "all", tmp_path / "few")
-    run_sweep(CASE, OVER, tmp_path / "wide", draws=8, perturb=PERTURB, until=0.9)
-    resume_sweep(tmp_path / "wide", until=0.2)
+    bw.run_sweep(CASE, OVER, tmp_path / "wide", draws=8, perturb=PERTURB, until=0.9)
+    bw.resume_sweep(tmp_path / "wide", until=0.2)
     assert same_bits(tmp_path / "all", tmp_path / "wide")
-    with pytest.raises(UserError, match=r"--until 0.3: expected less than its width 0.2"):
-        resume_sweep(tmp_path / "wide", until=0.3)
-    with pytest.raises(UserError, match=r"--draws 5: expected more than the 8 draws it has"):
-        resume_sweep(tmp_path / "few", draws=5)
+    with pytest.raises(bw.UserError, match=r"--until 0.3: expected less than its width 0.2"):
+        bw.resume_sweep(tmp_path / "wide", until=0.3)
+    with pytest.raises(bw.UserError, match=r"--draws 5: expected more than the 8 draws it has"):
+        bw.resume_sweep(tmp_path / "few", draws=5)
 
 
 @pytest.mark.usefixtures("toy")
 def test_a_killed_addition_of_draws_is_completed(tmp_path: Path) -> None:
-    run_sweep(CASE, OVER, tmp_path / "few", draws=2, perturb=PERTURB)
+    bw.run_sweep(CASE, OVER, tmp_path / "few", draws=2, perturb=PERTURB)
     plan = (tmp_path / "few" / "sweep.json").read_bytes()
-    resume_sweep(tmp_path / "few", draws=3)
+    bw.resume_sweep(tmp_path / "few", draws=3)
     bits = (tmp_path / "few" / "sweep.nc").read_bytes()
     (tmp_path / "few" / "sweep.json").write_bytes(plan)  # as after a kill before the plan
-    assert resume_sweep(tmp_path / "few", draws=3).marched == 0
+    assert bw.resume_sweep(tmp_path / "few", draws=3).marched == 0
     assert (tmp_path / "few" / "sweep.nc").read_bytes() == bits
 
 
