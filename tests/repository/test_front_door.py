@@ -2,13 +2,12 @@
 
 import inspect
 import re
-import subprocess
-import sys
 import textwrap
 import tomllib
 from pathlib import Path
 
 import pytest
+from command_line import loaded
 from places import DATA, ROOT
 
 import bladewhirl as bw
@@ -50,12 +49,8 @@ def test_its_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_nothing_is_loaded_before_it_is_used() -> None:
-    code = (
-        "import sys, bladewhirl as bw; dir(bw); bw.__version__; print(*sys.modules)\n"
-        "bw.case_from; print(*sys.modules)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    door, case = (set(line.split()) for line in done.stdout.splitlines())
+    door = loaded("import bladewhirl as bw; dir(bw); bw.__version__")
+    case = loaded("import bladewhirl as bw; bw.case_from")
     assert not {name for name in door if name.startswith("bladewhirl.")}
     assert "numpy" not in door
     assert case.isdisjoint({"_cffi_backend", "xarray", "matplotlib", "pyvista", "skfem"})

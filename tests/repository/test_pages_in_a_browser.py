@@ -93,22 +93,10 @@ def test_titles_and_cases_are_words(
     place, requests = asked
     title = HOSTILE.replace("PLACE", place)
     path = make(tmp_path, title)
-    done = subprocess.run(
-        [
-            BROWSER,
-            "--headless",
-            "--no-sandbox",
-            "--disable-gpu",
-            f"--user-data-dir={tmp_path / 'profile'}",
-            "--virtual-time-budget=5000",
-            "--enable-logging=stderr",
-            "--dump-dom",
-            path.as_uri(),
-        ],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    options = "headless no-sandbox disable-gpu virtual-time-budget=5000 dump-dom".split()
+    options += [f"user-data-dir={tmp_path / 'profile'}", "enable-logging=stderr"]
+    command = [BROWSER, *(f"--{option}" for option in options), path.as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
     seen = done.stdout
     assert 'id="ran"' not in seen
     assert requests == []

@@ -1,4 +1,4 @@
-"""README.md is short and its Python runs; its commands, and those of docs/, exist; links do."""
+"""README.md and docs/: short, with code that runs, commands and links that exist, references."""
 
 import re
 import shlex
@@ -7,10 +7,13 @@ import tomllib
 from pathlib import Path
 
 import pytest
+import reference
 import xarray as xr
+from blocks import blocks
 from places import ROOT
 from typer.main import get_command
 
+from bladewhirl.models.case.template import template
 from bladewhirl.studies.commands.cli import app
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -20,16 +23,16 @@ PAGES = [ROOT / "README.md", *DOCS.glob("*.md"), *DOCS.glob("tutorials/*.md")]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
 
-def blocks(language: str, text: str = README) -> list[str]:
+def code(language: str, text: str = README) -> list[str]:
     """Code blocks of a document."""
-    return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
+    return [block.code for block in blocks(text) if block.language == language]
 
 
 def commands() -> list[list[str]]:
     """Arguments of every bladewhirl command in code blocks and in running text."""
     text = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
-    code = "\n".join([*blocks("sh", text), *blocks("console", text)]).replace("\\\n", " ")
-    lines = code.replace("&&", "\n").splitlines()
+    shell = "\n".join([*code("sh", text), *code("console", text)]).replace("\\\n", " ")
+    lines = shell.replace("&&", "\n").splitlines()
     split = [shlex.split(line, comments=True) for line in lines]
     actual = [words[1:] for words in split if words and Path(words[0]).name == "bladewhirl"]
     return [list(words) for words in dict.fromkeys(map(tuple, actual))]
@@ -62,41 +65,37 @@ def test_every_command_has_its_row() -> None:
 
 def test_the_two_commands_install_run_and_test() -> None:
     install = r"python3 -m venv \.venv && \.venv/bin/pip install -e \S+ && \.venv/bin/"
-    run, tests = (block.strip() for block in blocks("sh"))
+    run, tests = (block.strip() for block in code("sh"))
     assert re.fullmatch(
         install + r"bladewhirl run examples/imbalance\.toml --set march\.duration=1\.0", run
     )
     assert re.fullmatch(install + r"pytest -n auto", tests)
 
 
+def run_code(number: int, duration: str, shorter: str) -> None:
+    """Run one of the two Python blocks of README.md in the current folder, for a shorter time."""
+    text = code("python")[number]
+    assert text.count(duration) == 1
+    exec(compile(text.replace(duration, shorter), "README.md", "exec"))
+
+
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_python_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    code, _ = blocks("python")
-    assert code.count("march.duration=0.5") == 1
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
     monkeypatch.chdir(tmp_path)
-    exec(compile(code.replace("march.duration=0.5", "march.duration=0.02"), "README.md", "exec"))
+    run_code(0, "march.duration=0.5", "march.duration=0.02")
+    run_code(1, "0.5 s", "20 ms")
+    for name, blades in (("from_python", 22), ("mine", 12)):
+        with xr.open_dataset(tmp_path / "runs" / name / "result.nc") as result:
+            assert result.time[-1] == pytest.approx(0.02)
+            assert result.sizes["blade"] == blades
     run = tmp_path / "runs" / "from_python"
-    with xr.open_dataset(run / "result.nc") as result:
-        assert result.time[-1] == pytest.approx(0.02)
-    orbit = (run / "my_orbit.csv").read_text().splitlines()
-    assert orbit[0] == "time,axis,rotating"
+    assert (run / "my_orbit.csv").read_text().startswith("time,axis,rotating\n")
     assert (run / "my_orbit.png").is_file()
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
-def test_the_sketch_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    _, code = blocks("python")
-    assert code.count("0.5 s") == 1
-    monkeypatch.chdir(tmp_path)
-    exec(compile(code.replace("0.5 s", "20 ms"), "README.md", "exec"))
-    with xr.open_dataset(tmp_path / "runs" / "mine" / "result.nc") as result:
-        assert result.sizes["blade"] == 12
-        assert result.time[-1] == pytest.approx(0.02)
-
-
 def test_the_mapping_is_that_of_the_example() -> None:
-    block, _ = blocks("toml", (DOCS / "meshes.md").read_text(encoding="utf-8"))
+    block, _ = code("toml", (DOCS / "meshes.md").read_text(encoding="utf-8"))
     shown = tomllib.loads(block)["bladed_disk"]["mesh"]
     example = tomllib.loads((ROOT / "examples" / "shrouded_fan.toml").read_text())
     whole = example["bladed_disk"]["mesh"]
@@ -139,3 +138,42 @@ def test_every_dependency_is_explained() -> None:
     }
     names = {re.split(r"[\[>]", requirement)[0] for requirement in PROJECT["dependencies"]}
     assert names < explained
+
+
+TEXTS = {
+    path.relative_to(DOCS).with_suffix("").as_posix(): path.read_text(encoding="utf-8")
+    for path in sorted(DOCS.rglob("*.md"))
+    if not {"built", "gallery"} & set(path.relative_to(DOCS).parts)
+}
+
+
+def test_blocks_that_run_are_on_pages_that_the_site_executes() -> None:
+    running = {name for name, text in TEXTS.items() if any(block.runs for block in blocks(text))}
+    executed = {name for name, text in TEXTS.items() if text.startswith("---\nexecuted: true\n")}
+    assert running == executed
+
+
+def test_every_key_of_the_template_is_in_the_reference() -> None:
+    messages = set(re.findall(r"^```\{confval\} (\S+)", reference.case_keys(), flags=re.MULTILINE))
+    table = ""
+    for line in template().splitlines():
+        if actual := re.match(r"\[(\w+)\]", line):
+            table = f"{actual[1]}."
+        elif actual := re.match(r"(\w+) = ", line):
+            assert table + actual[1] in messages
+
+
+def test_every_command_and_option_is_in_the_reference() -> None:
+    text = reference.commands()
+    assert len(re.findall(r"^## bladewhirl [\w-]+$", text, flags=re.MULTILINE)) == len(
+        app.registered_commands
+    )
+    assert "```{option} --set KEY=VALUE\n" in text
+    assert "```{option} -o, --output <path>\n" in text
+
+
+@pytest.mark.parametrize("name", [name for name in TEXTS if name.startswith("theory/")])
+def test_the_modules_that_hold_an_equation_exist(name: str) -> None:
+    modules = re.findall(r"`(\w+(?:/\w+)+\.py)`", TEXTS[name])
+    assert modules
+    assert [module for module in modules if not (ROOT / module).is_file()] == []

@@ -1,5 +1,8 @@
 """Commands in this process: `answer` for those that end well, `refusal` for those that refuse."""
 
+import subprocess
+import sys
+
 from typer.testing import CliRunner, Result
 
 from bladewhirl.studies.commands.cli import app
@@ -18,3 +21,11 @@ def refusal(*words: object) -> str:
     assert (result.exit_code, result.stdout) == (2, "")
     [line] = result.stderr.splitlines()
     return line
+
+
+def loaded(code: str) -> set[str]:
+    """Return the names of all modules after code is run in a process of its own."""
+    listing = f"import sys\n{code}\nprint(*sys.modules)"
+    command = [sys.executable, "-P", "-c", listing]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return set(done.stdout.splitlines()[-1].split())

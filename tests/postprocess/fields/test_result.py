@@ -1,4 +1,4 @@
-"""Opening results from disk, and reading them portion by portion."""
+"""Datasets on disk: results, and files that are checked while they are read."""
 
 import shutil
 from collections.abc import Callable
@@ -10,9 +10,9 @@ import pytest
 import xarray as xr
 from synthetic_result import synthetic_result
 
+from bladewhirl.postprocess.fields.netcdf import ResultError, open_file, write_netcdf
 from bladewhirl.postprocess.fields.result import (
     PORTION,
-    ResultError,
     check_result,
     open_result,
     portions,
@@ -53,12 +53,6 @@ class TestOpenResult:
     def test_nothing_there(self, tmp_path: Path) -> None:
         with pytest.raises(ResultError, match=r"result\.nc: expected a result .* no such file"):
             open_result(tmp_path)
-
-    def test_not_netcdf(self, tmp_path: Path) -> None:
-        file = tmp_path / "result.nc"
-        file.write_text("regime = divergent")
-        with pytest.raises(ResultError, match=r"result\.nc: expected a result in netCDF-4"):
-            open_result(file)
 
     def test_hdf5_of_another_kind(self, tmp_path: Path) -> None:
         with h5py.File(tmp_path / "result.nc", "w") as file:
@@ -154,3 +148,32 @@ class TestPortions:
         assert not sums[:, 1].any()
         squares = reduce_modes(result, "rotor_displacement", rows[:1], np.square)
         np.testing.assert_allclose(squares[:, 0], 14.5 * np.arange(records) ** 2.0, rtol=1e-14)
+
+
+def test_round_trip(tmp_path: Path) -> None:
+    data = synthetic_result(records=9).assign_coords(
+        named=("blade", [f"b{i}" for i in range(22)]), number=3.5
+    )
+    write_netcdf(data, tmp_path / "data.nc")
+    stored, _ = open_file(tmp_path, "data.nc", "data")
+    with stored:
+        xr.testing.assert_identical(stored, data)
+        gap = data["gap"].values
+        np.testing.assert_array_equal(
+            stored["gap"].isel(time=[1, 4], blade=[7, 3]), gap[[1, 4]][:, [7, 3]]
+        )
+
+
+def test_damaged_values_are_named(tmp_path: Path) -> None:
+    data = synthetic_result(records=9)
+    data["gap"][5, 3] = np.nan
+    write_netcdf(data, tmp_path / "data.nc")
+    for gaps in (False, True):
+        stored, _ = open_file(tmp_path, "data.nc", "data", gaps=gaps)
+        with stored:
+            assert np.isfinite(stored["gap"].isel(time=slice(5))).all()  # before the damage
+            if gaps:
+                assert np.isnan(stored["gap"].values[5, 3])
+            else:
+                with pytest.raises(ResultError, match=r"data\.nc: gap: expected finite numbers"):
+                    stored["gap"].load()

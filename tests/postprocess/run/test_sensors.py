@@ -1,4 +1,4 @@
-"""Signals of sensors against motions in closed form."""
+"""Signals of sensors, and tip timing, against motions in closed form."""
 
 import warnings
 from typing import Any
@@ -8,9 +8,12 @@ import pytest
 import synthetic_result as synthetic
 import xarray as xr
 from faults import fault
+from synthetic_result import TIP_RADIUS, resting
 
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import Hint
+from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.run.tip_timing import tip_timing
 
 GAUGE = {"type": "strain", "span": 0.4}
 TIMING = {"type": "tip-timing", "probes": [0.0, "90 deg"], "name": "btt"}
@@ -149,3 +152,37 @@ def test_sensors_that_are_not_there_are_refused(result: xr.Dataset) -> None:
     branched = result.copy(deep=True)
     branched["rotor_part"].values[:44] = "blades"
     assert "one chain from root to tip" in fault(bw.sensors, branched, [GAUGE])
+
+
+PROBE, BLADE = np.deg2rad(50.0), 4
+AMPLITUDE, RATE = 2e-3, 300.0  # of a bending mode [m], [rad/s]
+
+
+def bending(records: int, speed: float = 80.0) -> xr.Dataset:
+    """A result of 0.4 s in which only the first bending with one nodal diameter moves."""
+    time = np.linspace(0.0, 0.4, records)
+    q, rate = np.zeros((2, records, 5))
+    q[:, 3], rate[:, 3] = AMPLITUDE * np.cos(RATE * time), -AMPLITUDE * RATE * np.sin(RATE * time)
+    result = resting(records, speed, rotor_displacement=q, rotor_velocity=rate)
+    return result.assign_coords(time=time)
+
+
+@pytest.mark.parametrize("speed", [80.0, -80.0])
+def test_a_blade_is_at_the_probe_when_it_arrives(speed: float) -> None:
+    """`verify sensors` measures the order in the record step."""
+    result = bending(401, speed)
+    timing = tip_timing(result, ["10 deg", "50 deg"]).isel(probe=1).sel(blade=BLADE)
+    arrival = timing["arrival"].dropna("revolution").values
+    assert timing.sizes["revolution"] >= len(arrival) >= 5
+    angle = float(result["tip_angle"][BLADE])
+    moved = AMPLITUDE * np.cos(angle) * np.cos(RATE * arrival)
+    np.testing.assert_allclose(timing["deflection"][: len(arrival)], moved, atol=1e-6)
+    apart = angle + speed * arrival + moved / TIP_RADIUS - PROBE
+    np.testing.assert_allclose(np.angle(np.exp(1j * apart)), 0.0, atol=80.0 * 1e-7)
+
+
+def test_what_cannot_be_timed_is_refused() -> None:
+    with pytest.raises(ViewError, match="at least four records a revolution"):
+        tip_timing(bending(11))
+    with pytest.raises(ViewError, match="at least four records a revolution"):
+        tip_timing(bending(401).assign_attrs(speed=0.0))

@@ -1,4 +1,4 @@
-"""Opening sweeps: values as they were given, coordinates of the points, formats."""
+"""Opening sweeps: values as they were given, spectra of points, coordinates, formats."""
 
 import shutil
 from pathlib import Path
@@ -11,7 +11,7 @@ from synthetic_result import synthetic_result
 from synthetic_sweep import LAYOUT, REPORT
 
 import bladewhirl as bw
-from bladewhirl.postprocess.sweep.digest import digest
+from bladewhirl.postprocess.sweep.digest import digest, magnitudes
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.quantities import along
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
@@ -72,16 +72,53 @@ def test_numbers_that_were_changed_are_refused(folder: Path, name: str) -> None:
         Store(folder, Grid(axes=(Axis(key="march.speed", values=("2500 rpm", "2600 rpm")),)))
 
 
-@pytest.mark.parametrize("name", ["title", "criterion", "window", "over"])
-def test_what_every_sweep_says_of_itself_is_not_missing(folder: Path, name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        *(
+            (name, None, "expected a sweep of bladewhirl, it has no")
+            for name in ("title", "criterion", "window", "over")
+        ),
+        ("format", SWEEP_FORMAT + 1, r"sweep\.nc: expected .* format .* newer version"),
+    ],
+)
+def test_what_every_sweep_says_of_itself_is_checked(
+    folder: Path, name: str, value: int | None, message: str
+) -> None:
     with h5py.File(folder / "sweep.nc", "r+") as file:
         del file.attrs[name]
-    with pytest.raises(bw.ResultError, match="expected a sweep of bladewhirl, it has no"):
+        if value is not None:
+            file.attrs[name] = value
+    with pytest.raises(bw.ResultError, match=message):
         bw.open_sweep(folder)
 
 
-def test_a_newer_format_is_refused(folder: Path) -> None:
-    with h5py.File(folder / "sweep.nc", "r+") as file:
-        file.attrs["format"] = SWEEP_FORMAT + 1
-    with pytest.raises(bw.ResultError, match=r"sweep\.nc: expected .* format .* newer version"):
-        bw.open_sweep(folder)
+STEP = 1e-3
+FREQUENCY = np.arange(-100, 101) / 0.5  # of a window of half a second
+
+
+def test_circles_have_their_radius_at_their_frequency() -> None:
+    time = STEP * np.arange(500)
+    motion = 3.0 + 2.0 * np.exp(2j * np.pi * 40.0 * time) + 0.5 * np.exp(-2j * np.pi * 60.0 * time)
+    magnitude = magnitudes(motion, STEP, FREQUENCY)
+    expected = np.zeros(len(FREQUENCY))
+    for frequency, radius in ((0.0, 3.0), (40.0, 2.0), (-60.0, 0.5)):
+        place = int(np.argmin(np.abs(FREQUENCY - frequency)))
+        expected[place - 1 : place + 2] += radius * np.array([0.5, 1.0, 0.5])  # a Hann window
+    np.testing.assert_allclose(magnitude, expected, atol=1e-12)
+
+
+def test_it_is_the_sum_that_defines_it_at_any_frequency_and_length() -> None:
+    random = np.random.default_rng(1)
+    motion = random.normal(size=137) + 1j * random.normal(size=137)
+    window = np.sin(np.pi * (np.arange(137) + 0.5) / 137) ** 2
+    turns = np.exp(-2j * np.pi * np.outer(FREQUENCY, STEP * np.arange(137)))
+    np.testing.assert_allclose(
+        magnitudes(motion, STEP, FREQUENCY),
+        np.abs(turns @ (window * motion)) / window.sum(),
+        rtol=1e-9,
+    )
+
+
+def test_too_few_records_have_no_spectrum() -> None:
+    assert np.isnan(magnitudes(np.ones(3, dtype=complex), STEP, FREQUENCY)).all()

@@ -1,6 +1,5 @@
 """`bladewhirl plot`: figures by name, windows, and what it refuses."""
 
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -12,16 +11,10 @@ from command_line import answer, refusal
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 
 
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of a run."""
-    return made(tmp_path_factory.mktemp("runs") / "run", synthetic.SPEED)
-
-
 @pytest.fixture
-def directory(run: Path, tmp_path: Path) -> Path:
-    """A copy of the folder."""
-    return Path(shutil.copytree(run, tmp_path / "run"))
+def directory(tmp_path: Path) -> Path:
+    """The folder of a run."""
+    return made(tmp_path / "run", synthetic.SPEED)
 
 
 def made(folder: Path, speed: float) -> Path:

@@ -7,11 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
+from command_line import answer, refusal
 
 import bladewhirl as bw
 from bladewhirl.models.case.file import loads, with_values
-from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.convergence.study import MODES as MODES_KEPT
 from bladewhirl.studies.convergence.study import (
     TIME_STEP,
@@ -108,11 +107,6 @@ def test_a_march_that_cannot_be_made(store: RunStore) -> None:
         time_step_convergence(small(), [1e-4, 5e-5], store)
 
 
-def command(*arguments: str) -> tuple[int, str, str]:
-    result = CliRunner().invoke(app, ["convergence", *arguments])
-    return result.exit_code, result.stdout, result.stderr
-
-
 @pytest.mark.slow
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, store: RunStore) -> None:
@@ -126,9 +120,8 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, store: RunStor
         path = store.path(with_values(SHORT, {TIME_STEP: step, MODES_KEPT: count}))
         shutil.copy(path, runs)
     options = ("--time-steps", "4us, 2e-6", "--modes", "12,6", "--workers", "1")
-    code, out, err = command("small.toml", *options, "--overwrite")
-    assert code == 0, err
-    assert "order in the time step" in out
+    given = ("convergence", "small.toml", *options)
+    assert "order in the time step" in answer(*given, "--overwrite").stdout
     folder = Path("small-convergence")
     assert {path.name for path in folder.iterdir()} == {
         "runs",
@@ -142,7 +135,5 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, store: RunStor
     assert document["modes"]["modes"] == [6, 12]
     with xr.open_dataset(folder / "modes.nc") as data:
         assert data["regime"].values.tolist() == document["modes"]["regime"]
-    assert command("small.toml", *options)[0] == 2
-    code, out, _ = command("small.toml", *options, "--overwrite", "--json")
-    assert code == 0
-    assert json.loads(out) == document
+    refusal(*given)
+    assert json.loads(answer(*given, "--overwrite", "--json").stdout) == document

@@ -16,7 +16,7 @@ from synthetic_result import ROTOR_FREQUENCY, synthetic_result
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import HOLDERS, Motion
-from bladewhirl.studies.paper.claim import CLAIMS, VERDICTS, Check, Claim, Finding, check
+from bladewhirl.studies.paper.claim import CLAIMS, VERDICTS, Check, Finding, check
 from bladewhirl.studies.paper.claims_sweeps import done_points, middle_of_divergence
 from bladewhirl.studies.paper.judge import Plan, chosen_claims, reproduce_claims
 from bladewhirl.studies.paper.scorecard import Score, counted
@@ -201,14 +201,10 @@ def test_a_shift_has_to_be_larger_than_the_step_of_the_sweep(second: int, met: b
     assert [check.met for check in finding.checks] == [met, True]
 
 
-def short_plan(claims: tuple[Claim, ...], repeats: int) -> Plan:
-    return Plan(claims=claims, changes=SHORT, quick=False, repeats=repeats)
-
-
 @pytest.mark.slow
 def test_a_claim_on_a_march_is_judged_over_repeats(tmp_path: Path) -> None:
     """Two milliseconds of the imbalance's ramp: no contact, so no limit cycle."""
-    plan = short_plan(chosen_claims([33]), 2)
+    plan = Plan(claims=chosen_claims([33]), changes=SHORT, quick=False, repeats=2)
     card, evidence = reproduce_claims(plan, tmp_path, workers=1)
     with evidence:
         (score,) = card.scores
