@@ -74,7 +74,9 @@ def bladed(
 
 
 @cache
-def casing(elements: int, *, support: float = 1e7, **wall: float) -> ReducedCasing:
+def casing(
+    elements: int, *, support: float = 1e7, damping: float = 0.0, **wall: float
+) -> ReducedCasing:
     """An even flexible ring, thin by default."""
     table = {
         "elements": elements,
@@ -82,7 +84,7 @@ def casing(elements: int, *, support: float = 1e7, **wall: float) -> ReducedCasi
         "support": support,
         "wall": {"thickness": 5e-3, "width": 0.05} | wall,
     }
-    case = {"casing": table, "damping": {"ratio": 0.0}}
+    case = {"casing": table, "damping": {"ratio": damping}}
     return flexible_ring(Case.model_validate(case)).reduced_casing
 
 
@@ -216,6 +218,17 @@ def contact_forces(
     return normal[:, None] * ways, direction
 
 
+def pushes(p: BoundaryProblem, time: float) -> tuple[FloatArray, FloatArray]:
+    """Modal forces of the loads on the copies and on a flexible casing."""
+    copies = np.zeros_like(p.frequency)
+    casing = np.zeros(0 if p.casing is None else len(p.casing.frequency))
+    for load in p.loads:
+        rise = 0.5 - 0.5 * np.cos(np.pi * min(1.0, time / load.ramp)) if load.ramp else 1.0
+        size = rise * np.cos(load.frequency * time + load.phase) * (time < load.end)
+        copies, casing = copies + size * load.amplitude, casing + size * load.casing
+    return copies, casing
+
+
 def plain(p: BoundaryProblem, dt: float, steps: int) -> dict[str, FloatArray]:
     """March in NumPy only: dense products, and Gauss-Seidel iterations for all nodes together."""
     copies, nodes = p.angle.shape
@@ -229,7 +242,9 @@ def plain(p: BoundaryProblem, dt: float, steps: int) -> dict[str, FloatArray]:
     lost = np.zeros(0) if ring is None else ring.damping_ratio * stiff / dt
     now, slow = p.displacement, np.zeros(len(stiff))
     slowing = squares * now + loss * p.velocity + p.velocity @ turning.T
-    old, slow_old = now - dt * p.velocity - 0.5 * dt**2 * slowing, slow
+    pushed, blown = pushes(p, 0.0)
+    old = now - dt * p.velocity + 0.5 * dt**2 * (pushed - slowing)
+    slow_old = 0.5 * dt**2 * blown
     force, direction = np.zeros((count, 3)), np.tile([np.sign(p.speed), 0.0], (count, 1))
     strain = np.zeros((0, 0)) if p.coating is None else p.coating.strain
     names = ("force", "q", "casing", "strain")
@@ -238,13 +253,9 @@ def plain(p: BoundaryProblem, dt: float, steps: int) -> dict[str, FloatArray]:
         for name, value in zip(names, (force, now, slow, strain), strict=True):
             out[name].append(value)
         time, by_copy = step * dt, force.reshape(copies, nodes, 3)
-        pushed, blown = np.zeros_like(now), np.zeros_like(slow)
-        for load in p.loads:
-            rise = 0.5 - 0.5 * np.cos(np.pi * min(1.0, time / load.ramp))
-            size = rise * np.cos(load.frequency * time + load.phase) * (time < load.end)
-            pushed, blown = pushed + size * load.amplitude, blown + size * load.casing
+        pushed, blown = pushes(p, time)
         if p.massless:
-            pushed += np.einsum("ikm,cik->cm", rows, by_copy)
+            pushed = pushed + np.einsum("ikm,cik->cm", rows, by_copy)
         pulled = (2.0 / dt**2 - squares) * now - old / dt**2 + np.einsum("cij,cj->ci", drag, old)
         new = np.einsum("cij,cj->ci", inverse, pulled + pushed)
         heavy = 1.0 / dt**2 + lost

@@ -42,15 +42,17 @@ def test_few_terms_give_the_form() -> None:
     )
 
 
-def test_the_form_of_a_problem_is_the_drawback_of_its_fields() -> None:
-    case = read_case(EXAMPLES / "curved_blades.toml", ["contact.foreshortening=true"])
+@pytest.mark.parametrize("around", [False, True])
+def test_the_form_of_a_problem_is_the_drawback_of_its_fields(around: bool) -> None:
+    changes = ["contact.foreshortening=true", f"contact.tip_rotation={str(around).lower()}"]
+    case = read_case(EXAMPLES / "curved_blades.toml", changes)
     stage = build_stage(case)
     given = contact_problem(stage).foreshortening
     assert given is not None
     modes = stage.reduction.modes
     x = np.random.default_rng(0).normal(size=modes.count) / modes.frequency
     for blade in (0, 7):
-        rows, signs = drawback(stage.disk, modes.shapes @ x[:, None], blade, around=False)
+        rows, signs = drawback(stage.disk, modes.shapes @ x[:, None], blade, around=around)
         exact = 0.5 * signs @ rows[:, 0] ** 2
         assert given.opening(x)[blade] == pytest.approx(exact, rel=1e-6)
 

@@ -19,11 +19,14 @@ def turning() -> FloatArray:
 
 
 def pressed(copies: int, modes: int = 0) -> tuple[BoundaryLoad, ...]:
-    """A load on the blades, and on the modes of a ring."""
+    """Loads on the blades, and on the modes of a ring: with a ramp, and from the start on."""
     random = np.random.default_rng(9)
     blades, ring = 30.0 * random.standard_normal((copies, 8)), 100.0 * random.standard_normal(modes)
     times = {"frequency": 2e3, "phase": 0.3, "ramp": 5e-4, "end": 8e-4}
-    return (BoundaryLoad(amplitude=blades, casing=ring, **times),)
+    return (
+        BoundaryLoad(amplitude=blades, casing=ring, **times),
+        BoundaryLoad(amplitude=0.5 * blades[::-1], casing=-ring, end=3e-4, phase=0.2),
+    )
 
 
 KINDS: dict[str, dict[str, Any]] = {
@@ -31,7 +34,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "wall, full sliding, backward": {"full_sliding": True, "speed": -220.0},
     "wall, Coriolis forces": {"full_sliding": True, "by_velocity": turning()},
     "ring": {"ring": casing(8), "loads": pressed(2, len(casing(8).frequency))},
-    "ring, full sliding": {"ring": casing(8), "full_sliding": True},
+    "ring, full sliding": {"ring": casing(8, damping=0.01), "full_sliding": True},
     "coating": {"coating": coating(np.array([0.0, 0.0, 1.0]), 4e-3, limit=0.06)},
 }
 
