@@ -5,20 +5,10 @@ entry in `figures.toml`. The command line, its help, reports and `bladewhirl.plo
 figure. The entry only names the functions, so this module imports nothing but the standard library.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import resources
-from pkgutil import resolve_name
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
-
-POSTPROCESS = "bladewhirl.postprocess"
 
 BEAMS, SUPERELEMENT = "beams", "superelement"
 """Kinds of models."""
@@ -44,23 +34,6 @@ class FigureKind:
         """Caption of the figure in a report."""
         return f"{self.about}. {self.reading}".strip()
 
-    def draw(self, *source: object) -> tuple[Figure, xr.Dataset]:
-        """Draw the figure; return the figure and its dataset.
-
-        Args:
-            source: a `RunFigures`, or a sweep and the swept key of the x axis.
-
-        Raises:
-            ViewError: the dataset cannot be computed, such as a Poincaré map of a rotor that does
-                not turn.
-        """
-        if ":" in self.data:
-            data = resolve_name(f"{POSTPROCESS}.{self.data}")(*source, **self.options)
-        else:
-            data = getattr(source[0], self.data)
-            data = data(**self.options) if callable(data) else data
-        return resolve_name(f"{POSTPROCESS}.{self.plot}")(data), data
-
 
 def captions(kinds: Mapping[str, FigureKind]) -> list[str]:
     """Return a line of text for each kind of figure: its name and content."""
@@ -68,10 +41,10 @@ def captions(kinds: Mapping[str, FigureKind]) -> list[str]:
 
 
 def _figures(source: str) -> Mapping[str, FigureKind]:
-    text = resources.files(f"{POSTPROCESS}.plotting").joinpath("figures.toml").read_text("utf-8")
+    file = resources.files("bladewhirl.postprocess.plotting").joinpath("figures.toml")
     return {
         name: FigureKind(name=name, **{**entry, "models": tuple(entry.get("models", [BEAMS]))})
-        for name, entry in tomllib.loads(text)[source].items()
+        for name, entry in tomllib.loads(file.read_text("utf-8"))[source].items()
     }
 
 

@@ -6,20 +6,19 @@ policy of the page forbids loading of other files.
 
 import base64
 import io
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Any, ClassVar
 
 import plotly.graph_objects as go
-import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.files import write_atomically
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.plotting.figures import Figures
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
-from bladewhirl.postprocess.plotting.registry import FigureKind
 from bladewhirl.postprocess.plotting.style import styled
 
 DPI = 200  #: resolution of the pictures: a column of 8 cm is as wide as half a screen [1/inch]
@@ -117,18 +116,20 @@ class Page:
 
 
 def report_figures(
-    draw: Callable[[str], tuple[Figure, xr.Dataset]], kinds: Iterable[FigureKind]
+    figures: Figures, section: str, left_out: Collection[str] = ()
 ) -> list[ReportFigure]:
-    """Return figures with captions. `draw` draws the figure of a given name; where it raises a
-    ViewError, the reason replaces the figure."""
-    figures = []
-    for kind in kinds:
+    """Return the figures of a section with captions, except for those whose names are left out. If
+    a figure cannot be drawn, the reason replaces it."""
+    drawn = []
+    for kind in figures.kinds.values():
+        if kind.section != section or kind.name in left_out:
+            continue
         picture, obstacle = "", ""
         try:
-            picture = _as_png(draw(kind.name)[0])
+            picture = _as_png(figures.draw(kind.name)[0])
         except ViewError as error:
             obstacle = str(error)
-        figures.append(
+        drawn.append(
             ReportFigure(
                 name=kind.name,
                 title=kind.title,
@@ -138,7 +139,7 @@ def report_figures(
                 wide=kind.wide,
             )
         )
-    return figures
+    return drawn
 
 
 @styled

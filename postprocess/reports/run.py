@@ -5,13 +5,13 @@ from collections.abc import Callable, Mapping, Sequence
 
 import xarray as xr
 
-from bladewhirl.postprocess.energy.regimes import Regime, classify
-from bladewhirl.postprocess.energy.strain import strain_energies
+from bladewhirl.models.inputs.units import handy
+from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.fields.windows import late_part
-from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.plotting.titles import speed_label
+from bladewhirl.postprocess.reports.figures import figures_of_run
 from bladewhirl.postprocess.reports.instants import instants
-from bladewhirl.postprocess.reports.page import Page, ReportFigure, Section, Table, report_figures
+from bladewhirl.postprocess.reports.page import Page, Section, Table, report_figures
 from bladewhirl.postprocess.reports.provenance import Provenance, case_section, subject
 from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
@@ -21,6 +21,8 @@ from bladewhirl.postprocess.run.summary import MARCH_REPORT, summarise
 from bladewhirl.postprocess.run.summary_table import summary_rows
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
+from bladewhirl.postprocess.superelement.regime import node_regime
+from bladewhirl.postprocess.superelement.summary import summarise_nodes
 
 LATE = "over the last third"  #: time window of whirl and contact scenario
 CASE_CAPTION = (
@@ -30,9 +32,19 @@ CASE_CAPTION = (
 UNKNOWN = ("complementarity residual", "time step / critical", "wall time")
 """Rows of the summary that are known only after the march has ended."""
 
+TITLES = {
+    "shaft": "Motion of the shaft",
+    "contact": "Contact of blades and casing",
+    "casing": "Motion of the casing",
+    "frequencies": "Frequencies",
+    "energy": "Strain energy and stress",
+    "wear": "Wear of the coating",
+}
+"""Sections with figures; a report has those with a figure."""
+
 
 def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -> Page:
-    """Return the report of a run, for `page.write_page`.
+    """Return the report of a run, of beams or of a superelement, for `page.write_page`.
 
     The report of an interrupted march covers the time up to its last record and has a warning.
 
@@ -44,64 +56,20 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     Raises:
         ViewError: the result has fewer than two records.
     """
-    titles = {
-        "shaft": "Motion of the shaft",
-        "contact": "Contact of blades and casing",
-        "frequencies": "Frequencies",
-        "energy": "Strain energy and stress",
-    }
-    if "coating_strain" in dataset:
-        titles["wear"] = "Wear of the coating"
-    figures = RunFigures(dataset)
-    energy = strain_energies(dataset)
-    regime = classify(dataset, energy["total"].values)
-    instant = Section(
-        name="instant",
-        title="At one instant",
-        blocks=[instants(dataset, figures.contact, figures.orbit, energy)],
-    )
-    parts = [
-        Section(name=part, title=title, blocks=_drawn(figures, part))
-        for part, title in titles.items()
-    ]
-    return page_of_run(
-        dataset,
-        provenance,
-        regime,
-        name=name,
-        first=[instant],
-        reasons=_drawn(figures, "verdict"),
-        parts=parts,
-        numbers=_numbers(figures),
-        glance=_glance(dataset, figures.orbit, contact_classes(_late(dataset))),
-    )
-
-
-def page_of_run(
-    dataset: xr.Dataset,
-    provenance: Provenance,
-    regime: Regime,
-    *,
-    name: str,
-    parts: Sequence[Section],
-    numbers: Table,
-    glance: Sequence[tuple[str, str, str]],
-    first: Sequence[Section] = (),
-    reasons: Sequence[ReportFigure] = (),
-) -> Page:
-    """Return the page of a run from its parts.
-
-    Args:
-        dataset: a result, of beams or of a superelement.
-        provenance: provenance of the run.
-        regime: regime of the run.
-        name: name of the run, such as its folder.
-        parts: sections with figures.
-        numbers: table of the summary.
-        glance: key figures: name, value, remark.
-        first: sections above the regime.
-        reasons: figures that show why the run has this regime.
-    """
+    figures = figures_of_run(dataset)
+    first, glance = [], _glance(dataset)
+    if isinstance(figures, RunFigures):
+        energy, orbit = figures.energies, figures.orbit
+        regime = classify(dataset, energy["total"].values)
+        plots = instants(dataset, figures.contact, orbit, energy)
+        first.append(Section(name="instant", title="At one instant", blocks=[plots]))
+        glance += _beam_glance(dataset, orbit)
+        stresses = figures.stresses
+        rows = _summary(dataset, lambda report: summary_rows(summarise(dataset, report, stresses)))
+    else:
+        regime = node_regime(dataset)
+        glance += _node_glance(dataset)
+        rows = _summary(dataset, lambda report: summarise_nodes(dataset, report).rows())
     meaning = REGIMES[regime.name].meaning
     reason = str(dataset.attrs.get("end_reason", "completed"))
     ended = reason in ("completed", "divergent", "damped")
@@ -109,9 +77,16 @@ def page_of_run(
         name="verdict",
         title="Regime, and why",
         words=f"{meaning} The regime is the first line of the criterion below that applies.",
-        blocks=[*reasons, criterion_table(regime.name)],
+        blocks=[*report_figures(figures, "verdict"), criterion_table(regime.name)],
     )
-    table = Section(name="numbers", title="Numbers", blocks=[numbers])
+    parts = [
+        Section(name=part, title=title, blocks=blocks)
+        for part, title in TITLES.items()
+        if (part != "wear" or "coating_strain" in dataset)
+        and (blocks := report_figures(figures, part))
+    ]
+    numbers = Section(name="numbers", title="Numbers", blocks=[rows])
+    case = case_section(dataset, provenance, CASE_CAPTION)
     return Page(
         title=str(dataset.attrs.get("title", "")) or "Run",
         subject=subject(dataset, provenance, name),
@@ -120,18 +95,8 @@ def page_of_run(
         reason=f"{meaning} {_sentence(regime.reason)}",
         warnings=_warnings(dataset, reason),
         figures=glance,
-        sections=[*first, verdict, *parts, table, case_section(dataset, provenance, CASE_CAPTION)],
+        sections=[*first, verdict, *parts, numbers, case],
     )
-
-
-def _numbers(figures: RunFigures) -> Table:
-    dataset, stresses = figures.result, figures.stresses
-    return summary_table(dataset, lambda report: summary_rows(summarise(dataset, report, stresses)))
-
-
-def _drawn(figures: RunFigures, section: str) -> list[ReportFigure]:
-    kinds = [kind for kind in RUN_FIGURES.values() if kind.section == section]
-    return report_figures(figures.draw, kinds)
 
 
 def _late(dataset: xr.Dataset) -> xr.Dataset:
@@ -141,7 +106,7 @@ def _late(dataset: xr.Dataset) -> xr.Dataset:
     return late if late.sizes["time"] > 1 else dataset
 
 
-def summary_table(
+def _summary(
     dataset: xr.Dataset, rows_of: Callable[[Mapping[str, float]], Mapping[str, str]]
 ) -> Table:
     """Return the rows of a summary, without those that are known only after the march has ended if
@@ -171,25 +136,41 @@ def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
     return [_sentence(text)] if text else []
 
 
-def _glance(
-    dataset: xr.Dataset, orbit: xr.Dataset, classes: xr.Dataset
-) -> list[tuple[str, str, str]]:
-    """Return the key figures: name, value, remark."""
-    late = _late(orbit)
+def _glance(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
+    """Return the key figures of every run: name, value, remark."""
+    ratio, _, rpm = speed_label(dataset).partition(" (")
+    end = f"{float(dataset['time'].values[-1]):.6g} s"
+    return [("speed", ratio, rpm.rstrip(")")), ("end of the march", end, "")]
+
+
+def _node_glance(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
+    """Return the key figures of contact nodes."""
+    touched = int((dataset["contact_steps"].sum("time").values > 0).sum())
+    moved = abs(dataset["contact_displacement"]).max(("time", "contact_node")).values
+    return [
+        ("contact nodes that touched", f"{touched} of {dataset.sizes['contact_node']}", ""),
+        *(
+            (f"largest {name} displacement", handy(float(value), "m", 4), "")
+            for name, value in zip(dataset["direction"].values, moved, strict=True)
+        ),
+    ]
+
+
+def _beam_glance(dataset: xr.Dataset, orbit: xr.Dataset) -> list[tuple[str, str, str]]:
+    """Return the key figures of shaft and blades."""
+    late, late_orbit = _late(dataset), _late(orbit)
+    classes = contact_classes(late)["contact_class"].values
     radius = MILLI * float(orbit["radius"].max())
     clearance = MILLI * float(orbit.attrs["smallest_clearance"])
     touched = int((dataset["contact_steps"].sum("time").values > 0).sum())
-    counts = {name: int((classes["contact_class"].values == name).sum()) for name in CLASS_COLOURS}
-    phases = contact_phase(_late(dataset), late)
+    counts = {name: int((classes == name).sum()) for name in CLASS_COLOURS}
+    phases = contact_phase(late, late_orbit)
     in_contact, lead = bool(phases["impulse"].any()), float(phases.attrs["lead"])
     angle = (
         [f"shaft leads by {math.degrees(lead):.0f}°"] if in_contact and not math.isnan(lead) else []
     )
-    whirls = {frame: whirl(late, frame).text.partition(", ") for frame in FRAMES}
-    ratio, _, rpm = speed_label(dataset).partition(" (")
+    whirls = {frame: whirl(late_orbit, frame).text.partition(", ") for frame in FRAMES}
     return [
-        ("speed", ratio, rpm.rstrip(")")),
-        ("end of the march", f"{float(dataset['time'].values[-1]):.6g} s", ""),
         (
             "largest shaft displacement",
             f"{radius:.4g} mm",

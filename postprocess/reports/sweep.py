@@ -8,7 +8,6 @@ import xarray as xr
 
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY, rate_text
 from bladewhirl.postprocess.plotting.axes import SPEED
-from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.reports import page
 from bladewhirl.postprocess.reports.provenance import Provenance, case_section, subject
 from bladewhirl.postprocess.reports.sweep_explorer import frequency_explorer, points_explorer
@@ -211,21 +210,17 @@ def _drawn(dataset: xr.Dataset, section: str) -> list[page.ReportFigure]:
     probabilities only with random draws, and wear only with a coating."""
     figures = SweepFigures(dataset)
     worn = "wear_volume" in dataset and bool(np.isfinite(dataset["wear_volume"]).any())
-    without = {
+    absent = {
         "maps": len(swept(dataset)) == 1,
         "probability": DRAW not in dataset.dims,
         "wear": not worn,
     }
-    kinds = [
-        kind
-        for kind in (SWEEP_FIGURES[name] for name in figures.names)
-        if kind.section == section and not without.get(kind.name)
-    ]
+    left_out = [name for name, without in absent.items() if without]
     return [
         replace(figure, caption=_windowed(dataset, figure.caption))
         if figure.name in WINDOWED
         else figure
-        for figure in page.report_figures(figures.draw, kinds)
+        for figure in page.report_figures(figures, section, left_out)
     ]
 
 

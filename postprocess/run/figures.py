@@ -1,4 +1,4 @@
-"""Figures of a run by name, see `plotting.registry`, and their datasets."""
+"""Figures of a run of beams by name, see `plotting.registry`, and their datasets."""
 
 from functools import cached_property
 
@@ -10,6 +10,7 @@ from bladewhirl.postprocess.energy.strain import family_energies, mean_energies,
 from bladewhirl.postprocess.energy.works import work_histories
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.windows import late_part, select_window, window_label
+from bladewhirl.postprocess.plotting.figures import Figures
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.run.blade_contact import contact_classes, contact_maps
 from bladewhirl.postprocess.run.casing_contact import casing_contact, with_last_turns
@@ -29,7 +30,7 @@ AT_REST = {"gaps"}  #: names of figures that are also available for a stage at r
 FORCE_COLUMNS = 200  #: number of time intervals of the force map; an interval is as wide as a line
 
 
-class RunFigures:
+class RunFigures(Figures):
     """Figures of a run, or of a time window of a run, and their datasets.
 
     Spectrum, contact classes and contact scenario are computed for the time window or, without a
@@ -46,26 +47,15 @@ class RunFigures:
     def __init__(
         self, dataset: xr.Dataset, start: float | None = None, end: float | None = None
     ) -> None:
+        super().__init__(RUN_FIGURES)
         self.result = select_window(dataset, start, end)
         self._is_run = start is None and end is None
 
-    @property
-    def names(self) -> list[str]:
-        """Names of the figures of a run."""
-        return [*RUN_FIGURES]
-
     def draw(self, name: str) -> tuple[Figure, xr.Dataset]:
-        """Draw a figure of `RUN_FIGURES`; return the figure and its dataset.
-
-        Raises:
-            ViewError: there is no figure of this name, or it cannot be drawn for this motion, such
-                as an orbit of a stage at rest.
-        """
-        if name not in RUN_FIGURES:
-            raise ViewError(f"figure {name!r}: expected one of {', '.join(RUN_FIGURES)}")
-        if name not in AT_REST and not self.result["energy"].any():
+        """Draw a figure, see `Figures.draw`; most figures need a motion."""
+        if name in self.kinds and name not in AT_REST and not self.result["energy"].any():
             raise ViewError(f"no motion in the time window from {window_label(self.result)}")
-        return RUN_FIGURES[name].draw(self)
+        return super().draw(name)
 
     @cached_property
     def orbit(self) -> xr.Dataset:

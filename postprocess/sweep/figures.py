@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import xarray as xr
-from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.plotting.figures import Figures
 from bladewhirl.postprocess.plotting.registry import BEAMS, SWEEP_FIGURES
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.postprocess.sweep.dataset import open_sweep
@@ -16,26 +16,14 @@ LEFT_BY_A_SWEEP = ("frequency-map", "shaft-radius", "contact-nodes", "node-spect
 """Names of the figures that a sweep writes into its folder, if its model has them."""
 
 
-class SweepFigures:
+class SweepFigures(Figures):
     """Figures of a sweep against the speed or, if the speed is not swept, against the first key."""
 
     def __init__(self, dataset: xr.Dataset) -> None:
         """Use a dataset from `open_sweep`, which must stay open."""
-        self._sweep = dataset
         model = str(dataset.attrs.get(MODEL, BEAMS))
-        #: names of the figures that a sweep of this model has
-        self.names = [name for name, kind in SWEEP_FIGURES.items() if model in kind.models]
-
-    def draw(self, name: str) -> tuple[Figure, xr.Dataset]:
-        """Draw a figure of `SWEEP_FIGURES`; return the figure and its data.
-
-        Raises:
-            ViewError: there is no figure of this name, or it cannot be drawn for this sweep, for
-                instance because no point is finished.
-        """
-        if name not in self.names:
-            raise ViewError(f"figure {name!r}: expected one of {', '.join(self.names)}")
-        return SWEEP_FIGURES[name].draw(self._sweep, main_key(self._sweep))
+        kinds = {name: kind for name, kind in SWEEP_FIGURES.items() if model in kind.models}
+        super().__init__(kinds, dataset, main_key(dataset))
 
 
 def leave_figures(directory: Path) -> dict[str, str]:

@@ -140,14 +140,14 @@ def _node_outputs(
 ) -> Run:
     """Write summary, figures and ParaView series of a superelement."""
     from bladewhirl.postprocess.plotting.style import save_figure
+    from bladewhirl.postprocess.reports.figures import figures_of_run
     from bladewhirl.postprocess.superelement import wear
-    from bladewhirl.postprocess.superelement.run_figures import NodeFigures
     from bladewhirl.postprocess.superelement.series import export_points
     from bladewhirl.postprocess.superelement.summary import summarise_nodes
 
     summary: Any = summarise_nodes(result, report)
     write_atomically(directory / folder.SUMMARY_NAME, summary.to_json())
-    figures = NodeFigures(result)
+    figures = figures_of_run(result)
     for name in figures.names:
         figure, drawn = figures.draw(name)
         save_figure(figure, directory / f"{name}.png", drawn, ["png"])

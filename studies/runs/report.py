@@ -5,11 +5,10 @@ from pathlib import Path
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.plotting.files import checked_target
-from bladewhirl.postprocess.reports.nodes import node_report
 from bladewhirl.postprocess.reports.page import Page, write_page
 from bladewhirl.postprocess.reports.run import run_report
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
-from bladewhirl.solvers.march.schema import NODES, RESULT_NAME, tables_of
+from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.folder import REPORT_NAME, read_failures, read_provenance
 
 
@@ -50,8 +49,7 @@ def report_target(directory: Path, output: Path | None) -> Path:
 
 def _run_page(directory: Path) -> Page:
     with open_result(directory) as result:
-        make = node_report if tables_of(result.attrs) is NODES else run_report
-        return make(result, read_provenance(directory), name=directory.absolute().name)
+        return run_report(result, read_provenance(directory), name=directory.absolute().name)
 
 
 def _sweep_page(directory: Path) -> Page:

@@ -105,7 +105,7 @@ def test_the_report_names_points_with_an_uncertain_outcome(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, radii: tuple[float, float], named: list[str]
 ) -> None:
     """Eight draws at two speeds; at the first speed every second draw touches or none."""
-    monkeypatch.setattr(report_page, "report_figures", lambda draw, kinds: [])
+    monkeypatch.setattr(report_page, "report_figures", lambda figures, section, left_out: [])
     motions = [{"speed": REFERENCE, "shaft_radius": radii[n % 2]} for n in range(8)]
     motions += [{"speed": 1.2 * REFERENCE, "shaft_radius": 1.3e-3}] * 8
     over = {"march.speed": (1.0, 1.2), "draw": tuple(range(8))}
