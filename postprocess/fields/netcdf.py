@@ -53,10 +53,20 @@ INTERNAL = {"CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "_FillValue"}
 
 
 class StoredArray(BackendArray):
-    """Array of a file, of which the given shape is read."""
+    """Array of a file, read and validated when used.
 
-    def __init__(self, array: h5py.Dataset, shape: tuple[int, ...]) -> None:
+    Args:
+        array: array of the file.
+        shape: shape of the part that is read.
+        label: file and variable, for messages.
+        gaps: whether NaN is allowed, for missing values as in a sweep.
+    """
+
+    def __init__(
+        self, array: h5py.Dataset, shape: tuple[int, ...], label: str, *, gaps: bool
+    ) -> None:
         self._array, self.shape, self.dtype = array, shape, array.dtype
+        self._label, self._gaps = label, gaps
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
         """Return a part of the array."""
@@ -64,45 +74,22 @@ class StoredArray(BackendArray):
             key, self.shape, indexing.IndexingSupport.OUTER_1VECTOR, self._read
         )
 
-    def _read(self, key: tuple[Any, ...]) -> Any:
-        inside = tuple(
-            slice(*part.indices(size)) if isinstance(part, slice) else part
-            for part, size in zip(key, self.shape, strict=True)
-        )
-        if h5py.check_string_dtype(self.dtype):
-            return np.asarray(self._array.asstr()[inside], dtype=str)
-        return self._array[inside]
-
-
-class CheckedArray(BackendArray):
-    """Variable of a file, read and validated when used.
-
-    Args:
-        variable: variable to read.
-        label: file and variable, for messages.
-        gaps: whether NaN is allowed, for missing values as in a sweep.
-    """
-
-    def __init__(self, variable: xr.Variable, label: str, *, gaps: bool) -> None:
-        self._variable, self._label, self._gaps = variable, label, gaps
-        self.shape, self.dtype = variable.shape, variable.dtype
-
-    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
-        """Return a part of the array."""
-        return indexing.explicit_indexing_adapter(
-            key, self.shape, indexing.IndexingSupport.OUTER, self._read
-        )
-
     def __deepcopy__(self, memo: object) -> Self:
         """Return the array itself: it is never written to."""
         return self
 
     def _read(self, key: tuple[Any, ...]) -> Any:
+        inside = tuple(
+            slice(*part.indices(size)) if isinstance(part, slice) else part
+            for part, size in zip(key, self.shape, strict=True)
+        )
         try:
-            values = self._variable[key].values
+            if h5py.check_string_dtype(self.dtype):
+                return np.asarray(self._array.asstr()[inside], dtype=str)
+            values = self._array[inside]
         except Exception as error:  # HDF5 raises many kinds for damaged bytes
             raise ResultError(f"{self._label}: {error}") from None
-        if values.dtype.kind == "f" and not plausible(values, gaps=self._gaps):
+        if self.dtype.kind == "f" and not plausible(values, gaps=self._gaps):
             raise ResultError(f"{self._label}: expected finite numbers; the file is damaged")
         return values
 
@@ -131,7 +118,7 @@ def open_file(
     with ExitStack() as opened:
         try:
             h5 = opened.enter_context(h5py.File(opened.enter_context(CutFile(file)), "r"))
-            stored = _stored(h5)
+            stored = _stored(h5, str(file), gaps=gaps, cache=cache)
             declared = sum(variable.nbytes for variable in stored.values())
             size = file.stat().st_size
             if declared > max(ROOM, DENSEST * size):
@@ -147,23 +134,19 @@ def open_file(
                     if dimension in dataset.coords and dataset[dimension].dims == (dimension,)
                 }
             )
-            checked = dataset.assign(
-                {
-                    name: _checked(variable, f"{file}: {name}", gaps=gaps, cache=cache)
-                    for name, variable in dataset.variables.items()
-                    if name not in dataset.indexes
-                }
-            )
+        except ResultError:
+            raise
         except Exception as error:  # HDF5 and xarray raise many kinds for damaged bytes
             raise ResultError(
                 f"{file}: expected {kind} in netCDF-4, could not read it: {error}"
             ) from None
-        checked.set_close(opened.pop_all().close)
-    return checked, file
+        dataset.set_close(opened.pop_all().close)
+    return dataset, file
 
 
-def _stored(h5: h5py.File) -> xr.Dataset:
-    """Return all variables of a netCDF-4 file, without reading or validating their values."""
+def _stored(h5: h5py.File, label: str, *, gaps: bool, cache: bool) -> xr.Dataset:
+    """Return all variables of a netCDF-4 file, whose values are read when used; see `open_file`.
+    `label` is the file, for messages."""
     everything = {name: each for name, each in h5.items() if isinstance(each, h5py.Dataset)}
     numbers = {
         array.attrs.get("_Netcdf4Dimid"): name
@@ -183,9 +166,12 @@ def _stored(h5: h5py.File) -> xr.Dataset:
     attributes = _attributes(h5)
     variables, coordinates = {}, {*sizes, *str(attributes.pop("coordinates", "")).split()}
     for name, array in arrays.items():
-        data = StoredArray(array, tuple(sizes[dimension] for dimension in dimensions[name]))
-        lazy = indexing.LazilyIndexedArray(data)
-        variables[name] = xr.Variable(dimensions[name], lazy, _attributes(array))
+        shape = tuple(sizes[dimension] for dimension in dimensions[name])
+        data: Any = StoredArray(array, shape, f"{label}: {name}", gaps=gaps)
+        data = indexing.LazilyIndexedArray(data)
+        if cache:
+            data = indexing.MemoryCachedArray(data)  # type: ignore[no-untyped-call]
+        variables[name] = xr.Variable(dimensions[name], data, _attributes(array))
         coordinates.update(str(variables[name].attrs.pop("coordinates", "")).split())
     # without indexes, which would be read at once, beyond the last complete record
     kept = {name: variables.pop(name) for name in sorted(coordinates & variables.keys())}
@@ -221,14 +207,6 @@ def _attributes(stored: h5py.Dataset | h5py.File) -> dict[str, Any]:
             value = value.ravel()[0]
         attributes[name] = value.decode() if isinstance(value, bytes) else value
     return attributes
-
-
-def _checked(variable: xr.Variable, label: str, *, gaps: bool, cache: bool) -> xr.Variable:
-    data: Any = indexing.LazilyIndexedArray(CheckedArray(variable, label, gaps=gaps))
-    if cache:
-        data = indexing.MemoryCachedArray(data)  # type: ignore[no-untyped-call]
-    attributes = {name: value for name, value in variable.attrs.items() if name != "_FillValue"}
-    return xr.Variable(variable.dims, data, attributes)
 
 
 def complete_records(attributes: Mapping[str, Any]) -> int | None:
