@@ -216,12 +216,9 @@ def _modes(result: xr.Dataset, kind: str) -> list[tuple[str, float, float]]:
 def plot_sensors(signals: xr.Dataset) -> Figure:
     """Draw the signals from `sensors` over time; if all blades are recorded, in grey the range of
     all blades (the points of tip timing), and over it in black the blade that vibrates most."""
-    names = [str(name) for name, signal in signals.items() if "type" in signal.attrs]
-    figure, panels = _panels(names, 0.03)
-    for axes, name in zip(panels, names, strict=False):
-        signal = signals[name]
-        unit, scale = shown_unit(signal)
-        worst = _worst_blade(signal)
+    figure, panels = _panels(signals, 0.03)
+    for axes, (name, scale, _) in panels.items():
+        signal, worst = signals[name], _worst_blade(signals[name])
         if signal.attrs["type"] == "tip-timing":
             arrival = signals[f"{name}_arrival"]
             at = arrival.sel(blade=worst.attrs["blade"])
@@ -235,11 +232,8 @@ def plot_sensors(signals: xr.Dataset) -> Figure:
                 high = np.maximum.reduceat(signal.max("blade").values, starts)
                 axes.fill_between(time[starts], scale * low, scale * high, color=PALE, linewidth=0)
             axes.plot(*_thinned(time, scale * worst.values), color=COLOURS["rotor"], linewidth=0.6)
-        axes.set_title(_title(name, worst), loc="left")
-        axes.set_ylabel(f"{_word(signal)} [{unit}]")
     time_axis(*panels)
-    head(figure, signals, _count(signals))
-    figure.align_ylabels(panels)
+    figure.align_ylabels([*panels])
     return figure
 
 
@@ -247,20 +241,17 @@ def plot_sensors(signals: xr.Dataset) -> Figure:
 def plot_sensor_spectra(spectra: xr.Dataset) -> Figure:
     """Draw amplitudes against frequency from `sensor_spectra`, with the frequencies of modes, and
     with dotted lines at engine orders."""
-    names = [str(name) for name, amplitude in spectra.items() if "type" in amplitude.attrs]
     turns = abs(float(spectra.attrs["speed"])) / (2.0 * np.pi)
-    edge = max(float(spectra[f"{name}_frequency"][-1]) for name in names)
-    figure, panels = _panels(names, 0.034)
-    for axes, name in zip(panels, names, strict=True):
-        unit, scale = shown_unit(spectra[name])
+    figure, panels = _panels(spectra, 0.034)
+    first = next(iter(panels))
+    edge = max(float(spectra[f"{name}_frequency"][-1]) for name, _, _ in panels.values())
+    for axes, (name, scale, _) in panels.items():
         amplitude = scale * spectra[name].values
         top = float(amplitude.max()) or 1.0
         floor = top * 10**-DECADES
         along = spectra[f"{name}_frequency"]
         axes.semilogy(along, np.maximum(amplitude, floor), color=COLOURS["rotor"])
         axes.set(xlim=(0.0, edge), ylim=(floor, 30.0 * top))
-        axes.set_title(_title(name, spectra[name]), loc="left")
-        axes.set_ylabel(f"{_word(spectra[name])} [{unit}]")
         axes.grid(axis="x", visible=False)
         for low, high in spectra[f"{name}_mode"].values:
             least = 0.5 * max(high - low, 2e-3 * edge)
@@ -276,15 +267,14 @@ def plot_sensor_spectra(spectra: xr.Dataset) -> Figure:
             axes.axvline(order * turns, linewidth=0.8, **look)
     if turns:
         functions = (lambda x: np.asarray(x) / turns, lambda x: np.asarray(x) * turns)
-        panels[0].secondary_xaxis("top", functions=functions)
-        panels[0].set_title("engine order", loc="right")
-    panels[-1].set_xlabel("frequency [Hz]")
-    head(figure, spectra, _count(spectra))
+        first.secondary_xaxis("top", functions=functions)
+        first.set_title("engine order", loc="right")
+    axes.set_xlabel("frequency [Hz]")
     if entries := entries_of(*panels):
         figure.legend(*zip(*entries, strict=True), loc="outside lower center", ncols=2)
-    figure.align_ylabels(panels)
-    for axes, name in zip(panels, names, strict=True):
-        labels = Labels(axes, laid_out=axes is not panels[0])
+    figure.align_ylabels([*panels])
+    for axes, (name, _, _) in panels.items():
+        labels = Labels(axes, laid_out=axes is not first)
         heights = float(axes.get_ylim()[1]) / np.array([2.5, 15.0, 90.0])
         modes = spectra[f"{name}_line"].values
         for mode, ends in zip(modes, spectra[f"{name}_mode"].values, strict=True):
@@ -295,20 +285,16 @@ def plot_sensor_spectra(spectra: xr.Dataset) -> Figure:
 @styled
 def plot_sensor_orders(orders: xr.Dataset) -> Figure:
     """Draw amplitudes against engine order and time from `sensor_orders`, with log colours."""
-    names = [str(name) for name, amplitude in orders.items() if "type" in amplitude.attrs]
-    figure, panels = _panels(names, 0.045)
-    for axes, name in zip(panels, names, strict=True):
-        unit, scale = shown_unit(orders[name])
+    figure, panels = _panels(orders, 0.045)
+    for axes, (name, scale, label) in panels.items():
         amplitude = scale * orders[name].values
         top = float(amplitude.max()) or 1.0
         shown, norm = np.maximum(amplitude, top * 10**-DECADES), decades(top, DECADES)
         order, time = (orders[f"{name}_{along}"] for along in ("order", "time"))
         picture = draw_map(axes, time, order, shown, norm=norm, shading="nearest")
-        figure.colorbar(picture, ax=axes, label=f"{_word(orders[name])} [{unit}]")
-        axes.set_title(_title(name, orders[name]), loc="left")
+        figure.colorbar(picture, ax=axes, label=label)
         axes.set_ylabel("engine order")
     time_axis(*panels)
-    head(figure, orders, _count(orders))
     return figure
 
 
@@ -347,12 +333,27 @@ def plot_all_blades(blades: xr.Dataset) -> Figure:
     return figure
 
 
-def _panels(names: list[str], height: float, *, sharex: bool = True) -> tuple[Figure, list[Axes]]:
-    """Return a figure of the full width with a panel of a height [m] for each of the first
-    sensors."""
-    count = min(len(names), MOST_PANELS)
-    figure = new_figure(width=FULL_WIDTH, height=0.02 + height * count)
-    return figure, [*figure.subplots(count, 1, squeeze=False, sharex=True)[:, 0]]
+def _panels(data: xr.Dataset, height: float) -> tuple[Figure, dict[Axes, tuple[str, float, str]]]:
+    """Return a figure of the full width with a panel of a height [m] for each of the first sensors.
+
+    For each panel, with its title and label, there are the name of the sensor, the factor from the
+    SI unit to the unit that is shown, and the label with this unit.
+    """
+    names = [str(name) for name, signal in data.items() if "type" in signal.attrs]
+    shown = names[:MOST_PANELS]
+    figure = new_figure(width=FULL_WIDTH, height=0.02 + height * len(shown))
+    head(figure, data, "sensors" if shown == names else f"the first {MOST_PANELS} sensors")
+    column = figure.subplots(len(shown), 1, squeeze=False, sharex=True)[:, 0]
+    panels = {}
+    for axes, name in zip(column, shown, strict=True):
+        signal = _worst_blade(data[name])
+        timing, blade = signal.attrs["type"] == "tip-timing", signal.attrs.get("blade", "all")
+        unit, scale = shown_unit(signal)
+        label = f"{'deflection' if timing else WORDS[signal.attrs['units']]} [{unit}]"
+        axes.set_title(name if blade == "all" else f"{name}, blade {blade}", loc="left")
+        axes.set_ylabel(label)
+        panels[axes] = name, scale, label
+    return figure, panels
 
 
 def _thinned(time: Array, values: Array) -> tuple[Array, Array]:
@@ -362,17 +363,3 @@ def _thinned(time: Array, values: Array) -> tuple[Array, Array]:
     starts = span_starts(time, COLUMNS)
     extremes = [ufunc.reduceat(values, starts) for ufunc in (np.minimum, np.maximum)]
     return np.repeat(time[starts], 2), np.stack(extremes, axis=1).ravel()
-
-
-def _title(name: str, signal: xr.DataArray) -> str:
-    blade = signal.attrs.get("blade", "all")
-    return f"{name}, blade {blade}" if blade != "all" else name
-
-
-def _word(signal: xr.DataArray) -> str:
-    return "deflection" if signal.attrs["type"] == "tip-timing" else WORDS[signal.attrs["units"]]
-
-
-def _count(data: xr.Dataset) -> str:
-    count = len([name for name, signal in data.items() if "type" in signal.attrs])
-    return f"the first {MOST_PANELS} sensors" if count > MOST_PANELS else "sensors"
