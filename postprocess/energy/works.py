@@ -19,9 +19,6 @@ SOURCES = {
 }
 """Energy sources of a motion."""
 
-SUMMED = ("external", "normal", "closing", "friction", "coupling", "damping")
-"""Works that a result contains."""
-
 
 class Works(TypedDict):
     """Works since the start [J]; work that adds energy to the motion is positive.
@@ -43,43 +40,35 @@ class Works(TypedDict):
 
 def works(dataset: xr.Dataset) -> Works:
     """Return the works of a run up to its last record."""
-    last = {name: float(dataset.variables[f"{name}_work"][-1].values) for name in SUMMED}
-    normal, friction, closing = last["normal"], last["friction"], last["closing"]
+
+    def last(name: str) -> float:
+        return float(dataset.variables[f"{name}_work"][-1].values)
+
+    normal, friction, closing = last("normal"), last("friction"), last("closing")
     drive = float(drive_work(dataset)[-1])
     return Works(
-        load=last["external"],
+        load=last("external"),
         normal=normal,
         closing=None if np.isnan(closing) else closing,
         friction=friction,
-        springs=last["coupling"],
-        damping=last["damping"],
+        springs=last("coupling"),
+        damping=last("damping"),
         drive=drive,
         heat=drive - normal - friction,
     )
 
 
 LEDGER = {
-    "load": "load",
-    "closing": "normal forces, closing tips",
-    "passing": "normal forces, passing wall",
-    "normal": "normal forces",
-    "friction": "friction",
-    "springs": "stationary springs",
-    "damping": "damping",
+    "load": ("load", COLOURS["suspension"]),
+    "closing": ("normal forces, closing tips", COLOURS["k = 0"]),
+    "passing": ("normal forces, passing wall", COLOURS["contact"]),
+    "normal": ("normal forces", COLOURS["contact"]),
+    "friction": ("friction", COLOURS["total"]),
+    "springs": ("stationary springs", COLOURS["other k"]),
+    "damping": ("damping", COLOURS["casing"]),
 }
-"""Works of the energy balance, with their names. `normal`, the sum of `closing` and `passing`, is
-used if a result does not contain these two parts."""
-
-WORK_COLOURS = {
-    "load": COLOURS["suspension"],
-    "closing": COLOURS["k = 0"],
-    "passing": COLOURS["contact"],
-    "normal": COLOURS["contact"],
-    "friction": COLOURS["total"],
-    "springs": COLOURS["other k"],
-    "damping": COLOURS["casing"],
-}
-"""Colours of works, the same in all figures."""
+"""Works of the energy balance, with their names and colours. `normal`, the sum of `closing` and
+`passing`, is used if a result does not contain these two parts."""
 
 
 def work_histories(dataset: xr.Dataset) -> xr.Dataset:
@@ -102,7 +91,7 @@ def work_histories(dataset: xr.Dataset) -> xr.Dataset:
         del terms["closing"], terms["passing"]
         terms["normal"] = dataset["normal_work"]
     described = {
-        name: (term.dims, term.values, {"units": "J", "long_name": LEDGER.get(name, name)})
+        name: (term.dims, term.values, {"units": "J", "long_name": LEDGER.get(name, (name,))[0]})
         for name, term in terms.items()
     }
     return xr.Dataset(described, coords={"time": dataset["time"]}, attrs=dataset.attrs)
@@ -114,9 +103,9 @@ def plot_work(histories: xr.Dataset) -> Figure:
     figure = new_figure(height=0.062)
     axes = figure.add_subplot()
     time = histories["time"].values
-    for name, label in LEDGER.items():
+    for name, (label, colour) in LEDGER.items():
         if name in histories and histories[name].any():
-            axes.plot(time, histories[name].values, color=WORK_COLOURS[name], label=label)
+            axes.plot(time, histories[name].values, color=colour, label=label)
     energy = histories["energy"].values
     axes.plot(time, energy, color="0.75", linewidth=2.5, zorder=1, label="energy, their sum")
     axes.set_ylabel("work since the start [J]")

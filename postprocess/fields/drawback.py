@@ -13,7 +13,7 @@ from bladewhirl.postprocess.fields.kinematics import (
     history,
     line_shapes,
     rotate,
-    slope_rows_at,
+    slope_rows,
     table_of_result,
     unit,
 )
@@ -111,7 +111,7 @@ def _slopes(dataset: xr.Dataset, coordinates: Array, pieces: int) -> Array:
     """Return the slope of the beams at the Gauss points of equal pieces, (record, rotor_line,
     pieces * GAUSS)."""
     within = 0.5 * (1.0 + np.polynomial.legendre.leggauss(GAUSS)[0])
-    rows = slope_rows_at(dataset, (np.arange(pieces)[:, None] + within).ravel() / pieces)
+    rows = slope_rows(dataset, (np.arange(pieces)[:, None] + within).ravel() / pieces)
     flat = coordinates @ rows.reshape(-1, rows.shape[-1]).T
     return np.asarray(flat.reshape(len(coordinates), *rows.shape[:2]))
 

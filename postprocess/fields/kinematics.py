@@ -132,17 +132,10 @@ def line_rows(dataset: xr.Dataset, per_line: int) -> tuple[Array, Array]:
     return points, rows
 
 
-def line_slope_rows(dataset: xr.Dataset, per_line: int) -> Array:
-    """Return the rotation of the cross-sections of beams (rotor_line, per_line + 1, rotor_mode) at
-    the stations of `line_rows`, for unit modal coordinates: the slope of the cubic transverse
-    displacement.
-    """
-    return slope_rows_at(dataset, np.linspace(0.0, 1.0, per_line + 1))
-
-
-def slope_rows_at(dataset: xr.Dataset, x: Array) -> Array:
+def slope_rows(dataset: xr.Dataset, x: Array) -> Array:
     """Return the rotation of the cross-sections of beams at places x from 0 to 1 along each beam,
-    for unit modal coordinates, (rotor_line, place, rotor_mode)."""
+    for unit modal coordinates, (rotor_line, place, rotor_mode): the slope of the cubic transverse
+    displacement."""
     _, span, _, local, turn_rows = line_shapes(dataset)
     slopes = slope_weights(x)
     across = np.einsum("es,lem->lsm", slopes[::2], local[:, :, 1])

@@ -6,7 +6,7 @@ each record into the few numbers that an analysis needs.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import fields
 from os import PathLike
 from typing import Any, Literal
@@ -112,7 +112,7 @@ def result_of(
     described = {field.name: np.asarray(getattr(stage, field.name)) for field in fields(stage)}
     dataset = xr.Dataset(
         {
-            name: (variables[name].dimensions, np.asarray(values), variables[name].attributes)
+            name: _entry(variables[name], values)
             for name, values in {**described, **histories}.items()
             if values.size or (name in histories and 0 not in values.shape[1:])
         },
@@ -131,22 +131,18 @@ def stage_dataset(arrays: StageArrays, motion: Mapping[str, Array] | None = None
         motion: `time`, `rotor_displacement`, `casing_displacement` and other histories.
     """
     values = {name: getattr(arrays, name) for name in schema.STATIC} | dict(motion or {})
-    return xr.Dataset({name: _entry(name, array) for name, array in values.items()})
+    return xr.Dataset({name: _entry(schema.RESULT[name], each) for name, each in values.items()})
 
 
-def _entry(name: str, values: Any) -> tuple[tuple[str, ...], Array, dict[str, str]]:
+def _entry(variable: schema.Variable, values: Any) -> tuple[Any, Array, dict[str, str]]:
     """Return a variable of the schema in the form that xarray accepts."""
-    return schema.RESULT[name].dimensions, np.asarray(values), schema.RESULT[name].attributes
+    return variable.dimensions, np.asarray(values), variable.attributes
 
 
 @contextmanager
 def opened(result: xr.Dataset | str | PathLike[str]) -> Iterator[xr.Dataset]:
     """Yield a result: a Dataset unchanged; a file or folder opened, and closed afterwards."""
-    if isinstance(result, xr.Dataset):
-        check_beams(result)
-        yield result
-        return
-    with open_result(result) as dataset:
+    with nullcontext(result) if isinstance(result, xr.Dataset) else open_result(result) as dataset:
         check_beams(dataset)
         yield dataset
 

@@ -129,7 +129,7 @@ def rotor_boxes(dataset: xr.Dataset, pieces: int = BEAM_PIECES) -> Boxes:
         width=rotor_sections(dataset, "width", pieces),
         modulus=rotor_sections(dataset, "young_modulus", pieces),
         rows=rows,
-        turn_rows=kinematics.line_slope_rows(dataset, pieces),
+        turn_rows=kinematics.slope_rows(dataset, np.linspace(0.0, 1.0, pieces + 1)),
         strain_rows=rotor_strain_rows(dataset, pieces),
     )
 

@@ -25,7 +25,7 @@ class FigureKind:
     section: str = ""  #: section of the report that shows the figure; empty for no section
     models: tuple[str, ...] = (BEAMS,)  #: kinds of models that have the figure
     wide: bool = False  #: true for the width of the page of a report, false for half of it
-    data: str  #: attribute of `RunFigures`, or "module:function", that computes the dataset
+    data: str  #: "module:function" that computes the dataset, or an attribute of `RunFigures`
     plot: str  #: "module:function" in postprocess that draws the dataset
     options: Mapping[str, str] = field(default_factory=dict)  #: keyword arguments of `data`
 

@@ -7,13 +7,12 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import Array, casing_rows, ring_angles
 from bladewhirl.postprocess.fields.result import portions
+from bladewhirl.postprocess.run.histories import COMPONENTS
 
 FORCE_TIME = 1e-3
 """Time over which contact forces are averaged [s], unless the time between two records is longer.
 Forces are averaged because the peak force of a march grows as the time step decreases."""
 
-
-WAYS = ("radial", "tangential")
 
 STATIONS = 4  #: points of each casing element at which its displacement is computed
 
@@ -49,10 +48,10 @@ def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
     all records of a result."""
     around, time = ring_angles(dataset, STATIONS), dataset["time"].values
     rows = casing_rows(dataset, around)
-    peaks = {way: WallPeak(displacement=0.0, angle=0.0, time=0.0) for way in WAYS}
+    peaks = {way: WallPeak(displacement=0.0, angle=0.0, time=0.0) for way in COMPONENTS}
     for portion in portions(dataset):
         coordinates = dataset["casing_displacement"].isel(time=portion).values
-        for component, way in enumerate(WAYS):
+        for component, way in enumerate(COMPONENTS):
             moved = coordinates @ rows[:, component].T
             record, point = np.unravel_index(np.abs(moved).argmax(), moved.shape)
             if abs(moved[record, point]) > abs(peaks[way]["displacement"]):

@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.energy.growth import amplitude_growth
 from bladewhirl.postprocess.energy.strain import family_energies, mean_energies, strain_energies
-from bladewhirl.postprocess.energy.works import work_histories
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.windows import late_part, select_window, window_label
 from bladewhirl.postprocess.plotting.figures import Figures
@@ -18,7 +17,6 @@ from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.sensor_figures import all_blades, sensor_orders, sensor_spectra
 from bladewhirl.postprocess.run.sensors import sensors_of, signals
 from bladewhirl.postprocess.run.stresses import stress_history
-from bladewhirl.postprocess.run.wear import wear
 from bladewhirl.postprocess.shaft import spectra
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.poincare import state_space
@@ -47,8 +45,8 @@ class RunFigures(Figures):
     def __init__(
         self, dataset: xr.Dataset, start: float | None = None, end: float | None = None
     ) -> None:
-        super().__init__(RUN_FIGURES)
         self.result = select_window(dataset, start, end)
+        super().__init__(RUN_FIGURES, self.result)
         self._is_run = start is None and end is None
 
     def draw(self, name: str) -> tuple[Figure, xr.Dataset]:
@@ -95,11 +93,6 @@ class RunFigures(Figures):
         return strain_energies(self.result)
 
     @property
-    def works(self) -> xr.Dataset:
-        """Works and energy over time."""
-        return work_histories(self.result)
-
-    @property
     def families(self) -> xr.Dataset:
         """Strain energy over time by family and nodal diameter, averaged over time intervals."""
         return mean_energies(family_energies(self.result))
@@ -129,11 +122,6 @@ class RunFigures(Figures):
     def casing_contact(self) -> xr.Dataset:
         """Contact by angle of the casing, in all revolutions and in the last ones."""
         return with_last_turns(casing_contact(self._with_contact), self.result)
-
-    @cached_property
-    def wear(self) -> xr.Dataset:
-        """Wear of the coating."""
-        return wear(self.result)
 
     @property
     def classes(self) -> xr.Dataset:

@@ -1,6 +1,6 @@
 """Measures of the last third of a run: whirl, contact side, contact of blades, Poincaré map."""
 
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -10,39 +10,22 @@ from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.run.blade_contact import contact_share
 from bladewhirl.postprocess.run.contact_side import contact_scenario
 from bladewhirl.postprocess.shaft.poincare import section_places
-from bladewhirl.postprocess.shaft.whirl import Direction, whirls
+from bladewhirl.postprocess.shaft.whirl import whirls
 from bladewhirl.postprocess.shaft.whirl_history import rotating_rates
 
 
-@dataclass(frozen=True, kw_only=True)
-class LateMotion:
-    """Measures of a motion, with the names of the variables of a sweep."""
-
-    late_radius: float  #: root mean square displacement of the shaft [m]
-    whirl_rotating: Direction  #: direction of whirl in rotating axes
-    whirl_static: Direction  #: direction of whirl in static axes
-    whirl_frequency: float
-    """Frequency of the whirl in rotating axes, forward positive, nan at rest [Hz]; the frequency in
-    the static frame is higher by the speed."""
-    whirl_scatter: float
-    """Standard deviation of the frequency over the time spans of `whirl_history`, nan for a single
-    span [Hz]."""
-    scenario: str  #: scenario of `contact_phase`, with hyphens
-    shaft_lead: float  #: `lead` of `contact_phase` [rad]
-    lead_steadiness: float  #: `steadiness` of `contact_phase`
-    late_contact_share: Array
-    """Share of the time in contact, nan for a single record, (blade,)."""
-    section: Array
-    """Positions of the Poincaré map, which are the same in both frames [m], (revolution, 2)."""
-    radius_peak: Array  #: local maxima of the displacement [m], (peak,)
-
-
-def late_motion(late: xr.Dataset, orbit: xr.Dataset) -> LateMotion:
+def late_motion(late: xr.Dataset, orbit: xr.Dataset) -> dict[str, Any]:
     """Measure the motion in the last third of a run.
 
     Args:
         late: result, from `windows.late_part`.
         orbit: from `orbits.shaft_orbit`, for the same time window.
+
+    Returns:
+        variables of a sweep, see `solvers.march.schema`, by name. `late_contact_share` (blade,) is
+        nan for a single record, `whirl_scatter` for a single span of `whirl_history`;
+        `radius_peak` (peak,) are all maxima of the displacement [m], and `section` (revolution, 2)
+        all positions of the Poincaré map, which are the same in both frames [m].
     """
     scenario, lead, steadiness = contact_scenario(late, orbit)
     turning, rates = whirls(orbit), rotating_rates(orbit)
@@ -50,19 +33,23 @@ def late_motion(late: xr.Dataset, orbit: xr.Dataset) -> LateMotion:
     share = np.full(late.sizes["blade"], np.nan)
     if orbit.sizes["time"] > 1:
         share = contact_share(late)
-    return LateMotion(
-        late_radius=float(np.sqrt(np.mean(orbit.variables["radius"].values ** 2))),
-        whirl_rotating=turning["rotating"].direction,
-        whirl_static=turning["static"].direction,
-        whirl_frequency=turning["rotating"].rate / (2 * np.pi),
-        whirl_scatter=float(rates.std() / (2 * np.pi)) if len(rates) > 1 else np.nan,
-        scenario=scenario.replace(" ", "-"),
-        shaft_lead=lead,
-        lead_steadiness=steadiness,
-        late_contact_share=share,
-        section=_sections(orbit),
-        radius_peak=radius_peaks(orbit),
-    )
+    try:
+        section = section_places(orbit)[1]
+    except ViewError:  # less than a revolution
+        section = np.empty((0, 2))
+    return {
+        "late_radius": float(np.sqrt(np.mean(orbit.variables["radius"].values ** 2))),
+        "whirl_rotating": turning["rotating"].direction,
+        "whirl_static": turning["static"].direction,
+        "whirl_frequency": turning["rotating"].rate / (2 * np.pi),
+        "whirl_scatter": float(rates.std() / (2 * np.pi)) if len(rates) > 1 else np.nan,
+        "scenario": scenario.replace(" ", "-"),
+        "shaft_lead": lead,
+        "lead_steadiness": steadiness,
+        "late_contact_share": share,
+        "section": section,
+        "radius_peak": radius_peaks(orbit),
+    }
 
 
 def radius_peaks(orbit: xr.Dataset) -> Array:
@@ -81,12 +68,3 @@ def radius_peaks(orbit: xr.Dataset) -> Array:
     share = rate[before] / (rate[before] - rate[before + 1])
     instants = time[before] + share * (time[before + 1] - time[before])
     return np.asarray(np.sqrt(CubicHermiteSpline(time, square, rate)(instants)))
-
-
-def _sections(orbit: xr.Dataset) -> Array:
-    """Return the positions of the Poincaré map (revolutions, 2) [m]; an empty array if the time is
-    shorter than a revolution."""
-    try:
-        return section_places(orbit)[1]
-    except ViewError:
-        return np.empty((0, 2))

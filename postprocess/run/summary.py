@@ -3,13 +3,11 @@
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Any, TypedDict
 
 import numpy as np
 import xarray as xr
 
-from bladewhirl.files import write_atomically
 from bladewhirl.postprocess.energy import strain
 from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, RegimeName, classify
 from bladewhirl.postprocess.energy.works import Works, late_drive_power, works
@@ -199,13 +197,6 @@ def energy_residual(dataset: xr.Dataset) -> float:
     error = np.abs(energy - energy[0] - gained).max()
     largest = max(np.abs(term).max() for term in (energy, *works.values()))
     return float(error / largest) if largest > 0 else 0.0
-
-
-def write_summary(summary: Summary, path: str | Path) -> Path:
-    """Write `summary.json`."""
-    path = Path(path)
-    write_atomically(path, summary.to_json())
-    return path
 
 
 def _whirl_figures(orbit: xr.Dataset, *, moves: bool) -> dict[str, Any]:

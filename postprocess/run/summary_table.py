@@ -148,11 +148,6 @@ def _contact(shares: list[float]) -> str:
     return f"{len(blades)} of {len(shares)}: {numbers}; {share}"
 
 
-def summary_table(summary: Summary) -> Table:
-    """Return the summary as a table for the screen."""
-    return rows_table(summary_rows(summary))
-
-
 def rows_table(rows: Mapping[str, str]) -> Table:
     """Return rows of a summary as a table for the screen."""
     table = Table(show_header=False, box=None, pad_edge=False)

@@ -105,13 +105,13 @@ def _late(dataset: xr.Dataset, layout: Layout) -> dict[str, object]:
     """Return the measures of `late_motion`, with arrays padded with NaN to the layout's sizes."""
     late = late_part(dataset)
     motion = late_motion(late, shaft_orbit(late))
-    section = motion.section[-SECTIONS:]
+    section = motion.pop("section")[-SECTIONS:]
     return {
-        **{name: value for name, value in vars(motion).items() if name in layout.tables.sweep},
-        "late_contact_share": padded(motion.late_contact_share, layout.blades),
+        **{name: value for name, value in motion.items() if name in layout.tables.sweep},
+        "late_contact_share": padded(motion["late_contact_share"], layout.blades),
         "section_x": padded(section[:, 0], SECTIONS),
         "section_y": padded(section[:, 1], SECTIONS),
-        "radius_peak": padded(motion.radius_peak[-SECTIONS:], SECTIONS),
+        "radius_peak": padded(motion["radius_peak"][-SECTIONS:], SECTIONS),
     }
 
 

@@ -64,14 +64,14 @@ class Run:
         from rich.text import Text
 
         from bladewhirl.postprocess.run.summary import Summary
-        from bladewhirl.postprocess.run.summary_table import rows_table, summary_table
+        from bladewhirl.postprocess.run.summary_table import rows_table, summary_rows
 
         names = ", ".join(sorted(path.name for path in self.directory.iterdir()))
         files = Text(f"{self.directory}: {names}")
         other: Any = self.summary
         if not isinstance(other, Summary):
             return Group(rows_table(other.rows()), files)
-        return Group(summary_table(self.summary), Text(self.symmetry), files)
+        return Group(rows_table(summary_rows(self.summary)), Text(self.symmetry), files)
 
     def __repr__(self) -> str:
         """Return the table as plain text, with the reason for an early end, and hints."""
@@ -105,7 +105,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.plotting.style import save_figure
-    from bladewhirl.postprocess.run.summary import summarise, write_summary
+    from bladewhirl.postprocess.run.summary import summarise
     from bladewhirl.postprocess.run.summary_table import displacement_hints
     from bladewhirl.postprocess.run.wear import write_profile
     from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
@@ -116,7 +116,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
             return _node_outputs(result, directory, report, window)
         orbit, energies = shaft_orbit(result), strain_energies(result)
         summary = summarise(result, report, orbit=orbit, energies=energies)
-        write_summary(summary, directory / folder.SUMMARY_NAME)
+        write_atomically(directory / folder.SUMMARY_NAME, summary.to_json())
         save_figure(plot_orbit(orbit), directory / folder.ORBIT_NAME, orbit, ["png"])
         save_figure(plot_energy(energies), directory / folder.ENERGY_NAME, energies, ["png"])
         if "coating_strain" in result:

@@ -113,8 +113,8 @@ class TestPhase:
         figure, phases = RunFigures(result).draw("contact-phase")
         late = late_part(result)
         of_sweep = late_motion(late, shaft_orbit(late))
-        assert phases.attrs["scenario"] == of_sweep.scenario == "standard"
-        assert phases.attrs["lead"] == of_sweep.shaft_lead == pytest.approx(0.4, abs=0.02)
+        assert phases.attrs["scenario"] == of_sweep["scenario"] == "standard"
+        assert phases.attrs["lead"] == of_sweep["shaft_lead"] == pytest.approx(0.4, abs=0.02)
         assert "standard contact, shaft ahead by 23°" in figure.axes[1].get_xlabel()
         assert phases["time"].values[0] == 0.0  # all of it is drawn
         end = result["time"].values[-1]
