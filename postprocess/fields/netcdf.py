@@ -261,24 +261,6 @@ def check_beams(dataset: xr.Dataset) -> None:
         )
 
 
-def value_fault(dataset: xr.Dataset) -> str:
-    """Describe the first invalid array that does not depend on time; empty if all are valid."""
-    tables = tables_of(dataset.attrs)
-    nodes = dataset.sizes.get("rotor_node", 0)
-    for name, variable in tables.stage.items():
-        if name in dataset and (expected := expectation(dataset[name].values, variable, nodes)):
-            return f"{name!r} to be {expected}"
-    if tables is NODES:
-        return ""
-    ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
-    if not np.any(ends[:, 0] != ends[:, 1], axis=-1).all():
-        return "'rotor_line' to connect different points"
-    angle = dataset["casing_angle"].values
-    if not (np.all(np.diff(angle) > 0.0) and angle[-1] - angle[0] < 2.0 * np.pi):
-        return "'casing_angle' to increase within one turn"
-    return ""
-
-
 def expectation(values: Any, variable: Variable, nodes: int = 0) -> str:
     """Describe valid values of a variable; empty if the values are valid."""
     if values.dtype.kind not in {"f": "f", "i": "iu", "s": "OUT"}[variable.kind[0]]:

@@ -21,8 +21,8 @@ from bladewhirl.postprocess.fields.netcdf import ResultError as ResultError
 from bladewhirl.postprocess.fields.netcdf import (
     attribute_fault,
     check_beams,
+    expectation,
     open_file,
-    value_fault,
 )
 from bladewhirl.solvers.march import schema
 
@@ -50,7 +50,8 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
     """
     dataset, file = open_file(path, schema.RESULT_NAME, "a result")
     try:
-        check_result(dataset, str(file))
+        if fault := result_fault(dataset):
+            raise ResultError(f"{file}: expected {fault}")
         complete = with_coordinates(dataset)
     except ResultError:
         dataset.close()
@@ -147,19 +148,16 @@ def opened(result: xr.Dataset | str | PathLike[str]) -> Iterator[xr.Dataset]:
         yield dataset
 
 
-def check_result(dataset: xr.Dataset, name: str) -> None:
-    """Check that a Dataset is a result with at least one record; messages contain `name`.
-
-    Raises:
-        ResultError: the Dataset is not a result, or has no record.
-    """
+def result_fault(dataset: xr.Dataset) -> str:
+    """Describe what a result with at least one record would have instead of the first fault of a
+    Dataset, and what was found; empty if the Dataset is such a result."""
     if fault := attribute_fault(dataset.attrs):
-        raise ResultError(f"{name}: expected {fault}")
+        return fault
     made_by = dataset.attrs.get("format", 1)
     if made_by > schema.RESULT_FORMAT:
-        raise ResultError(
-            f"{name}: expected a result of format {schema.RESULT_FORMAT} or older, found format "
-            f"{made_by}; a newer bladewhirl reads it"
+        return (
+            f"a result of format {schema.RESULT_FORMAT} or older, found format {made_by}; a newer"
+            " bladewhirl reads it"
         )
     tables = schema.tables_of(dataset.attrs)
     oldest = 8 if tables is schema.NODES else 1
@@ -167,22 +165,32 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
         if variable.since > oldest or schema.OPTIONAL_DIMENSIONS.intersection(variable.dimensions):
             continue
         if key not in dataset:
-            raise ResultError(f"{name}: expected a bladewhirl result; it has no {key!r}")
+            return f"a bladewhirl result; it has no {key!r}"
         dimensions = dataset[key].dims
         if dimensions != variable.dimensions:
-            raise ResultError(
-                f"{name}: expected {key!r} with the dimensions ({', '.join(variable.dimensions)}), "
-                f"found ({', '.join(map(str, dimensions))})"
+            return (
+                f"{key!r} with the dimensions ({', '.join(variable.dimensions)}), found"
+                f" ({', '.join(map(str, dimensions))})"
             )
     for attribute in ATTRIBUTES:
         if attribute not in dataset.attrs:
-            raise ResultError(f"{name}: expected a bladewhirl result; it has no {attribute!r}")
-    if fault := value_fault(dataset):
-        raise ResultError(f"{name}: expected {fault}")
+            return f"a bladewhirl result; it has no {attribute!r}"
+    nodes = dataset.sizes.get("rotor_node", 0)
+    for name, variable in tables.stage.items():
+        if name in dataset and (expected := expectation(dataset[name].values, variable, nodes)):
+            return f"{name!r} to be {expected}"
+    if tables is not schema.NODES:
+        ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
+        if not np.any(ends[:, 0] != ends[:, 1], axis=-1).all():
+            return "'rotor_line' to connect different points"
+        angle = dataset["casing_angle"].values
+        if not (np.all(np.diff(angle) > 0.0) and angle[-1] - angle[0] < 2.0 * np.pi):
+            return "'casing_angle' to increase within one turn"
     if not dataset.sizes["time"]:
-        raise ResultError(f"{name}: expected at least one record, found none")
+        return "at least one record, found none"
     if not (np.diff(dataset[schema.TIME].values) > 0.0).all():
-        raise ResultError(f"{name}: expected 'time' to increase, the file was changed or damaged")
+        return "'time' to increase, the file was changed or damaged"
+    return ""
 
 
 def portions(dataset: xr.Dataset, size: int = PORTION) -> Iterator[slice]:

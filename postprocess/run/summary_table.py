@@ -158,20 +158,17 @@ def rows_table(rows: Mapping[str, str]) -> Table:
     return table
 
 
-def displacement_hints(
-    summary: Summary, tip_radius: float, result: xr.Dataset | None = None
-) -> tuple[str, ...]:
+def displacement_hints(summary: Summary, result: xr.Dataset) -> tuple[str, ...]:
     """Return a hint if the displacement of a blade exceeds the limit of a linear model, which is
-    `LARGE_DISPLACEMENT` times the tip radius [m]. With a result, the hint says by how much the tips
-    drew back."""
-    limit = LARGE_DISPLACEMENT * tip_radius
+    `LARGE_DISPLACEMENT` times the tip radius. The hint says by how much the tips drew back."""
+    limit = LARGE_DISPLACEMENT * float(result.attrs["tip_radius"])
     if summary.tip_displacement_max <= limit:
         return ()
     hint = (
         f"tips moved up to {summary.tip_displacement_max:.3g} m; above {limit:.2g} m the linear "
         "model is off by a tenth or more: the regime is valid, the displacements are not"
     )
-    return (hint if result is None else f"{hint}{_drawn_back(result)}",)
+    return (f"{hint}{_drawn_back(result)}",)
 
 
 def _drawn_back(result: xr.Dataset) -> str:

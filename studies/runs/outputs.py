@@ -128,7 +128,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
             summary=summary,
             symmetry=result.attrs["symmetry"],
             hints=(
-                *displacement_hints(summary, result.attrs["tip_radius"], result),
+                *displacement_hints(summary, result),
                 *write_sensors(result, directory),
                 *_write_series(result, directory / folder.VTK_NAME, window),
             ),

@@ -75,8 +75,8 @@ class TestSummarise:
         largest = float(np.linalg.norm(moved, axis=2).max())
         summary = summarise(result, REPORT)
         assert summary.tip_displacement_max == pytest.approx(largest, rel=1e-12)
-        assert displacement_hints(summary, largest / 0.299) == ()
-        (hint,) = displacement_hints(summary, largest / 0.301)
+        assert displacement_hints(summary, result.assign_attrs(tip_radius=largest / 0.299)) == ()
+        (hint,) = displacement_hints(summary, result.assign_attrs(tip_radius=largest / 0.301))
         assert f"{largest:.3g} m" in hint
 
     def test_contact_share_counts_steps_of_each_blade(self, result: xr.Dataset) -> None:
