@@ -6,7 +6,7 @@ instant). The index is updated after every instant, so that an interrupted expor
 """
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from importlib.resources import files
 from pathlib import Path
 from pprint import pformat
@@ -35,6 +35,8 @@ logger = logging.getLogger(__name__)
 FILL = "SERIES: dict[str, Any] = {}"
 EARLY = 100  #: number of records, from the first, in which the first motion is searched
 BODIES = ("rotor", "casing")
+PARTS = (*BODIES, "contact", "supports")
+INDEX = "series.pvd"  #: name of the index of a series
 
 Progress = Callable[[int, int], None]
 
@@ -99,34 +101,17 @@ def export_vtk(
     parts = StageParts(
         dataset, records, surface=surface, rotating=rotating, exaggeration=exaggeration
     )
-    folder = Path(directory)
-    claimed = {frame_name(part, number) for part in PARTS for number in range(len(records))}
-    earlier = [*owned(folder)]
-    claim(folder, {"series.pvd", "mesh.vtu", "view.py", *claimed}, overwrite=overwrite)
-    (folder / "frames").mkdir(exist_ok=True)
-    index = folder / "series.pvd"
-    write_index(index, [])  # first: it must not name removed frames
-    for path in earlier:
-        if path.parent == folder / "frames":
-            path.unlink()
-    with replacing(folder / "mesh.vtu") as draft:
-        write_vtu(draft, undeformed_mesh(dataset))
     script = files("bladewhirl.postprocess.paraview").joinpath("view.py").read_text("utf-8")
     about = f"SERIES: dict[str, Any] = {pformat(_about(dataset, records, parts))}"
-    write_atomically(folder / "view.py", script.replace(FILL, about))
-    entries: list[str] = []
-    times = dataset["time"].values[records].tolist()
-    for frame, (time, grids) in enumerate(zip(times, parts.grids(), strict=True)):
-        for number, (name, grid) in enumerate(grids.items()):
-            file = frame_name(name, frame)
-            write_vtu(folder / file, grid)
-            entries.append(
-                f'    <DataSet timestep="{time!r}" part="{number}" name="{name}" file="{file}"/>\n'
-            )
-        write_index(index, entries)
-        if progress is not None:
-            progress(frame + 1, len(records))
-    return index
+    return write_series(
+        Path(directory),
+        PARTS,
+        dataset["time"].values[records],
+        parts.grids(),
+        {"mesh.vtu": undeformed_mesh(dataset), "view.py": script.replace(FILL, about)},
+        overwrite=overwrite,
+        progress=progress,
+    )
 
 
 def series_records(
@@ -143,7 +128,7 @@ def series_records(
     return frame_records(dataset, frames, start, end)
 
 
-def write_vtu(path: Path, mesh: meshio.Mesh) -> None:
+def _write_vtu(path: Path, mesh: meshio.Mesh) -> None:
     """Write a mesh as a binary .vtu file in single precision; all cells have the same type."""
     ((kind, cells),) = ((block.type, block.data) for block in mesh.cells)
     single = meshio.Mesh(
@@ -159,22 +144,57 @@ def _single(values: NDArray[Any]) -> NDArray[Any]:
     return values.astype(np.float32 if values.dtype.kind == "f" else np.int32)
 
 
-def write_index(path: Path, entries: list[str]) -> None:
-    """Write the index of a series, series.pvd, from its lines."""
+def write_series(
+    folder: Path,
+    parts: Iterable[str],
+    times: NDArray[np.float64],
+    instants: Iterable[Mapping[str, meshio.Mesh]],
+    others: Mapping[str, meshio.Mesh | str],
+    *,
+    overwrite: bool,
+    progress: Progress | None,
+) -> Path:
+    """Write the grids of some parts at each instant [s], by name, and further files before them;
+    return the path of the index.
+
+    See `export_vtk` for `overwrite`, `progress` and the frames of an earlier series.
+    """
+    name_of = "frames/{}_{:05d}.vtu".format
+    claimed = {name_of(part, number) for part in parts for number in range(len(times))}
+    earlier = [*owned(folder)]
+    claim(folder, {INDEX, *others, *claimed}, overwrite=overwrite)
+    (folder / "frames").mkdir(exist_ok=True)
+    entries: list[str] = []
+    _write_index(folder / INDEX, entries)  # first: it must not name removed frames
+    for path in earlier:
+        if path.parent == folder / "frames":
+            path.unlink()
+    for name, other in others.items():
+        with replacing(folder / name) as draft:
+            if isinstance(other, str):
+                draft.write_text(other, encoding="utf-8")
+            else:
+                _write_vtu(draft, other)
+    for frame, (time, grids) in enumerate(zip(times.tolist(), instants, strict=True)):
+        for number, (name, grid) in enumerate(grids.items()):
+            file = name_of(name, frame)
+            _write_vtu(folder / file, grid)
+            entries.append(
+                f'    <DataSet timestep="{time!r}" part="{number}" name="{name}" file="{file}"/>\n'
+            )
+        _write_index(folder / INDEX, entries)
+        if progress is not None:
+            progress(frame + 1, len(times))
+    return folder / INDEX
+
+
+def _write_index(path: Path, entries: list[str]) -> None:
     write_atomically(
         path,
         '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" '
         f'byte_order="LittleEndian">\n  <Collection>\n{"".join(entries)}'
         "  </Collection>\n</VTKFile>\n",
     )
-
-
-PARTS = ("rotor", "casing", "contact", "supports")
-
-
-def frame_name(part: str, number: int) -> str:
-    """Return the file of a part at an instant, relative to the folder of the series."""
-    return f"frames/{part}_{number:05d}.vtu"
 
 
 def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[str, Any]:

@@ -111,22 +111,28 @@ def plot_ring(data: xr.Dataset) -> Figure:
     return figure
 
 
-def ring_mesh(dataset: xr.Dataset, record: int) -> meshio.Mesh:
-    """Return the inner face of the casing as quadrilaterals at undeformed positions, in static
-    axes, with the displacement at a record."""
+def ring_mesh(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
+    """Return the inner face of the casing as quadrilaterals at undeformed positions, with the
+    displacement at a record, in axes in which the casing is turned by an angle [rad]."""
     angle, radius = dataset["casing_angle"].values, float(dataset.attrs["casing_radius"])
     axial, half = dataset["contact_axial"].values, 0.5 * dataset["casing_width"].values
     middle, nodes = 0.5 * (axial.min() + axial.max()), len(angle)
     c, s = np.cos(angle), np.sin(angle)
     w, u = ring_displacement(dataset, np.array([record]))[0].T
-    moved = np.column_stack([w * c - u * s, w * s + u * c, 0.0 * w])
+    moved = about_z(np.column_stack([w * c - u * s, w * s + u * c, 0.0 * w]), turn)
     sides = [
         np.column_stack([radius * c, radius * s, middle + sign * half]) for sign in (-1.0, 1.0)
     ]
     first = np.arange(nodes)
     second = (first + 1) % nodes
     return meshio.Mesh(
-        np.vstack(sides),
+        about_z(np.vstack(sides), turn),
         [("quad", np.column_stack([first, second, second + nodes, first + nodes]))],
         {"displacement": np.vstack([moved, moved]), "radial_displacement": np.tile(w, 2)},
     )
+
+
+def about_z(vectors: FloatArray, angle: float) -> FloatArray:
+    """Return vectors (n, 3) turned about z by an angle [rad]."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray(vectors @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))
