@@ -4,7 +4,6 @@ pyvista is imported by `offscreen` where it is used, because importing VTK takes
 happen before the check that VTK can draw.
 """
 
-from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -120,9 +119,8 @@ def render_still(
         records = kinematics.nearest_records(dataset, np.array([time]))
     drawing = Drawing(dataset, records, **view)
     trail = _revolution_before(dataset, int(records[0])) if orbit else None
-    with stage_view(dataset, drawing, size, trail=trail) as picture, replacing(target) as draft:
-        Image.fromarray(picture(0)).save(draft, format="png")
-    return target
+    with stage_view(dataset, drawing, size, trail=trail) as picture:
+        return films.write_pictures(target, picture, 1, scene_colours(drawing.colouring, 90))
 
 
 def render_animation(
@@ -147,30 +145,16 @@ def render_animation(
         OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".gif", ".mp4")
-    gif = target.suffix.lower() == ".gif"
     drawing = Drawing(dataset, records, **view)
     seconds = float(np.ptp(dataset["time"].values[records]))
     slower = (len(records) - 1) / films.FRAME_RATE / seconds if seconds else 1.0
     note = f"slowed down {slower:.3g} times" if slower > 1 else ""
     trail = np.arange(records.min(), records.max() + 1) if orbit else None
-    size = size or (GIF_WINDOW if gif else WINDOW)
-    with (
-        stage_view(dataset, drawing, size, note, trail=trail) as picture,
-        replacing(target) as draft,
-    ):
-
-        def pictures(drawn: Mapping[int, Pixels]) -> Iterator[Pixels]:
-            for index in range(len(records)):
-                yield drawn[index] if index in drawn else picture(index)
-                if progress:
-                    progress(index + 1, len(records))
-
-        if gif:
-            samples = {i: picture(i) for i in range(0, len(records), -(-len(records) // 6))}
-            films.write_gif(draft, pictures(samples), _palette(drawing, [*samples.values()]))
-        else:
-            films.write_mp4(draft, pictures({}))
-    return target
+    size = size or (GIF_WINDOW if target.suffix.lower() == ".gif" else WINDOW)
+    with stage_view(dataset, drawing, size, note, trail=trail) as picture:
+        return films.write_pictures(
+            target, picture, len(records), scene_colours(drawing.colouring, 90), progress
+        )
 
 
 def render_sheet(
@@ -223,14 +207,6 @@ def _labelled(pixels: Pixels, time: float) -> Pixels:
     inset = round(0.015 * image.height)
     ImageDraw.Draw(image).text((inset, inset), f"{1e3 * time:.4g} ms", fill=INK, font=font)
     return np.asarray(image)
-
-
-def _palette(drawing: Drawing, samples: list[Pixels]) -> Image.Image:
-    """Return the palette of a GIF: the colours of the scene, and other colours from the samples,
-    such as those of smoothed edges."""
-    seen = np.vstack(samples).reshape(1, -1, 3)
-    drawn = seen[:, np.any(seen[0] < 240, axis=1)]  # without colours close to white
-    return films.shared_palette(scene_colours(drawing.colouring, 90), drawn)
 
 
 def _revolution_before(dataset: xr.Dataset, record: int) -> IntArray:

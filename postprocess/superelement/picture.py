@@ -1,19 +1,18 @@
 """Stills and films of a superelement: deformed blades, contact forces, and the wall."""
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import matplotlib
 import numpy as np
 import xarray as xr
-from PIL import Image
 
-from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, nearest_records
-from bladewhirl.postprocess.pictures.films import shared_palette, write_gif, write_mp4
+from bladewhirl.postprocess.pictures.films import write_pictures
 from bladewhirl.postprocess.pictures.offscreen import Pixels, off_screen_plotter, pixels_of
 from bladewhirl.postprocess.plotting.style import SEQUENTIAL
 from bladewhirl.postprocess.superelement.motion import check_superelement, deformed_points
@@ -23,7 +22,18 @@ from bladewhirl.postprocess.superelement.series import frame_meshes
 SIZE = (900, 700)  #: size of a picture [pixels]
 LEVELS = 32  #: number of colours of the scale of displacements in a GIF; others are shaded
 SHADES = 12  #: number of colours of arrows in a GIF
-SAMPLES = 6  #: number of pictures from which the other colours of a GIF are chosen
+BAR: dict[str, Any] = {
+    "vertical": True,
+    "n_labels": 4,
+    "color": "black",
+    "title_font_size": 30,
+    "label_font_size": 26,
+    "fmt": "%.3g",
+    "position_x": 0.86,
+    "position_y": 0.1,
+}
+"""Appearance of the scale of displacements."""
+
 FRAMES = 60  #: default number of pictures of a film
 TURNS = 0.5  #: default length of a film, in revolutions around the largest force
 LARGE = 0.08  #: default of the largest drawn displacement, divided by the size of a blade
@@ -68,11 +78,12 @@ def render_blades(
     target = Path(path)
     if "triangle" not in dataset:
         raise ViewError("expected a superelement whose file has points, recovery and triangles")
-    if target.suffix.lower() not in (".png", ".gif", ".mp4"):
+    suffix = target.suffix.lower()
+    if suffix not in (".png", ".gif", ".mp4"):
         raise ViewError(f"{target}: expected .png, .gif or .mp4 for a superelement")
     force = dataset["contact_force"].values[:, :, 0].min(axis=1)
     strongest = float(dataset["time"][int(force.argmin())])
-    if target.suffix.lower() == ".png":
+    if suffix == ".png":
         records = nearest_records(dataset, np.array([strongest if time is None else time]))
     else:
         if start is None and end is None:
@@ -82,82 +93,57 @@ def render_blades(
             start = min(max(0.0, strongest - 0.5 * length), last - length)
             end = start + length
         records = frame_records(dataset, frames or FRAMES, start, end)
-    pictures = _pictures(dataset, records, exaggeration, progress)
-    with replacing(target) as draft:
-        if target.suffix.lower() == ".png":
-            Image.fromarray(next(pictures)).save(draft, "PNG")
-        elif target.suffix.lower() == ".mp4":
-            write_mp4(draft, pictures)
-        else:
-            every = list(pictures)
-            scale = matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 1.0, LEVELS))[:, :3]
-            sample = np.concatenate(every[:: max(1, len(every) // SAMPLES)])
-            shades = np.linspace(0.3, 1.0, SHADES)[:, None] * matplotlib.colors.to_rgb(FORCE)
-            write_gif(draft, every, shared_palette(np.concatenate([scale, shades]), sample))
-    return target
+    scale = matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 1.0, LEVELS))[:, :3]
+    shades = np.linspace(0.3, 1.0, SHADES)[:, None] * matplotlib.colors.to_rgb(FORCE)
+    with blade_view(dataset, records, exaggeration) as picture:
+        colours = np.concatenate([np.ones((1, 3)), scale, shades])
+        return write_pictures(target, picture, len(records), colours, progress)
 
 
-def _pictures(
-    dataset: xr.Dataset,
-    records: IntArray,
-    exaggeration: float | None,
-    progress: Callable[[int, int], None] | None,
-) -> Iterator[Pixels]:
-    """Yield the pictures of records."""
-    import pyvista
-
-    points = dataset["point"].values
-    size = float(np.ptp(points, axis=0).max())
-    motion = deformed_points(dataset, records)
-    largest = float(np.linalg.norm(motion, axis=-1).max())
+@contextmanager
+def blade_view(
+    dataset: xr.Dataset, records: IntArray, exaggeration: float | None
+) -> Iterator[Callable[[int], Pixels]]:
+    """Yield a function of an index, which returns the picture of the index-th record."""
+    size = float(np.ptp(dataset["point"].values, axis=0).max())
+    largest = float(np.linalg.norm(deformed_points(dataset, records), axis=-1).max())
     furthest = largest
     if is_flexible(dataset):
         furthest = max(largest, float(np.abs(ring_displacement(dataset, records)).max()))
     factor = exaggeration or rounded(LARGE * size / furthest if furthest > 0.0 else 1.0)
     strongest = float(np.abs(dataset["contact_force"].values[:, :, 0]).max())
     unit, scale = handy_unit(largest, "m")
+    words = f", {'displacement and ' if largest > 0.0 else ''}clearance x {factor:g}"
+    if strongest > 0.0:
+        words += f", force at most {handy(strongest, 'N', 3)}"
     with off_screen_plotter(SIZE) as plotter:
-        bar: dict[str, Any] = {
-            "title": f"displacement [{unit}]",
-            "vertical": True,
-            "n_labels": 4,
-            "color": "black",
-            "title_font_size": 30,
-            "label_font_size": 26,
-            "fmt": "%.3g",
-            "position_x": 0.86,
-            "position_y": 0.1,
-        }
+        import pyvista
+
         first = frame_meshes(dataset, int(records[0]), rotating=True)["blades"]
-        faces = np.column_stack([np.full(len(first.cells[0].data), 3), first.cells[0].data])
-        blades = pyvista.PolyData(first.points.copy(), faces.ravel())
+        blades = pyvista.PolyData.from_regular_faces(first.points.copy(), first.cells[0].data)
         blades["shown"] = np.zeros(len(first.points))
         colours: dict[str, Any] = {"color": STILL}
         if largest > 0.0:
             limits = (0.0, scale * largest)
             colours = {"scalars": "shown", "cmap": SEQUENTIAL, "clim": limits}
-            colours["scalar_bar_args"] = bar
+            colours["scalar_bar_args"] = BAR | {"title": f"displacement [{unit}]"}
         plotter.add_mesh(blades, smooth_shading=True, ambient=0.25, **colours)
         _aim(plotter, dataset, size)
-        for number, record in enumerate(records):
-            meshes = frame_meshes(dataset, int(record), rotating=True)
+
+        def picture(index: int) -> Pixels:
+            record = int(records[index])
+            meshes = frame_meshes(dataset, record, rotating=True)
             moved = meshes["blades"].point_data["displacement"]
             blades.points = meshes["blades"].points + factor * moved
             blades["shown"] = scale * np.linalg.norm(moved, axis=1)
-            _draw_wall(plotter, dataset, int(record), factor)
+            _draw_wall(plotter, dataset, record, factor)
             _draw_forces(plotter, meshes["contact"], factor, strongest, ARROW * size)
-            force = f", force at most {handy(strongest, 'N', 3)}" if strongest > 0.0 else ""
-            enlarged = "displacement and clearance" if largest > 0.0 else "clearance"
-            plotter.add_text(
-                f"{dataset.attrs['title']}\nt = {handy(float(dataset['time'][record]), 's', 4)},"
-                f" {enlarged} x {factor:g}{force}",
-                font_size=18,
-                color="black",
-                name="text",
-            )
-            yield pixels_of(plotter)
-            if progress is not None:
-                progress(number + 1, len(records))
+            time = handy(float(dataset["time"][record]), "s", 4)
+            text = f"{dataset.attrs['title']}\nt = {time}{words}"
+            plotter.add_text(text, font_size=18, color="black", name="text")
+            return pixels_of(plotter)
+
+        yield picture
 
 
 def _aim(plotter: Any, dataset: xr.Dataset, size: float) -> None:
