@@ -21,7 +21,8 @@ from matplotlib.figure import Figure
 from pictures import DOCS, EXAMPLES, bladewhirl, keep
 
 import bladewhirl as bw
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, INCH, SEQUENTIAL, styled
+from bladewhirl.postprocess.plotting.axes import draw_map
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, INCH, styled
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.sweep.frequency_map import LINES, frequency_map
 from bladewhirl.postprocess.sweep.quantities import cell_edges
@@ -151,21 +152,15 @@ def plot_maps(sweeps: dict[tuple[str, str], xr.Dataset]) -> Figure:
 
 def _map(axes: Axes, one: xr.Dataset) -> Any:
     speed, frequency = one["march_speed"].values, one["frequency"].values
-    picture = axes.pcolormesh(
-        cell_edges(speed, logarithmic=False),
-        cell_edges(frequency, logarithmic=False),
-        np.maximum(1e3 * one["amplitude"].values, FLOOR).T,
-        norm=LogNorm(FLOOR, TOP),
-        cmap=SEQUENTIAL,
-        rasterized=True,
-    )
+    borders = (cell_edges(values, logarithmic=False) for values in (speed, frequency))
+    amplitude = np.maximum(1e3 * one["amplitude"].values, FLOOR).T
+    picture = draw_map(axes, *borders, amplitude, norm=LogNorm(FLOOR, TOP))
     for name, (colour, dashes, _) in LINES.items():
         for way in ("backward", "forward"):
             line = one["mode_line"].sel(mode=name, direction=way)
             label = name if way == "backward" else None
             axes.plot(speed, line, color=colour, linestyle=dashes, label=label)
     axes.set_ylim(-REACH, REACH)
-    axes.grid(False)
     return picture
 
 

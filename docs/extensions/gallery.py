@@ -10,17 +10,10 @@ from pathlib import Path
 from blocks import ROOT
 
 import bladewhirl as bw
+from bladewhirl.postprocess.plotting.registry import NODE_FIGURES, RUN_FIGURES, FigureKind
 
 LONGEST, FRAMES = 0.5, 10
 """Longest duration of a march under a load [s], and number of pictures of a film of beams."""
-
-ORBIT = {"orbit.png": "Orbit of the shaft"}
-NODES = {
-    "contact.png": "Normal force on the blade and on each contact node",
-    "tips.png": "Path of contact nodes in the last revolutions",
-}
-WEAR = {"wear.png": "Removed depth on the unrolled wall, and removed volume over time"}
-"""Figures of a run: of beams, of contact nodes, and of contact nodes in a coating."""
 
 
 def write(pages: Path) -> None:
@@ -71,19 +64,20 @@ def _page(example: Path, case: bw.Case) -> Iterator[str]:
         frames = FRAMES if case.bladed_disk.superelement is None else 2 * FRAMES
         yield _console(march, f"bladewhirl render run --gif --frames {frames}")
         yield _picture("run/animation.gif", "Blades and casing where contact is strongest")
-        for figure, words in _figures(case).items():
-            yield _picture(f"run/{figure}", words)
+        for figure in _figures(case):
+            yield _picture(f"run/{figure.name}.png", figure.title)
     beside = sorted(example.parent.glob(f"{name}.*"), key=lambda path: path != example)
     links = (f"{{download}}`{path.name} <../../examples/{path.name}>`" for path in beside)
     yield f"## The case\n\n{', '.join(links)}"
     yield f"```{{literalinclude}} ../../{file}\n:language: toml\n```"
 
 
-def _figures(case: bw.Case) -> dict[str, str]:
-    """Return the name and the description of each figure in the folder of a run."""
+def _figures(case: bw.Case) -> list[FigureKind]:
+    """Return the figures in the folder of a run that its page shows."""
     if case.bladed_disk.superelement is None:
-        return ORBIT
-    return NODES if case.casing.coating is None else NODES | WEAR
+        return [RUN_FIGURES["orbit"]]
+    names = ("contact", "tips", "wear") if case.casing.coating else ("contact", "tips")
+    return [NODE_FIGURES[name] for name in names]
 
 
 def _picture(file: str, words: str) -> str:

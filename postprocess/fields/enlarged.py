@@ -208,9 +208,14 @@ def round_factor(tip_radius: float, clearance: float, largest_displacement: floa
         if length > 0
     ]
     limit = min(max(1.0, min(limits, default=1.0)), MOST)
-    decade = 10.0 ** np.floor(np.log10(limit))
+    return rounded_down(limit)
+
+
+def rounded_down(value: float) -> float:
+    """Return the largest number of 1, 2 or 5 times a power of ten that is not above a value."""
+    decade = 10.0 ** np.floor(np.log10(value))
     # Without the tolerance 1e-9 a rounding error could turn a limit of exactly 50 into 20.
-    return float(decade * max(step for step in (1, 2, 5) if step * decade <= limit * (1 + 1e-9)))
+    return float(decade * max(step for step in (1, 2, 5) if step * decade <= value * (1 + 1e-9)))
 
 
 def _polar(points: Array) -> tuple[Array, Array]:

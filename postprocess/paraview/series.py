@@ -128,7 +128,7 @@ def series_records(
     return frame_records(dataset, frames, start, end)
 
 
-def _write_vtu(path: Path, mesh: meshio.Mesh) -> None:
+def write_vtu(path: Path, mesh: meshio.Mesh) -> None:
     """Write a mesh as a binary .vtu file in single precision; all cells have the same type."""
     ((kind, cells),) = ((block.type, block.data) for block in mesh.cells)
     single = meshio.Mesh(
@@ -174,11 +174,11 @@ def write_series(
             if isinstance(other, str):
                 draft.write_text(other, encoding="utf-8")
             else:
-                _write_vtu(draft, other)
+                write_vtu(draft, other)
     for frame, (time, grids) in enumerate(zip(times.tolist(), instants, strict=True)):
         for number, (name, grid) in enumerate(grids.items()):
             file = name_of(name, frame)
-            _write_vtu(folder / file, grid)
+            write_vtu(folder / file, grid)
             entries.append(
                 f'    <DataSet timestep="{time!r}" part="{number}" name="{name}" file="{file}"/>\n'
             )

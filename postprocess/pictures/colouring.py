@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple, get_args
 import matplotlib
 import numpy as np
 import xarray as xr
-from matplotlib.colors import to_hex
+from matplotlib.colors import Colormap, ListedColormap, to_hex
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields import kinematics
@@ -65,18 +65,17 @@ class Colouring:
     parts: Mapping[str, str] | None = None
 
     @property
-    def colour_map(self) -> str | list[str]:
-        """Name of a colour map, or a list of colours."""
+    def colour_map(self) -> Colormap:
+        """Colour map of a field, or the colours of the parts."""
         if self.parts is not None:
-            return list(self.parts.values())
-        return DIVERGING if self.signed else SEQUENTIAL
+            return ListedColormap([*self.parts.values()])
+        return matplotlib.colormaps[DIVERGING if self.signed else SEQUENTIAL]
 
     def colours(self, levels: int) -> list[str]:
         """Return `levels` colours of the colour map, or the colours of the parts, as #rrggbb."""
-        if isinstance(self.colour_map, str):
-            shades = matplotlib.colormaps[self.colour_map](np.linspace(0.0, 1.0, levels))
-            return [to_hex(shade) for shade in shades]
-        return self.colour_map
+        if self.parts is not None:
+            return [*self.parts.values()]
+        return [to_hex(shade) for shade in self.colour_map(np.linspace(0.0, 1.0, levels))]
 
     @property
     def limits(self) -> tuple[float, float]:

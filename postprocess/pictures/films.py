@@ -57,7 +57,9 @@ def write_pictures(
                 for pixels in pictures(samples)
             )
             wait = round(1000 / FRAME_RATE)
-            next(frames).save(draft, save_all=True, append_images=frames, duration=wait, loop=0)
+            more: dict[str, Any] = {"append_images": frames, "duration": wait, "loop": 0}
+            with draft.open("wb") as file:
+                next(frames).save(file, "GIF", save_all=True, **more)
         elif path.suffix.lower() == ".mp4":
             # Any: imageio declares its writers without their methods.
             writer: Any = imageio.get_writer(draft, fps=FRAME_RATE, codec="libx264", quality=7)

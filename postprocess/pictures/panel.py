@@ -8,6 +8,7 @@ import pyvista
 import xarray as xr
 
 from bladewhirl.models.inputs.units import handy
+from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, directions, rotate, unit
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Picture
@@ -176,8 +177,7 @@ def draw_scale_bar(scene: StageScene, enlarged: str) -> str:
     """Draw a scale bar in the lower left corner; return its text: the length of the bar, and the
     true size of the `enlarged` quantities that are drawn as long as the bar."""
     (left, foot), (right, _) = scene.place(0.02, 0.03), scene.place(0.02 + BAR_SHARE, 0.03)
-    decade = 10.0 ** np.floor(np.log10(right - left))
-    length = decade * max(step for step in (1, 2, 5) if step * decade <= right - left)
+    length = rounded_down(right - left)
     start, end, up = np.array([left, foot]), np.array([left + length, foot]), np.array([0, 0.05])
     ticks = [[at - length * up, at + length * up] for at in (start, end)]
     scene.symbols(Symbols(springs=np.array([[start, end], *ticks])))

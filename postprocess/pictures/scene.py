@@ -5,7 +5,6 @@ The graphical objects are created once; for another record their points and colo
 
 import numpy as np
 import pyvista
-from matplotlib.colors import ListedColormap
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, directions, rotate, unit
 from bladewhirl.postprocess.pictures import appearance as look
@@ -162,12 +161,11 @@ class StageScene:
         if not (points and shown):
             return mesh
         colouring = self.drawing.colouring
-        map_ = colouring.colour_map
         actor = self.plotter.add_mesh(
             mesh,
             color=color,
             scalars=None if color else "value",
-            cmap=None if color else ListedColormap(map_) if isinstance(map_, list) else map_,
+            cmap=None if color else colouring.colour_map,
             clim=colouring.limits,
             nan_color=look.NO_VALUE,
             interpolate_before_map=True,

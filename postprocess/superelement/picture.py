@@ -11,6 +11,7 @@ import xarray as xr
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.units import handy, handy_unit
+from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, nearest_records
 from bladewhirl.postprocess.pictures.films import write_pictures
 from bladewhirl.postprocess.pictures.offscreen import Pixels, off_screen_plotter, pixels_of
@@ -110,7 +111,8 @@ def blade_view(
     furthest = largest
     if is_flexible(dataset):
         furthest = max(largest, float(np.abs(ring_displacement(dataset, records)).max()))
-    factor = exaggeration or rounded(LARGE * size / furthest if furthest > 0.0 else 1.0)
+    automatic = rounded_down(max(1.0, LARGE * size / furthest)) if furthest > 0.0 else 1.0
+    factor = exaggeration or automatic
     strongest = float(np.abs(dataset["contact_force"].values[:, :, 0]).max())
     unit, scale = handy_unit(largest, "m")
     words = f", {'displacement and ' if largest > 0.0 else ''}clearance x {factor:g}"
@@ -217,9 +219,3 @@ def _draw_forces(plotter: Any, mesh: Any, factor: float, strongest: float, lengt
     tails["vectors"] = arrows
     glyphs = tails.glyph(orient="vectors", scale="vectors", factor=1.0)
     plotter.add_mesh(glyphs, color=FORCE, name="forces")
-
-
-def rounded(value: float) -> float:
-    """Return the largest of 1, 2, 5, 10, ... that is not above a value, at least 1."""
-    power = 10.0 ** np.floor(np.log10(max(value, 1.0)))
-    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= max(value, 1.0)))
