@@ -21,8 +21,7 @@ from bladewhirl.postprocess.run.summary import MARCH_REPORT, summarise
 from bladewhirl.postprocess.run.summary_table import summary_rows
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
-from bladewhirl.postprocess.superelement.regime import node_regime
-from bladewhirl.postprocess.superelement.summary import summarise_nodes
+from bladewhirl.postprocess.superelement.summary import node_regime, summarise_nodes
 
 LATE = "over the last third"  #: time window of whirl and contact scenario
 CASE_CAPTION = (

@@ -7,8 +7,8 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.windows import late_part
-from bladewhirl.postprocess.superelement.regime import smallest_node_clearance
-from bladewhirl.postprocess.superelement.summary import DIRECTIONS, summarise_nodes
+from bladewhirl.postprocess.superelement.motion import DIRECTIONS
+from bladewhirl.postprocess.superelement.summary import smallest_node_clearance, summarise_nodes
 from bladewhirl.postprocess.sweep.dataset import NATURAL, WINDOW_SHARE, Layout
 from bladewhirl.postprocess.sweep.digest import (
     Digest,

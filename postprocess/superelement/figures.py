@@ -1,4 +1,4 @@
-"""Figures of a result of a superelement."""
+"""Figures of a run of a superelement, by name, see `plotting.registry`."""
 
 import numpy as np
 import xarray as xr
@@ -6,11 +6,20 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bladewhirl.models.inputs.units import handy, handy_unit
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.fields.windows import time_window
+from bladewhirl.postprocess.plotting.axes import draw_map
+from bladewhirl.postprocess.plotting.registry import NODE_FIGURES
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
+from bladewhirl.postprocess.superelement.motion import DIRECTIONS, check_superelement
+from bladewhirl.postprocess.superelement.ring import is_flexible
 
 FEW = 6
 """Up to this number, each blade has a line; of more, the largest and the mean force are drawn."""
+
+LINES = 6
+"""Largest number of nodal diameters drawn, those with the largest energy."""
 
 
 @styled
@@ -35,16 +44,13 @@ def plot_contact_nodes(data: xr.Dataset) -> Figure:
     if len(blades) > 1:
         above.legend(loc="upper left", ncols=3)
     above.set_ylabel(f"normal force\nof a blade [{unit}]")
-    edges = np.append(time[:1] - np.diff(time[:2]), time)
-    drawn = below.pcolormesh(
-        edges, np.arange(force.shape[1] + 1) - 0.5, scale * force.T, rasterized=True
-    )
+    nodes = np.arange(force.shape[1] + 1) - 0.5
+    drawn = draw_map(below, _time_edges(time), nodes, scale * force.T)
     for first in np.flatnonzero(np.diff(number)) + 1:
         below.axhline(float(first) - 0.5, color="white", linewidth=0.4)
     figure.colorbar(drawn, ax=below, label=f"normal force [{unit}]")
     below.set_ylabel("contact node" if len(blades) == 1 else "contact node, blade by blade")
     below.yaxis.set_major_locator(MaxNLocator(8, integer=True))
-    below.grid(visible=False)
     time_axis(above, below)
     head(figure, data, f"mean over {handy(float(np.diff(time[:2])[0]), 's', 3)}")
     return figure
@@ -59,11 +65,11 @@ def plot_tip_orbits(data: xr.Dataset) -> Figure:
     """
     figure = new_figure(width=FULL_WIDTH, height=0.075)
     panels = figure.subplots(1, 2, sharey=True)
-    largest = max(float(np.abs(data[name]).max()) for name in ("radial", "tangential", "axial"))
+    largest = max(float(np.abs(data[name]).max()) for name in DIRECTIONS)
     unit, scale = handy_unit(largest, "m")
     nodes = data.sizes["node"]
     shown = sorted({0, nodes // 2, nodes - 1})
-    for axes, name in zip(panels, ("tangential", "axial"), strict=True):
+    for axes, name in zip(panels, DIRECTIONS[1:], strict=True):
         for node in shown:
             axes.plot(
                 scale * data[name].values[:, node],
@@ -102,3 +108,64 @@ def plot_wall_contact(data: xr.Dataset) -> Figure:
     axes.set_ylabel(f"axial position [{unit}]")
     head(figure, data, "white: no contact")
     return figure
+
+
+@styled
+def plot_node_wear(data: xr.Dataset) -> Figure:
+    """Draw the removed depth on the unrolled wall, and the removed volume over time, from
+    `node_wear`."""
+    figure = new_figure(width=FULL_WIDTH, height=0.1)
+    above, below = figure.subplots(2, 1, height_ratios=[1.3, 1.0])
+    recess, axial = data["recess"].values, data["axial"].values
+    unit, scale = handy_unit(float(np.abs(axial).max()), "m")
+    depth_unit, depth_scale = handy_unit(float(recess.max()), "m")
+    half = 0.5 * (np.diff(axial).mean() if len(axial) > 1 else 1e-3)
+    middles = 0.5 * (axial[1:] + axial[:-1])
+    edges = scale * np.concatenate([axial[:1] - half, middles, axial[-1:] + half])
+    degrees = np.linspace(0.0, 360.0, recess.shape[1] + 1)
+    drawn = draw_map(above, degrees, edges, depth_scale * recess, cmap="magma_r")
+    figure.colorbar(drawn, ax=above, label=f"removed depth [{depth_unit}]")
+    above.set(xticks=np.arange(0, 361, 45), xlabel="angle on the wall, static frame [°]")
+    above.set_ylabel(f"axial position [{unit}]")
+    below.plot(data["time"], 1e9 * data["wear_volume"])
+    below.set_ylabel("removed volume [mm³]")
+    time_axis(below)
+    head(figure, data)
+    return figure
+
+
+@styled
+def plot_ring(data: xr.Dataset) -> Figure:
+    """Draw the radial displacement of the casing over time and angle, and its strain energy by
+    nodal diameter.
+
+    Args:
+        data: dataset from `ring_motion`.
+    """
+    figure = new_figure(width=FULL_WIDTH, height=0.1)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.3, 1.0])
+    time, radial = data["time"].values, data["radial"].values
+    largest = float(np.abs(radial).max())
+    unit, scale = handy_unit(largest, "m")
+    degrees = np.degrees(data["casing_angle"].values)
+    edges = np.append(degrees, 360.0) - 0.5 * degrees[1]
+    limits = {"vmin": -scale * largest, "vmax": scale * largest} if largest > 0.0 else {}
+    drawn = draw_map(above, _time_edges(time), edges, scale * radial.T, cmap="RdBu_r", **limits)
+    figure.colorbar(drawn, ax=above, label=f"radial\ndisplacement [{unit}]")
+    above.set_ylabel("angle, static frame [°]")
+    above.set_yticks(np.arange(0, 361, 90))
+    energy, diameter = data["energy"].values, data["nodal_diameter"].values
+    unit, scale = handy_unit(float(energy.max()), "J")
+    shown = np.sort(np.argsort(-energy.max(axis=0), kind="stable")[:LINES])
+    for column in shown:
+        below.plot(time, scale * energy[:, column], linewidth=0.7, label=f"{diameter[column]}")
+    below.legend(title="nodal diameter", loc="upper right", ncols=LINES)
+    below.set_ylabel(f"strain energy [{unit}]")
+    time_axis(above, below)
+    head(figure, data, f"the {len(shown)} nodal diameters with the largest energy")
+    return figure
+
+
+def _time_edges(time: Array) -> Array:
+    """Return the limits of the intervals that end at each record [s], (time + 1,)."""
+    return np.append(time[:1] - np.diff(time[:2]), time)

@@ -10,12 +10,11 @@ from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.plotting.axes import decades, draw_map
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
+from bladewhirl.postprocess.superelement.motion import DIRECTIONS
 from bladewhirl.solvers.march.boundary import BoundaryChunk
 
 ORDERS = 12
 """Highest engine order that is drawn in the spectra."""
-
-DIRECTIONS = ("radial", "tangential", "axial")
 
 
 def point_of_map(chunk: BoundaryChunk, omega: float, per_turn: int, node: int) -> dict[str, Any]:

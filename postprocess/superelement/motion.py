@@ -11,6 +11,9 @@ from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import ResultError, open_result, portions
 from bladewhirl.solvers.march.schema import NODES, tables_of
 
+DIRECTIONS = ("radial", "tangential", "axial")
+"""Names of the components of the displacement of a contact node."""
+
 
 def check_superelement(dataset: xr.Dataset) -> xr.Dataset:
     """Return the result if it is that of a superelement.
@@ -163,10 +166,9 @@ def tip_orbits(result: xr.Dataset, *, turns: float = 5.0, copy: int = 0) -> xr.D
     last = time >= time[-1] - (2.0 * np.pi * turns / speed if speed else np.inf)
     nodes = result.sizes["contact_node"] // result.sizes["copy"]
     moved = result["contact_displacement"][last, copy * nodes : (copy + 1) * nodes].values
-    names = ("radial", "tangential", "axial")
     return labelled(
         result,
         f"displacements of the contact nodes of copy {copy}",
-        {name: (("time", "node"), moved[:, :, i], "m") for i, name in enumerate(names)},
+        {name: (("time", "node"), moved[:, :, i], "m") for i, name in enumerate(DIRECTIONS)},
         {"time": time[last]},
     )

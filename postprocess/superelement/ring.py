@@ -5,20 +5,12 @@ from collections.abc import Callable
 import meshio
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 from scipy.interpolate import CubicSpline
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import ResultError
-from bladewhirl.postprocess.plotting.axes import draw_map
-from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled, time_axis
-from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.superelement.motion import check_superelement
-
-LINES = 6
-"""Largest number of nodal diameters drawn, those with the largest energy."""
 
 
 def is_flexible(dataset: xr.Dataset) -> bool:
@@ -76,39 +68,6 @@ def ring_motion(result: xr.Dataset) -> xr.Dataset:
         },
         {"time": result["time"].values, "nodal_diameter": diameter},
     ).assign_coords(casing_angle=result["casing_angle"])
-
-
-@styled
-def plot_ring(data: xr.Dataset) -> Figure:
-    """Draw the radial displacement of the casing over time and angle, and its strain energy by
-    nodal diameter.
-
-    Args:
-        data: dataset from `ring_motion`.
-    """
-    figure = new_figure(width=FULL_WIDTH, height=0.1)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.3, 1.0])
-    time, radial = data["time"].values, data["radial"].values
-    largest = float(np.abs(radial).max())
-    unit, scale = handy_unit(largest, "m")
-    degrees = np.degrees(data["casing_angle"].values)
-    edges = np.append(degrees, 360.0) - 0.5 * degrees[1]
-    times = np.append(time[:1] - np.diff(time[:2]), time)
-    limits = {"vmin": -scale * largest, "vmax": scale * largest} if largest > 0.0 else {}
-    drawn = draw_map(above, times, edges, scale * radial.T, cmap="RdBu_r", **limits)
-    figure.colorbar(drawn, ax=above, label=f"radial\ndisplacement [{unit}]")
-    above.set_ylabel("angle, static frame [°]")
-    above.set_yticks(np.arange(0, 361, 90))
-    energy, diameter = data["energy"].values, data["nodal_diameter"].values
-    unit, scale = handy_unit(float(energy.max()), "J")
-    shown = np.sort(np.argsort(-energy.max(axis=0), kind="stable")[:LINES])
-    for column in shown:
-        below.plot(time, scale * energy[:, column], linewidth=0.7, label=f"{diameter[column]}")
-    below.legend(title="nodal diameter", loc="upper right", ncols=LINES)
-    below.set_ylabel(f"strain energy [{unit}]")
-    time_axis(above, below)
-    head(figure, data, f"the {len(shown)} nodal diameters with the largest energy")
-    return figure
 
 
 def ring_mesh(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:

@@ -1,4 +1,4 @@
-"""Summary of the run of a superelement."""
+"""Summary and regime of the run of a superelement."""
 
 import json
 from collections.abc import Mapping
@@ -9,15 +9,18 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.inputs.units import handy
-from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, RegimeName
+from bladewhirl.postprocess.energy.growth_rates import RIGID, windowed_amplitude
+from bladewhirl.postprocess.energy.regimes import (
+    CRITERION_TEXT,
+    Regime,
+    RegimeName,
+    classify_windows,
+)
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.run.summary import MARCH_REPORT, energy_residual
 from bladewhirl.postprocess.run.wear import wear_summary
-from bladewhirl.postprocess.superelement.motion import check_superelement
-from bladewhirl.postprocess.superelement.regime import node_regime
+from bladewhirl.postprocess.superelement.motion import DIRECTIONS, check_superelement
 from bladewhirl.postprocess.superelement.ring import is_flexible, ring_displacement
-
-DIRECTIONS = ("radial", "tangential", "axial")
 
 LATE = 10
 """The impulse per revolution is averaged over up to this many complete revolutions at the end."""
@@ -33,7 +36,7 @@ class NodeSummary:
     regime: RegimeName
     regime_criterion: str  #: criterion of the regimes, and the reason for the regime of this run
     growth_rate: float | None
-    """Growth rate of the amplitude [1/s], see `regime.node_regime`; None if growth cannot be
+    """Growth rate of the amplitude [1/s], see `node_regime`; None if growth cannot be
     judged."""
     growth_rate_error: float | None  #: standard error of `growth_rate` [1/s]
     contact_impulse: float  #: sum of the normal impulses on all nodes [N s]
@@ -155,6 +158,27 @@ def summarise_nodes(dataset: xr.Dataset, march_report: Mapping[str, float]) -> N
         energy_residual=energy_residual(dataset.assign(coupling_work=0.0 * dataset["energy"])),
         **report,
     )
+
+
+def node_regime(dataset: xr.Dataset) -> Regime:
+    """Classify the run of a superelement by `CRITERION`.
+
+    The amplitude is the root of the mean energy in windows of at least one revolution, and half a
+    period of the lowest elastic mode; the energy is that of all copies, with the kinetic energy and
+    that of a flexible casing.
+    """
+    frequency = dataset["modal_frequency"].values
+    elastic = frequency[frequency > RIGID * frequency.max()]
+    speed = abs(float(dataset.attrs["speed"]))
+    shortest = max(np.pi / elastic.min(), 2.0 * np.pi / speed if speed else 0.0)
+    windows = windowed_amplitude(dataset["time"].values, dataset["energy"].values, shortest)
+    return classify_windows(dataset, windows, clearance=smallest_node_clearance(dataset))
+
+
+def smallest_node_clearance(dataset: xr.Dataset) -> float:
+    """Return the smallest clearance plus the smallest distance of a contact node inside the radius
+    from which the clearance is measured [m]."""
+    return float(dataset["clearance"].values.min() + dataset["contact_recess"].values.min())
 
 
 def _wear_text(wear: Mapping[str, Any]) -> str:
