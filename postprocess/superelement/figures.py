@@ -87,30 +87,6 @@ def plot_tip_orbits(data: xr.Dataset) -> Figure:
 
 
 @styled
-def plot_wall_contact(data: xr.Dataset) -> Figure:
-    """Draw the normal impulse on the unrolled wall.
-
-    Args:
-        data: dataset from `wall_contact`.
-    """
-    figure = new_figure(width=FULL_WIDTH, height=0.065)
-    axes = figure.subplots()
-    axial = data["axial"].values
-    unit, scale = handy_unit(float(np.abs(axial).max()), "m")
-    middles = 0.5 * (axial[1:] + axial[:-1])
-    half = 0.5 * (np.diff(axial).mean() if len(axial) > 1 else 1e-3)
-    edges = scale * np.concatenate([axial[:1] - half, middles, axial[-1:] + half])
-    values = np.ma.masked_less_equal(data["impulse"].values, 0.0)
-    drawn = axes.pcolormesh(np.degrees(data["angle_edge"].values), edges, values, rasterized=True)
-    figure.colorbar(drawn, ax=axes, label="normal impulse [N s]")
-    axes.set_xlabel("angle on the wall, static frame [°]")
-    axes.set_xticks(np.arange(0, 361, 45))
-    axes.set_ylabel(f"axial position [{unit}]")
-    head(figure, data, "white: no contact")
-    return figure
-
-
-@styled
 def plot_node_wear(data: xr.Dataset) -> Figure:
     """Draw the removed depth on the unrolled wall, and the removed volume over time, from
     `node_wear`."""

@@ -121,35 +121,6 @@ def contact_nodes(result: xr.Dataset) -> xr.Dataset:
     return computed.assign_coords({name: result[name] for name in places})
 
 
-def wall_contact(result: xr.Dataset, *, sectors: int = 360) -> xr.Dataset:
-    """Sum the normal impulse on the wall in cells of axial position and angle (static frame).
-
-    The impulse between two records is counted in the sector where the node is midway between them.
-    Rows are the different axial positions of contact nodes, ascending.
-
-    Args:
-        result: result of a superelement.
-        sectors: number of sectors of the wall.
-
-    Returns:
-        Dataset over (axial, sector): `impulse` [N s]; `axial` [m] and `angle_edge` [rad].
-    """
-    check_superelement(result)
-    axial, row = np.unique(np.round(result["contact_axial"].values, 9), return_inverse=True)
-    time, speed = result["time"].values, float(result.attrs["speed"])
-    middle = time - 0.5 * np.diff(time, prepend=time[0])
-    angle = result["contact_angle"].values + speed * middle[:, None]
-    sector = (np.mod(angle, 2.0 * np.pi) * sectors / (2.0 * np.pi)).astype(int) % sectors
-    total = np.zeros((len(axial), sectors))
-    np.add.at(total, (row[None, :], sector), result["contact_impulse"].values)
-    return labelled(
-        result,
-        "normal impulse on the wall",
-        {"impulse": (("axial", "sector"), total, "N s")},
-        {"axial": axial, "angle_edge": np.linspace(0.0, 2.0 * np.pi, sectors + 1)},
-    )
-
-
 def tip_orbits(result: xr.Dataset, *, turns: float = 5.0, copy: int = 0) -> xr.Dataset:
     """Return the displacements of the contact nodes of a copy in the last revolutions.
 
