@@ -22,12 +22,11 @@ from bladewhirl.solvers.march.march import (
     Statistics,
     check_time_step,
 )
-from bladewhirl.solvers.packing.casing import pack_casing, pack_closure
-from bladewhirl.solvers.packing.coating import pack_coating
+from bladewhirl.solvers.packing.arrangement import load_times
+from bladewhirl.solvers.packing.casing import pack_casing, pack_closure, pack_coating
 from bladewhirl.solvers.packing.foreshortening import pack_foreshortening
-from bladewhirl.solvers.packing.rotor import pack_rotor
+from bladewhirl.solvers.packing.rotor import pack_gyroscopic, pack_rotor
 from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs
-from bladewhirl.solvers.packing.turning import pack_gyroscopic
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -314,7 +313,6 @@ def initial_spring_forces(problem: ContactProblem) -> tuple[FloatArray, FloatArr
 def _numbers(problem: ContactProblem, dt: float) -> Struct:
     rotor, casing = problem.rotor, problem.casing
     per_radian = len(casing.nodal) / (2.0 * np.pi)
-    loads = [[load.end, load.ramp, load.frequency, load.phase] for load in problem.loads]
     return Struct(
         "Numbers",
         time_step=dt,
@@ -326,5 +324,5 @@ def _numbers(problem: ContactProblem, dt: float) -> Struct:
         elements_per_metre=per_radian / rotor.tip_radius if problem.tip_rotation else 0.0,
         displacement_limit=problem.displacement_limit,
         gap_scale=float(casing.clearance[:, 0].min()),
-        loads=np.array(loads, dtype=np.float64).reshape(len(loads), 4),
+        loads=load_times(problem.loads),
     )

@@ -33,6 +33,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.structs import Struct, dense_march, lib, zeros
 from bladewhirl.solvers.march.central_difference import initial_gap
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
+from bladewhirl.solvers.packing.arrangement import load_times
 from bladewhirl.solvers.packing.casing import pack_closure
 
 SHARE_OF_STIFFEST = 0.5
@@ -191,7 +192,6 @@ def _stage(problem: ContactProblem, dt: float) -> Struct:
     stiffness = np.concatenate([rotor.stiffness, casing.frequency**2])
     coupled, cosines, sines = _turning(problem)
     loads = [np.concatenate([load.rotor, load.casing]) for load in problem.loads]
-    times = [[load.end, load.ramp, load.frequency, load.phase] for load in problem.loads]
     return Struct(
         "DenseStage",
         stiffness=stiffness,
@@ -205,7 +205,7 @@ def _stage(problem: ContactProblem, dt: float) -> Struct:
         turning_cos=cosines,
         turning_sin=sines,
         loads=np.reshape(loads, (len(loads), len(stiffness))).astype(np.float64),
-        load_times=np.reshape(times, (len(times), 4)).astype(np.float64),
+        load_times=load_times(problem.loads),
         tip_radial=np.ascontiguousarray(rotor.tip_radial),
         tip_tangential=np.ascontiguousarray(rotor.tip_tangential),
         tip_angle=np.asarray(rotor.tip_angle, dtype=np.float64),

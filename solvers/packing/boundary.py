@@ -5,9 +5,8 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.solvers.kernel.structs import Struct, lib, padded
-from bladewhirl.solvers.packing.arrangement import Arrangement
-from bladewhirl.solvers.packing.body import lengthened
-from bladewhirl.solvers.packing.casing import nodal_response, pack_casing
+from bladewhirl.solvers.packing.arrangement import Arrangement, lengthened, load_times
+from bladewhirl.solvers.packing.casing import coating_law, nodal_response, pack_casing
 from bladewhirl.solvers.packing.supports import damper_ends
 
 DIRECTIONS = 3
@@ -32,7 +31,6 @@ def pack_boundary(problem: BoundaryProblem, dt: float) -> Struct:
     weight, before = inverse, 0.5 * damping / dt - 1.0 / dt**2
     if len(response):
         weight, before = np.ones_like(inverse), np.full_like(inverse, -2.0 / dt**2)
-    loads = [[load.end, load.ramp, load.frequency, load.phase] for load in problem.loads]
     patterns = [load.amplitude for load in problem.loads]
     return Struct(
         "Boundary",
@@ -52,7 +50,7 @@ def pack_boundary(problem: BoundaryProblem, dt: float) -> Struct:
         radius=np.asarray(problem.radius, dtype=np.float64),
         wall=_closed(problem.wall),
         load=np.reshape(patterns, (len(patterns), *frequency.shape)).astype(np.float64),
-        load_times=np.reshape(loads, (len(loads), 4)).astype(np.float64),
+        load_times=load_times(problem.loads),
         massless=float(problem.massless),
         full=float(problem.full_sliding),
         friction=float(problem.friction),
@@ -95,16 +93,10 @@ def pack_node_coating(problem: BoundaryProblem) -> Struct | None:
         steepest += abs(closure.course.largest) * float(np.abs(closure.share[:, 1]).max())
     return Struct(
         "NodeCoating",
-        half=coating.footprint / coating.arc / 2.0,
         track=coating.track,
-        area=coating.arc * coating.width,
         rods=coating.strain.shape[1],
         steepest=steepest,
-        thickness=coating.thickness,
-        young_modulus=coating.young_modulus,
-        yield_stress=coating.yield_stress,
-        hardening=coating.hardening,
-        limit=coating.limit,
+        **coating_law(coating),
     )
 
 

@@ -1,12 +1,29 @@
-"""Arrays of the casing: by harmonic, folded if possible, for a cyclic casing; otherwise dense."""
+"""Arrays of the casing: by harmonic, folded if possible, for a cyclic casing; otherwise dense.
+Arrays of its closure and of its coating."""
 
 import numpy as np
 
+from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import ReducedCasing, WallClosure
-from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
-from bladewhirl.solvers.packing.arrangement import FIT, Arrangement, Harmonics, dense_arrangement
-from bladewhirl.solvers.packing.body import by_column, by_sliding, pack_body, scheme_inverse
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    NodeCoating,
+    ReducedCasing,
+    WallClosure,
+    WallCoating,
+)
+from bladewhirl.solvers.kernel.structs import Arrays, Struct, aligned, aligned_copy, lib, padded
+from bladewhirl.solvers.packing.arrangement import (
+    FIT,
+    Arrangement,
+    Harmonics,
+    by_column,
+    by_sliding,
+    dense_arrangement,
+    lengthened,
+    pack_body,
+    scheme_inverse,
+)
 
 
 def pack_casing(
@@ -34,8 +51,7 @@ def pack_casing(
     else:
         arrangement = dense_arrangement(modes)
         weight = np.ones((kinds, modes))
-        wide = np.zeros((kinds, nodes, arrangement.columns))
-        wide[:, :, :modes] = casing.nodal.transpose(1, 0, 2)
+        wide = arrangement.pack(casing.nodal.transpose(1, 0, 2))
         shape = wide[0]
         shapes, spreads = [by_column(w, arrangement) for w in wide], [*map(aligned_copy, wide)]
     clearance = _closed(casing.clearance)
@@ -79,9 +95,7 @@ def pack_casing(
 def _closed(values: FloatArray) -> FloatArray:
     """Return values and slopes at nodes (nodes, 2) as rows, with the first node again at the
     end."""
-    rows = aligned((2, padded(len(values) + 1)))
-    rows[:, : len(values) + 1] = values[np.append(np.arange(len(values)), 0)].T
-    return rows
+    return lengthened(values[np.append(np.arange(len(values)), 0)].T)
 
 
 def pack_closure(closure: WallClosure | None, length: float = 1.0) -> Struct | None:
@@ -97,6 +111,38 @@ def pack_closure(closure: WallClosure | None, length: float = 1.0) -> Struct | N
         amount=course.amount,
         rate=1.0 / (course.time_constant or np.inf),
     )
+
+
+def pack_coating(problem: ContactProblem) -> Struct | None:
+    """Return the coating; None if the casing has none."""
+    coating, casing = problem.coating, problem.casing
+    if coating is None:
+        return None
+    rods = len(coating.strain)
+    per_element = rods / len(casing.nodal)
+    at = (np.arange(rods) + 0.5) / per_element
+    element = np.floor(at).astype(np.int64)
+    hermite = aligned((4, rods + lib.HALF))  # registers extend beyond the last rod
+    hermite[:, :rods] = cubic_weights(at - element, casing.element_length)
+    return Struct(
+        "Coating",
+        hermite=hermite,
+        element=element,
+        until=np.searchsorted(element, element, side="right"),
+        rods_per_element=per_element,
+        friction=coating.friction,
+        **coating_law(coating),
+    )
+
+
+def coating_law(coating: WallCoating | NodeCoating) -> Arrays:
+    """Return the fields that the structs of both kinds of coating have."""
+    names = ("thickness", "young_modulus", "yield_stress", "hardening", "limit")
+    return {
+        "half": coating.footprint / coating.arc / 2.0,
+        "area": coating.arc * coating.width,
+        **{name: getattr(coating, name) for name in names},
+    }
 
 
 def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, FloatArray]:

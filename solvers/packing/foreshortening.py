@@ -1,15 +1,12 @@
 """Arrays of the foreshortening of blades."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor
 from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
-from bladewhirl.solvers.packing.arrangement import Arrangement, Harmonics
-from bladewhirl.solvers.packing.body import scheme_inverse
-from bladewhirl.solvers.packing.turning import turning_inverse
+from bladewhirl.solvers.packing.arrangement import Arrangement, Harmonics, lengthened
+from bladewhirl.solvers.packing.rotor import rotor_inverse
 
 FAR = 1e100
 """Gap that no tip has [m]."""
@@ -64,50 +61,28 @@ def pack_foreshortening(
     if shortening is None:
         return None
     tips, terms, modes = shortening.rows.shape
-    lanes, turning = padded(terms), rotor.by_velocity is not None
-    inverse = (
-        turning_inverse(rotor.damping, dt)
-        if turning
-        else np.diag(scheme_inverse(rotor.frequency, rotor.damping_ratio, dt))
-    )
-    waves = _waves(rotor, shortening.rows, arrangement, cyclic=cyclic)
-    rows = waves.rows
+    inverse = rotor_inverse(rotor, dt)
+    rows, weights, spread = _waves(rotor, shortening.rows, arrangement, cyclic=cyclic)
     answers = rows @ inverse.T  # response A^-1 F^T to each row
     flat = answers.reshape(-1, modes)
-    sign = aligned((tips, lanes))
-    sign[:, :terms] = shortening.sign
-
-    def by_pair(forces: FloatArray, motions: FloatArray) -> FloatArray:
-        """Return the coordinate of each term of tip m due to a unit force at tip n, (tips n,
-        tips m, lanes), with zeros after the last term."""
-        pairs = aligned((tips, tips, lanes))
-        pairs[..., :terms] = np.einsum("ni,mki->nmk", forces, motions)
-        return pairs
-
-    crossed = aligned((tips * tips, terms, lanes))
-    crossed[..., :terms] = (
-        (flat @ rows.reshape(-1, modes).T)
-        .reshape(tips, terms, tips, terms)
-        .transpose(0, 2, 1, 3)
-        .reshape(tips * tips, terms, terms)
-    )
-    felt = aligned((tips, tips, lanes))
-    felt[..., :terms] = (flat @ rotor.tip_radial.T).reshape(tips, terms, tips).transpose(0, 2, 1)
+    crossed = (flat @ rows.reshape(-1, modes).T).reshape(tips, terms, tips, terms)
+    felt = (flat @ rotor.tip_radial.T).reshape(tips, terms, tips)
     hold, check = held_steps(problem, dt)
     near = np.full(padded(tips), -FAR)
     near[:tips] = min(near_gap(problem), FAR)
     return Struct(
         "Foreshortening",
         rows=arrangement.pack(rows),
-        answers=arrangement.pack(answers[: tips if turning else 0]),
-        own=waves.own,
-        across=waves.across,
-        spread=waves.spread,
-        sign=sign,
-        by_push=by_pair(rotor.tip_radial @ inverse.T, rows),
-        by_drag=by_pair(rotor.tip_tangential @ inverse.T, rows),
-        felt=felt,
-        crossed=crossed,
+        answers=arrangement.pack(answers[: 0 if rotor.by_velocity is None else tips]),
+        own=weights[0],
+        across=weights[1],
+        spread=spread,
+        sign=lengthened(shortening.sign),
+        # coordinate of each term of tip m due to a unit force at tip n, (tips n, tips m, lanes)
+        by_push=lengthened(np.einsum("ni,mki->nmk", rotor.tip_radial @ inverse.T, rows)),
+        by_drag=lengthened(np.einsum("ni,mki->nmk", rotor.tip_tangential @ inverse.T, rows)),
+        felt=lengthened(felt.transpose(0, 2, 1)),
+        crossed=lengthened(crossed.transpose(0, 2, 1, 3).reshape(-1, terms, terms)),
         near=near,
         order=np.arange(terms),
         hold=hold,
@@ -115,28 +90,21 @@ def pack_foreshortening(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Waves:
-    """Rows F of all tips, and their weights by DFT column if they vary as the DFT columns."""
-
-    rows: FloatArray  #: rows F, (tips, terms, modes)
-    own: FloatArray  #: weights by DFT column, (terms, rows, columns); may be empty
-    across: FloatArray  #: weights by partner column, (terms, rows, columns)
-    spread: FloatArray  #: value of each column and of its partner at each tip, (tips, 2 columns)
-
-
 def _waves(
     rotor: ReducedRotor, rows: FloatArray, arrangement: Arrangement, *, cyclic: bool
-) -> Waves:
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the rows F by DFT column if `cyclic` and if the forms of the tips are equal.
 
     The sign of a row is arbitrary. Blades bend equally in modes of nodal diameter zero, so the rows
     of all tips get the same sign in these modes.
+
+    Returns:
+        rows F, (tips, terms, modes); their weights by DFT column and by partner column,
+        (2, terms, rows, columns); value of each column and of its partner at each tip,
+        (tips, 2 columns). Weights and values may be empty.
     """
     tips, terms, _ = rows.shape
-    plain = Waves(
-        rows=rows, own=aligned((0, 0, 0)), across=aligned((0, 0, 0)), spread=aligned((0, 0))
-    )
+    plain = rows, aligned((2, 0, 0, 0)), aligned((0, 0))
     if not cyclic:
         return plain
     harmonics = Harmonics(tips, fold=False, unit=lib.HALF, alone=rotor.by_velocity is not None)
@@ -150,5 +118,4 @@ def _waves(
         except ValueError:
             return plain
         weights[:, term] = [arrangement.grid(each) for each in amplitudes]
-    spread = aligned_copy(np.hstack([harmonics.shape, harmonics.crossed]))
-    return Waves(rows=rows, own=weights[0], across=weights[1], spread=spread)
+    return rows, weights, aligned_copy(np.hstack([harmonics.shape, harmonics.crossed]))
