@@ -31,7 +31,8 @@ from bladewhirl.models.case.file import read_case
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.solvers.march.central_difference import CentralDifference, CentralDifferenceState
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.solvers.march.march import KernelState
 from bladewhirl.solvers.march.reference import Reference, ReferenceState
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
@@ -50,7 +51,7 @@ class Setting:
     name: str
     problem: ContactProblem
     scheme: CentralDifference
-    state: CentralDifferenceState
+    state: KernelState
 
     def kernel(self, steps: int) -> float:
         """March with the C kernel; return the mean number of contacts per step."""

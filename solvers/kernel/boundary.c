@@ -544,7 +544,7 @@ int boundary_march(const Boundary *boundary, const Ring *ring, const NodeCoating
         if (!within)
             break;
         modal_works(b, ring, state, scratch, y, loaded);
-        state->counts.at[BOUNDARY_CONTACT_STEPS] += touching;
+        state->counts.at[CONTACT_STEPS] += touching;
         sum_contact(b, coating, state, scratch);
         for (int64_t i = 0; i < copies * width; i++)
             state->force.at[i] = scratch->force.at[i];

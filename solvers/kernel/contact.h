@@ -299,7 +299,7 @@ static int64_t contact_multipliers(int64_t *trial, const Stage *stage, State *st
         delassus(stage->casing, f, c, size);
         if (together) {
             if (!lemke(gap, c)) {
-                state->counts.at[LCP_FAILURES] += 1.0;
+                state->counts.at[UNSOLVED] += 1.0;
                 gauss_seidel(gap, c);
             }
             *trial = LAST_TRIAL;
@@ -308,7 +308,7 @@ static int64_t contact_multipliers(int64_t *trial, const Stage *stage, State *st
         released = active_multipliers(gap, state->held.at, c, size, *trial > MENDED_TOGETHER);
         if (released > 0) {
             *trial += 1;
-            state->counts.at[LCP_PIVOTS] += 1.0;
+            state->counts.at[PIVOTS] += 1.0;
         }
         together = released < 0 || (released == 0 && *trial > MENDED_TOGETHER + 4 * tips);
     }

@@ -298,8 +298,8 @@ static void solve_contact(const DenseStage *stage, Wall wall, const DenseLaw *la
     for (int64_t r = 0; r < 2 * tips; r++)
         for (int64_t i = 0; i < modes; i++)
             s->v_after.at[i] += s->impulse.at[r] * answers[r * modes + i];
-    state->counts.at[DENSE_RESIDUAL] = larger(state->counts.at[DENSE_RESIDUAL], residual);
-    state->counts.at[DENSE_UNSOLVED] += !solved;
+    state->counts.at[RESIDUAL] = larger(state->counts.at[RESIDUAL], residual);
+    state->counts.at[UNSOLVED] += !solved;
 }
 
 /* Return whether all displacements are within the limit. */
@@ -325,30 +325,30 @@ static void account_dense(const DenseStage *stage, const Closure *closure, Dense
                           const double *x)
 {
     int64_t modes = stage->stiffness.size, tips = stage->tip_angle.size;
-    double *work = state->works.at, *counts = state->counts.at, *sums = state->sums.at;
+    double *work = state->work.at, *counts = state->counts.at, *sums = state->sums.at;
     const double *moved = s->moved.at, *impulse = s->impulse.at;
     double now = stage->speed * (double)step * h, after = stage->speed * (double)(step + 1) * h;
-    counts[DENSE_CONTACTS] = 0.0;
+    counts[STEP_CONTACTS] = 0.0;
     for (int64_t i = 0; i < touching; i++) {
         int64_t tip = s->active.at[i];
         if (!(impulse[i] > 0.0))
             continue;
         const double *normal = s->rows.at + i * modes, *shear = normal + touching * modes;
-        counts[DENSE_CONTACTS] += 1.0;
+        counts[STEP_CONTACTS] += 1.0;
         sums[DENSE_IMPULSE * tips + tip] += impulse[i];
         sums[DENSE_DRAG * tips + tip] += impulse[touching + i];
         sums[DENSE_TOUCHED * tips + tip] += 1.0;
-        work[DENSE_NORMAL] += impulse[i] / h * dot(normal, moved, modes);
+        work[NORMAL] += impulse[i] / h * dot(normal, moved, modes);
         double drift = s->before.at[i] - dot(normal, state->velocity.at, modes);
-        work[DENSE_CLOSING] += impulse[i] * (dot(normal, moved, modes) / h + drift);
-        work[DENSE_FRICTION] += impulse[touching + i] / h * dot(shear, moved, modes);
+        work[CLOSING] += impulse[i] * (dot(normal, moved, modes) / h + drift);
+        work[FRICTION] += impulse[touching + i] / h * dot(shear, moved, modes);
     }
-    counts[DENSE_CONTACT_STEPS] += counts[DENSE_CONTACTS] > 0.0;
+    counts[CONTACT_STEPS] += counts[STEP_CONTACTS] > 0.0;
     velocity_force(stage, moved, s->force.at);
-    work[DENSE_EXTERNAL] += dot(moved, s->load.at, modes);
-    work[DENSE_DAMPING] += dot(moved, s->force.at, modes) / h;
-    work[DENSE_TURNING] += dot(moved, s->turned.at, modes) + turning_force(stage, after, x, 0);
-    work[DENSE_TURNING] -= turning_force(stage, now, state->displacement.at, 0);
+    work[EXTERNAL] += dot(moved, s->load.at, modes);
+    work[DAMPING] += dot(moved, s->force.at, modes) / h;
+    work[PARAMETRIC] += dot(moved, s->turned.at, modes) + turning_force(stage, after, x, 0);
+    work[PARAMETRIC] -= turning_force(stage, now, state->displacement.at, 0);
     Wall wall = wall_at(closure, (double)(step + 1) * h);
     for (int64_t tip = 0; tip < tips; tip++) {
         double gap = tip_gap(stage, wall, tip, after, x, s->row.at);

@@ -413,9 +413,9 @@ static void contact_forces(const Boundary *b, const NodeCoating *coating, Bounda
     }
     for (int64_t i = 0; i < nodes; i++)
         gap[i] = s->closed.at[i];
-    double *residual = state->counts.at + BOUNDARY_RESIDUAL;
+    double *residual = state->counts.at + RESIDUAL;
     *residual = larger(*residual, worst / scale);
-    state->counts.at[BOUNDARY_UNSOLVED] += !solved || change > SAME_DIRECTION;
+    state->counts.at[UNSOLVED] += !solved || change > SAME_DIRECTION;
 }
 
 #endif

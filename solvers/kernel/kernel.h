@@ -23,7 +23,9 @@ enum { W_KIND, W_SLOPE, U_KIND, U_SLOPE, PUSH, DRAG };
 enum { EXTERNAL, NORMAL, FRICTION, DAMPING, PARAMETRIC, CLOSING, WORKS };
 /* Sums of the coating: work of its normal forces, removed volume, dissipated and stored energy. */
 enum { COATING_WORK, REMOVED, DISSIPATED, STORED, COATING_SUMS };
-enum { STEP_CONTACTS, LCP_FAILURES, LCP_PIVOTS, CONTACT_STEPS };
+/* Counts of a state: largest complementarity residual, steps with contact, steps with an unsolved
+ * contact problem, contacts at the last step, pivots. */
+enum { RESIDUAL, CONTACT_STEPS, UNSOLVED, STEP_CONTACTS, PIVOTS };
 enum { LOAD_END, LOAD_RAMP, LOAD_FREQUENCY, LOAD_PHASE, LOAD_NUMBERS };
 
 typedef struct {
@@ -236,8 +238,7 @@ typedef struct {
     Vector held;     /* (tips) 1 for tips in contact at the last step, otherwise 0 */
     Matrix gaps;     /* (2, tips) gaps at the last two steps, row by parity of the step [m] */
     Vector work;     /* (6) works since the start: EXTERNAL ... [J] */
-    Vector residual; /* (1) largest complementarity residual */
-    Vector counts;   /* (4) contacts at the last step, LCP failures, pivots, steps with contact */
+    Vector counts;   /* (5) RESIDUAL ... */
     Vector strain;   /* (rods_wide) plastic strain of each rod of the coating */
     Vector coating;  /* (coating_sums) COATING_WORK ... [J, m3] */
     Vector coating_impulse; /* (coated_tips) part of `impulse` on the coating [N s] */
@@ -377,17 +378,7 @@ typedef struct {
 int march(const Stage *stage, State *state, Records *records, Scratch *scratch, int64_t step,
           int64_t steps, int64_t record_every, int64_t *reached);
 
-/* Positions of the works, of the counts, and of the sums since the last record (dense schemes). */
-enum {
-    DENSE_EXTERNAL,
-    DENSE_NORMAL,
-    DENSE_FRICTION,
-    DENSE_DAMPING,
-    DENSE_TURNING,
-    DENSE_CLOSING,
-    DENSE_WORKS
-};
-enum { DENSE_RESIDUAL, DENSE_CONTACT_STEPS, DENSE_UNSOLVED, DENSE_CONTACTS };
+/* Positions of the sums since the last record (dense schemes). */
 enum { DENSE_GAP, DENSE_IMPULSE, DENSE_DRAG, DENSE_TOUCHED };
 
 /* Constants of a dense march; the modes of the rotor come before those of the casing. */
@@ -432,8 +423,8 @@ typedef struct {
     Vector velocity;     /* (modes) v_n */
     Matrix sums;         /* (4, tips) smallest gap, normal impulse, friction impulse and steps with
                           * contact since the last record */
-    Vector works;        /* (6) works since the start: DENSE_EXTERNAL ... [J] */
-    Vector counts;       /* (4) DENSE_RESIDUAL ... */
+    Vector work;         /* (6) works since the start: EXTERNAL ... [J] */
+    Vector counts;       /* (5) RESIDUAL ... */
 } DenseState;
 
 typedef struct {
@@ -461,8 +452,6 @@ int64_t dense_march(const DenseStage *stage, const Closure *closure, const Dense
                     DenseState *state, DenseScratch *scratch, double h, int64_t first,
                     int64_t steps);
 
-/* Counts of a march with many contact nodes. */
-enum { BOUNDARY_RESIDUAL, BOUNDARY_CONTACT_STEPS, BOUNDARY_UNSOLVED, BOUNDARY_COUNTS };
 /* Directions of the displacement of a contact node: radial, tangential, axial. */
 enum { RADIAL, TANGENTIAL, AXIAL, DIRECTIONS };
 
@@ -535,7 +524,7 @@ typedef struct {
                        * and of friction on the nodes [N s] */
     Matrix touched;   /* (copies, nodes) steps with contact since the last record */
     Vector work;      /* (6) works since the start, see above [J] */
-    Vector counts;    /* (3) BOUNDARY_RESIDUAL ... */
+    Vector counts;    /* (5) RESIDUAL ... */
     Matrix strain;    /* (tracks, rods) plastic strain of each rod of the coating */
     Vector coating;   /* (coating_sums) COATING_WORK (not used), REMOVED ... [J, m3] */
     Matrix coating_impulse; /* (coated_copies, nodes) part of `impulse` on the coating [N s] */

@@ -220,7 +220,7 @@ static inline int solve_step(March *m, int64_t step, int64_t *penetrating)
             return within;
         if (join_contacts(f->gap.at, &state->held, trial > MENDED_TOGETHER) == 0)
             return within;
-        state->counts.at[LCP_PIVOTS] += 1.0;
+        state->counts.at[PIVOTS] += 1.0;
     }
 }
 
@@ -236,7 +236,7 @@ static inline void account(const March *m, int64_t step, int touching)
     state->counts.at[STEP_CONTACTS] = 0.0;
     if (touching) {
         double worst = complementarity_residual(m->stage.numbers->gap_scale, &s->fields, &s->contact);
-        state->residual.at[0] = larger(state->residual.at[0], worst);
+        state->counts.at[RESIDUAL] = larger(state->counts.at[RESIDUAL], worst);
         work[NORMAL] += s->contact.work.at[0];
         work[FRICTION] += s->contact.work.at[1];
         account_contact(m->stage.numbers, state, &s->contact, gap, before);

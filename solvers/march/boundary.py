@@ -7,10 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.solvers.kernel.structs import Struct, aligned_copy, boundary_march, lib, zeros
-from bladewhirl.solvers.march.march import CoatingRecords, EndReason, Statistics
+from bladewhirl.solvers.march.march import (
+    CoatingRecords,
+    EndReason,
+    KernelState,
+    MarchRecords,
+)
 from bladewhirl.solvers.packing.arrangement import Arrangement
 from bladewhirl.solvers.packing.boundary import (
     DIRECTIONS,
@@ -24,62 +29,18 @@ from bladewhirl.solvers.packing.casing import pack_closure
 
 
 @dataclass(frozen=True, kw_only=True)
-class BoundaryChunk:
+class BoundaryChunk(MarchRecords):
     """Consecutive records of a march with many contact nodes. Nodes of all copies are numbered
     copy by copy."""
 
-    step: IntArray  #: step number of each record, (records,)
-    time: FloatArray  #: time of each record [s], (records,)
     modal_displacement: FloatArray  #: [kg^1/2 m], (records, copies, modes)
     modal_velocity: FloatArray  #: [kg^1/2 m/s], (records, copies, modes)
     contact_displacement: FloatArray
     """Radial, tangential and axial displacement of each node [m], (records, nodes, 3)."""
     contact_force: FloatArray
     """Radial, tangential and axial contact force on each node [N], (records, nodes, 3)."""
-    gap: FloatArray  #: smallest gap of each node since the last record [m], (records, nodes)
-    contact_impulse: FloatArray
-    """Normal impulse on each node since the last record [N s], (records, nodes)."""
-    friction_impulse: FloatArray
-    """Friction impulse on each node since the last record, positive towards -theta [N s],
-    (records, nodes)."""
     axial_impulse: FloatArray
     """Axial friction impulse on each node since the last record [N s], (records, nodes)."""
-    contact_steps: IntArray  #: steps with contact since the last record, (records, nodes)
-    contacts: IntArray  #: number of nodes in contact at the record, (records,)
-    energy: FloatArray  #: energy of all copies [J], (records,)
-    external_work: FloatArray  #: work of the loads since the start [J], (records,)
-    normal_work: FloatArray  #: work of the normal contact forces [J], (records,)
-    friction_work: FloatArray  #: work of the friction forces [J], (records,)
-    damping_work: FloatArray  #: energy lost by damping [J], (records,)
-    casing_displacement: FloatArray
-    """Modal displacements of a flexible casing [kg^1/2 m], (records, casing modes)."""
-    casing_velocity: FloatArray
-    """Modal velocities of a flexible casing [kg^1/2 m/s], (records, casing modes)."""
-    coating: CoatingRecords | None = None  #: records of an abradable coating
-
-    @property
-    def records(self) -> int:
-        """Number of records."""
-        return len(self.step)
-
-
-@dataclass(frozen=True, kw_only=True)
-class BoundaryState:
-    """State between two steps."""
-
-    step: int  #: number of steps n
-    arrays: dict[str, FloatArray]  #: arrays of the struct `BoundaryState`
-
-    @property
-    def statistics(self) -> Statistics:
-        """Quality measures since the start."""
-        counts = self.arrays["counts"]
-        return Statistics(
-            steps=self.step,
-            contact_steps=int(counts[lib.BOUNDARY_CONTACT_STEPS]),
-            complementarity_residual=float(counts[lib.BOUNDARY_RESIDUAL]),
-            lcp_failures=int(counts[lib.BOUNDARY_UNSOLVED]),
-        )
 
 
 class BoundaryMarch:
@@ -130,7 +91,7 @@ class BoundaryMarch:
             **coating_sizes(self._coating, problem, group),
         }
 
-    def init(self) -> BoundaryState:
+    def init(self) -> KernelState:
         """Return the state at t = 0."""
         problem, dt = self._problem, self._dt
         x, v = problem.displacement, problem.velocity
@@ -152,7 +113,7 @@ class BoundaryMarch:
         arrays["gap"][:] = problem.initial_gap
         if problem.coating is not None:
             arrays["strain"][:] = problem.coating.strain
-        return BoundaryState(step=0, arrays=arrays)
+        return KernelState(step=0, arrays=arrays)
 
     def _casing_start(self) -> tuple[FloatArray, FloatArray]:
         """Return the modal displacements of the casing one step before the start and at the
@@ -172,8 +133,8 @@ class BoundaryMarch:
         return x - dt * v + 0.5 * dt**2 * (pushed - restored), x
 
     def advance(
-        self, state: BoundaryState, steps: int, record_every: int | None = None
-    ) -> tuple[BoundaryState, BoundaryChunk, EndReason | None]:
+        self, state: KernelState, steps: int, record_every: int | None = None
+    ) -> tuple[KernelState, BoundaryChunk, EndReason | None]:
         """Advance by a number of steps; see `Scheme.advance`."""
         every = self._every if record_every is None else record_every
         arrays = {name: aligned_copy(array) for name, array in state.arrays.items()}
@@ -191,10 +152,10 @@ class BoundaryMarch:
         )
         kept = {name: array[:written] for name, array in records.items()}
         end = EndReason.DIVERGENT if status == lib.DIVERGED else None
-        after = BoundaryState(step=reached, arrays=arrays)
+        after = KernelState(step=reached, arrays=arrays)
         return after, self._chunk(kept, after), end
 
-    def _chunk(self, kept: dict[str, FloatArray], after: BoundaryState) -> BoundaryChunk:
+    def _chunk(self, kept: dict[str, FloatArray], after: KernelState) -> BoundaryChunk:
         rows, work = len(kept["step"]), kept["work"]
         nodes = self._problem.angle.size
         force = kept["force"].reshape(rows, nodes, DIRECTIONS)

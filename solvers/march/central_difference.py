@@ -1,6 +1,6 @@
 """Time integration by central differences with forward-increment Lagrange multipliers."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from bladewhirl.solvers.march.march import (
     Chunk,
     CoatingRecords,
     EndReason,
-    Statistics,
+    KernelState,
     check_time_step,
 )
 from bladewhirl.solvers.packing.arrangement import load_times
@@ -27,26 +27,6 @@ from bladewhirl.solvers.packing.casing import pack_casing, pack_closure, pack_co
 from bladewhirl.solvers.packing.foreshortening import pack_foreshortening
 from bladewhirl.solvers.packing.rotor import pack_gyroscopic, pack_rotor
 from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs
-
-
-@dataclass(frozen=True, kw_only=True)
-class CentralDifferenceState:
-    """State between two steps: x_{n-1}, x_n and sums since the last record."""
-
-    step: int  #: number of steps n
-    arrays: dict[str, FloatArray]  #: arrays of the struct `State`
-
-    @property
-    def statistics(self) -> Statistics:
-        """Quality measures since the start."""
-        count = self.arrays["counts"]
-        return Statistics(
-            steps=self.step,
-            contact_steps=int(count[lib.CONTACT_STEPS]),
-            complementarity_residual=float(self.arrays["residual"][0]),
-            pivots=int(count[lib.LCP_PIVOTS]),
-            lcp_failures=int(count[lib.LCP_FAILURES]),
-        )
 
 
 class CentralDifference:
@@ -107,7 +87,7 @@ class CentralDifference:
         #: whether records contain the motion of the casing; if not, these arrays have no columns
         self.records_casing = True
 
-    def init(self) -> CentralDifferenceState:
+    def init(self) -> KernelState:
         """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
         problem, start, dt = self._problem, self._problem.start, self._time_step
         amplitudes = np.array(
@@ -151,11 +131,11 @@ class CentralDifference:
         )
         earlier = replace(problem, start=replace(start, rotor=rotor, casing=casing))
         arrays["gaps"][:] = arrays["gap"], initial_gap(earlier, -dt)
-        return CentralDifferenceState(step=0, arrays=arrays)
+        return KernelState(step=0, arrays=arrays)
 
     def advance(
-        self, state: CentralDifferenceState, steps: int, record_every: int | None = None
-    ) -> tuple[CentralDifferenceState, Chunk, EndReason | None]:
+        self, state: KernelState, steps: int, record_every: int | None = None
+    ) -> tuple[KernelState, Chunk, EndReason | None]:
         """Advance by a number of steps; see `Scheme.advance`."""
         every = self._record_every if record_every is None else record_every
         for name, array in state.arrays.items():
@@ -176,7 +156,7 @@ class CentralDifference:
         )
         end = EndReason.DIVERGENT if status == lib.DIVERGED else None
         arrays = {name: getattr(self._state, name).copy() for name in state.arrays}
-        after = CentralDifferenceState(step=reached, arrays=arrays)
+        after = KernelState(step=reached, arrays=arrays)
         return after, self._chunk(written, after), end
 
     def _sizes(self) -> dict[str, int]:
@@ -232,7 +212,7 @@ class CentralDifference:
         scratch["contact"]["others"] += 1.0 - np.eye(tips, wide)
         return scratch
 
-    def _chunk(self, written: int, after: CentralDifferenceState) -> Chunk:
+    def _chunk(self, written: int, after: KernelState) -> Chunk:
         """Return a copy of the records written."""
         records, (rotor, casing) = self._records, self._arrangements
         step, work = records.step[:written].copy(), records.work[:written].copy()

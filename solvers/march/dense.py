@@ -23,8 +23,6 @@ resolve the period of a tip on the penalty spring.
 The residual of a step is max_j |min(u_N,j+ + e u_N,j-, W_jj P_j)|, divided by the largest velocity.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy.linalg as la
 
@@ -32,31 +30,12 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.structs import Struct, dense_march, lib, zeros
 from bladewhirl.solvers.march.central_difference import initial_gap
-from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
+from bladewhirl.solvers.march.march import Chunk, EndReason, KernelState, check_time_step
 from bladewhirl.solvers.packing.arrangement import load_times
 from bladewhirl.solvers.packing.casing import pack_closure
 
 SHARE_OF_STIFFEST = 0.5
 """Largest product of the time step and the frequency of a tip on its penalty spring."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class DenseState:
-    """State between two steps; the modes of the rotor precede those of the casing."""
-
-    step: int  #: number of steps n
-    arrays: dict[str, FloatArray]  #: arrays of the struct `DenseState`
-
-    @property
-    def statistics(self) -> Statistics:
-        """Quality measures of the steps since the start of the march."""
-        counts = self.arrays["counts"]
-        return Statistics(
-            steps=self.step,
-            contact_steps=int(counts[lib.DENSE_CONTACT_STEPS]),
-            complementarity_residual=float(counts[lib.DENSE_RESIDUAL]),
-            lcp_failures=int(counts[lib.DENSE_UNSOLVED]),
-        )
 
 
 class _Dense:
@@ -86,28 +65,28 @@ class _Dense:
         """Return the parameters of the contact law, see `kernel.h`."""
         raise NotImplementedError
 
-    def init(self) -> DenseState:
+    def init(self) -> KernelState:
         """Return the state at t = 0."""
         start = self._problem.start
         arrays = zeros("DenseState", self._sizes)
         arrays["displacement"][:] = np.concatenate([start.rotor, start.casing])
         arrays["velocity"][:] = np.concatenate([start.rotor_velocity, start.casing_velocity])
         arrays["sums"][lib.DENSE_GAP] = initial_gap(self._problem)
-        return DenseState(step=0, arrays=arrays)
+        return KernelState(step=0, arrays=arrays)
 
     def advance(
-        self, state: DenseState, steps: int, record_every: int | None = None
-    ) -> tuple[DenseState, Chunk, EndReason | None]:
+        self, state: KernelState, steps: int, record_every: int | None = None
+    ) -> tuple[KernelState, Chunk, EndReason | None]:
         """Advance by a number of steps; see `Scheme.advance`."""
         every = self._record_every if record_every is None else record_every
         arrays = _copy(state.arrays)
         step, last, ended = state.step, state.step + steps, None
         scratch = Struct("DenseScratch", **zeros("DenseScratch", self._sizes))
         structs = self._stage, self._closure, self._law, Struct("DenseState", **arrays), scratch
-        records: list[DenseState] = []
+        records: list[KernelState] = []
         while step < last and ended is None:
             if step % every == 0:
-                records.append(DenseState(step=step, arrays=_copy(arrays)))
+                records.append(KernelState(step=step, arrays=_copy(arrays)))
                 arrays["sums"][:] = 0.0
                 arrays["sums"][lib.DENSE_GAP] = np.inf
             count = min(every - step % every, last - step)
@@ -116,10 +95,10 @@ class _Dense:
             if done < count:
                 ended = EndReason.DIVERGENT
                 if not records or records[-1].step < step:
-                    records.append(DenseState(step=step, arrays=_copy(arrays)))
-        return DenseState(step=step, arrays=arrays), self._chunk(records), ended
+                    records.append(KernelState(step=step, arrays=_copy(arrays)))
+        return KernelState(step=step, arrays=arrays), self._chunk(records), ended
 
-    def _energy(self, state: DenseState) -> float:
+    def _energy(self, state: KernelState) -> float:
         x, v, stage = state.arrays["displacement"], state.arrays["velocity"], self._stage
         waves = np.arange(len(stage.turning_cos)) * stage.speed * state.step * self._dt
         turned = np.tensordot(np.cos(waves), stage.turning_cos, 1)
@@ -127,7 +106,7 @@ class _Dense:
         joined = x[stage.coupled]
         return float(0.5 * (v @ v + x @ (stage.stiffness * x) + joined @ turned @ joined))
 
-    def _chunk(self, records: list[DenseState]) -> Chunk:
+    def _chunk(self, records: list[KernelState]) -> Chunk:
         rotor = self._stage.tip_radial.shape[1]
         step = np.array([record.step for record in records], dtype=np.int64)
         values = {
@@ -137,7 +116,7 @@ class _Dense:
             for name, array in zeros("DenseState", self._sizes).items()
         }
         gap, impulse, drag, touched = np.moveaxis(values["sums"], 1, 0)
-        external, normal, friction, damping, turning, closing = values["works"].T
+        external, normal, friction, damping, turning, closing = values["work"].T
         return Chunk(
             step=step,
             time=np.asarray(step * self._dt, dtype=np.float64),
@@ -149,7 +128,7 @@ class _Dense:
             contact_impulse=impulse,
             friction_impulse=drag,
             contact_steps=touched.astype(np.int64),
-            contacts=values["counts"][:, lib.DENSE_CONTACTS].astype(np.int64),
+            contacts=values["counts"][:, lib.STEP_CONTACTS].astype(np.int64),
             energy=np.array([self._energy(record) for record in records]),
             external_work=external,
             normal_work=normal,
@@ -172,11 +151,23 @@ class MoreauJean(_Dense):
 
 
 class Penalty(_Dense):
-    """Scheme with a penalty stiffness and regularised friction."""
+    """Scheme with a penalty stiffness and regularised friction.
+
+    Raises:
+        ValueError: the time step does not resolve the period of a tip on the penalty stiffness;
+            the message states the limit.
+    """
 
     def _law_numbers(self) -> dict[str, float]:
-        problem = self._problem
-        _check_penalty(problem, self._dt)
+        problem, dt = self._problem, self._dt
+        tips, wall = problem.rotor.tip_radial, problem.casing.nodal[:, 0]
+        squares = sum(np.linalg.eigvalsh(rows @ rows.T).max() for rows in (tips, wall))
+        limit = (SHARE_OF_STIFFEST / dt) ** 2 / squares
+        if problem.penalty_stiffness > limit:
+            raise ValueError(
+                f"penalty stiffness {problem.penalty_stiffness:.3g} N/m is above {limit:.3g} N/m,"
+                f" the most that a time step of {dt:.3g} s resolves; reduce one of the two"
+            )
         return {"penalty": problem.penalty_stiffness, "stick_speed": problem.stick_speed}
 
 
@@ -234,20 +225,3 @@ def _turning(problem: ContactProblem) -> tuple[np.ndarray, FloatArray, FloatArra
     waves = np.fft.rfft(around[:, coupled][:, :, coupled], axis=0) / len(angles)
     waves[1:] *= 2.0
     return coupled, np.ascontiguousarray(waves.real), np.ascontiguousarray(-waves.imag)
-
-
-def _check_penalty(problem: ContactProblem, time_step: float) -> None:
-    """Check that the time step resolves the period of a tip on the penalty stiffness.
-
-    Raises:
-        ValueError: the penalty stiffness is too large; the message states the limit.
-    """
-    rotor, casing = problem.rotor, problem.casing
-    tips = np.linalg.eigvalsh(rotor.tip_radial @ rotor.tip_radial.T).max()
-    wall = np.linalg.eigvalsh(casing.nodal[:, 0] @ casing.nodal[:, 0].T).max()
-    limit = (SHARE_OF_STIFFEST / time_step) ** 2 / (tips + wall)
-    if problem.penalty_stiffness > limit:
-        raise ValueError(
-            f"penalty stiffness {problem.penalty_stiffness:.3g} N/m is above {limit:.3g} N/m,"
-            f" the most that a time step of {time_step:.3g} s resolves; reduce one of the two"
-        )

@@ -13,6 +13,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.solvers.kernel.structs import lib
 
 
 class EndReason(Enum):
@@ -38,13 +39,11 @@ class CoatingRecords:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Chunk:
-    """Consecutive records of a march."""
+class MarchRecords:
+    """Consecutive records of a march, with a column for each tip or contact node."""
 
     step: IntArray  #: step number n of each record, (records,)
     time: FloatArray  #: time of each record [s], (records,)
-    rotor_displacement: FloatArray  #: modal displacements [kg^1/2 m], (records, rotor modes)
-    rotor_velocity: FloatArray  #: modal velocities [kg^1/2 m/s], (records, rotor modes)
     casing_displacement: FloatArray  #: modal displacements [kg^1/2 m], (records, casing modes)
     casing_velocity: FloatArray  #: modal velocities [kg^1/2 m/s], (records, casing modes)
     gap: FloatArray  #: smallest gap of each tip since the previous record [m], (records, tips)
@@ -57,21 +56,29 @@ class Chunk:
     contacts: IntArray  #: number of tips in contact at the record, (records,)
     energy: FloatArray
     """Energy of both bodies and of the springs between them, half a step before each record [J],
-    (records,)."""
+    (records,); with many contact nodes, energy of all copies."""
     external_work: FloatArray  #: work of the loads since the start [J], (records,)
     normal_work: FloatArray  #: work of the normal contact forces [J], (records,)
-    closing_work: FloatArray  #: part of `normal_work` that stops tips as gaps close [J], (records,)
     friction_work: FloatArray  #: work of the friction forces [J], (records,)
     damping_work: FloatArray  #: energy lost by damping [J], (records,)
-    coupling_work: FloatArray
-    """Work on the rotor due to its rotation relative to springs and dampers in the static frame
-    [J], (records,)."""
     coating: CoatingRecords | None = None  #: None without a coating
 
     @property
     def records(self) -> int:
         """Number of records."""
         return len(self.step)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chunk(MarchRecords):
+    """Consecutive records of a march of bodies with one contact point at each tip."""
+
+    rotor_displacement: FloatArray  #: modal displacements [kg^1/2 m], (records, rotor modes)
+    rotor_velocity: FloatArray  #: modal velocities [kg^1/2 m/s], (records, rotor modes)
+    closing_work: FloatArray  #: part of `normal_work` that stops tips as gaps close [J], (records,)
+    coupling_work: FloatArray
+    """Work on the rotor due to its rotation relative to springs and dampers in the static frame
+    [J], (records,)."""
 
 
 PartT = TypeVar("PartT")
@@ -102,6 +109,26 @@ class Statistics:
     """Largest residual of all steps (see `CentralDifference`)."""
     pivots: int = 0  #: number of changes of the active set (tips in contact) after the first guess
     lcp_failures: int = 0  #: number of steps whose complementarity problem was not solved exactly
+
+
+@dataclass(frozen=True, kw_only=True)
+class KernelState:
+    """State of a march in the kernel between two steps."""
+
+    step: int  #: number of steps n
+    arrays: dict[str, FloatArray]  #: arrays of the state of the scheme, see `kernel.h`
+
+    @property
+    def statistics(self) -> Statistics:
+        """Quality measures since the start."""
+        counts = self.arrays["counts"]
+        return Statistics(
+            steps=self.step,
+            contact_steps=int(counts[lib.CONTACT_STEPS]),
+            complementarity_residual=float(counts[lib.RESIDUAL]),
+            pivots=int(counts[lib.PIVOTS]),
+            lcp_failures=int(counts[lib.UNSOLVED]),
+        )
 
 
 class MarchState(Protocol):

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import fields
 from os import PathLike
-from typing import Any, Protocol
+from typing import Any
 
 import h5netcdf
 import h5py
@@ -56,24 +56,6 @@ STRUCTURE_BYTES = 100_000
 
 class NonFiniteError(ArithmeticError):
     """Error for a record that is not finite; all earlier records have been written."""
-
-
-class Record(Protocol):
-    """Protocol of objects that store the records of a march."""
-
-    @property
-    def records(self) -> int:
-        """Number of records."""
-
-    @property
-    def steps(self) -> int:
-        """Step of the last record."""
-
-    def write(self, chunk: AnyChunk) -> None:
-        """Append records."""
-
-    def finish(self, reason: str, message: str, report: Mapping[str, Attribute]) -> None:
-        """Store the reason of the end, a message and the quality measures of the march."""
 
 
 class Recorder(AbstractContextManager["Recorder"]):

@@ -37,7 +37,6 @@ from bladewhirl.solvers.march.recorder import (
     INTERRUPTED,
     AnyChunk,
     NonFiniteError,
-    Record,
     Recorder,
     Values,
     result_bytes,
@@ -147,7 +146,7 @@ def march_in_memory(
 
 
 def _march_into(
-    record: Record,
+    record: Recorder | Records,
     prepared: AnyPrepared,
     flush: Callable[[AnyChunk, MarchState, float], None],
     pause: float,

@@ -11,8 +11,8 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.solvers.march.central_difference import CentralDifference, CentralDifferenceState
-from bladewhirl.solvers.march.march import Chunk, EndReason
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.solvers.march.march import Chunk, EndReason, KernelState
 from bladewhirl.solvers.march.reference import Reference
 from bladewhirl.studies.verification.bodies import (
     FAR,
@@ -56,7 +56,7 @@ def thrown(
 
 def run(
     given: ContactProblem, dt: float, steps: int, *, every: int = 1, cyclic: bool = True
-) -> tuple[CentralDifferenceState, Chunk, EndReason | None]:
+) -> tuple[KernelState, Chunk, EndReason | None]:
     """March, and record x_0 .. x_steps every so many steps."""
     scheme = CentralDifference(given, dt, every, cyclic=cyclic)
     return scheme.advance(scheme.init(), steps + 1)
@@ -100,7 +100,7 @@ def _values(chunk: Chunk) -> dict[str, FloatArray]:
 
 def run_as_reference(
     given: ContactProblem, dt: float, steps: int, *, cyclic: bool = True
-) -> tuple[CentralDifferenceState, Chunk]:
+) -> tuple[KernelState, Chunk]:
     """March with contact, every step being the one that plain NumPy takes."""
     expected = run_reference(given, dt, steps)
     assert expected.contact_impulse.any()

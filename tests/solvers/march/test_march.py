@@ -16,8 +16,8 @@ from contact_cases import (
 
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
-from bladewhirl.solvers.march.central_difference import CentralDifference, CentralDifferenceState
-from bladewhirl.solvers.march.march import CHUNK_STEPS, EndReason, joined, march
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.solvers.march.march import CHUNK_STEPS, EndReason, KernelState, joined, march
 from bladewhirl.solvers.march.schema import HISTORY
 
 
@@ -104,13 +104,13 @@ def test_nothing_is_lost_between_records(every: int) -> None:
     assert state.statistics.contact_steps - 1 <= touched.sum() <= state.statistics.contact_steps
 
 
-def stored(state: CentralDifferenceState) -> CentralDifferenceState:
+def stored(state: KernelState) -> KernelState:
     """The same state through bytes, as a file would hold it."""
     arrays = {
         name: np.frombuffer(array.tobytes(), array.dtype).reshape(array.shape)
         for name, array in state.arrays.items()
     }
-    return CentralDifferenceState(step=state.step, arrays=arrays)
+    return KernelState(step=state.step, arrays=arrays)
 
 
 @pytest.mark.parametrize("cyclic", [True, False])
