@@ -6,14 +6,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bladewhirl.models.inputs.units import handy, handy_unit
-from bladewhirl.postprocess.fields.kinematics import Array, ViewError
-from bladewhirl.postprocess.fields.windows import time_window
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.axes import draw_map
-from bladewhirl.postprocess.plotting.registry import NODE_FIGURES
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
-from bladewhirl.postprocess.superelement.motion import DIRECTIONS, check_superelement
-from bladewhirl.postprocess.superelement.ring import is_flexible
+from bladewhirl.postprocess.superelement.motion import DIRECTIONS
 
 FEW = 6
 """Up to this number, each blade has a line; of more, the largest and the mean force are drawn."""
