@@ -8,7 +8,10 @@ import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.schemes import SchemeName
+from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     Load,
@@ -16,6 +19,7 @@ from bladewhirl.models.stage.contact_problem import (
     ReducedRotor,
     at_rest,
 )
+from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.solvers.march.scheme import make_scheme
 
@@ -39,6 +43,12 @@ def small_rotor(frequency: FloatArray, tips: int = 1, **rows: Any) -> ReducedRot
         dampers=np.zeros((0, modes)),
     )
     return replace(body, **rows)
+
+
+def point_mass(mass: float, frequency: float = 0.0, **rows: Any) -> ReducedRotor:
+    """Return a rotor whose one tip, a mass [kg], moves radially on a spring to ground; `frequency`
+    is its frequency without contact [rad/s]."""
+    return small_rotor(np.array([frequency]), tip_radial=np.array([[mass**-0.5]]), **rows)
 
 
 def small_casing(
@@ -97,6 +107,11 @@ def ledger_residual(chunk: Chunk) -> float:
     works = ("external", "normal", "friction", "damping", "coupling")
     terms = [chunk.energy, *(getattr(chunk, f"{name}_work") for name in works)]
     return float(np.abs(mismatch).max() / np.abs(terms).max())
+
+
+def default_stage(changes: Mapping[str, Any]) -> ContactProblem:
+    """Return the contact problem of the default case with changes, by dotted key."""
+    return contact_problem(build_stage(with_values(Case(), changes)))
 
 
 class Bar:

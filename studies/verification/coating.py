@@ -9,24 +9,22 @@ from typing import Any
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import with_values
-from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     Load,
     ReducedCasing,
     WallCoating,
 )
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.run.wear import lobe_shares
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords
 from bladewhirl.studies.verification.bodies import (
+    default_stage,
     ledger_residual,
     marched,
+    point_mass,
     problem,
-    small_casing,
     small_rotor,
+    wall,
 )
 from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 
@@ -59,12 +57,6 @@ def coating(rods: int, tips: int = 1, *, footprint: float = 1.0, **values: Any) 
     return WallCoating(**defaults | values)
 
 
-def plastic_strain(depth: FloatArray, young_modulus: float = MODULUS) -> FloatArray:
-    """Return the plastic strain after a largest depth [m], in closed form."""
-    beyond = young_modulus * depth / THICKNESS - YIELD
-    return np.asarray(np.maximum(beyond, 0.0) / (young_modulus + HARDENING))
-
-
 def worn(chunk: Chunk) -> CoatingRecords:
     """Return the records of the coating of a march.
 
@@ -90,9 +82,7 @@ def swinging(
     """Return a heavy tip that swings as amplitude * cos(frequency t + phase) in the scheme,
     exactly."""
     omega = 2.0 / dt * np.sin(frequency * dt / 2.0)
-    rotor = small_rotor(
-        np.array([omega]), tip_radial=np.array([[HEAVY**-0.5]]), tip_angle=np.array([angle])
-    )
+    rotor = point_mass(HEAVY, omega, tip_angle=np.array([angle]))
     # The velocity from which x_{-1} = x_0 - dt v + dt^2 a / 2 of the scheme is exact.
     velocity = -np.sin(phase) * np.sin(frequency * dt) / dt
     start = {
@@ -112,7 +102,7 @@ def single_rod() -> Pairs:
     for depth in depths:
         motion = swinging(
             given,
-            small_casing(np.ones(1), 1e-3 - depth),
+            wall(1e-3 - depth),
             amplitude=-1e-3,
             frequency=2.0 * np.pi,
             dt=dt,
@@ -123,7 +113,8 @@ def single_rod() -> Pairs:
         volume = given.area * THICKNESS
         dissipated.append(chunk.wear_dissipated[-1] / volume)
         again.append(chunk.wear_volume[-1] / chunk.wear_volume[1] if computed[-1] else 1.0)
-    strain = plastic_strain(depths)
+    beyond = MODULUS * depths / THICKNESS - YIELD
+    strain = np.maximum(beyond, 0.0) / (MODULUS + HARDENING)
     loss = YIELD * strain + HARDENING * strain**2 / 2.0
     return {
         "strain_of_a_rod": (strain, computed),
@@ -141,7 +132,7 @@ def lobes_of_prescribed_motion(ratio: str) -> Pairs:
     speed = given.arc / dt
     motion = swinging(
         given,
-        small_casing(np.ones(1), -row["d0"], nodes=4),
+        wall(-row["d0"]),
         amplitude=row["a"],
         frequency=row["omega_over_Omega"] * speed,
         phase=row["omega_over_Omega"] * given.arc / 2.0,
@@ -177,18 +168,9 @@ def oscillator(number: str, per_rod: int, turns: int) -> tuple[FloatArray, Float
     angle = 2.0 * np.pi / nodes * np.arange(nodes)
     clearance = with_["c0"] - with_["c2"] * (1.0 - np.cos(2.0 * angle)) / 2.0
     slope = -with_["c2"] * np.sin(2.0 * angle)
-    casing = replace(
-        small_casing(np.ones(1), nodes=nodes), clearance=np.stack([clearance, slope], axis=1)
-    )
-    made = problem(
-        small_rotor(
-            np.array([omega]),
-            damping_ratio=np.array([with_["zeta"]]),
-            tip_radial=np.array([[with_["m"] ** -0.5]]),
-        ),
-        casing,
-        speed=speed,
-    )
+    casing = replace(wall(0.0, nodes), clearance=np.stack([clearance, slope], axis=1))
+    body = point_mass(with_["m"], omega, damping_ratio=np.array([with_["zeta"]]))
+    made = problem(body, casing, speed=speed)
     given = coating(
         rods,
         width=with_["A"] / (2.0 * np.pi / rods),
@@ -245,7 +227,7 @@ def lobes_of_engine_orders(pair: tuple[int, int]) -> Pair:
         tip_radial=np.eye(blades) * mass**-0.5,
         tip_angle=angle,
     )
-    made = problem(rotor, small_casing(np.ones(1), 1e-3), loads=loads, speed=speed)
+    made = problem(rotor, wall(1e-3), loads=loads, speed=speed)
     soft = coating(rods, blades, footprint=4.0, width=1e-3, young_modulus=1e6, yield_stress=1e3)
     chunk = marched(replace(made, coating=soft), dt, 20_000, every=20_000)
     return order, int(lobe_shares(worn(chunk).coating_strain[-1]).argmax()) + 1
@@ -259,7 +241,7 @@ def rigid_limit() -> Pair:
     stiff = coating(8, young_modulus=1e12, hardening=0.0)
     motion = swinging(
         stiff,
-        small_casing(np.ones(1), 1e-3 - depth),
+        wall(1e-3 - depth),
         amplitude=-1e-3,
         frequency=2.0 * np.pi * 1e3,
         dt=dt,
@@ -267,11 +249,9 @@ def rigid_limit() -> Pair:
     )
     pressed = worn(marched(motion, dt, 5000, every=5000)).coating_strain.max()
     stopping = replace(stiff, width=1e-4 / stiff.arc)  # a yield force of 1 kN
-    mass = small_rotor(
-        np.zeros(1), tip_radial=np.ones((1, 1)), tip_angle=1.1 * np.array([stiff.arc])
-    )
+    mass = point_mass(1.0, tip_angle=1.1 * np.array([stiff.arc]))
     start = {"rotor_velocity": np.array([1.0])}
-    thrown = replace(problem(mass, small_casing(np.ones(1)), start=start), coating=stopping)
+    thrown = replace(problem(mass, wall(0.0), start=start), coating=stopping)
     stopped = worn(marched(thrown, dt, 10_000, every=10_000)).coating_strain.max()
     return [depth, 0.5 * 1.0**2 / (YIELD * 1e-4)], [THICKNESS * pressed, THICKNESS * stopped]
 
@@ -291,7 +271,7 @@ def coating_ledger() -> Pair:
         "initial.centre_velocity": [1.5, 0.7],
         "contact.friction": 0.2,
     }
-    chunk = marched(contact_problem(build_stage(with_values(Case(), changes))), 4e-6, 2500)
+    chunk = marched(default_stage(changes), 4e-6, 2500)
     if not worn(chunk).wear_volume[-1] > 0.0:
         raise ArithmeticError("expected wear")
     return 0.0, ledger_residual(chunk)

@@ -9,15 +9,12 @@ from scipy.integrate import simpson
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import with_values
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import case_bladed_disk
 from bladewhirl.models.elements.foreshortening import drawback
-from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk
-from bladewhirl.studies.verification.bodies import ledger_residual, marched
+from bladewhirl.studies.verification.bodies import default_stage, ledger_residual, marched
 from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 
 BLADE = 3  #: blade that bends
@@ -157,7 +154,7 @@ def rubbing(dt: float) -> tuple[ContactProblem, Chunk]:
         "initial.centre_velocity": [3.0, 1.4],
         "initial.tip_velocity": [[0.0, 12.0 - 8.0 * (blade % 2)] for blade in range(5)],
     }
-    made = contact_problem(build_stage(with_values(Case(), changes)))
+    made = default_stage(changes)
     rigid = replace(made.casing, nodal=np.zeros_like(made.casing.nodal))
     made = replace(made, casing=rigid)
     return made, marched(made, dt, round(8e-3 / dt), every=100)

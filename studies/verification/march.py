@@ -7,17 +7,15 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import with_values
-from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.solvers.march.reference import complementary, load_factor
 from bladewhirl.studies.verification.bodies import (
+    default_stage,
     ledger_residual,
     marched,
+    point_mass,
     problem,
-    small_rotor,
     wall,
 )
 from bladewhirl.studies.verification.case import Pair, Pairs, verifies
@@ -63,7 +61,7 @@ RUBBING: Mapping[str, Mapping[str, Any]] = {
 
 def coarse(changes: Mapping[str, Any]) -> ContactProblem:
     """Return the contact problem of the coarse default stage, with changes of the case."""
-    return contact_problem(build_stage(with_values(Case(), {**COARSE, **changes})))
+    return default_stage({**COARSE, **changes})
 
 
 def dense_march(
@@ -109,9 +107,7 @@ def dense_march(
         """Return loads minus restoring forces at step n."""
         force, time = -(omega**2) * x, n * dt
         for load in given.loads:
-            rise = 0.5 - 0.5 * np.cos(np.pi * time / load.ramp) if time < load.ramp else 1.0
-            factor = rise * np.cos(load.frequency * time + load.phase) * (time < load.end)
-            force = force + factor * np.r_[load.rotor, load.casing]
+            force = force + load_factor(load, time) * np.r_[load.rotor, load.casing]
         if given.springs is not None:
             place = given.springs.places(m)
             force[place] -= given.springs.stiffness(angle=speed * time) @ x[place]
@@ -144,24 +140,6 @@ def dense_march(
     return computed[0], computed[1], computed[2]
 
 
-def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
-    """Return non-negative forces for which no gap is negative, by an active-set method.
-
-    Raises:
-        ArithmeticError: the active sets repeat without convergence.
-    """
-    touching = gap < 0.0
-    for _ in range(4 * len(gap)):
-        force, block = np.zeros(len(gap)), np.ix_(touching, touching)
-        force[touching] = np.linalg.lstsq(delassus[block], -gap[touching], rcond=None)[0]
-        left = gap + delassus @ force
-        better = np.where(touching, force >= 0.0, left < -1e-15)
-        if (better == touching).all():
-            return force
-        touching = better
-    raise ArithmeticError("no set of touching tips found")
-
-
 @verifies(*RUBBING)
 def rubbing_stages(kind: str) -> Pairs:
     """Compare gaps and impulses over 10 ms with `dense_march`; later, chaotic motions separate.
@@ -190,7 +168,7 @@ def closing_wall_ledger(kind: str) -> Pair:
 def gaps_of_the_papers_stage() -> Pair:
     """Compare the gaps of the paper's stage in the kernel with the gaps in `dense_march`."""
     strike = {"casing.support": 7.975e6, **STRIKE}
-    given = contact_problem(build_stage(with_values(Case(), strike)))
+    given = default_stage(strike)
     return dense_march(given, 1e-6, 30_000)[0], marched(given, 1e-6, 30_000).gap
 
 
@@ -269,8 +247,7 @@ def free_motion() -> Pair:
 def after_a_hit(steps: int) -> float:
     """Return the position of a mass on a spring shortly after its impact on a stop [m]."""
     load = Load(rotor=np.array([20.0]), casing=np.zeros(1), frequency=10.0)
-    rotor = small_rotor(np.array([1000.0**0.5]), tip_radial=np.ones((1, 1)))
-    given = problem(rotor, wall(0.01), loads=(load,))
+    given = problem(point_mass(1.0, 1000.0**0.5), wall(0.01), loads=(load,))
     return float(marched(given, 0.53 / steps, steps, every=steps).rotor_displacement[-1, 0])
 
 

@@ -13,6 +13,7 @@ from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import (
     ledger_residual,
     marched,
+    point_mass,
     problem,
     small_rotor,
     wall,
@@ -25,9 +26,8 @@ MASS, SPEED, DEPTH = 2.0, 3.0, 1e-4
 
 def thrown_mass(**law: Any) -> ContactProblem:
     """Return a free mass of 2 kg that moves at 3 m/s towards a wall at a distance of 1 mm."""
-    rotor = small_rotor(np.zeros(1), tip_radial=np.full((1, 1), MASS**-0.5))
     start = {"rotor_velocity": np.array([SPEED * MASS**0.5])}
-    return replace(problem(rotor, wall(1e-3), start=start), **law)
+    return replace(problem(point_mass(MASS), wall(1e-3), start=start), **law)
 
 
 @verifies(0.0, 0.5, 1.0)

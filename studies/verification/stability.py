@@ -14,14 +14,12 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings
 from bladewhirl.models.modal.full_stage import modal_stage
-from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.stability.floquet import Floquet, floquet
 from bladewhirl.solvers.stability.growth import coincidence_speeds, growth_rate
 from bladewhirl.solvers.stability.zones import UnstableZones, unstable_zones
 from bladewhirl.studies.modal.coupled_system import EvenSystem, couple
-from bladewhirl.studies.verification.bodies import marched
+from bladewhirl.studies.verification.bodies import default_stage, marched
 from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 
 POINT = {"march.speed": 1.17, "coupling.stiffness": 500.0, "reduction.modes": "six"}
@@ -53,7 +51,7 @@ def mathieu_border(name: str) -> Pair:
 def coupled(ratio: str) -> tuple[ContactProblem, CouplingSprings]:
     """Return the paper's six modes at its example point as a contact problem, and their springs."""
     push = {"initial.centre_velocity": [1e-6, 0.0], "damping.ratio": float(ratio)}
-    given = contact_problem(build_stage(with_values(Case(), POINT | push)))
+    given = default_stage(POINT | push)
     assert given.springs is not None  # the stiffness of the point is not zero
     return given, given.springs
 
@@ -139,7 +137,7 @@ def six_modes_at_speed() -> tuple[ContactProblem, CouplingSprings]:
     """
     changes = {"march.speed": 1.65, "coupling.stiffness": 1000.0, "damping.ratio": 0.005}
     push = {"reduction.modes": "six", "initial.centre_velocity": [1e-12, 0.0]}
-    at_rest = contact_problem(build_stage(with_values(Case(), changes | push)))
+    at_rest = default_stage(changes | push)
     case = with_values(Case(), changes | {"rotation.effects": "full"})
     system = couple(modal_stage(case), modes="six", damped=True, with_pi=True, physical=False)
     assert isinstance(system, EvenSystem)

@@ -8,7 +8,6 @@ from typing import Any, cast
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.check import case_from
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.build import contact_problem
@@ -163,9 +162,35 @@ def ledger_of_a_rub() -> Pair:
 @verifies()
 def wheel_of_sectors() -> Pair:
     """Compare static flexibilities of the contact nodes that follow from modes and residual of a
-    sector with those of the whole wheel."""
-    whole, sector, sectors = _wheel()
-    _, reduced = massless_wheel(sector, sectors, 4)
+    sector with those of the whole wheel.
+
+    Each sector has a root and a tip. Springs join roots to the ground, to tips and to the roots of
+    the next sectors.
+    """
+    sectors, ground, blade, rim = 7, np.diag([3e8, 2e8, 1e8]), np.diag([4e8, 2e7, 1e7]), 5e7
+    pitch = 2.0 * np.pi / sectors
+    turn = np.eye(3)
+    turn[:2, :2] = [[np.cos(pitch), -np.sin(pitch)], [np.sin(pitch), np.cos(pitch)]]
+    sector = np.block([[ground + blade, -blade], [-blade, blade]])
+    whole = np.kron(np.eye(sectors), sector)
+    for n in range(sectors):
+        stretch = np.zeros((3, 6 * sectors))
+        stretch[:, 6 * n : 6 * n + 3] = -np.eye(3)
+        follower = 6 * ((n + 1) % sectors)
+        stretch[:, follower : follower + 3] += turn  # in axes of the next sector
+        whole += rim * stretch.T @ stretch
+    stretch = np.hstack([-np.eye(3), np.zeros((3, 3)), np.eye(3)])
+    stiffness = np.zeros((9, 9))
+    stiffness[:6, :6] = sector
+    values: dict[str, Any] = {
+        "mass": np.diag([0.02] * 3 + [0.01] * 3 + [0.0] * 3),
+        "stiffness": stiffness + rim * stretch.T @ stretch,
+        "contact_position": np.array([[0.4, 0.0, 0.0]]),
+        "contact_dofs": np.array([[3, 4, 5]]),
+        "left_dofs": np.array([[0, 1, 2]]),
+        "right_dofs": np.array([[6, 7, 8]]),
+    }
+    _, reduced = massless_wheel(Superelement(**values), sectors, 4)
     kept = (reduced.contact / reduced.frequency**2) @ reduced.contact.T
     tips = np.concatenate([6 * n + 3 + np.arange(3) for n in range(sectors)])
     return np.linalg.inv(whole)[np.ix_(tips, tips)].ravel(), (kept + reduced.compliance).ravel()
@@ -244,35 +269,3 @@ def wear_of_an_exported_stage() -> Pair:
     assert expected is not None  # both walls have a coating
     assert worn is not None
     return expected.wear_volume[-1], worn.wear_volume[-1]
-
-
-def _wheel() -> tuple[FloatArray, Superelement, int]:
-    """Return the stiffness of a wheel of masses on springs, one of its sectors, and their number.
-
-    Each sector has a root and a tip. Springs join roots to the ground, to tips and to the roots of
-    the next sectors.
-    """
-    sectors, ground, blade, rim = 7, np.diag([3e8, 2e8, 1e8]), np.diag([4e8, 2e7, 1e7]), 5e7
-    pitch = 2.0 * np.pi / sectors
-    turn = np.eye(3)
-    turn[:2, :2] = [[np.cos(pitch), -np.sin(pitch)], [np.sin(pitch), np.cos(pitch)]]
-    sector = np.block([[ground + blade, -blade], [-blade, blade]])
-    whole = np.kron(np.eye(sectors), sector)
-    for n in range(sectors):
-        stretch = np.zeros((3, 6 * sectors))
-        stretch[:, 6 * n : 6 * n + 3] = -np.eye(3)
-        follower = 6 * ((n + 1) % sectors)
-        stretch[:, follower : follower + 3] += turn  # in axes of the next sector
-        whole += rim * stretch.T @ stretch
-    stretch = np.hstack([-np.eye(3), np.zeros((3, 3)), np.eye(3)])
-    stiffness = np.zeros((9, 9))
-    stiffness[:6, :6] = sector
-    values: dict[str, Any] = {
-        "mass": np.diag([0.02] * 3 + [0.01] * 3 + [0.0] * 3),
-        "stiffness": stiffness + rim * stretch.T @ stretch,
-        "contact_position": np.array([[0.4, 0.0, 0.0]]),
-        "contact_dofs": np.array([[3, 4, 5]]),
-        "left_dofs": np.array([[0, 1, 2]]),
-        "right_dofs": np.array([[6, 7, 8]]),
-    }
-    return whole, Superelement(**values), sectors
