@@ -57,7 +57,8 @@ def centrifugal_frequencies(stage: str) -> Pair:
 def travelling_waves(stage: str) -> Pairs:
     """Compare six frequencies of each nodal diameter and direction [Hz] with the reference. The
     largest growth rates are zero."""
-    slow, fast, growth = (tuple[list[Any], list[Any]](([], [])) for _ in range(3))
+    slow, fast = (tuple[list[Any], list[Any]](([], [])) for _ in range(2))
+    growth = []
     for row in known(stage)["speeds"]:
         modes = whirl_modes(turning(stage).at_speed(row["omega"], "full"))
         expected, computed = slow if row["ratio"] < 2.0 else fast
@@ -67,12 +68,11 @@ def travelling_waves(stage: str) -> Pairs:
                 frequencies = modes.frequency[(modes.nodal_diameter == k) & ways]
                 computed.append(frequencies[:6] / (2 * np.pi))
                 expected.append(row[way][str(k)])
-        growth[0].append(0.0)
-        growth[1].append(np.abs(modes.growth).max())
+        growth.append(np.abs(modes.growth).max())
     return {
         "whirling_waves": slow,
         "whirling_waves_past_the_critical_speed": fast,
-        "undamped_waves": growth,
+        "undamped_waves": (np.zeros(len(growth)), growth),
     }
 
 
@@ -138,17 +138,17 @@ def internal_damping(stage: str) -> Pairs:
     )
     square, modes = la.eigh(stiffness, mass)
     damping = mass @ modes @ np.diag(0.01 * np.sqrt(square)) @ modes.conj().T @ mass
-    growth, frequency = (tuple[list[float], list[float]](([], [])) for _ in range(2))
-    for ratio, rate, hertz in row["growth_rates_xi_0.005"]:
+    known_rates, fastest = np.array(row["growth_rates_xi_0.005"]), []
+    for ratio in known_rates[:, 0]:
         omega = 2 * np.pi * row["reference_hz"] * ratio
         at_speed = stiffness + omega**2 * (geometric - translated)
         exponents, _ = damped_eigenvalues(mass, damping + 2 * omega * coriolis, at_speed)
-        fastest = exponents[exponents.real.argmax()]
-        growth[0].append(rate)
-        growth[1].append(fastest.real)
-        frequency[0].append(abs(hertz))
-        frequency[1].append(abs(fastest.imag) / (2 * np.pi))
-    return {"growth_by_internal_damping": growth, "frequency_by_internal_damping": frequency}
+        fastest.append(exponents[exponents.real.argmax()])
+    hertz = np.abs(np.imag(fastest)) / (2 * np.pi)
+    return {
+        "growth_by_internal_damping": (known_rates[:, 1], np.real(fastest)),
+        "frequency_by_internal_damping": (np.abs(known_rates[:, 2]), hertz),
+    }
 
 
 @verifies(*STAGES)

@@ -19,8 +19,9 @@ from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement
 from bladewhirl.models.superelements.wheel import massless_wheel
 from bladewhirl.solvers.march.boundary import BoundaryChunk, BoundaryMarch
-from bladewhirl.solvers.march.central_difference import CentralDifference
-from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.studies.verification.bodies import marched
+from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 
 GAP, FLEXIBILITY, OMEGA = 1e-3, 1e-6, 100.0
 STEP = 1e-6  #: time step of the blade [s]
@@ -36,49 +37,49 @@ COATING = {
 """Placeholder of an abradable coating."""
 
 
-def rebound(dt: float) -> BoundaryChunk:
-    """March a mass of 1 kg on a spring that meets a wall through another spring at 1 m/s."""
-    scheme = BoundaryMarch(
-        BoundaryProblem(
-            frequency=np.array([[OMEGA]]),
-            damping_ratio=np.zeros((1, 1)),
-            contact=np.array([[1.0], [0.0], [0.0]]),
-            compliance=FLEXIBILITY * np.eye(3)[None],
-            massless=True,
-            angle=np.zeros((1, 1)),
-            radius=np.array([0.5]),
-            recess=np.zeros(1),
-            wall=np.column_stack([np.full(8, GAP), np.zeros(8)]),
-            speed=0.0,
-            friction=0.0,
-            full_sliding=False,
-            displacement_limit=1.0,
-            displacement=np.zeros((1, 1)),
-            velocity=np.ones((1, 1)),
-        ),
-        dt,
-        1,
-    )
-    return scheme.advance(scheme.init(), round(6e-3 / dt) + 1)[1]
+def march_of_nodes(
+    problem: BoundaryProblem, dt: float, duration: float, *, every: int
+) -> BoundaryChunk:
+    """March many contact nodes for a duration [s], with a record of every `every`-th step."""
+    scheme = BoundaryMarch(problem, dt, every)
+    return scheme.advance(scheme.init(), round(duration / dt) + 1)[1]
 
 
 @verifies()
-def impulse_of_a_rebound() -> Pair:
-    """Compare the impulse of a rebound with the closed-form solution."""
+def rebound() -> Pairs:
+    """March a mass of 1 kg on a spring that meets a wall through another spring at 1 m/s.
+
+    The impulse is compared with the closed-form solution, and the force at every step with the
+    penetration divided by the flexibility.
+    """
+    problem = BoundaryProblem(
+        frequency=np.array([[OMEGA]]),
+        damping_ratio=np.zeros((1, 1)),
+        contact=np.array([[1.0], [0.0], [0.0]]),
+        compliance=FLEXIBILITY * np.eye(3)[None],
+        massless=True,
+        angle=np.zeros((1, 1)),
+        radius=np.array([0.5]),
+        recess=np.zeros(1),
+        wall=np.column_stack([np.full(8, GAP), np.zeros(8)]),
+        speed=0.0,
+        friction=0.0,
+        full_sliding=False,
+        displacement_limit=1.0,
+        displacement=np.zeros((1, 1)),
+        velocity=np.ones((1, 1)),
+    )
+    chunk = march_of_nodes(problem, 5e-6, 6e-3, every=1)
     rate = np.sqrt(OMEGA**2 + 1.0 / FLEXIBILITY)
     start = np.arcsin(GAP * OMEGA) / OMEGA
     centre, speed = GAP / FLEXIBILITY / rate**2, np.cos(OMEGA * start)
     swing, phase = np.hypot(speed / rate, GAP - centre), np.arctan2(speed / rate, GAP - centre)
     expected = 2.0 * swing * np.sin(phase) / rate - (GAP - centre) * 2.0 * phase / rate
-    return expected / FLEXIBILITY, rebound(5e-6).contact_impulse.sum()
-
-
-@verifies()
-def force_of_a_massless_node() -> Pair:
-    """Compare the force at every step with the penetration divided by the flexibility."""
-    chunk = rebound(5e-6)
     depth = np.maximum(0.0, chunk.modal_displacement[:, 0, 0] - GAP)
-    return depth / FLEXIBILITY, -chunk.contact_force[:, 0, 0]
+    return {
+        "impulse_of_a_rebound": (expected / FLEXIBILITY, chunk.contact_impulse.sum()),
+        "force_of_a_massless_node": (depth / FLEXIBILITY, -chunk.contact_force[:, 0, 0]),
+    }
 
 
 @cache
@@ -105,7 +106,6 @@ def twisted_blade() -> Superelement:
     return mesh3d(mesh, young_modulus=2.1e11, poisson_ratio=0.3, density=7800.0, contacts=9)
 
 
-@cache
 def rub(*, by_massless: bool, dt: float) -> BoundaryChunk:
     """March the blade in an oval wall with friction against the slip velocity."""
     part = twisted_blade()
@@ -131,32 +131,23 @@ def rub(*, by_massless: bool, dt: float) -> BoundaryChunk:
         displacement=np.zeros((1, len(reduced.frequency))),
         velocity=np.zeros((1, len(reduced.frequency))),
     )
-    scheme = BoundaryMarch(problem, dt, 1000)
-    steps = round(TURNS * 2.0 * np.pi / SPEED / dt)
-    return scheme.advance(scheme.init(), steps + 1)[1]
+    return march_of_nodes(problem, dt, TURNS * 2.0 * np.pi / SPEED, every=1000)
 
 
 @verifies()
-def contact_nodes_with_and_without_mass() -> Pair:
-    """Compare the impulse on nine massless nodes with that on nodes that have mass and damping."""
+def rubs() -> Pairs:
+    """Compare the impulse on nine massless nodes with that on nodes that have mass and damping, and
+    with that of half the time step. The error of the energy balance is zero."""
+    chunk, half = rub(by_massless=True, dt=STEP), rub(by_massless=True, dt=STEP / 2.0)
     reference = rub(by_massless=False, dt=STEP / 10.0)
-    return reference.contact_impulse.sum(), rub(by_massless=True, dt=STEP).contact_impulse.sum()
-
-
-@verifies()
-def half_the_time_step() -> Pair:
-    """Compare the impulse with that of half the time step."""
-    half = rub(by_massless=True, dt=STEP / 2.0)
-    return half.contact_impulse.sum(), rub(by_massless=True, dt=STEP).contact_impulse.sum()
-
-
-@verifies()
-def ledger_of_a_rub() -> Pair:
-    """Compare with zero the error of the energy balance, divided by its largest term."""
-    chunk = rub(by_massless=True, dt=STEP)
+    impulse = chunk.contact_impulse.sum()
     gained = chunk.normal_work + chunk.friction_work - chunk.damping_work
     error = np.abs(chunk.energy - chunk.energy[0] - gained).max()
-    return 0.0, error / np.abs(chunk.friction_work).max()
+    return {
+        "contact_nodes_with_and_without_mass": (reference.contact_impulse.sum(), impulse),
+        "half_the_time_step": (half.contact_impulse.sum(), impulse),
+        "ledger_of_a_rub": (0.0, error / np.abs(chunk.friction_work).max()),
+    }
 
 
 @verifies()
@@ -196,10 +187,12 @@ def wheel_of_sectors() -> Pair:
     return np.linalg.inv(whole)[np.ix_(tips, tips)].ravel(), (kept + reduced.compliance).ravel()
 
 
-@cache
-def exported(kind: str, *, coated: bool = False) -> tuple[ContactProblem, BoundaryProblem, float]:
+def exported(
+    kind: str, *, coated: bool = False
+) -> tuple[ContactProblem, BoundaryProblem, Chunk, BoundaryChunk]:
     """Return the contact problem of a stage of beams that a closing oval casing pinches, that of
-    the same stage as superelements with mass at the contact nodes, and the time step [s]."""
+    the same stage as superelements with mass at the contact nodes, and records of both over
+    0.05 s."""
     blades, kept = 6, 12
     common: dict[str, Any] = {
         "casing": {
@@ -237,35 +230,31 @@ def exported(kind: str, *, coated: bool = False) -> tuple[ContactProblem, Bounda
             "reduction": reduction | {"boundary": "consistent"},
         }
         same = superelement_stage(case_from(given)).problem_at(problem.speed)
-    return problem, same, stage.case.march.time_step
+    dt = stage.case.march.time_step
+    chunk = marched(problem, dt, round(0.05 / dt), every=250)
+    return problem, same, chunk, march_of_nodes(same, dt, 0.05, every=250)
 
 
 @verifies("wheel", "sector", "blade")
-def frequencies_of_an_exported_stage(kind: str) -> Pair:
-    """Compare all frequencies of a stage of beams with those of its superelements."""
-    problem, same, _ = exported(kind)
-    return np.sort(problem.rotor.frequency), np.sort(same.frequency.ravel())
-
-
-@verifies("wheel", "sector", "blade")
-def march_of_an_exported_stage(kind: str) -> Pair:
-    """Compare the radial displacements of the tips with those of superelements over 0.05 s."""
-    problem, same, dt = exported(kind)
-    beams, nodes = CentralDifference(problem, dt, 250), BoundaryMarch(same, dt, 250)
-    steps = round(0.05 / dt) + 1
-    expected = beams.advance(beams.init(), steps)[1].rotor_displacement @ problem.rotor.tip_radial.T
-    return expected, nodes.advance(nodes.init(), steps)[1].contact_displacement[:, :, 0]
+def exported_stage(kind: str) -> Pairs:
+    """Compare all frequencies of a stage of beams, and the radial displacements of its tips, with
+    those of its superelements."""
+    problem, same, beams, nodes = exported(kind)
+    tips = beams.rotor_displacement @ problem.rotor.tip_radial.T
+    return {
+        "frequencies_of_an_exported_stage": (
+            np.sort(problem.rotor.frequency),
+            np.sort(same.frequency.ravel()),
+        ),
+        "march_of_an_exported_stage": (tips, nodes.contact_displacement[:, :, 0]),
+    }
 
 
 @verifies()
 def wear_of_an_exported_stage() -> Pair:
     """Compare the volume removed from a coating by the tips of beams with that of a superelement,
     whose contact forces follow from the displacement at the end of each step."""
-    problem, same, dt = exported("wheel", coated=True)
-    beams, nodes = CentralDifference(problem, dt, 250), BoundaryMarch(same, dt, 250)
-    steps = round(0.05 / dt) + 1
-    expected = beams.advance(beams.init(), steps)[1].coating
-    worn = nodes.advance(nodes.init(), steps)[1].coating
-    assert expected is not None  # both walls have a coating
-    assert worn is not None
-    return expected.wear_volume[-1], worn.wear_volume[-1]
+    _, _, beams, nodes = exported("wheel", coated=True)
+    assert beams.coating is not None  # both walls have a coating
+    assert nodes.coating is not None
+    return beams.coating.wear_volume[-1], nodes.coating.wear_volume[-1]
