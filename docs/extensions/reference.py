@@ -25,7 +25,7 @@ from bladewhirl.postprocess.plotting.registry import (
     SWEEP_FIGURES,
     FigureKind,
 )
-from bladewhirl.solvers.march.schema import NODE_RESULT, NODE_SWEEP, RESULT, SWEEP, schema_table
+from bladewhirl.solvers.march.schema import BEAMS, NODES, schema_table
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.sweeps.sweep import Sweep
@@ -201,10 +201,10 @@ def _documented(name: str, thing: Any) -> str:
 GENERATED = {
     "case-keys": case_keys,
     "commands": commands,
-    "results": partial(schema_table, RESULT),
-    "nodes": partial(schema_table, NODE_RESULT),
-    "sweeps": partial(schema_table, SWEEP),
-    "node-sweeps": partial(schema_table, NODE_SWEEP),
+    "results": partial(schema_table, BEAMS.result),
+    "nodes": partial(schema_table, NODES.result),
+    "sweeps": partial(schema_table, BEAMS.sweep),
+    "node-sweeps": partial(schema_table, NODES.sweep),
     "run-figures": partial(figures, RUN_FIGURES, drawn=True),
     "node-figures": partial(figures, NODE_FIGURES, drawn=False),
     "sweep-figures": partial(figures, SWEEP_FIGURES, drawn=False),

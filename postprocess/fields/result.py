@@ -81,17 +81,19 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     like = {"rotor_line": "rotor_thickness", "blade": "tip_angle"}
     constant = {
         name: xr.zeros_like(dataset[like[variable.dimensions[0]]]).assign_attrs(variable.attributes)
-        for name, variable in schema.STATIC.items()
+        for name, variable in schema.BEAMS.stage.items()
         if (name.endswith("_change") or variable.since == 4) and name not in dataset
     }
     if "tip_recess" in constant:
         constant["tip_recess"] += recess_at_rest(dataset)
     for name in ("rotor_backward_frequency", "rotor_forward_frequency"):
         if name not in dataset:
-            constant[name] = dataset["rotor_frequency"].assign_attrs(schema.STATIC[name].attributes)
+            attributes = schema.BEAMS.stage[name].attributes
+            constant[name] = dataset["rotor_frequency"].assign_attrs(attributes)
     if "closing_work" not in dataset and "normal_work" in dataset:
+        attributes = schema.BEAMS.history["closing_work"].attributes
         unknown = xr.full_like(dataset["normal_work"], np.nan)
-        constant["closing_work"] = unknown.assign_attrs(schema.HISTORY["closing_work"].attributes)
+        constant["closing_work"] = unknown.assign_attrs(attributes)
     complete = dataset.assign(constant) if constant else dataset
     return complete.assign_coords(indices).set_coords(described)
 
@@ -109,7 +111,7 @@ def result_of(
         attributes: attributes of the result.
     """
     tables = schema.tables_of(attributes)
-    variables = {**schema.RESULT, **tables.history, **tables.stage, **tables.coating}
+    variables = {**schema.BEAMS.result, **tables.history, **tables.stage, **tables.coating}
     described = {field.name: np.asarray(getattr(stage, field.name)) for field in fields(stage)}
     dataset = xr.Dataset(
         {
@@ -131,8 +133,10 @@ def stage_dataset(arrays: StageArrays, motion: Mapping[str, Array] | None = None
         arrays: arrays that describe the stage.
         motion: `time`, `rotor_displacement`, `casing_displacement` and other histories.
     """
-    values = {name: getattr(arrays, name) for name in schema.STATIC} | dict(motion or {})
-    return xr.Dataset({name: _entry(schema.RESULT[name], each) for name, each in values.items()})
+    values = {name: getattr(arrays, name) for name in schema.BEAMS.stage} | dict(motion or {})
+    return xr.Dataset(
+        {name: _entry(schema.BEAMS.result[name], each) for name, each in values.items()}
+    )
 
 
 def _entry(variable: schema.Variable, values: Any) -> tuple[Any, Array, dict[str, str]]:

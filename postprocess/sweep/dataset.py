@@ -23,7 +23,6 @@ from bladewhirl.solvers.march.schema import (
     BEAMS,
     NODES,
     SCREENING,
-    SWEEP,
     SWEEP_FORMAT,
     Tables,
     Variable,
@@ -125,7 +124,7 @@ def groups_of(nodal_diameters: int) -> tuple[str, ...]:
 
 def flag(variable: str, meaning: str) -> int:
     """Return the integer code by which a variable stores a meaning, such as a regime."""
-    return SWEEP[variable].labels.index(meaning)
+    return BEAMS.sweep[variable].labels.index(meaning)
 
 
 def checksum(
@@ -259,7 +258,7 @@ def _fault(dataset: xr.Dataset) -> str:
 
 
 def _changed(dataset: xr.Dataset, made_by: int) -> str:
-    if made_by < SWEEP["checksum"].since or dataset.nbytes > CHECKED_BYTES:
+    if made_by < BEAMS.sweep["checksum"].since or dataset.nbytes > CHECKED_BYTES:
         return ""
     coordinates = [dataset[name].values for name in stored_coordinates(dataset)]
     point = changed_point(

@@ -17,7 +17,7 @@ from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Complex, spe
 from bladewhirl.postprocess.sweep.dataset import MODE_LINES, SECTIONS, WINDOW_SHARE, Layout, flag
 
 Digest = dict[str, np.ndarray]
-"""Arrays by name; `Layout` determines their shapes and `SWEEP` their dtypes."""
+"""Arrays by name; `Layout` determines their shapes and `BEAMS.sweep` their dtypes."""
 
 
 def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> Digest:

@@ -1,8 +1,7 @@
 """The schema of result.nc and sweep.nc: variables with their dimensions, units and meanings.
 
 The schema is the table schema.csv in the folder of this module. The schema determines the files
-that are written and read; `schema_table` returns it as text. `HISTORY` has the names of the fields
-of `Chunk`, `STATIC` the names of the fields of `StageArrays`.
+that are written and read; `schema_table` returns it as text.
 """
 
 import csv
@@ -73,46 +72,29 @@ def _read(table: str) -> dict[str, Variable]:
     }
 
 
-HISTORY: Mapping[str, Variable] = _read("history")
-"""Variables of result.nc that are recorded over time."""
+class Tables(NamedTuple):
+    """Variables of the results and the sweeps of one kind of model, by name."""
 
-STATIC: Mapping[str, Variable] = _read("stage")
-"""Variables of result.nc that are known before the march."""
+    history: Mapping[str, Variable]  #: recorded over time
+    coating: Mapping[str, Variable]  #: of an abradable coating, if there is one
+    stage: Mapping[str, Variable]  #: known before the march
+    names: Mapping[str, Variable]  #: names or numbers along a dimension
+    sweep: Mapping[str, Variable]  #: variables of sweep.nc, stored for every point of a sweep
 
-COATING: Mapping[str, Variable] = _read("coating")
-"""Variables of result.nc if the casing has a coating."""
+    @property
+    def result(self) -> dict[str, Variable]:
+        """All variables of a result."""
+        return {**self.history, **self.coating, **self.stage, **self.names}
 
-INDICES: Mapping[str, Variable] = _read("index")
-"""Variables of result.nc with names or numbers along a dimension."""
 
-NODE_HISTORY: Mapping[str, Variable] = _read("node-history")
-"""Variables of the result of a superelement that are recorded over time."""
+PARTS = ("history", "coating", "stage", "index", "sweep")
 
-NODE_STATIC: Mapping[str, Variable] = _read("node-stage")
-"""Variables of the result of a superelement that are known before the march."""
+BEAMS = Tables(*map(_read, PARTS))
+"""Variables for stages of beams: `history` has the names of the fields of `Chunk`, `stage` those of
+`StageArrays`."""
 
-NODE_COATING: Mapping[str, Variable] = _read("node-coating")
-"""Variables of the result of a superelement if the wall has a coating."""
-
-NODE_INDICES: Mapping[str, Variable] = _read("node-index")
-"""Names along the dimensions of the result of a superelement."""
-
-NODE_RESULT: Mapping[str, Variable] = {
-    **NODE_HISTORY,
-    **NODE_COATING,
-    **NODE_STATIC,
-    **NODE_INDICES,
-}
-"""All variables of the result of a superelement."""
-
-RESULT: Mapping[str, Variable] = {**HISTORY, **COATING, **STATIC, **INDICES}
-"""All variables of result.nc."""
-
-SWEEP: Mapping[str, Variable] = _read("sweep")
-"""Variables of sweep.nc, which are stored for every point of a sweep."""
-
-NODE_SWEEP: Mapping[str, Variable] = _read("node-sweep")
-"""Variables of sweep.nc for every point of a sweep of a superelement."""
+NODES = Tables(*(_read(f"node-{name}") for name in PARTS))
+"""Variables for superelements."""
 
 SCREENING: Mapping[str, Variable] = _read("screening")
 """Variables of sweep.nc if points are screened."""
@@ -121,28 +103,14 @@ MODEL, SUPERELEMENT = "model", "superelement"
 """Attribute of a result or a sweep with the kind of its model, and the value for a superelement."""
 
 
-class Tables(NamedTuple):
-    """Variables of the results and the sweeps of one kind of model."""
-
-    history: Mapping[str, Variable]
-    stage: Mapping[str, Variable]
-    names: Mapping[str, Variable]
-    coating: Mapping[str, Variable]
-    sweep: Mapping[str, Variable]
-
-
-BEAMS = Tables(HISTORY, STATIC, INDICES, COATING, SWEEP)
-NODES = Tables(NODE_HISTORY, NODE_STATIC, NODE_INDICES, NODE_COATING, NODE_SWEEP)
-
-
 def tables_of(attributes: Mapping[str, Any]) -> Tables:
     """Return the variables of a result or a sweep with these attributes."""
     return NODES if attributes.get(MODEL) == SUPERELEMENT else BEAMS
 
 
 def index_values(name: str, size: int) -> NDArray[np.int64] | NDArray[np.object_]:
-    """Return the values of a variable of `INDICES`: names, or numbers from 0 to size - 1."""
-    labels = {**INDICES, **NODE_INDICES}[name].labels
+    """Return the values of a variable of `Tables.names`: names, or numbers from 0 to size - 1."""
+    labels = {**BEAMS.names, **NODES.names}[name].labels
     return np.array(labels, dtype=object) if labels else np.arange(size)
 
 
@@ -150,7 +118,7 @@ def schema_table(file: Mapping[str, Variable]) -> str:
     """Return a Markdown table with a row for each variable of a file, for the documentation.
 
     Args:
-        file: `RESULT`, `NODE_RESULT`, `SWEEP` or `NODE_SWEEP`.
+        file: `result` or `sweep` of `BEAMS` or `NODES`.
     """
     return "\n".join(_rows(file)) + "\n"
 

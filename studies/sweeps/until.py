@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from bladewhirl.postprocess.sweep.dataset import DONE
 from bladewhirl.postprocess.sweep.shares import settled, wilson
-from bladewhirl.solvers.march.schema import SWEEP
+from bladewhirl.solvers.march.schema import BEAMS
 from bladewhirl.studies.sweeps.points import Failure, Outcome
 
 UNKNOWN, FAILED = -1, -2  #: codes of random draws without a regime
 
-REGIMES = np.arange(1, len(SWEEP["regime"].labels))
+REGIMES = np.arange(1, len(BEAMS.sweep["regime"].labels))
 """Codes of the regimes; zero means that there is no regime yet."""
 
 

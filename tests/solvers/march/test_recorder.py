@@ -18,7 +18,7 @@ from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords
 from bladewhirl.solvers.march.recorder import Attribute, NonFiniteError, Recorder, result_bytes
-from bladewhirl.solvers.march.schema import COATING, HISTORY, INDICES, RESULT, STATIC
+from bladewhirl.solvers.march.schema import BEAMS
 
 SMALL = {
     "bladed_disk.blades": 5,
@@ -60,7 +60,7 @@ def made_up(stage: StageArrays, first: int, count: int) -> Chunk:
     }
     number = np.arange(first, first + count)
     values: dict[str, Any] = {"step": 100 * number, "time": 1e-4 * number}
-    for place, (name, variable) in enumerate(HISTORY.items()):
+    for place, (name, variable) in enumerate(BEAMS.history.items()):
         if name == "time":
             continue
         width = [sizes[dimension] for dimension in variable.dimensions[1:]]
@@ -72,18 +72,18 @@ def made_up(stage: StageArrays, first: int, count: int) -> Chunk:
 
 
 def test_the_layout_covers_everything_there_is() -> None:
-    assert [*STATIC] == [field.name for field in fields(StageArrays)]
-    assert {*HISTORY} == {field.name for field in fields(Chunk)} - {"step", "coating"}
-    assert {*COATING} - {"rod_angle"} == {field.name for field in fields(CoatingRecords)}
+    assert [*BEAMS.stage] == [field.name for field in fields(StageArrays)]
+    assert {*BEAMS.history} == {field.name for field in fields(Chunk)} - {"step", "coating"}
+    assert {*BEAMS.coating} - {"rod_angle"} == {field.name for field in fields(CoatingRecords)}
 
 
 def test_what_a_stage_has_none_of_is_left_out(tmp_path: Path) -> None:
     with Recorder(tmp_path / "result.nc", small_stage(), ATTRIBUTES) as recorder:
         recorder.write(made_up(small_stage(), 0, 1))
     with xr.open_dataset(tmp_path / "result.nc") as actual:
-        missing = {*STATIC} - {*actual.variables}
+        missing = {*BEAMS.stage} - {*actual.variables}
         hung = {"rotor_link", "rotor_spring", "mass_node", "point_mass"}
-        assert missing == {name for name in STATIC if name.startswith("support_")} | hung
+        assert missing == {name for name in BEAMS.stage if name.startswith("support_")} | hung
         assert "support" not in actual.sizes
 
 
@@ -98,15 +98,15 @@ def test_a_result_grows_and_reads_back_to_the_last_bit(tmp_path: Path) -> None:
         recorder.finish("completed", "", {"wall_time": 0.5})
     whole = made_up(stage, 0, 208)
     with xr.open_dataset(tmp_path / "result.nc") as actual:
-        assert {*actual.variables} == {*RESULT} - {*COATING}
-        for name, variable in {**HISTORY, **STATIC, **INDICES}.items():
+        assert {*actual.variables} == {*BEAMS.result} - {*BEAMS.coating}
+        for name, variable in {**BEAMS.history, **BEAMS.stage, **BEAMS.names}.items():
             assert actual[name].dims == variable.dimensions
             assert actual[name].attrs["units"] == variable.units
             assert actual[name].attrs["long_name"] == variable.long_name
             kind = actual[name].dtype.kind
             assert kind in "OU" if variable.kind == "str" else kind == variable.kind[0]
             assert name in actual.coords or not variable.is_coordinate
-        for name in HISTORY:
+        for name in BEAMS.history:
             np.testing.assert_array_equal(actual[name].values, getattr(whole, name))
         for field in fields(StageArrays):
             given = np.asarray(getattr(stage, field.name))
@@ -127,7 +127,7 @@ def test_variables_and_dimensions_are_those_postprocess_is_tested_with(tmp_path:
     with Recorder(tmp_path / "result.nc", stage, attributes) as recorder:
         recorder.write(made_up(stage, 0, 1))
     with open_result(tmp_path) as actual:
-        assert {*model.variables} == {*actual.variables} - {*INDICES}
+        assert {*model.variables} == {*actual.variables} - {*BEAMS.names}
         for name, variable in model.variables.items():
             assert actual[name].dims == variable.dims
             text = variable.dtype.kind in "UO"

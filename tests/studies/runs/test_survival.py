@@ -12,7 +12,7 @@ import pytest
 from small_run import COMMAND, SMALL, assert_same_bits, broken_off, run_script, small
 
 import bladewhirl as bw
-from bladewhirl.solvers.march.schema import HISTORY, RESULT_NAME
+from bladewhirl.solvers.march.schema import BEAMS, RESULT_NAME
 from bladewhirl.solvers.march.scheme import KERNEL
 from bladewhirl.studies.runs.folder import check_free
 from bladewhirl.studies.runs.place import locked
@@ -145,7 +145,7 @@ def assert_begins(folder: Path, whole: Path) -> None:
     """Assert that a result has the first 400 records of another, and that of the start."""
     with bw.open_result(folder) as left, bw.open_result(whole) as right:
         assert left.sizes["time"] == 401
-        for name in HISTORY:
+        for name in BEAMS.history:
             np.testing.assert_array_equal(left[name].values, right[name].values[:401])
 
 
@@ -154,7 +154,7 @@ def test_a_header_longer_than_what_was_vouched_for_is_read_up_to_there(
 ) -> None:
     """As a kill in mid-write leaves it: lengths that promise records which never came."""
     with flushed(whole, tmp_path) as file:
-        for number, name in enumerate(HISTORY):
+        for number, name in enumerate(BEAMS.history):
             file[name].resize(1200 - number, axis=0)
             file[name][401:] = 0
     assert_begins(tmp_path, whole)
@@ -166,7 +166,7 @@ def test_pieces_of_a_write_that_a_kill_cut_off_are_never_asked_for(
     """A kill within a flush: lengths are on disk and where their pieces lie, the pieces aren't."""
     with flushed(whole, tmp_path) as file:
         piece = file["time"].chunks[0]
-        for name in HISTORY:
+        for name in BEAMS.history:
             file[name].resize(2 * piece, axis=0)
         file["time"][piece:] = 1.0
         at = file["time"].id.get_chunk_info_by_coord((piece,)).byte_offset
