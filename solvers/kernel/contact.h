@@ -306,10 +306,8 @@ static int64_t contact_multipliers(int64_t *trial, const Stage *stage, State *st
             return size;
         }
         released = active_multipliers(gap, state->held.at, c, size, *trial > MENDED_TOGETHER);
-        if (released > 0) {
+        if (released > 0)
             *trial += 1;
-            state->counts.at[PIVOTS] += 1.0;
-        }
         together = released < 0 || (released == 0 && *trial > MENDED_TOGETHER + 4 * tips);
     }
     return size;

@@ -220,7 +220,6 @@ static inline int solve_step(March *m, int64_t step, int64_t *penetrating)
             return within;
         if (join_contacts(f->gap.at, &state->held, trial > MENDED_TOGETHER) == 0)
             return within;
-        state->counts.at[PIVOTS] += 1.0;
     }
 }
 

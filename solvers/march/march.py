@@ -107,7 +107,6 @@ class Statistics:
     contact_steps: int = 0  #: number of steps with contact
     complementarity_residual: float = 0.0
     """Largest residual of all steps (see `CentralDifference`)."""
-    pivots: int = 0  #: number of changes of the active set (tips in contact) after the first guess
     lcp_failures: int = 0  #: number of steps whose complementarity problem was not solved exactly
 
 
@@ -126,7 +125,6 @@ class KernelState:
             steps=self.step,
             contact_steps=int(counts[lib.CONTACT_STEPS]),
             complementarity_residual=float(counts[lib.RESIDUAL]),
-            pivots=int(counts[lib.PIVOTS]),
             lcp_failures=int(counts[lib.UNSOLVED]),
         )
 

@@ -30,24 +30,6 @@ class Coincidences:
     nodal_diameter: IntArray  #: nodal diameter k of both modes, 1 or more, (pairs,)
     speed: FloatArray  #: Omega_k^cr [rad/s], (pairs,)
 
-    @property
-    def count(self) -> int:
-        """Number of pairs."""
-        return len(self.speed)
-
-    def between(self, lowest: float, highest: float) -> "Coincidences":
-        """Return the coincidences from ``lowest`` to ``highest`` [rad/s], limits included."""
-        return self.take(np.flatnonzero((self.speed >= lowest) & (self.speed <= highest)))
-
-    def take(self, chosen: IntArray) -> "Coincidences":
-        """Return the pairs at the chosen positions."""
-        return Coincidences(
-            rotor=self.rotor[chosen],
-            casing=self.casing[chosen],
-            nodal_diameter=self.nodal_diameter[chosen],
-            speed=self.speed[chosen],
-        )
-
 
 def coincidences(
     *,

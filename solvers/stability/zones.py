@@ -90,7 +90,12 @@ def unstable_zones(
                 rotor=rotor,
             )
         )
-    return _join(zones)
+    none, numbers = np.zeros(0), np.zeros(0, dtype=np.int64)
+    empty = UnstableZones(
+        kappa=none, lower=none, upper=none, growth=none, casing=numbers, rotor=numbers
+    )
+    parts = [vars(part) for part in (empty, *zones)]
+    return UnstableZones(**{name: np.concatenate([p[name] for p in parts]) for name in vars(empty)})
 
 
 def exchanges(
@@ -232,13 +237,3 @@ def _growing_mode(
     size = np.zeros((len(speed), modes.entries))
     np.add.at(size.T, modes.entry, np.abs(shape.T) ** 2)
     return values.real.max(axis=-1), size
-
-
-def _join(zones: list[UnstableZones]) -> UnstableZones:
-    """Join the rows of several results; without results the arrays are empty."""
-    none, numbers = np.zeros(0), np.zeros(0, dtype=np.int64)
-    empty = UnstableZones(
-        kappa=none, lower=none, upper=none, growth=none, casing=numbers, rotor=numbers
-    )
-    parts, names = [vars(part) for part in (empty, *zones)], vars(empty)
-    return UnstableZones(**{name: np.concatenate([p[name] for p in parts]) for name in names})

@@ -22,18 +22,16 @@ CASING_REFERENCE = (2, 0)
 """Indices of radial and tangential displacement among the DoF (u, u', w, w') of a casing node."""
 
 
-def steel(thickness: float, width: float = 0.1) -> Section:
+def steel(thickness: float) -> Section:
     """Return a rectangular section of the steel of all reference results."""
-    return Section(width=width, thickness=thickness, young_modulus=2.1e11, density=7800.0)
+    return Section(width=0.1, thickness=thickness, young_modulus=2.1e11, density=7800.0)
 
 
-def beam(
-    section: Section | Sequence[Section], elements: int, *, length: float = 1.0, angle: float = 0.0
-) -> Sketch:
+def beam(section: Section | Sequence[Section], elements: int, *, length: float = 1.0) -> Sketch:
     """Return a single beam from "clamp" to "end"."""
     sketch = Sketch()
     sketch.node("clamp", 0.0, shared=True)
-    sketch.node("end", length * np.cos(angle), length * np.sin(angle))
+    sketch.node("end", length)
     sketch.member("beam", "clamp", "end", section, elements=elements)
     sketch.set("centre", "clamp")
     sketch.set("tips", "end")

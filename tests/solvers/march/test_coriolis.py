@@ -16,7 +16,6 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.verification.stages import observed_order
-from bladewhirl.studies.verification.whirl import stage_at_speed
 
 
 @cache
@@ -49,7 +48,7 @@ def test_dampers_that_stand_still_in_a_case() -> None:
     for speed in (1.05, -1.05):
         given = turning_stage("imbalance", *dampers, f"march.speed={speed}")
         assert given.rotor.circulation == pytest.approx(2e4 * given.speed, rel=1e-12)
-    assert stage_at_speed("0.01", damper=2e4).rotor.circulation == 0.0
+    assert turning_stage("imbalance", dampers[0]).rotor.circulation == 0.0
     with pytest.raises(CaseError, match=r'damping_frame = "static": expected "rotating", or rot'):
         case_from({"shaft": {"damping_frame": "static"}})
     with pytest.raises(

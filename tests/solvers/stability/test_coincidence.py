@@ -24,7 +24,7 @@ def stage() -> Coincidences:
 
 def test_every_pair_of_one_nodal_diameter_has_its_speed() -> None:
     actual = stage()
-    assert actual.count == 6
+    assert len(actual.speed) == 6
     expected = {
         (3, 3): (1.02 + 0.64) / 2,
         (1, 1): 1.055,
@@ -47,13 +47,6 @@ def test_corotating_waves_never_coincide() -> None:
             if k == wall_k and k > 0:
                 apart = abs(CASING[wall] - ROTOR[mode]) / k
                 assert not np.isclose(actual.speed, apart).any()
-
-
-def test_speeds_inside_a_range_with_its_ends() -> None:
-    inside = stage().between(0.83, 2.555)
-    np.testing.assert_allclose(inside.speed, [0.83, 1.055, 2.555])
-    assert list(inside.rotor) == [3, 1, 2]
-    assert stage().between(1.1, 2.0).count == 0
 
 
 @given(rotor=st.floats(0.1, 100.0), casing=st.floats(0.0, 100.0), k=st.integers(1, 20))
