@@ -93,27 +93,16 @@ class CentralDifference:
         amplitudes = np.array(
             [np.cos(load.phase) * (load.ramp <= 0.0) * (load.end > 0.0) for load in problem.loads]
         )
-        pulls = initial_spring_forces(problem)
-        turning = problem.rotor.turning_force(start.rotor, start.rotor_velocity)
+        springs = -problem.spring_stiffness(0.0) @ np.concatenate([start.rotor, start.casing])
+        pulls = np.split(springs, [len(start.rotor)])
+        pulls[0] = pulls[0] + problem.rotor.turning_force(start.rotor, start.rotor_velocity)
         slots = []
-        for body, loads, arrangement, x, v, pull in (
-            (
-                problem.rotor,
-                [load.rotor for load in problem.loads],
-                self._arrangements[0],
-                start.rotor,
-                start.rotor_velocity,
-                pulls[0] + turning,
-            ),
-            (
-                problem.casing,
-                [load.casing for load in problem.loads],
-                self._arrangements[1],
-                start.casing,
-                start.casing_velocity,
-                pulls[1],
-            ),
+        for name, arrangement, pull in zip(
+            ("rotor", "casing"), self._arrangements, pulls, strict=True
         ):
+            body = getattr(problem, name)
+            x, v = getattr(start, name), getattr(start, f"{name}_velocity")
+            loads = [getattr(load, name) for load in problem.loads]
             force = amplitudes @ np.reshape(loads, (len(loads), len(x))) + pull
             frequency = np.abs(body.frequency)
             drag = 2.0 * body.damping_ratio * frequency * v + body.dampers.T @ (body.dampers @ v)
@@ -280,14 +269,6 @@ def initial_gap(problem: ContactProblem, time: float = 0.0) -> FloatArray:
     if problem.foreshortening is not None:
         gap = gap + problem.foreshortening.opening(start.rotor)
     return np.asarray(gap)
-
-
-def initial_spring_forces(problem: ContactProblem) -> tuple[FloatArray, FloatArray]:
-    """Return the modal forces on rotor and on casing at t = 0 due to coupling springs and to
-    unequal shaft springs in the static frame."""
-    start = problem.start
-    force = -problem.spring_stiffness(0.0) @ np.concatenate([start.rotor, start.casing])
-    return force[: len(start.rotor)], force[len(start.rotor) :]
 
 
 def _numbers(problem: ContactProblem, dt: float) -> Struct:

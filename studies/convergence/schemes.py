@@ -1,7 +1,6 @@
 """Comparison of the contact schemes on one case: displacement, impulse, energy and cost."""
 
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +15,7 @@ from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk, joined, march
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
 from bladewhirl.studies.runs.prepare import AnyPrepared, prepare_stage
-
-Progress = Callable[[int, int], None]
-"""Called with the numbers of finished steps and of all steps, over all schemes."""
+from bladewhirl.studies.sweeps.cache import Progress
 
 WORKS = ("external_work", "normal_work", "friction_work", "coupling_work")
 
@@ -51,7 +48,7 @@ def compare_schemes(
         case: case to march; its scheme is ignored.
         directory: folder for a figure and its data; nothing is written if None.
         overwrite: whether to write into an existing folder.
-        progress: called with the numbers of finished steps and of all steps.
+        progress: called with the numbers of finished steps and of all steps, over all schemes.
 
     Returns:
         Histories over (`scheme`, `time`), NaN where a march ended early, and numbers over `scheme`:
