@@ -1,4 +1,5 @@
-"""Records of a march on disk: `result.nc`, a netCDF-4 file that grows during the march.
+"""Records of a march on disk, in `result.nc`, a netCDF-4 file that grows during the march, or in
+memory, for marches whose histories are not written to a file.
 
 Every variable has named dimensions, units and a long name. Flushed data remain if the process is
 killed. Only h5py can flush a file, so the file is opened with h5py and passed to h5netcdf. Records
@@ -20,7 +21,7 @@ from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.contact_problem import rod_angles
 from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
 from bladewhirl.solvers.march.boundary import BoundaryChunk
-from bladewhirl.solvers.march.march import Chunk, CoatingRecords
+from bladewhirl.solvers.march.march import Chunk, CoatingRecords, joined
 from bladewhirl.solvers.march.schema import (
     BEAMS,
     NODES,
@@ -52,6 +53,10 @@ enough to waste little space in a short run."""
 
 STRUCTURE_BYTES = 100_000
 """Approximate size of names, attributes and chunk indices in a result."""
+
+
+CASING = ("casing_displacement", "casing_velocity")
+"""Histories of the motion of the casing."""
 
 
 class NonFiniteError(ArithmeticError):
@@ -194,6 +199,76 @@ class Recorder(AbstractContextManager["Recorder"]):
             name, variable.dimensions, variable.kind, chunks=(rows, *widths)
         )
         created.attrs.update(variable.attributes)
+
+
+class Records:
+    """Store of the records of a march in memory, with the interface of `Recorder`.
+
+    Args:
+        stage: arrays that describe the stage.
+        attributes: attributes of the result.
+        most: largest number of records, for which memory is allocated.
+        room: arrays of an earlier march whose records are no longer needed. Large enough arrays are
+            reused, because new memory pages cost more time than writing.
+        casing: whether the motion of the casing is stored.
+    """
+
+    def __init__(
+        self,
+        stage: Arrays,
+        attributes: Mapping[str, Attribute],
+        most: int,
+        room: dict[str, Values] | None = None,
+        casing: bool = True,
+    ) -> None:
+        self.stage, self.records, self.steps = stage, 0, 0
+        self.attributes = dict(attributes)
+        sizes = sizes_of(stage)
+        self._coating: list[CoatingRecords] = []
+        self._room: dict[str, Values] = {} if room is None else room
+        self._history = tables_of_stage(stage).history
+        self._stored = [name for name in self._history if casing or name not in CASING]
+        for name in self._stored:
+            variable = self._history[name]
+            widths, stored = widths_of(variable, sizes), self._room.get(name)
+            if stored is None or len(stored) < most or stored.shape[1:] != widths:
+                self._room[name] = np.empty((most, *widths), dtype=variable.kind)
+
+    @property
+    def histories(self) -> dict[str, Values]:
+        """All records that are stored, by the names of the schema."""
+        histories = {name: self._room[name][: self.records] for name in self._stored}
+        if self._coating:
+            coating = vars(joined(self._coating))
+            for name, variable in tables_of_stage(self.stage).coating.items():
+                if name in coating:
+                    most = self.records if variable.dimensions[0] == TIME else None
+                    histories[name] = coating[name][:most]
+            histories["rod_angle"] = rod_angles(coating["coating_strain"].shape[-1])
+        return histories
+
+    def write(self, chunk: AnyChunk) -> None:
+        """Append records.
+
+        Raises:
+            NonFiniteError: a record is not finite; this record and all later ones are left out.
+        """
+        history = {name: np.asarray(getattr(chunk, name)) for name in self._history}
+        finite = finite_records(history)
+        last = self.records + finite
+        for name in self._stored:
+            self._room[name][self.records : last] = history[name][:finite]
+        self.records = last
+        if chunk.coating is not None:
+            self._coating.append(chunk.coating)
+        if finite:
+            self.steps = int(chunk.step[finite - 1])
+        if finite < chunk.records:
+            raise NonFiniteError(f"record {last} is not finite")
+
+    def finish(self, reason: str, message: str, report: Mapping[str, Attribute]) -> None:
+        """Store the reason of the end, a message and the quality measures of the march."""
+        self.attributes |= {"end_reason": reason, "end_message": message, **report}
 
 
 def result_bytes(stage: Arrays, records: int, blades: int | None = None) -> int:

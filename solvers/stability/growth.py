@@ -1,4 +1,4 @@
-"""Growth rates and spectra of the coupled rotor and casing (Section 3.3.1).
+"""Growth rates and spectra of the coupled rotor and casing (Section 3.3.1, Fig. 12).
 
 If all modes of a nodal diameter are cosine/sine pairs, complex coordinates z = y_c + i y_s =
 X exp(i mu t) give an eigenvalue problem of half the size of Eq. (21); see
@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 import scipy.linalg as la
 from numpy.typing import ArrayLike
+from scipy.optimize import linear_sum_assignment
 
 from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray
 from bladewhirl.models.coupling.equations import CoupledEquations, companion
@@ -97,6 +98,32 @@ def growth_rate(
             if progress is not None:
                 progress(done, speed.size)
     return np.concatenate(growth).reshape(speed.shape) + 0.0  # no negative zeros
+
+
+def track(parameter: FloatArray, values: ComplexArray) -> ComplexArray:
+    """Reorder spectra along a line of parameters so that each column is one continuous branch.
+
+    The branches are extrapolated linearly to the next parameter, and the eigenvalues there are
+    assigned to the branches with the least sum of squared distances. Branches that cross therefore
+    keep their direction. Beyond a point at which two branches coincide, the order of the two is
+    arbitrary.
+
+    Args:
+        parameter: position along the line, strictly monotonic, (m,).
+        values: spectra in any order, (m, n).
+
+    Returns:
+        the reordered rows of `values`, (m, n); the first row keeps its order.
+    """
+    branches = np.array(values)
+    for i in range(1, len(branches)):
+        expected = branches[i - 1]
+        if i > 1:
+            share = (parameter[i] - parameter[i - 1]) / (parameter[i - 1] - parameter[i - 2])
+            expected = expected + share * (branches[i - 1] - branches[i - 2])
+        distance = np.abs(expected[:, None] - branches[i][None, :]) ** 2
+        branches[i] = branches[i][linear_sum_assignment(distance)[1]]
+    return branches
 
 
 def coincidence_speeds(modes: CouplingModes) -> dict[tuple[int, int], float]:

@@ -38,10 +38,10 @@ from bladewhirl.solvers.march.recorder import (
     AnyChunk,
     NonFiniteError,
     Recorder,
+    Records,
     Values,
     result_bytes,
 )
-from bladewhirl.solvers.march.records import Records
 from bladewhirl.solvers.march.schema import NODES, tables_of
 from bladewhirl.studies.runs import folder, march_texts
 from bladewhirl.studies.runs.interrupts import asked_to_stop

@@ -14,8 +14,8 @@ from bladewhirl.solvers.stability.growth import (
     growth_rate,
     is_unstable,
     rotor_waves,
+    track,
 )
-from bladewhirl.solvers.stability.tracking import track
 from bladewhirl.solvers.stability.zones import unstable_zones
 
 
