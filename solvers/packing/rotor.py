@@ -39,8 +39,8 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
     """
     rotor = problem.rotor
     tips, modes = rotor.tip_radial.shape
+    inverse, turning = rotor_inverse(rotor, dt), rotor.by_velocity is not None
     if cyclic:
-        turning = rotor.by_velocity is not None
         harmonics = Harmonics(tips, fold=False, unit=lib.HALF, alone=turning)
         arrangement = harmonics.arrangement(harmonics.place[rotor.column])
         radial, across = harmonics.amplitudes(rotor.tip_radial, rotor.column)
@@ -56,7 +56,7 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
         shape, cross_shape = map(arrangement.pack, (rotor.tip_radial, rotor.tip_tangential))
     # radial response of the tips to unit forces at the tips
     pressed, dragged = (
-        rows @ rotor_inverse(rotor, dt).T @ rotor.tip_radial.T
+        (rows @ inverse.T if turning else rows * inverse.diagonal()) @ rotor.tip_radial.T
         for rows in (rotor.tip_radial, rotor.tip_tangential)
     )
     spread = aligned_copy(shape)
@@ -69,7 +69,7 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
             loads,
             arrangement,
             dt,
-            coupled=rotor.by_velocity is not None,
+            coupled=turning,
         ),
         radial=arrangement.grid(radial),
         tangential=arrangement.grid(tangential),
