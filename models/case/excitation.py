@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import (
     BeforeValidator,
     Discriminator,
@@ -16,8 +17,10 @@ from pydantic_core import PydanticCustomError
 from bladewhirl.models.inputs.fields import (
     PositiveSpeed,
     TimeOrZero,
+    converted,
     count,
     expectation,
+    listed,
     number,
     quantity,
 )
@@ -25,28 +28,10 @@ from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.units import Speed
 
 
-def _read(validator: BeforeValidator, value: Any) -> Any:
-    """Return a value as the validator of a key converts it."""
-    convert: Any = validator.func
-    return convert(value)
-
-
-def _listed(value: Any, phrase: str) -> list[Any]:
-    """Return the items of a list, a tuple or an array.
-
-    Raises:
-        PydanticCustomError: the value is not a list, or is empty.
-    """
-    value = value.tolist() if hasattr(value, "tolist") else value
-    if not isinstance(value, list | tuple) or not value:
-        raise expectation(phrase)
-    return list(value)
-
-
 def _orders(value: Any) -> tuple[int, ...]:
     phrase = "an engine order, a whole number of zero or more, or a list of different ones"
-    items = _listed(value, phrase) if hasattr(value, "__len__") else [value]
-    orders = tuple(int(_read(count(0), item)) for item in items)
+    items = listed(value, phrase) if hasattr(value, "__len__") else (value,)
+    orders = tuple(int(converted(count(0), item)) for item in items)
     if len(set(orders)) < len(orders):
         raise expectation(phrase)
     return orders
@@ -56,8 +41,8 @@ def _position(value: Any) -> str | float | tuple[float, float]:
     phrase = '"tip", a number from 0 (root) to 1 (tip), two such numbers, or the name of a node set'
     if isinstance(value, str) and value:
         return value
-    items = _listed(value, phrase) if hasattr(value, "__len__") else [value]
-    shares = [float(_read(number("not negative"), item)) for item in items]
+    items = listed(value, phrase) if hasattr(value, "__len__") else (value,)
+    shares = [float(converted(number("not negative"), item)) for item in items]
     if len(shares) > 2 or shares != sorted(set(shares)) or shares[-1] > 1.0:
         raise expectation(phrase)
     return shares[0] if len(shares) == 1 else (shares[0], shares[1])
@@ -65,14 +50,14 @@ def _position(value: Any) -> str | float | tuple[float, float]:
 
 def _amplitude(value: Any, info: ValidationInfo) -> float:
     spread = isinstance((info.data or {}).get("position"), tuple)
-    return float(_read(quantity("N/m" if spread else "N", "not negative"), value))
+    return float(converted(quantity("N/m" if spread else "N", "not negative"), value))
 
 
 def _direction(value: Any) -> str | float:
     if value in ("tangential", "radial"):
         return str(value)
     try:
-        return float(_read(quantity("rad", "any"), value))
+        return float(converted(quantity("rad", "any"), value))
     except PydanticCustomError:
         phrase = '"tangential", "radial" or an angle in rad or with a unit, such as "30 deg"'
         raise expectation(phrase) from None
@@ -81,17 +66,13 @@ def _direction(value: Any) -> str | float:
 def _phases(value: Any) -> float | tuple[float, ...]:
     angle = quantity("rad", "any")
     if isinstance(value, str) or not hasattr(value, "__len__"):
-        return float(_read(angle, value))
-    return tuple(_read(angle, item) for item in _listed(value, "phases, one for each blade"))
+        return float(converted(angle, value))
+    return tuple(converted(angle, item) for item in listed(value, "phases, one for each blade"))
 
 
 def _factors(value: Any) -> tuple[float, ...]:
-    items = (
-        []
-        if isinstance(value, list | tuple) and not value
-        else _listed(value, "factors, one for each blade")
-    )
-    return tuple(_read(number("any"), item) for item in items)
+    items = listed(value, "factors, one for each blade", least=0)
+    return tuple(converted(number("any"), item) for item in items)
 
 
 LOWEST_SPEED = Speed(0.95)
@@ -196,6 +177,13 @@ class EngineOrder(Table):
     """Factors on the amplitude, one for each blade; 1 by default."""
     ramp: TimeOrZero = 0.0
     """Half-cosine ramp of the force [s], 0 for a step."""
+
+    @property
+    def inclination(self) -> float:
+        """Angle of the force from the radial direction towards +theta [rad]."""
+        if isinstance(self.direction, str):
+            return {"radial": 0.0, "tangential": 0.5 * np.pi}[self.direction]
+        return self.direction
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error if a static load has a phase for each blade."""

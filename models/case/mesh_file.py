@@ -9,12 +9,12 @@ from math import hypot
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PlainValidator, PrivateAttr, StrictStr
+from pydantic import Field, PlainValidator, PrivateAttr, StrictStr
 
 from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import LONGEST_VALUE, CaseError, Fault, shown
-from bladewhirl.models.inputs.fields import Length, expectation, positive
+from bladewhirl.models.inputs.fields import Length, expectation, file_path, positive
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.rectangular import BeamSection
 
@@ -22,13 +22,6 @@ KEY = "bladed_disk.mesh"
 
 SAME_PLACE = 1e-6
 """Two nodes closer than this fraction of the size of the mesh count as duplicates."""
-
-
-def _path(value: object) -> str:
-    """Return an absolute path, so that it is valid from every working directory."""
-    if not isinstance(value, str | os.PathLike) or "\0" in os.fspath(value):
-        raise expectation('the path of a mesh file such as "stage.msh"')
-    return os.path.abspath(value)
 
 
 def _metres(unit: str | float) -> float:
@@ -62,7 +55,7 @@ class MeshTable(Table):
     when the table is made, because the case needs the number of blades and their tips.
     """
 
-    file: Annotated[str, BeforeValidator(_path)]
+    file: Annotated[str, file_path('the path of a mesh file such as "stage.msh"')]
     """Path of a mesh file (.msh of Gmsh, .inp of Abaqus, or .vtu), relative to the case file."""
     unit: Annotated[str | float, PlainValidator(_unit)] = 1.0
     """Unit of length in the file, such as "mm", or its length in metres [m]."""

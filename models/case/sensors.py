@@ -22,12 +22,11 @@ RESERVED = ("time", "blade", "wear")
 """Names that a sensor must not have: coordinates of the signals, and wear.csv of a coating."""
 
 
-def _name(value: Any) -> str:
-    fits = isinstance(value, str) and re.fullmatch(r"(?:[A-Za-z0-9][A-Za-z0-9.-]{0,59})?", value)
-    if not fits or value.lower() in RESERVED:
-        phrase = "up to 60 letters, digits, dots and hyphens, as the name of a file, other than"
-        raise fields.expectation(f"{phrase} {', '.join(RESERVED)}")
-    return str(value)
+_NAME = fields.text(
+    re.compile(rf"(?!(?i:{'|'.join(RESERVED)})$)(?:[A-Za-z0-9][A-Za-z0-9.-]{{0,59}})?"),
+    "up to 60 letters, digits, dots and hyphens, as the name of a file, other than"
+    f" {', '.join(RESERVED)}",
+)
 
 
 def _within_a_turn(angle: float) -> float:
@@ -38,10 +37,8 @@ def _within_a_turn(angle: float) -> float:
 
 def _listed(value: Any) -> tuple[Any, ...]:
     value = value.tolist() if hasattr(value, "tolist") else value
-    items = tuple(value) if isinstance(value, list | tuple) else (value,)
-    if not items:
-        raise fields.expectation('an angle such as "90 deg", or a list of angles')
-    return items
+    items = value if isinstance(value, list | tuple) else [value]
+    return fields.listed(items, 'an angle such as "90 deg", or a list of angles')
 
 
 def _share(value: Any) -> float:
@@ -51,17 +48,17 @@ def _share(value: Any) -> float:
 
 
 def _blade(value: Any) -> Any:
-    number: Any = fields.count(0).func
     try:
-        return value if isinstance(value, str) and value == "all" else number(value)
+        if isinstance(value, str) and value == "all":
+            return value
+        return fields.converted(fields.count(0), value)
     except PydanticCustomError:
         raise fields.expectation('"all" or the number of a blade, from 0') from None
 
 
 def _noise(value: Any, info: ValidationInfo) -> float:
     unit = MOTION_UNITS[(info.data or {}).get("quantity", "displacement")]
-    read: Any = fields.quantity(unit, "not negative").func
-    return float(read(value))
+    return float(fields.converted(fields.quantity(unit, "not negative"), value))
 
 
 Angle = Annotated[fields.Angle, AfterValidator(_within_a_turn)]
@@ -72,7 +69,7 @@ class SensorTable(Table):
 
     type: str
     """"strain", "tip-timing", "wall" or "centre"."""
-    name: Annotated[str, BeforeValidator(_name)] = ""
+    name: Annotated[str, _NAME] = ""
     """Name of the signal and of its file NAME.csv; by default from the type and the position, such
     as "wall-90"."""
     sampling_rate: Annotated[float, fields.quantity("Hz")] | None = Field(

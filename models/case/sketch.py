@@ -1,27 +1,159 @@
 """Table of a case for a bladed disk drawn node by node, and checks that its parts fit together."""
 
+import re
 from collections import Counter
 from collections.abc import Iterator
 from functools import cached_property
 from itertools import chain
 from math import hypot
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
+from pydantic import StrictBool, StrictStr
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.sketch_parts import (
-    SketchEdit,
-    SketchLink,
-    SketchMass,
-    SketchMember,
-    SketchNode,
-    SketchSet,
-    SketchSpring,
-    split_reference,
+from bladewhirl.models.inputs.fields import (
+    Inertia,
+    Length,
+    Mass,
+    Position,
+    StiffnessOrZero,
+    count,
+    number,
+    quantity,
+    text,
 )
-from bladewhirl.models.inputs.fields import Length, count
 from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.sections.rectangular import Section
+
+_REFERENCE = re.compile(r"(?P<name>[A-Za-z_][\w ]*)(?P<shift>[+-]\d{1,6})?", re.ASCII)
+
+
+def split_reference(reference: str) -> tuple[str, int]:
+    """Split a reference into the name of the node and the offset of its sector."""
+    match = _REFERENCE.fullmatch(reference)
+    assert match is not None  # references are validated
+    return match["name"], int(match["shift"] or 0)
+
+
+Chosen = tuple[int, ...] | None
+"""Sectors that have a part; None for all."""
+
+Name = Annotated[
+    str,
+    text(
+        re.compile(r"[A-Za-z_][\w ]*", re.ASCII),
+        'a name of letters, digits, spaces and underscores such as "blade root"',
+    ),
+]
+Reference = Annotated[
+    str,
+    text(_REFERENCE, 'the name of a node, such as "root", or "root+1" in the next sector'),
+]
+Factor = Annotated[float, number("positive")]
+
+
+class SketchNode(Table):
+    """A node."""
+
+    name: Name
+    at: Position  #: x and y in sector 0 [m]
+    shared: StrictBool = False  #: one node for all sectors
+
+
+class SketchPart(Table):
+    """A part that refers to nodes."""
+
+    title: ClassVar[str]  #: beginning of the name of the part in messages
+    called: ClassVar[str] = "node"  #: key whose value completes this name
+    ends: ClassVar[tuple[str, ...]]  #: keys of the nodes to which the part refers
+
+    @property
+    def place(self) -> str:
+        """Name of the part in messages."""
+        return f"{self.title} {getattr(self, self.called)!r}"
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """Nodes to which the part refers, without the rotating frame."""
+        return tuple(node for key in self.ends if (node := getattr(self, key)) is not None)
+
+
+class SketchMember(SketchPart):
+    """Beams along a straight or curved centre line between two nodes."""
+
+    title, called, ends = "member", "name", ("first", "second")
+
+    name: Name
+    first: Reference
+    second: Reference
+    section: Section | None = None  #: section along the entire member
+    stations: tuple[Section, ...] = ()  #: sections at equal distances, in place of `section`
+    elements: Annotated[int, count(1)] = 1
+    path: tuple[Position, ...] = ()  #: points in between, in sector 0 [m]
+    part: Name | None = None  #: name of its line set; the name of the member if None
+    sectors: Chosen = None
+
+    @property
+    def line_set(self) -> str:
+        """Name of the line set that its elements belong to."""
+        return self.part or self.name
+
+
+class SketchMass(SketchPart):
+    """A point mass."""
+
+    title, ends = "mass at", ("node",)
+
+    node: Reference
+    mass: Mass  #: mass [kg]
+    inertia: Inertia = 0.0  #: rotary [kg m2]
+    sectors: Chosen = None
+
+
+class SketchSpring(SketchPart):
+    """A spring between two nodes, or between a node and the rotating frame."""
+
+    title, ends = "spring at", ("node", "other")
+
+    node: Reference
+    other: Reference | None = None  #: second node; None is the rotating frame
+    radial: StiffnessOrZero = 0.0  #: along the first node's radius; along x at the origin [N/m]
+    tangential: StiffnessOrZero = 0.0  #: across this radius; along y at the origin [N/m]
+    rotation: Annotated[float, quantity("N m", "not negative")] = 0.0  #: against rotation [N m/rad]
+    sectors: Chosen = None
+
+
+class SketchLink(SketchPart):
+    """A rigid link: the led node moves as if a rigid arm connected it to the leader."""
+
+    title, called, ends = "link of", "led", ("leader", "led")
+
+    leader: Reference
+    led: Reference
+    sectors: Chosen = None
+
+
+class SketchEdit(Table):
+    """Change in one sector only: the position of a node, or the properties of a member."""
+
+    sector: Annotated[int, count(0)]
+    node: Name | None = None  #: node to move
+    at: Position | None = None  #: new position, in the coordinates of sector 0 [m]
+    member: Name | None = None  #: member to change
+    stiffness: Factor = 1.0  #: factor on Young's modulus of the member
+    mass: Factor = 1.0  #: factor on the density of the member
+    section: Section | None = None
+    stations: tuple[Section, ...] = ()
+    path: tuple[Position, ...] | None = None
+
+
+class SketchSet(Table):
+    """A named set that contains the listed nodes of every sector."""
+
+    name: StrictStr
+    nodes: tuple[Reference, ...]
+
 
 NEEDED_SETS = ("centre", "tips")
 
@@ -83,16 +215,8 @@ Faults = Iterator[tuple[str, str]]
 """Pairs of the name of a part of a sketch and a text that completes "expected ..."."""
 
 
-def _parts(sketch: SketchTable) -> Iterator[tuple[str, Part]]:
-    """Yield all parts that refer to nodes, each with its name for messages."""
-    for member in sketch.members:
-        yield f"member {member.name!r}", member
-    for mass in sketch.masses:
-        yield f"mass at {mass.node!r}", mass
-    for spring in sketch.springs:
-        yield f"spring at {spring.node!r}", spring
-    for link in sketch.links:
-        yield f"link of {link.led!r}", link
+def _parts(sketch: SketchTable) -> Iterator[Part]:
+    return chain(sketch.members, sketch.masses, sketch.springs, sketch.links)
 
 
 def _name_faults(sketch: SketchTable) -> Faults:
@@ -115,7 +239,7 @@ def _reference_faults(sketch: SketchTable) -> Faults:
     """Yield references to unknown nodes, and nodes that no member connects."""
     known = {node.name for node in sketch.nodes}
     connected: set[str] = set()
-    parts = [(place, part.references) for place, part in _parts(sketch)]
+    parts = [(part.place, part.references) for part in _parts(sketch)]
     parts += [(f"set {name!r}", references) for name, references in sketch.node_sets.items()]
     for place, references in parts:
         for reference in references:
@@ -132,8 +256,8 @@ def _reference_faults(sketch: SketchTable) -> Faults:
 
 def _sector_faults(sketch: SketchTable) -> Faults:
     """Yield sectors that do not exist, and sectors chosen for a part between shared nodes."""
-    for place, part in _parts(sketch):
-        chosen = part.sectors
+    for part in _parts(sketch):
+        place, chosen = part.place, part.sectors
         if chosen is None:
             continue
         if len(set(chosen)) < len(chosen) or not all(0 <= s < sketch.sectors for s in chosen):

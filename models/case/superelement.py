@@ -5,8 +5,6 @@ from collections.abc import Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import BeforeValidator
-
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.superelements.file import read_superelement
@@ -19,18 +17,11 @@ SOURCE = "bladed_disk.superelement"
 """Key of the table."""
 
 
-def _path(value: object) -> str:
-    """Return an absolute path, so that it is valid from every working directory."""
-    if not isinstance(value, str | os.PathLike) or "\0" in os.fspath(value):
-        raise fields.expectation('the path of a file such as "blade.npz"')
-    return os.path.abspath(value)
-
-
 class SuperelementTable(Table):
     """A file with mass, stiffness and contact nodes of a blade, a sector or a wheel, in place of
     beams."""
 
-    file: Annotated[str, BeforeValidator(_path)]
+    file: Annotated[str, fields.file_path('the path of a file such as "blade.npz"')]
     """Path of a .npz or .mat file, relative to the case file."""
     copies: Annotated[int, fields.count(1)] = 1
     """kind = "blade": number of blades at equal angles; "sector": number of sectors of the wheel;

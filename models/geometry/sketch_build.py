@@ -1,15 +1,22 @@
 """Make a beam model of a sketch: repeat its sector, divide members into elements, check parts."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, LineMesh, points_along
 from bladewhirl.meshes.symmetry import rotational_sectors
-from bladewhirl.models.case.sketch import Part, SketchTable, turned
-from bladewhirl.models.case.sketch_parts import SketchEdit, SketchMember, split_reference
+from bladewhirl.models.case.sketch import (
+    Part,
+    SketchEdit,
+    SketchMember,
+    SketchTable,
+    split_reference,
+    turned,
+)
 from bladewhirl.models.geometry.beam_model import (
     GROUND,
     BeamModel,
@@ -25,6 +32,8 @@ from bladewhirl.models.sections.rectangular import (
     LineProperties,
     along_elements,
 )
+
+PartT = TypeVar("PartT", bound=Part)
 
 Key = tuple[str, int]
 """Identifier of a node in a sector: its name and 0, or the name of a member and the number of the
@@ -127,9 +136,7 @@ class _Drawing:
     def masses(self) -> PointMasses:
         """Return the point masses of all sectors."""
         masses = [
-            (self._at_node(mass.node, sector), mass.mass, mass.inertia)
-            for mass in self._sketch.masses
-            for sector in self._sectors_of(mass)
+            (*nodes, mass.mass, mass.inertia) for mass, nodes in self._each(self._sketch.masses)
         ]
         node, mass, inertia = np.array(masses).reshape(-1, 3).T
         return PointMasses(node=node.astype(np.int64), mass=mass, inertia=inertia)
@@ -137,22 +144,16 @@ class _Drawing:
     def springs(self) -> NodeSprings:
         """Return the springs of all sectors."""
         ends, stiffness = [], []
-        for spring in self._sketch.springs:
-            for sector in self._sectors_of(spring):
-                nodes = [self._at_node(name, sector) for name in spring.references]
-                ends.append([*nodes, GROUND][:2])
-                stiffness.append((spring.radial, spring.tangential, spring.rotation))
+        for spring, nodes in self._each(self._sketch.springs):
+            ends.append([*nodes, GROUND][:2])
+            stiffness.append((spring.radial, spring.tangential, spring.rotation))
         node, other = np.array(ends, dtype=np.int64).reshape(-1, 2).T
         return NodeSprings(node=node, other=other, stiffness=np.array(stiffness).reshape(-1, 3))
 
     def links(self) -> RigidLinks:
         """Return the rigid links of all sectors."""
-        links = [
-            (self._at_node(link.led, sector), self._at_node(link.leader, sector))
-            for link in self._sketch.links
-            for sector in self._sectors_of(link)
-        ]
-        led, leader = np.array(links, dtype=np.int64).reshape(-1, 2).T
+        links = [nodes for _, nodes in self._each(self._sketch.links)]
+        leader, led = np.array(links, dtype=np.int64).reshape(-1, 2).T
         return RigidLinks(led=led, leader=leader)
 
     def _number_sector(self, sector: int) -> None:
@@ -236,6 +237,12 @@ class _Drawing:
 
     def _at_node(self, reference: str, sector: int) -> int:
         return self._number[self._place(reference, sector)]
+
+    def _each(self, parts: Iterable[PartT]) -> Iterator[tuple[PartT, list[int]]]:
+        """Yield every part in each of its sectors, with the nodes to which it refers."""
+        for part in parts:
+            for sector in self._sectors_of(part):
+                yield part, [self._at_node(name, sector) for name in part.references]
 
     def _sectors_of(self, part: Part) -> Iterable[int]:
         """Return the sectors that have a part; a part between shared nodes exists only once."""

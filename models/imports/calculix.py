@@ -14,7 +14,7 @@ from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import read_volume_mesh
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.imports.parts import ForeignPart
-from bladewhirl.models.imports.triplets import read_triplets
+from bladewhirl.models.imports.tables import read_triplets
 from bladewhirl.models.solids.surface import surface_triangles
 from bladewhirl.models.superelements.superelement import FIXED, SuperelementError
 

@@ -4,6 +4,8 @@ For an invalid value, each type raises a pydantic error of type `EXPECTED` with 
 the expected value.
 """
 
+import os
+import re
 from collections.abc import Callable
 from functools import cache
 from numbers import Integral, Real
@@ -92,6 +94,16 @@ def count(least: int) -> BeforeValidator:
     return BeforeValidator(validate)
 
 
+def converted(validator: BeforeValidator, value: object) -> Any:
+    """Return a value as the validator of a key converts it.
+
+    Raises:
+        PydanticCustomError: the value is invalid.
+    """
+    convert: Any = validator.func
+    return convert(value)
+
+
 def _checked(phrase: str, sign: Sign, convert: Callable[[str], float]) -> BeforeValidator:
     def validate(value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, str | Real):
@@ -129,12 +141,46 @@ def _positive_speed(value: object) -> Speed:
     return speed
 
 
+def text(pattern: re.Pattern[str], phrase: str) -> BeforeValidator:
+    """Return a validator of text that matches a pattern."""
+
+    def validate(value: object) -> str:
+        if not isinstance(value, str) or not pattern.fullmatch(value):
+            raise expectation(phrase)
+        return value
+
+    return BeforeValidator(validate)
+
+
+def file_path(phrase: str) -> BeforeValidator:
+    """Return a validator of paths, which become absolute, valid from every working directory."""
+
+    def validate(value: object) -> str:
+        if not isinstance(value, str | os.PathLike) or "\0" in os.fspath(value):
+            raise expectation(phrase)
+        return os.path.abspath(value)
+
+    return BeforeValidator(validate)
+
+
+def listed(value: Any, phrase: str, least: int = 1) -> tuple[Any, ...]:
+    """Return the items of a list, a tuple or an array.
+
+    Raises:
+        PydanticCustomError: another value, or fewer items than `least`.
+    """
+    value = value.tolist() if hasattr(value, "tolist") else value
+    if not isinstance(value, list | tuple) or len(value) < least:
+        raise expectation(phrase)
+    return tuple(value)
+
+
 def _items(phrase: str, length: int | None = None) -> BeforeValidator:
     def validate(value: Any) -> tuple[object, ...]:
-        value = value.tolist() if hasattr(value, "tolist") else value
-        if not isinstance(value, list | tuple) or len(value) != (length or len(value)):
+        items = listed(value, phrase, least=length or 0)
+        if length and len(items) > length:
             raise expectation(phrase)
-        return tuple(value)
+        return items
 
     return BeforeValidator(validate)
 

@@ -13,7 +13,7 @@ from bladewhirl.meshes.files.volumes import VolumeMesh, read_volume_mesh
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.fields import positive
 from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation, to_si
-from bladewhirl.models.solids.assembly import Elasticity, Solid
+from bladewhirl.models.solids.assembly import Elasticity, Solid, rotating_stiffness
 from bladewhirl.models.solids.groups import (
     contact_nodes,
     group_nodes,
@@ -21,7 +21,6 @@ from bladewhirl.models.solids.groups import (
     matching_faces,
     sector_faces,
 )
-from bladewhirl.models.solids.rotating import rotating_stiffness
 from bladewhirl.models.solids.surface import surface_triangles
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.superelement import FIXED, Superelement

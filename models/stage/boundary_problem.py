@@ -6,23 +6,15 @@ import numpy as np
 
 from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import NodeCoating, ReducedCasing, WallClosure
+from bladewhirl.models.stage.contact_problem import (
+    Load,
+    NodeCoating,
+    ReducedCasing,
+    WallClosure,
+)
 
 RIGID = 1e-6
 """A direction counts as rigid up to this fraction of the largest residual flexibility."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class BoundaryLoad:
-    """A load that varies harmonically: amplitude cos(frequency t + phase), until `end`."""
-
-    amplitude: FloatArray  #: modal forces [kg^1/2 m/s2], (copies, modes)
-    casing: FloatArray | None = None
-    """Modal forces on a flexible casing [kg^1/2 m/s2], (casing modes,); None: no forces."""
-    frequency: float = 0.0  #: [rad/s]
-    phase: float = 0.0  #: [rad]
-    ramp: float = 0.0  #: time in which the load rises [s]
-    end: float = np.inf  #: end of the load [s]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +54,7 @@ class BoundaryProblem:
     """Initial modal displacements of a flexible casing [kg^1/2 m], (casing modes,); None: zero."""
     casing_velocity: FloatArray | None = None
     """Initial modal velocities of a flexible casing [kg^1/2 m/s], (casing modes,); None: zero."""
-    loads: tuple[BoundaryLoad, ...] = ()  #: loads
+    loads: tuple[Load, ...] = ()  #: loads, with forces on each copy
     casing: ReducedCasing | None = None  #: flexible casing; None: a rigid wall
     coating: NodeCoating | None = None  #: abradable coating
     closure: WallClosure | None = None

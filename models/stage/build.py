@@ -6,16 +6,17 @@ import numpy as np
 
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.elements.build import numbers_within_reach
+from bladewhirl.models.elements.foreshortening import blade_beams, drawback, fewest_terms
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.stage.coating import coating_faults, wall_coating
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
+    Foreshortening,
     ReducedCasing,
     ReducedRotor,
     WallClosure,
     critical_time_step,
 )
-from bladewhirl.models.stage.foreshortening import foreshortening, foreshortening_faults
 from bladewhirl.models.stage.loads import excitation_loads, initial_state
 from bladewhirl.models.stage.stage import Stage
 
@@ -44,21 +45,15 @@ def contact_problem(stage: Stage) -> ContactProblem:
             loads=tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage)),
             start=initial_state(stage).take(kept.rotor, kept.casing),
             springs=kept.springs,
-            closure=_closure(stage),
+            closure=WallClosure.around(
+                case.casing.closure, stage.casing.mesh.angles, stage.casing.mesh.radius
+            ),
             coating=wall_coating(stage),
             foreshortening=foreshortening(stage),
             restitution=case.contact.restitution,
             penalty_stiffness=case.contact.penalty_stiffness,
             stick_speed=case.contact.stick_speed,
         )
-
-
-def _closure(stage: Stage) -> WallClosure | None:
-    course, mesh = stage.case.casing.closure, stage.casing.mesh
-    if course is None:
-        return None
-    share = [course.around.value(mesh.angles), course.around.slope(mesh.angles) / mesh.radius]
-    return WallClosure(course=course, share=np.column_stack(share))
 
 
 def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:
@@ -159,3 +154,40 @@ def _start_faults(stage: Stage) -> Iterator[Fault]:
         if largest > limit:
             expected = f"displacements up to march.displacement_limit = {limit:.6g} m"
             yield case_fault(case, f"initial.{key}", expected)
+
+
+NEGLECTED = 1e-6
+"""Terms of a quadratic form below this fraction of the largest are neglected, for modes of equal
+energy."""
+
+
+def foreshortening(stage: Stage) -> Foreshortening | None:
+    """Return the foreshortening of the blades in the modes of `reduction.modes`; None if the case
+    has none. See `models.elements.foreshortening` for the quadratic form."""
+    if not stage.case.contact.foreshortening:
+        return None
+    modes = stage.reduction.modes.take(stage.kept.rotor)
+    frequency = np.abs(modes.frequency)
+    weight = np.maximum(frequency, 0.01 * np.median(frequency))
+    around = stage.case.contact.tip_rotation
+    forms = [
+        fewest_terms(*drawback(stage.disk, modes.shapes, blade, around=around), weight, NEGLECTED)
+        for blade in range(len(stage.disk.model.tips))
+    ]
+    terms = max(len(signs) for _, signs, _ in forms)
+    rows, sign = np.zeros((len(forms), terms, modes.count)), np.zeros((len(forms), terms))
+    for blade, (row, signs, _) in enumerate(forms):
+        rows[blade, : len(signs)], sign[blade, : len(signs)] = row, signs
+    return Foreshortening(rows=rows, sign=sign, frequency=max(each for *_, each in forms))
+
+
+def foreshortening_faults(stage: Stage) -> Iterator[Fault]:
+    """Yield a fault if no beam ends at a tip."""
+    case, model = stage.case, stage.disk.model
+    if not case.contact.foreshortening:
+        return
+    for blade, tip in enumerate(model.tips):
+        if not len(blade_beams(model, int(tip))):
+            expected = f"false, because no beam ends at the tip of blade {blade}"
+            yield case_fault(case, "contact.foreshortening", expected)
+            break

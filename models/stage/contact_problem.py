@@ -6,7 +6,7 @@ of the casing for unit modal coordinates. Rotor and casing can be any structures
 uses their cyclic symmetry, if the modes have DFT columns.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -160,27 +160,49 @@ class WallClosure:
     share: FloatArray
     """Share of the closure at each node, and its derivative by s [1, 1/m], (nodes, 2)."""
 
+    @classmethod
+    def around(
+        cls, course: Closure | None, angle: FloatArray, radius: float = 1.0
+    ) -> "WallClosure | None":
+        """Return the closure at angles around a ring of a radius [m], or per rad without a radius;
+        None without a closure."""
+        if course is None:
+            return None
+        share = [course.around.value(angle), course.around.slope(angle) / radius]
+        return cls(course=course, share=np.column_stack(share))
+
     def at(self, time: float) -> FloatArray:
         """Return the closure and its derivative by s at each node [m, 1], (nodes, 2)."""
         return np.asarray(self.course.value(time) * self.share)
 
 
 @dataclass(frozen=True, kw_only=True)
-class WallCoating:
-    """Abradable coating on the inner face of the casing: elastic-plastic rods at equal angles.
+class CoatingLaw:
+    """Law of the elastic-plastic rods of an abradable coating.
 
     Source: Legrand, Batailly and Pierre, J. Comput. Nonlinear Dyn. 7 (2012).
     """
 
-    strain: FloatArray  #: plastic strain of each rod at the start, (rods,)
-    footprint: FloatArray  #: arc that each tip covers [m], (tips,)
-    arc: float  #: arc length of a rod [m]
-    width: float  #: width of the coating [m]
     thickness: float  #: thickness [m]
     young_modulus: float  #: Young's modulus [Pa]
     yield_stress: float  #: yield stress [Pa]
     hardening: float  #: slope of the yield stress in plastic strain [Pa]
     limit: float  #: largest plastic strain
+
+    @property
+    def removable(self) -> float:
+        """Depth of the metal below the surface of the new coating [m]."""
+        return self.limit * self.thickness
+
+
+@dataclass(frozen=True, kw_only=True)
+class WallCoating(CoatingLaw):
+    """Abradable coating on the inner face of the casing: rods at equal angles."""
+
+    strain: FloatArray  #: plastic strain of each rod at the start, (rods,)
+    footprint: FloatArray  #: arc that each tip covers [m], (tips,)
+    arc: float  #: arc length of a rod [m]
+    width: float  #: width of the coating [m]
     friction: float  #: friction coefficient
 
     @property
@@ -201,9 +223,9 @@ class WallCoating:
 
 
 @dataclass(frozen=True, kw_only=True)
-class NodeCoating:
+class NodeCoating(CoatingLaw):
     """Abradable coating under many contact nodes: rods in tracks, one track for each axial position
-    of contact nodes. The law of a rod is that of `WallCoating`."""
+    of contact nodes."""
 
     strain: FloatArray  #: plastic strain of each rod at the start, (tracks, rods)
     axial: FloatArray  #: axial position of each track [m], (tracks,)
@@ -211,21 +233,11 @@ class NodeCoating:
     track: IntArray  #: track of each contact node of a copy, (nodes,)
     footprint: FloatArray  #: arc that each contact node of a copy covers [m], (nodes,)
     radius: float  #: radius of the wall [m]
-    thickness: float  #: thickness [m]
-    young_modulus: float  #: Young's modulus [Pa]
-    yield_stress: float  #: yield stress [Pa]
-    hardening: float  #: slope of the yield stress in plastic strain [Pa]
-    limit: float  #: largest plastic strain
 
     @property
     def arc(self) -> float:
         """Arc length of a rod [m]."""
         return float(2.0 * np.pi * self.radius / self.strain.shape[1])
-
-    @property
-    def removable(self) -> float:
-        """Depth of the metal below the surface of the new coating [m]."""
-        return self.limit * self.thickness
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -259,8 +271,10 @@ def rod_angles(rods: int) -> FloatArray:
 class Load:
     """A force pattern times cos(frequency t + phase), with a half-cosine ramp and an end."""
 
-    rotor: FloatArray  #: modal force [N kg^-1/2], (rotor modes,)
-    casing: FloatArray  #: modal force [N kg^-1/2], (casing modes,)
+    rotor: FloatArray
+    """Modal force [N kg^-1/2], (rotor modes,); on the copies of a superelement (copies, modes)."""
+    casing: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """Modal force [N kg^-1/2], (casing modes,); empty for a rigid wall."""
     end: float = NEVER  #: the load is zero from this time on [s]
     ramp: float = 0.0  #: length of the half-cosine ramp from zero [s]
     frequency: float = 0.0  #: frequency of the cosine [rad/s]
@@ -321,7 +335,7 @@ class ContactProblem:
     @property
     def metal_recess(self) -> FloatArray:
         """Gap of each tip to the metal at rest, in addition to the clearance [m], (tips,)."""
-        removable = 0.0 if self.coating is None else self.coating.limit * self.coating.thickness
+        removable = 0.0 if self.coating is None else self.coating.removable
         return np.asarray(self.rotor.tip_recess + removable)
 
     @property

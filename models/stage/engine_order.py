@@ -35,15 +35,22 @@ def engine_order_loads(stage: Stage, load: EngineOrder) -> tuple[Load, ...]:
     cos(r Omega t), and minus F sin(r theta_n + phase) times sin(r Omega t)."""
     unit = unit_forces(stage.case, stage.disk, load) @ stage.reduction.modes.shapes
     still = np.zeros(len(stage.reduced_casing.frequency))
-    loads = []
+    loads: list[Load] = []
     for order in load.order:
         modal = load.amplitude * complex_factors(stage.disk, load, order) @ unit
-        for pattern, phase in ((modal.real, 0.0), (modal.imag, 0.5 * np.pi)):
-            frequency = order * stage.speed
-            loads.append(
-                Load(rotor=pattern, casing=still, ramp=load.ramp, frequency=frequency, phase=phase)
-            )
+        loads += loads_of_order(load, order * stage.speed, modal, still)
     return tuple(loads[:1] if load.order == (0,) else loads)
+
+
+def loads_of_order(
+    load: EngineOrder, frequency: float, force: ComplexArray, casing: FloatArray
+) -> list[Load]:
+    """Return the two loads of the force Re(force exp(i frequency t)) on the modes of the rotor;
+    `casing` is the force on the modes of the casing."""
+    return [
+        Load(rotor=pattern, casing=casing, ramp=load.ramp, frequency=frequency, phase=phase)
+        for pattern, phase in ((force.real, 0.0), (force.imag, 0.5 * np.pi))
+    ]
 
 
 def complex_factors(disk: BladedDiskModel, load: EngineOrder, order: int) -> ComplexArray:
@@ -138,9 +145,7 @@ def _along(load: EngineOrder, axis: FloatArray, polar: FloatArray) -> tuple[Floa
         axis: angle of the first axis from +x [rad], (points,).
         polar: polar angle of the points [rad], (points,).
     """
-    named = {"radial": 0.0, "tangential": 0.5 * np.pi}
-    angle = named[load.direction] if isinstance(load.direction, str) else load.direction
-    turned = polar + angle - axis
+    turned = polar + load.inclination - axis
     return np.cos(turned), np.sin(turned)
 
 

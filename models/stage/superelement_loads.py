@@ -1,17 +1,17 @@
 """Loads and initial motion of a superelement and of the flexible casing around it."""
 
-from collections.abc import Iterator
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import CasingDistortion, EngineOrder, Harmonic, Imbalance
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.stage.boundary_problem import BoundaryLoad
 from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.models.stage.engine_order import loads_of_order
 from bladewhirl.models.stage.loads import centre_loads, distortion_loads
 from bladewhirl.models.stage.ring import Ring
 from bladewhirl.models.superelements.reduction import ReducedSuperelement
@@ -29,8 +29,8 @@ def superelement_loads(
     turned: float,
     speed: float,
     ring: Ring | None,
-) -> tuple[BoundaryLoad, ...]:
-    """Return the loads of all excitations of a case.
+) -> tuple[Load, ...]:
+    """Return the loads of all excitations of a case, with forces on each copy.
 
     Args:
         case: the case.
@@ -45,24 +45,24 @@ def superelement_loads(
         CaseError: the casing has no radial mode of the required nodal diameter, or the
             superelement has no centre on which a load would act.
     """
-    loads: list[BoundaryLoad] = []
-    modes, casing_modes = len(reduced.frequency), 0
-    if ring is not None:
-        casing_modes = ring.casing_modes.count
+    loads: list[Load] = []
+    casing_modes = 0 if ring is None else ring.casing_modes.count
     centre = centre_rows(reduced, turned)
     for load in case.excitations.values():
         if isinstance(load, EngineOrder):
-            loads += engine_order_loads(load, reduced.contact, angle, blade, speed)
+            still = np.zeros(casing_modes)
+            for order, force in engine_order_forces(load, reduced.contact, angle, blade):
+                loads += loads_of_order(load, order * speed, force, still)
         elif isinstance(load, Imbalance | Harmonic):
             if not centre.any():
                 expected = "another excitation, or a superelement with centre_dofs"
                 raise CaseError([case_fault(case, f"{case.key_of(load)}.type", expected)])
             unbalance = getattr(load, "unbalance", None) or 0.0
             whole = centre_loads(load, unbalance, centre, speed, casing_modes)
-            loads += [_on_copies(each, 1) for each in whole]
+            loads += [replace(each, rotor=each.rotor[None]) for each in whole]
         elif isinstance(load, CasingDistortion) and ring is not None:
-            whole = distortion_loads(ring, load, modes)
-            loads += [_on_copies(each, len(angle)) for each in whole]
+            still = np.zeros((len(angle), len(reduced.frequency)))
+            loads += [replace(each, rotor=still) for each in distortion_loads(ring, load, 0)]
     return tuple(loads)
 
 
@@ -73,21 +73,11 @@ def centre_rows(reduced: ReducedSuperelement, turned: float) -> FloatArray:
     return np.array([[c, -s], [s, c]]) @ reduced.centre
 
 
-def _on_copies(load: Load, copies: int) -> BoundaryLoad:
-    return BoundaryLoad(
-        amplitude=np.tile(load.rotor, (copies, 1)),
-        casing=load.casing,
-        frequency=load.frequency,
-        phase=load.phase,
-        ramp=load.ramp,
-        end=load.end,
-    )
-
-
-def engine_order_loads(
-    load: EngineOrder, contact: FloatArray, angle: FloatArray, blade: IntArray, speed: float
-) -> Iterator[BoundaryLoad]:
-    """Yield the loads of engine-order forces, two for each order.
+def engine_order_forces(
+    load: EngineOrder, contact: FloatArray, angle: FloatArray, blade: IntArray
+) -> list[tuple[int, ComplexArray]]:
+    """Return for each engine order r the complex forces on the modes for the time factor
+    exp(i r Omega t) [kg^1/2 m/s2], (copies, modes).
 
     The force on blade n is F cos(r (Omega t + theta_n) + phase), with equal parts on its contact
     nodes; theta_n is the mean angle of these nodes. The force acts on the modes; the residual
@@ -99,24 +89,24 @@ def engine_order_loads(
             [kg^-1/2], (3 nodes, modes).
         angle: angle of each contact node at t = 0 [rad], (copies, nodes).
         blade: blade of each contact node of a copy, (nodes,).
-        speed: speed of rotation [rad/s].
     """
-    inclination = {"radial": 0.0, "tangential": 0.5 * np.pi}.get(str(load.direction))
-    way = float(load.direction) if inclination is None else inclination
-    along = np.cos(way) * contact[::3] + np.sin(way) * contact[1::3]
-    count = int(blade.max()) + 1
-    member = (blade == np.arange(count)[:, None]).astype(float)
-    member /= member.sum(axis=1, keepdims=True)
+    along = np.cos(load.inclination) * contact[::3] + np.sin(load.inclination) * contact[1::3]
+    member = _means(blade)
     middle = np.angle(np.exp(1j * angle) @ member.T)  # (copies, blades of a copy)
     factors = np.broadcast_to(np.asarray(load.factors or 1.0), middle.size).reshape(middle.shape)
     phases = np.broadcast_to(np.asarray(load.phase), middle.size).reshape(middle.shape)
-    for order in load.order:
-        complex_force = load.amplitude * factors * np.exp(1j * (order * middle + phases))
-        modal = complex_force @ (member @ along)
-        for pattern, phase in ((modal.real, 0.0), (modal.imag, 0.5 * np.pi)):
-            yield BoundaryLoad(
-                amplitude=pattern, frequency=order * speed, phase=phase, ramp=load.ramp
-            )
+    forces = (
+        (order, load.amplitude * factors * np.exp(1j * (order * middle + phases)))
+        for order in load.order
+    )
+    return [(order, force @ (member @ along)) for order, force in forces]
+
+
+def _means(blade: IntArray) -> FloatArray:
+    """Return the matrix from values at the contact nodes to their means on each blade of a copy,
+    (blades, nodes)."""
+    member = (blade == np.arange(int(blade.max()) + 1)[:, None]).astype(float)
+    return np.asarray(member / member.sum(axis=1, keepdims=True))
 
 
 def static_shapes(
@@ -147,8 +137,7 @@ def static_shapes(
     if reduced.frequency.min() <= RANK * reduced.frequency.max():
         expected = "not allowed for a superelement with rigid modes; remove this key"
         raise CaseError([case_fault(case, name, expected)])
-    member = (blade == np.arange(int(blade.max()) + 1)[:, None]).astype(float)
-    member /= member.sum(axis=1, keepdims=True)
+    member = _means(blade)
     rows = np.stack([member @ reduced.contact[0::3], member @ reduced.contact[1::3]], axis=1)
     rows = rows.reshape(-1, rows.shape[-1])
     values = np.zeros((copies, len(rows)))

@@ -14,8 +14,8 @@ from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
+from bladewhirl.models.stage.coating import node_coating
 from bladewhirl.models.stage.contact_problem import NodeCoating, WallClosure
-from bladewhirl.models.stage.node_coating import node_coating
 from bladewhirl.models.stage.ring import Ring, flexible_ring
 from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
 from bladewhirl.models.stage.superelement_loads import static_shapes, superelement_loads
@@ -134,7 +134,7 @@ class SuperelementStage:
             displacement_limit=limit or LIMIT * float(self.part.contact_radius.max()),
             displacement=static_shapes(case, "displacement", reduced, self.blade, copies),
             velocity=static_shapes(case, "velocity", reduced, self.blade, copies),
-            closure=self._closure,
+            closure=WallClosure.around(case.casing.closure, self._wall_angle),
             casing=None if self.ring is None else self.ring.reduced_casing,
             coating=coating,
             loads=superelement_loads(
@@ -188,15 +188,6 @@ class SuperelementStage:
             return self.ring.casing.mesh.angles
         angles = max(GRID, PER_POINT * len(self.case.casing.clearance_profile.points))
         return 2.0 * np.pi / angles * np.arange(float(angles))
-
-    @property
-    def _closure(self) -> WallClosure | None:
-        course = self.case.casing.closure
-        if course is None:
-            return None
-        angles = self._wall_angle
-        share = np.column_stack([course.around.value(angles), course.around.slope(angles)])
-        return WallClosure(course=course, share=share)
 
     def _check_start(self, problem: BoundaryProblem) -> None:
         gap = problem.initial_gap

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from bladewhirl.models.stage.node_coating import axial_tracks
+from bladewhirl.models.stage.coating import axial_tracks
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.run.wear import write_columns

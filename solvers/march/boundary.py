@@ -99,7 +99,7 @@ class BoundaryMarch:
         force = np.zeros_like(x)
         for load in problem.loads:
             if load.ramp <= 0.0 < load.end:
-                force = force + load.amplitude * np.cos(load.phase)
+                force = force + load.rotor * np.cos(load.phase)
         drag = 2.0 * problem.damping_ratio * problem.frequency * v
         if problem.by_velocity is not None:
             drag = drag + v @ problem.by_velocity.T
@@ -126,7 +126,7 @@ class BoundaryMarch:
         pushed = sum(
             load.casing * np.cos(load.phase)
             for load in problem.loads
-            if load.casing is not None and load.ramp <= 0.0 < load.end
+            if load.ramp <= 0.0 < load.end
         )
         restored = casing.frequency**2 * x + 2.0 * casing.damping_ratio * casing.frequency * v
         restored += casing.dampers.T @ (casing.dampers @ v)

@@ -8,7 +8,6 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import is_pair, nodal_diameter_of, real_dft
-from bladewhirl.models.stage.boundary_problem import BoundaryLoad
 from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.solvers.kernel.structs import Struct, aligned, lib, padded
 
@@ -217,7 +216,7 @@ def by_column(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
     return lengthened(shape[:, :used].T)
 
 
-def load_times(loads: Sequence[Load | BoundaryLoad]) -> FloatArray:
+def load_times(loads: Sequence[Load]) -> FloatArray:
     """Return end, ramp, frequency and phase of each load pattern, (patterns, 4)."""
     times = [[load.end, load.ramp, load.frequency, load.phase] for load in loads]
     return np.reshape(times, (len(loads), 4)).astype(np.float64)

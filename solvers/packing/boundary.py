@@ -31,7 +31,7 @@ def pack_boundary(problem: BoundaryProblem, dt: float) -> Struct:
     weight, before = inverse, 0.5 * damping / dt - 1.0 / dt**2
     if len(response):
         weight, before = np.ones_like(inverse), np.full_like(inverse, -2.0 / dt**2)
-    patterns = [load.amplitude for load in problem.loads]
+    patterns = [load.rotor for load in problem.loads]
     return Struct(
         "Boundary",
         a=weight * (2.0 / dt**2 - squares),
@@ -65,8 +65,7 @@ def pack_ring(problem: BoundaryProblem, dt: float) -> tuple[Arrangement, Struct]
     """Return the arrangement of the modes of a flexible casing, and its arrays."""
     casing = problem.casing
     assert casing is not None
-    still = np.zeros(len(casing.frequency))
-    loads = [still if load.casing is None else load.casing for load in problem.loads]
+    loads = [load.casing for load in problem.loads]
     arrangement, arrays = pack_casing(casing, loads, dt, cyclic=casing.by_harmonics)
     nodes, kinds = casing.nodal.shape[:2]
     ends = np.append(np.arange(nodes), 0)

@@ -88,9 +88,8 @@ def show(
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.models.case.template import dumps_case
     from bladewhirl.models.stage.build import time_step_faults
-    from bladewhirl.models.stage.hints import stage_hints
+    from bladewhirl.models.stage.hints import stage_hints, superelement_hints
     from bladewhirl.models.stage.stage import build_stage
-    from bladewhirl.models.stage.superelement_hints import superelement_hints
     from bladewhirl.models.stage.superelement_stage import superelement_stage
     from bladewhirl.studies.modal.superelement import (
         NODES,

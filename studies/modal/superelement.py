@@ -7,7 +7,7 @@ import numpy as np
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.stage.contact_problem import NodeCoating
-from bladewhirl.models.stage.superelement_hints import locking_friction, static_response
+from bladewhirl.models.stage.hints import locking_friction, static_response
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 from bladewhirl.models.superelements.reduction import lowest_modes
 from bladewhirl.solvers.march.recorder import result_bytes

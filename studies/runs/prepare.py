@@ -12,9 +12,9 @@ from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.build import contact_problem, march_faults
+from bladewhirl.models.stage.coating import node_coating_faults
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.mass_scaling import screening_problem
-from bladewhirl.models.stage.node_coating import node_coating_faults
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 from bladewhirl.solvers.march.boundary import BoundaryMarch

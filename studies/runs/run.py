@@ -9,9 +9,8 @@ from bladewhirl.files import claim, remove_leftovers, write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import Hint, UserError, writing
-from bladewhirl.models.stage.hints import stage_hints
+from bladewhirl.models.stage.hints import stage_hints, superelement_hints
 from bladewhirl.models.stage.stage import Stage
-from bladewhirl.models.stage.superelement_hints import superelement_hints
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME, Checkpoint, read_checkpoint
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs import folder, recorded_march

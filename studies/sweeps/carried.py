@@ -8,7 +8,7 @@ chains are marched in parallel.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, TypeVar, get_args
+from typing import Literal, get_args
 from zipfile import BadZipFile
 
 import numpy as np
@@ -19,13 +19,11 @@ from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.boundary_problem import BoundaryLoad, BoundaryProblem
+from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.contact_problem import Load, Start
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.sweep.dataset import DONE, flag
 from bladewhirl.studies.runs.prepare import AnyProblem, AnyStage
-
-LoadT = TypeVar("LoadT", Load, BoundaryLoad)
 
 CONTINUE = "--continue"
 
@@ -116,7 +114,7 @@ def continued(stage: AnyStage, problem: AnyProblem, state: CarriedState) -> AnyP
     return replace(problem, start=start, loads=_lasting(problem.loads))
 
 
-def _lasting(loads: tuple[LoadT, ...]) -> tuple[LoadT, ...]:
+def _lasting(loads: tuple[Load, ...]) -> tuple[Load, ...]:
     """Return the loads that do not end, without their ramps."""
     return tuple(replace(load, ramp=0.0) for load in loads if np.isinf(load.end))
 

@@ -225,7 +225,7 @@ def pushes(p: BoundaryProblem, time: float) -> tuple[FloatArray, FloatArray]:
     for load in p.loads:
         rise = 0.5 - 0.5 * np.cos(np.pi * min(1.0, time / load.ramp)) if load.ramp else 1.0
         size = rise * np.cos(load.frequency * time + load.phase) * (time < load.end)
-        copies, casing = copies + size * load.amplitude, casing + size * load.casing
+        copies, casing = copies + size * load.rotor, casing + size * load.casing
     return copies, casing
 
 

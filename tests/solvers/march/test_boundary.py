@@ -7,7 +7,8 @@ import pytest
 from boundary_cases import advanced, bladed, casing, coating, ledger, plain, rubbing
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.boundary_problem import BoundaryLoad, BoundaryProblem
+from bladewhirl.models.stage.boundary_problem import BoundaryProblem
+from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.solvers.march.march import EndReason
 
@@ -18,14 +19,14 @@ def turning() -> FloatArray:
     return np.asarray(300.0 * (drawn - drawn.T) + 20.0 * drawn @ drawn.T)
 
 
-def pressed(copies: int, modes: int = 0) -> tuple[BoundaryLoad, ...]:
+def pressed(copies: int, modes: int = 0) -> tuple[Load, ...]:
     """Loads on the blades, and on the modes of a ring: with a ramp, and from the start on."""
     random = np.random.default_rng(9)
     blades, ring = 30.0 * random.standard_normal((copies, 8)), 100.0 * random.standard_normal(modes)
     times = {"frequency": 2e3, "phase": 0.3, "ramp": 5e-4, "end": 8e-4}
     return (
-        BoundaryLoad(amplitude=blades, casing=ring, **times),
-        BoundaryLoad(amplitude=0.5 * blades[::-1], casing=-ring, end=3e-4, phase=0.2),
+        Load(rotor=blades, casing=ring, **times),
+        Load(rotor=0.5 * blades[::-1], casing=-ring, end=3e-4, phase=0.2),
     )
 
 

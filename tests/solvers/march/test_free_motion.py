@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from contact_cases import run, stage_problem, thrown
 from numpy.testing import assert_array_equal
-from sweep_work import march_in_process
+from sweep_work import in_process
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
@@ -104,7 +104,7 @@ def test_what_is_waited_for() -> None:
 def test_a_sweep_records_where_and_why_points_stopped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("bladewhirl.studies.sweeps.sweep.march_points", march_in_process)
+    monkeypatch.setattr("bladewhirl.studies.sweeps.sweep.march_points", in_process)
     speeds = {"march.speed": [1.0, 1.1]}
     run_sweep(pulse(1e3), speeds, tmp_path / "early", stop_when="damped")
     run_sweep(pulse(1e3), speeds, tmp_path / "whole")

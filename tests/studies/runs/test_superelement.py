@@ -16,8 +16,8 @@ from small_run import assert_same_bits
 
 import bladewhirl as bw
 from bladewhirl.models.case.file import loads
-from bladewhirl.models.stage.node_coating import axial_tracks, spacing
-from bladewhirl.models.stage.superelement_hints import superelement_hints
+from bladewhirl.models.stage.coating import axial_tracks, spacing
+from bladewhirl.models.stage.hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.postprocess.superelement.interaction import plot_interaction
 from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits
