@@ -1,17 +1,17 @@
 """The `[bladed_disk]` table of a case and its inner tables: taper, shrouds, rings, masses."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import combinations, pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, SerializerFunctionWrapHandler, StrictStr, model_serializer
+from pydantic import Field, StrictStr
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.mesh_file import MeshTable
 from bladewhirl.models.case.superelement import SuperelementTable
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys, Table
 from bladewhirl.models.sections.rectangular import BeamSection
 
 MOST_SPREAD = 0.2
@@ -137,7 +137,7 @@ class DiskSection(BeamSection):
     """Size in the plane of motion [m]."""
 
 
-class BladedDisk(Table):
+class BladedDisk(ReplacedKeys):
     """A bladed disk of beams: blades from root to tip, spokes, and a rim through the roots."""
 
     blades: Annotated[int, fields.count(3)] = 22
@@ -212,26 +212,19 @@ class BladedDisk(Table):
         radii |= {mass.radius for mass in self.point_masses}
         return sorted(r for r in radii if self.disk_radius < r < self.tip_radius)
 
-    @model_serializer(mode="wrap")
-    def _without_keys_of_no_meaning(
-        self, serialize: SerializerFunctionWrapHandler
-    ) -> dict[str, Any]:
-        """Leave out the keys that a mesh file or a superelement replaces."""
-        tables: dict[str, Any] = serialize(self)
+    def written(self) -> Iterable[str]:
+        """Return the keys to write, without those that a mesh file or a superelement replaces."""
         if self.superelement is not None:
-            kept = ("superelement", "mistuning")
-            return {name: tables[name] for name in kept if name in tables}
-        return tables if self.mesh is None else {"mesh": tables["mesh"]}
+            return ("superelement", "mistuning")
+        return type(self).model_fields if self.mesh is None else ("mesh",)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield errors for blades without length, parts at wrong radii and too many elements."""
-        for source, kept in (("superelement", {"superelement", "mistuning"}), ("mesh", {"mesh"})):
-            if getattr(self, source) is None:
-                continue
-            for name, field in type(self).model_fields.items():
-                if name not in kept and getattr(self, name) != field.default:
-                    expected = f"not allowed together with bladed_disk.{source}; remove this key"
-                    yield Inconsistency(name, expected, (source,))
+        if self.superelement is not None or self.mesh is not None:
+            source = "mesh" if self.superelement is None else "superelement"
+            for name in self.given(kept=[*self.written()]):
+                expected = f"not allowed together with bladed_disk.{source}; remove this key"
+                yield Inconsistency(name, expected, (source,))
             if self.superelement is not None:
                 yield from self._factor_faults(self.superelement)
             return

@@ -6,16 +6,10 @@ its source. Numbers are in SI units; text includes a unit, "1 mm". New kinds of 
 as optional tables.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from pydantic import (
-    Field,
-    SerializerFunctionWrapHandler,
-    StrictStr,
-    ValidationError,
-    model_serializer,
-)
+from pydantic import Field, StrictStr, ValidationError
 
 from bladewhirl.models.case.analysis import Contact, Coupling, Damping, Initial, March, Reduction
 from bladewhirl.models.case.bladed_disk import BladedDisk
@@ -34,11 +28,11 @@ from bladewhirl.models.case.shaft import Rotation, Shaft
 from bladewhirl.models.case.sketch import SketchTable
 from bladewhirl.models.case.superelement import superelement_faults
 from bladewhirl.models.inputs.errors import CaseError, shown
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys
 from bladewhirl.models.sections.rectangular import Material
 
 
-class Case(Table):
+class Case(ReplacedKeys):
     """A bladed disk on its shaft, a casing, a load and a speed; by default the paper's fan stage.
 
     Raises:
@@ -94,15 +88,10 @@ class Case(Table):
         """Return the text of `__repr__`."""
         return repr(self)
 
-    @model_serializer(mode="wrap")
-    def _without_blades_beside_a_sketch(
-        self, serialize: SerializerFunctionWrapHandler
-    ) -> dict[str, Any]:
-        """Leave out the keys of [bladed_disk] if a sketch replaces them."""
-        tables: dict[str, Any] = serialize(self)
-        if self.sketch is not None:
-            tables.pop("bladed_disk", None)
-        return tables
+    def written(self) -> Iterable[str]:
+        """Return the tables to write, without [bladed_disk] if a sketch replaces it."""
+        replaced = () if self.sketch is None else ("bladed_disk",)
+        return (name for name in type(self).model_fields if name not in replaced)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield contradictions between values of different tables."""
@@ -146,10 +135,9 @@ class Case(Table):
             yield Inconsistency("shaft.damping_frame", expected, ("rotation.effects",))
         yield from superelement_faults(self)
         if self.sketch is not None:
-            for name, field in BladedDisk.model_fields.items():
-                if getattr(self.bladed_disk, name) != field.default:
-                    expected = "not allowed together with [sketch]; remove this key"
-                    yield Inconsistency(f"bladed_disk.{name}", expected, ("sketch",))
+            for name in self.bladed_disk.given():
+                expected = "not allowed together with [sketch]; remove this key"
+                yield Inconsistency(f"bladed_disk.{name}", expected, ("sketch",))
 
     def _unknown_materials(self) -> Iterator[Inconsistency]:
         disk = self.bladed_disk

@@ -12,7 +12,7 @@ from bladewhirl.models.case.wall_profile import ClearanceProfile
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.rectangular import BeamSection
-from bladewhirl.models.sections.wall import TURN, Arc, Lobe, RingProfile
+from bladewhirl.models.sections.wall import TURN, Arc, Lobe, LobeRows, RingProfile
 
 SAME_ANGLE = 1e-9
 """Difference below which two angles count as equal [rad]."""
@@ -84,9 +84,7 @@ class Casing(Table):
     the blades can distinguish."""
     clearance: fields.LengthOrZero = 1e-3
     """Gap between tips and casing at rest [m] (paper, Table 1); the mean gap if there are lobes."""
-    clearance_lobes: Annotated[
-        tuple[Lobe, ...], fields.rows('{ lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }')
-    ] = ()
+    clearance_lobes: LobeRows = ()
     """Out-of-round clearance, rows of { lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }:
     amplitude * cos(lobes * (angle - phase)) added to clearance, fixed in the static frame; 2 lobes
     are an ellipse. Only the clearance is out of round: the beams stay on a circle."""

@@ -51,7 +51,7 @@ def sensors_from(rows: Sequence[Any], blades: int) -> tuple[Sensor, ...]:
     except ValidationError as error:
         raise CaseError(faults_of(error, {"sensor": rows})) from None
     faults = [
-        Fault(key=_dotted(fault.path), value=fault.value, expected=fault.expected)
+        Fault(key=dotted(fault.path), value=fault.value, expected=fault.expected)
         for fault in sensor_faults(sensors, blades)
     ]
     if faults:
@@ -72,13 +72,13 @@ def faults_of(error: ValidationError, tables: Mapping[str, Any], parent: str = "
 
 def _fault(details: ErrorDetails, tables: Mapping[str, Any], parent: str) -> Fault:
     path = _path(details)
-    key = ".".join(filter(None, [parent, _dotted(path)]))
+    key = ".".join(filter(None, [parent, dotted(path)]))
     default = None if details["type"] in (*TAG_ERRORS, "missing") else details["input"]
     context = details.get("ctx", {})
     expected = _expected(details, path)
     if context.get("place"):
         return Fault(key=f"{key}: {context['place']}", expected=expected)
-    value = context.get("value") or _value(tables, path, default)
+    value = context.get("value") or value_at(tables, path, default)
     return Fault(key=key, value=value, expected=expected)
 
 
@@ -95,7 +95,7 @@ def _expected(details: ErrorDetails, path: Path) -> str:
     if kind == "missing":
         return f"a value for {path[-1]}"
     if kind in TABLE_ERRORS:
-        return f"a table, [{_dotted(path)}]"
+        return f"a table, [{dotted(path)}]"
     return FIXED_PHRASES.get(kind, details["msg"])
 
 
@@ -123,7 +123,8 @@ def _place_of_type(location: Path) -> int:
     return at if tagged else 0
 
 
-def _value(tables: Mapping[str, Any], path: Path, default: object) -> Any:
+def value_at(tables: Mapping[str, Any], path: Path, default: object = None) -> Any:
+    """Return the value at a path, or a default."""
     value: Any = tables
     for part in path:
         try:
@@ -133,7 +134,8 @@ def _value(tables: Mapping[str, Any], path: Path, default: object) -> Any:
     return value
 
 
-def _dotted(path: Path) -> str:
+def dotted(path: Path) -> str:
+    """Return a path as text, with numbers of rows in brackets."""
     text = ""
     for part in path:
         text += f"[{part}]" if isinstance(part, int) else f".{toml_key(part)}"
@@ -157,8 +159,8 @@ def _known_key(location: Path, path: Path) -> str:
         last = {key[-1]: key for key in known}
         similar = [last[key] for key in difflib.get_close_matches(name, last, n=1)]
     if similar:
-        return f"a known key; the nearest is {' or '.join(map(_dotted, similar))}"
-    heading = f" of [{_dotted(table)}]" if table else ""
+        return f"a known key; the nearest is {' or '.join(map(dotted, similar))}"
+    heading = f" of [{dotted(table)}]" if table else ""
     return f"a known key{heading}: {', '.join(siblings)}"
 
 

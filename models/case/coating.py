@@ -10,7 +10,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.wall_profile import angle_fault, with_points_of_file
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.sections.wall import TURN, Lobe
+from bladewhirl.models.sections.wall import TURN, LobeRows
 
 Stress = Annotated[float, fields.quantity("Pa", "not negative")]
 Point = tuple[fields.Angle, fields.LengthOrZero]
@@ -48,9 +48,7 @@ class WornProfile(Table):
     """Points of each track under a superelement, in place of points. file = "wear.csv" reads them
     from a file whose first line is "angle [deg],recess at -5 mm [mm],recess at 5 mm [mm]", with
     the axial positions of the contact nodes; a run of a superelement writes such a file."""
-    lobes: Annotated[
-        tuple[Lobe, ...], fields.rows('{ lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }')
-    ] = ()
+    lobes: LobeRows = ()
     """Waves of the removed depth that are added, each from 0 to its amplitude:
     amplitude (1 + cos(lobes (angle - phase))) / 2."""
 

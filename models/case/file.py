@@ -13,10 +13,10 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from, faults_of
+from bladewhirl.models.case.check import case_from, dotted, faults_of, value_at
 from bladewhirl.models.case.excitation import EXCITATIONS
-from bladewhirl.models.inputs.errors import CaseError, Fault, faults_in
-from bladewhirl.models.inputs.table import Table
+from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.inputs.table import Table, path_of
 
 MOST_LETTERS = 2**24
 """Largest length of a case file [characters]; a longer file cannot be a case."""
@@ -121,7 +121,7 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
     tables = _parsed(text, file)
     _find_beside(tables, os.path.dirname(file))
     overrides = list(overrides)
-    with faults_in(SET):
+    with faults_from(SET, ()):
         _replace(tables, override_values(overrides))
     with faults_from(file, overrides):
         return case_from(tables)
@@ -167,7 +167,8 @@ def override_values(overrides: Iterable[str]) -> dict[str, Any]:
 
 @contextmanager
 def faults_from(file: str | PathLike[str], overrides: Iterable[str]) -> Iterator[None]:
-    """Add the source of the key (override or file) to each fault that is raised in this context.
+    """Add the source of the key (override or file) to each fault that is raised in this context
+    without one.
 
     Args:
         file: file from which the case was read.
@@ -183,23 +184,17 @@ def faults_from(file: str | PathLike[str], overrides: Iterable[str]) -> Iterator
 def case_fault(case: Case, key: str, expected: str) -> Fault:
     """Return a fault at a dotted key of a case that is valid by itself.
 
-    The caller adds the name of the file, with `faults_in` or `faults_from`.
+    The caller adds the name of the file, with `faults_from`.
     """
-    value: Any = case.model_dump()
-    shown = ""
-    for part in key.split("."):
-        value = value[int(part) if part.isdigit() else part]
-        shown += f"[{part}]" if part.isdigit() else f".{part}"
-    return Fault(key=shown.removeprefix("."), value=value, expected=expected)
+    path = path_of(key)
+    return Fault(key=dotted(path), value=value_at(case.model_dump(), path), expected=expected)
 
 
 def _find_beside(tables: dict[str, Any], folder: str) -> None:
     """Convert the paths of files in a case, given relative to the case file, to paths relative to
     the working directory."""
     for key in FILES:
-        table: Any = tables
-        for name in key.split("."):
-            table = table.get(name) if isinstance(table, dict) else None
+        table = value_at(tables, path_of(key))
         if isinstance(table, dict) and isinstance(table.get("file"), str):
             table["file"] = os.path.join(folder, table["file"])
 
@@ -209,7 +204,7 @@ def _placed(fault: Fault, file: str, overridden: list[str]) -> Fault:
     place = f"{fault.key.partition('[')[0]}."
     keys = [f"{key}." for key in overridden]
     set_here = any(place.startswith(key) or key.startswith(place) for key in keys)
-    return replace(fault, file=SET if set_here else file)
+    return replace(fault, file=fault.file or (SET if set_here else file))
 
 
 def _replace(tables: dict[str, Any], values: Mapping[str, Any]) -> None:

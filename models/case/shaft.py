@@ -1,12 +1,12 @@
 """The `[shaft]` and `[rotation]` tables of a case."""
 
-from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from collections.abc import Iterable, Iterator
+from typing import Annotated, Literal
 
-from pydantic import Field, SerializerFunctionWrapHandler, StrictBool, model_serializer
+from pydantic import Field, StrictBool
 
 from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness, quantity
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys, Table
 
 Effects = Literal["none", "centrifugal", "full"]
 """Rotation effects: none; "centrifugal", which is tension with its geometric stiffness and spin
@@ -34,7 +34,7 @@ class Rotation(Table):
             yield Inconsistency("clearance", expected, ("effects",))
 
 
-class Shaft(Table):
+class Shaft(ReplacedKeys):
     """Shaft: two springs that carry the centre of the disk; the centre node has no rotation."""
 
     stiffness: Stiffness = 3.4e7
@@ -71,13 +71,10 @@ class Shaft(Table):
     clamped: StrictBool = False
     """Fix the centre instead of supporting it by springs."""
 
-    @model_serializer(mode="wrap")
-    def _springs_in_one_way(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+    def written(self) -> Iterable[str]:
         """Return the keys to write, without the stiffness if a suspension frequency replaces it."""
-        written: dict[str, Any] = handler(self)
-        if self.suspension_frequency is not None:
-            written.pop("stiffness", None)
-        return written
+        replaced = () if self.suspension_frequency is None else ("stiffness",)
+        return (name for name in type(self).model_fields if name not in replaced)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield errors for unequal dampers in the static frame, and for springs specified twice."""

@@ -13,7 +13,7 @@ from pydantic import model_validator
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.units import to_si
-from bladewhirl.models.sections.wall import TURN, Lobe
+from bladewhirl.models.sections.wall import TURN, LobeRows
 
 FEWEST, MOST = 8, 20_000
 """Smallest and largest number of points of a profile."""
@@ -35,9 +35,7 @@ class ClearanceProfile(Table):
     which the radius of the ring follows; the gaps follow from the points. file = "wall.csv" reads
     the points from a file whose first line is "angle [deg],clearance [mm]", with any units; its
     path is relative to the case file."""
-    harmonics: Annotated[
-        tuple[Lobe, ...], fields.rows('{ lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }')
-    ] = ()
+    harmonics: LobeRows = ()
     """Waves around the casing that are added, rows as in casing.clearance_lobes."""
 
     @model_validator(mode="before")

@@ -7,7 +7,7 @@ With alpha = theta - Omega t and mass-normalised modes
 
 cosines of different k are orthogonal on the circle, so each nodal diameter has its own equations;
 see `bladewhirl.models.coupling.equations`. The paper's system, Eq. (9), has one casing and two
-rotor pairs, all with k = 1 and a = 1 (`paper_modes`).
+rotor pairs, all with k = 1 and a = 1.
 """
 
 from collections.abc import Sequence
@@ -148,28 +148,6 @@ class CouplingModes:
     def harmonic(self, k: int) -> "CouplingModes":
         """Return only the modes of nodal diameter k."""
         return self.take(self.nodal_diameter == k)
-
-
-def paper_modes(
-    *, casing: float, first_flexural: float, suspension: float, damping_ratio: float = 0.0
-) -> CouplingModes:
-    """Make the paper's six-mode system: three k = 1 pairs of unit amplitude (Eqs 4-9).
-
-    Args:
-        casing: frequency of the casing's k = 1 pair [rad/s].
-        first_flexural: frequency of the bladed disk's 1F, k = 1 pair [rad/s].
-        suspension: frequency of the suspension pair [rad/s].
-        damping_ratio: modal damping ratio of all three pairs.
-    """
-    return CouplingModes(
-        name=("casing", "1F", "suspension"),
-        on_casing=np.array([True, False, False]),
-        nodal_diameter=np.ones(3, dtype=np.int64),
-        frequency=np.array([casing, first_flexural, suspension]),
-        amplitude=np.ones(3),
-        damping_ratio=np.full(3, damping_ratio),
-        paired=np.ones(3, dtype=np.bool_),
-    )
 
 
 @dataclass(frozen=True, kw_only=True)

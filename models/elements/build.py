@@ -19,6 +19,7 @@ from bladewhirl.models.geometry.from_mesh import mesh_beam_model
 from bladewhirl.models.geometry.sketch_build import build_sketch
 from bladewhirl.models.geometry.standard_disk import bladed_disk_sketch
 from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.sections.rectangular import BeamSection
 from bladewhirl.models.sections.wall import Wall
 
 LOST = 100.0
@@ -73,12 +74,8 @@ def case_casing(case: Case) -> CasingModel:
     springs = [spring(**row.model_dump()) for row in given.springs]
     struts = [
         strut(
-            row.angle,
-            case.material.section(row),
-            length=row.length,
-            inclination=row.inclination,
-            ends=row.ends,
-            damping=row.damping,
+            section=case.material.section(row),
+            **row.model_dump(exclude={*BeamSection.model_fields}),
         )
         for row in given.struts
     ]

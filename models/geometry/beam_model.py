@@ -5,8 +5,7 @@ unconnected parts and unusable sets.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
@@ -29,22 +28,13 @@ OUTSIDE = 1e-9
 """A node counts as inside up to this fraction of the radius beyond it."""
 
 
-def _ints(values: Any = ()) -> IntArray:
-    return np.asarray(values, dtype=np.int64)
-
-
-def _floats(*shape: int) -> FloatArray:
-    return np.zeros(shape)
-
-
 @dataclass(frozen=True, kw_only=True)
 class PointMasses:
     """Masses at nodes."""
 
-    node: IntArray = field(default_factory=_ints)  #: node of each mass, (masses,)
-    mass: FloatArray = field(default_factory=lambda: _floats(0))  #: mass [kg], (masses,)
-    inertia: FloatArray = field(default_factory=lambda: _floats(0))
-    """Rotary inertia [kg m2], (masses,)."""
+    node: IntArray  #: node of each mass, (masses,)
+    mass: FloatArray  #: mass [kg], (masses,)
+    inertia: FloatArray  #: rotary inertia [kg m2], (masses,)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,9 +45,9 @@ class NodeSprings:
     and tangential, or x and y at the origin), and on the relative rotation.
     """
 
-    node: IntArray = field(default_factory=_ints)  #: first end, (springs,)
-    other: IntArray = field(default_factory=_ints)  #: second end or `GROUND`, (springs,)
-    stiffness: FloatArray = field(default_factory=lambda: _floats(0, 3))
+    node: IntArray  #: first end, (springs,)
+    other: IntArray  #: second end or `GROUND`, (springs,)
+    stiffness: FloatArray
     """Stiffness along both axes [N/m] and against rotation [N m], (springs, 3)."""
 
 
@@ -65,8 +55,8 @@ class NodeSprings:
 class RigidLinks:
     """Rigid links: a rigid arm connects each led node to its leader; leaders are not led nodes."""
 
-    led: IntArray = field(default_factory=_ints)  #: led nodes, (links,)
-    leader: IntArray = field(default_factory=_ints)  #: leader of each led node, (links,)
+    led: IntArray  #: led nodes, (links,)
+    leader: IntArray  #: leader of each led node, (links,)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,9 +68,9 @@ class BeamModel:
 
     mesh: LineMesh
     properties: LineProperties
-    masses: PointMasses = field(default_factory=PointMasses)
-    springs: NodeSprings = field(default_factory=NodeSprings)
-    links: RigidLinks = field(default_factory=RigidLinks)
+    masses: PointMasses
+    springs: NodeSprings
+    links: RigidLinks
     tip_radius: float
     """Radius from which the clearance is measured [m]; tips can have other radii."""
 
@@ -120,7 +110,7 @@ class BeamModel:
     def blade_length(self) -> float:
         """Mean total length of the beams of a blade [m]; the tip radius if there is no line set
         ``blades``."""
-        blade_lines = self.mesh.line_sets.get("blades", _ints())
+        blade_lines = self.mesh.line_sets.get("blades", np.zeros(0, np.int64))
         length = float(self.mesh.lengths[blade_lines].sum()) / len(self.tips)
         return length or self.tip_radius
 

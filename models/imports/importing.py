@@ -16,7 +16,12 @@ from bladewhirl.models.imports.tables import (
     read_matrix_market,
 )
 from bladewhirl.models.superelements.file import read_superelement
-from bladewhirl.models.superelements.superelement import Superelement, SuperelementError, dense
+from bladewhirl.models.superelements.superelement import (
+    Superelement,
+    SuperelementError,
+    dense,
+    errors_of,
+)
 
 SMALLEST, LARGEST = 1e-3, 20.0
 """Plausible radii of contact nodes [m]."""
@@ -92,34 +97,22 @@ def imported(
             read_superelement if path.suffix.lower() == SUPERELEMENT else read_matlab_superelement
         )
         part = replace(read(path), **given)
-        return part, _inspected(path, part), None
+        with errors_of(path):
+            return part, inspect(part), None
     foreign = _read(path, mass, nodes)
     if "contact" not in given:
         raise SuperelementError(f"{path}: expected contact nodes: a group or numbers of nodes")
-    try:
+    with errors_of(path):
         part, along = superelement_from(foreign, Choice(**given))
-    except SuperelementError as error:
-        raise SuperelementError(*(f"{path}: {line}" for line in error.lines)) from None
-    _check_radius(path, part)
-    total = dense(along @ part.mass @ along.T).diagonal()
-    return part, _inspected(path, part), total
-
-
-def _check_radius(path: Path, part: Superelement) -> None:
-    radius = float(part.contact_radius.max())
-    if not SMALLEST <= radius <= LARGEST:
-        raise SuperelementError(
-            f"{path}: expected contact nodes at a radius from {SMALLEST:g} to {LARGEST:g} m, got"
-            f" {radius:.4g} m; give the units of the program, such as mm and t for a stiffness in"
-            " N/mm"
-        )
-
-
-def _inspected(path: Path, part: Superelement) -> Inspection:
-    try:
-        return inspect(part)
-    except SuperelementError as error:
-        raise SuperelementError(*(f"{path}: {line}" for line in error.lines)) from None
+        radius = float(part.contact_radius.max())
+        if not SMALLEST <= radius <= LARGEST:
+            raise SuperelementError(
+                f"expected contact nodes at a radius from {SMALLEST:g} to {LARGEST:g} m, got"
+                f" {radius:.4g} m; give the units of the program, such as mm and t for a stiffness"
+                " in N/mm"
+            )
+        total = dense(along @ part.mass @ along.T).diagonal()
+        return part, inspect(part), total
 
 
 def _read(

@@ -7,7 +7,6 @@ import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.units import to_si
 from bladewhirl.models.solids.blade import AXES
 from bladewhirl.models.solids.groups import contact_nodes, matching_faces, sector_faces
@@ -16,6 +15,7 @@ from bladewhirl.models.superelements.superelement import (
     Matrix,
     Superelement,
     SuperelementError,
+    errors_of,
 )
 
 
@@ -104,7 +104,7 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
         place[free] = np.arange(len(free))
         dofs, size = place[dofs], len(free)
     fixed_nodes = np.flatnonzero((dofs == FIXED).all(axis=1))
-    try:
+    with errors_of(part.source):
         group = part.nodes("contact", choice.contact)
         touching = contact_nodes(points, group, choice.contacts, fixed_nodes)
         sides = sector_faces(choice.left, choice.right, choice.copies)
@@ -112,8 +112,6 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
         if sides is not None:
             first, second = part.nodes("left", sides[0]), part.nodes("right", sides[1])
             faces = matching_faces(points, first, second, sides[2], fixed_nodes)
-    except CaseError as error:
-        raise SuperelementError(*(f"{part.source}: {line}" for line in error.lines)) from None
     shown = np.arange(len(points)) if part.surface is None else np.unique(part.surface)
     made = Superelement(
         mass=mass * part.mass[free][:, free],

@@ -17,6 +17,7 @@ from bladewhirl.models.superelements.superelement import (
     Matrix,
     Superelement,
     SuperelementError,
+    errors_of,
 )
 
 POSITION, ROWS, GROUP = ("x", "y", "z"), ("row_x", "row_y", "row_z"), "group"
@@ -63,10 +64,8 @@ def read_matlab_superelement(path: Path) -> Superelement:
     """
     variables = _variables(path)
     content = {key: value for key, value in variables.items() if key in KEYS}
-    try:
+    with errors_of(path):
         return superelement_of(content | dict(_matrices(variables)))
-    except SuperelementError as error:
-        raise SuperelementError(*(f"{path}: {line}" for line in error.args)) from None
 
 
 def _variables(path: Path) -> dict[str, Any]:

@@ -5,7 +5,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
 
@@ -96,16 +96,6 @@ class CaseError(UserError):
     def lines(self) -> list[str]:
         """Text of each fault on one line."""
         return [str(fault) for fault in self.faults]
-
-
-@contextmanager
-def faults_in(file: str) -> Iterator[None]:
-    """Set the file name of faults that are raised in this context without a file name."""
-    try:
-        yield
-    except CaseError as error:
-        located = (fault if fault.file else replace(fault, file=file) for fault in error.faults)
-        raise CaseError(located) from None
 
 
 @contextmanager

@@ -1,9 +1,16 @@
 """Base class of the tables of a case: immutable, without unknown keys, checked for consistency."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import Any, NamedTuple, Self
 
-from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+    model_validator,
+)
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from bladewhirl.models.inputs.errors import demand
@@ -24,8 +31,13 @@ class Inconsistency(NamedTuple):
     @property
     def path(self) -> tuple[str | int, ...]:
         """Names and numbers of rows in `key`."""
-        parts = self.key.split(".") if self.key else []
-        return tuple(int(part) if part.isdigit() else part for part in parts)
+        return path_of(self.key)
+
+
+def path_of(key: str) -> tuple[str | int, ...]:
+    """Return the names and the numbers of rows in a dotted key."""
+    parts = key.split(".") if key else []
+    return tuple(int(part) if part.isdigit() else part for part in parts)
 
 
 class Table(BaseModel):
@@ -61,6 +73,27 @@ class Table(BaseModel):
         if errors:
             raise ValidationError.from_exception_data(type(self).__name__, errors)
         return self
+
+
+class ReplacedKeys(Table):
+    """A table of which some keys, if they are given, replace others."""
+
+    def written(self) -> Iterable[str]:
+        """Return the keys to write: all that have a meaning."""
+        raise NotImplementedError
+
+    @model_serializer(mode="wrap")
+    def _only_written(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        tables: dict[str, Any] = serialize(self)
+        return {name: tables[name] for name in self.written() if name in tables}
+
+    def given(self, kept: Collection[str] = ()) -> list[str]:
+        """Return the keys that differ from their defaults, except `kept`."""
+        return [
+            name
+            for name, field in type(self).model_fields.items()
+            if name not in kept and getattr(self, name) != field.default
+        ]
 
 
 def _value_at(table: Table, path: tuple[str | int, ...]) -> Any:

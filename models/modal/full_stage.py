@@ -139,7 +139,7 @@ class ModalStage:
     free_modes: LabelledModes
     clamped_modes: LabelledModes
     casing_modes: LabelledModes
-    at_speed: tuple[TurningDisk, TurningDisk] | None
+    at_speed: tuple[TurningDisk, ...] | None
     """Bladed disk at speed with a free and with a clamped centre; None without rotation effects."""
 
     @property
@@ -252,11 +252,12 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
         tell_cost(modal_cost(casing.structure))
         tip = tip_in_sector(free)
         reference: float | None = None
-        both: tuple[TurningDisk, TurningDisk] | None = None
+        both: list[TurningDisk] = []
         if case.rotation.effects != "none":
             lowest = lowest_frequencies(free.structure, 1)
             reference = lowest_frequency(free, (frequencies[0] for frequencies in lowest.values()))
-            both = _at_speed(case, free, reference), _at_speed(case, clamped, reference)
+            turning = (turning_disk(case, each, reference) for each in (free, clamped))
+            both = [disk for disk in turning if disk is not None]
             if case.rotation.effects == "centrifugal":
                 free, clamped = both[0].disk, both[1].disk
         free_modes = labelled_modes(free.structure, tip, "bladed-disk", count)
@@ -269,12 +270,5 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
             free_modes=free_modes,
             clamped_modes=labelled_modes(clamped.structure, tip, "bladed-disk", count),
             casing_modes=labelled_modes(casing.structure, (RADIAL, TANGENTIAL), "casing", count),
-            at_speed=both,
+            at_speed=tuple(both) or None,
         )
-
-
-def _at_speed(case: Case, at_rest: BladedDiskModel, reference: float) -> TurningDisk:
-    """Return a bladed disk with its rotation effects."""
-    turning = turning_disk(case, at_rest, reference)
-    assert turning is not None  # the case has effects
-    return turning

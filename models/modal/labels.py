@@ -10,6 +10,7 @@ gets the family with the largest share in this expansion. The mode gets the noda
 largest mass-weighted share in its motion; this share is called the purity of the mode.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -137,7 +138,7 @@ def mode_families(
     """
     if modes.is_cyclic or structure.layout is None:
         return _names(structure, modes, reference, body)[0]
-    return tuple(_families_of_twin(structure, modes, _tuned(structure, reference, body)))
+    return _families_of_twin(structure, modes, _tuned(structure, reference, body))
 
 
 def families_at_speed(names: list[str], shares: FloatArray) -> list[str]:
@@ -232,22 +233,36 @@ def _in_springs(springs: ComplexArray, vectors: ComplexArray) -> FloatArray:
     )
 
 
-def _families_of_twin(structure: Structure, modes: Modes, twin: LabelledModes) -> list[str]:
+def _families_of_twin(structure: Structure, modes: Modes, twin: LabelledModes) -> tuple[str, ...]:
     """Expand each mode in the modes of the tuned twin, and return for each mode the family whose
     coefficients have the largest sum of squares."""
     layout = structure.layout
     assert layout is not None  # structures with a twin have sectors
-    names = list(dict.fromkeys(twin.family))
-    shares = np.zeros((len(names), modes.count))
     impulse = structure.mass @ modes.shapes
-    one = twin.one_a_pair()
+    one, parts, order = twin.one_a_pair(), [], []
     for k in np.unique(twin.nodal_diameter):
         here = one[twin.nodal_diameter[one] == k]
         vectors = np.column_stack([twin.amplitudes[i] for i in here])
-        parts = np.abs(vectors.conj().T @ (layout.basis(int(k)).conj().T @ impulse)) ** 2
-        rows = [names.index(twin.family[i]) for i in here]
-        np.add.at(shares, rows, (2.0 if is_pair(int(k), layout.sectors) else 1.0) * parts)
-    return [names[i] for i in shares.argmax(axis=0)]
+        part = np.abs(vectors.conj().T @ (layout.basis(int(k)).conj().T @ impulse)) ** 2
+        parts.append((2.0 if is_pair(int(k), layout.sectors) else 1.0) * part)
+        order += here.tolist()
+    return _largest_share(twin.family, [twin.family[i] for i in order], np.vstack(parts))
+
+
+def _largest_share(
+    names: tuple[str, ...], family: Sequence[str], parts: FloatArray
+) -> tuple[str, ...]:
+    """Return for each mode the family with the largest sum of parts, (modes,).
+
+    Args:
+        names: families in the order of preference among equal sums.
+        family: family of each part, (parts,).
+        parts: share of each part in each mode, (parts, modes).
+    """
+    names = tuple(dict.fromkeys(names))
+    shares = np.zeros((len(names), parts.shape[1]))
+    np.add.at(shares, [names.index(name) for name in family], parts)
+    return tuple(names[i] for i in shares.argmax(axis=0))
 
 
 def whirl_families(
@@ -266,7 +281,9 @@ def whirl_families(
     """
     at_rest = labelled_modes(structure.at_rest or structure, reference, "bladed-disk")
     if modes.rank[:1] == NO_COLUMN:
-        names = _by_overlap(structure, modes, at_rest)
+        impulse = structure.mass @ modes.fields(np.arange(modes.count))
+        parts = np.abs(at_rest.fields(np.arange(at_rest.count)).T @ impulse) ** 2
+        names = _largest_share(at_rest.family, at_rest.family, parts)
         return names, names
     family, before = [""] * modes.count, [""] * modes.count
     for k, names_at_rest in names_of(at_rest).items():
@@ -289,13 +306,3 @@ def names_of(modes: LabelledModes) -> dict[int, list[str]]:
         int(k): [names[i] for i in one[modes.nodal_diameter[one] == k]]
         for k in np.unique(modes.nodal_diameter[one])
     }
-
-
-def _by_overlap(structure: Structure, modes: WhirlModes, at_rest: LabelledModes) -> tuple[str, ...]:
-    names = list(dict.fromkeys(at_rest.family))
-    every = np.arange(at_rest.count)
-    impulse = structure.mass @ modes.fields(np.arange(modes.count))
-    parts = np.abs(at_rest.fields(every).T @ impulse) ** 2
-    shares = np.zeros((len(names), modes.count))
-    np.add.at(shares, [names.index(family) for family in at_rest.family], parts)
-    return tuple(names[i] for i in shares.argmax(axis=0))

@@ -52,7 +52,7 @@ def _linearised(mass: Matrix, stiffness: Matrix, gyroscopic: Matrix) -> tuple[Ma
         and true if the matrix is Hermitian, that is, if the stiffness is positive definite. The
         eigenvector of w consists of p and root(K) p / w, both in the eigenbasis of the stiffness.
     """
-    size, inverse = len(mass), _inverse_root(mass)
+    size, inverse = len(mass), inverse_root(mass)
     turned = 1j * inverse @ gyroscopic @ inverse.conj().T
     square, axes = la.eigh(_hermitian(inverse @ stiffness @ inverse.conj().T))
     root = np.diag(np.sqrt(np.abs(square)))
@@ -96,7 +96,7 @@ def damped_eigenvalues(
     Returns:
         s (2 n,), and vectors (n, 2 n).
     """
-    inverse = _inverse_root(mass)
+    inverse = inverse_root(mass)
     damped, elastic = (inverse @ each @ inverse.conj().T for each in (damping, stiffness))
     scale = np.sqrt(la.norm(elastic, 2))  # s / scale is of order one
     top = np.hstack([-damped / scale, -elastic / scale**2])
@@ -148,8 +148,8 @@ def positive_speeds(stiffness: Matrix, pulled: Matrix) -> tuple[FloatArray, Comp
     return 1.0 / np.sqrt(share[positions]), vectors[:, positions]
 
 
-def _inverse_root(mass: Matrix) -> Matrix:
-    """Return the inverse of the lower Cholesky factor of the mass matrix."""
+def inverse_root(mass: Matrix) -> Matrix:
+    """Return the inverse of the lower Cholesky factor of a matrix."""
     root = la.cholesky(mass, lower=True)
     return np.asarray(la.solve_triangular(root, np.eye(len(mass)), lower=True))
 

@@ -27,6 +27,7 @@ from bladewhirl.models.rotation.eigenproblems import (
     damped_eigenvalues,
     gyroscopic_eigen,
     gyroscopic_frequencies,
+    inverse_root,
     modal_damping,
     positive_speeds,
 )
@@ -141,8 +142,7 @@ class Waves:
         second = k * twice - k**2 * self.mass + self.softening
         first = casing_frequency * (2.0 * k * self.mass - twice)
         zeroth = self.stiffness - casing_frequency**2 * self.mass
-        root = la.cholesky(self.stiffness, lower=True)
-        inverse = la.solve_triangular(root, np.eye(size), lower=True)
+        inverse = inverse_root(self.stiffness)
         second, first, zeroth = (
             inverse @ each @ inverse.conj().T
             for each in (highest**2 * second, highest * first, zeroth)

@@ -1,7 +1,7 @@
 """Rectangular beam sections, their materials, and the stiffness and mass of lines of a mesh."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from typing import Annotated, ClassVar, Generic, TypeVar
 
 import numpy as np
@@ -228,25 +228,15 @@ def along_elements(sections: Section | Taper, elements: int) -> tuple[FloatArray
     return np.where(constant, smallest, mean), np.clip(change, -largest_end, largest_end)
 
 
-def _no_change() -> FloatArray:
-    return np.zeros(0)
-
-
 @dataclass(frozen=True, kw_only=True)
 class LineProperties(Rectangle[FloatArray]):
     """Sections of the lines of a mesh: values at the middles of the lines, (lines,), and linear
-    changes from the first to the second end. Changes that are left out are zero.
-    """
+    changes from the first to the second end."""
 
-    width_change: FloatArray = field(default_factory=_no_change)  #: change [m], (lines,)
-    thickness_change: FloatArray = field(default_factory=_no_change)  #: change [m], (lines,)
-    young_modulus_change: FloatArray = field(default_factory=_no_change)  #: [Pa], (lines,)
-    density_change: FloatArray = field(default_factory=_no_change)  #: [kg/m3], (lines,)
-
-    def __post_init__(self) -> None:
-        for name in CHANGES:
-            if not len(getattr(self, name)):
-                object.__setattr__(self, name, np.zeros(len(self.width)))
+    width_change: FloatArray  #: change [m], (lines,)
+    thickness_change: FloatArray  #: change [m], (lines,)
+    young_modulus_change: FloatArray  #: change [Pa], (lines,)
+    density_change: FloatArray  #: change [kg/m3], (lines,)
 
     def at(self, places: FloatArray) -> Rectangle[FloatArray]:
         """Return the sections at positions along every line, arrays (lines, places).

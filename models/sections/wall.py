@@ -22,7 +22,15 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import RingMesh
-from bladewhirl.models.inputs.fields import Angle, Density, Length, LengthOrZero, Modulus, count
+from bladewhirl.models.inputs.fields import (
+    Angle,
+    Density,
+    Length,
+    LengthOrZero,
+    Modulus,
+    count,
+    rows,
+)
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.rectangular import Rectangle, Section
 
@@ -41,6 +49,11 @@ class Lobe(Table):
     """Height of a crest [m]."""
     phase: Angle = 0.0
     """Angle of a crest from the x axis [rad]."""
+
+
+LobeRows = Annotated[
+    tuple[Lobe, ...], rows('{ lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }')
+]
 
 
 @dataclass(frozen=True, kw_only=True)

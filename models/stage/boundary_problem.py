@@ -10,6 +10,7 @@ from bladewhirl.models.stage.contact_problem import (
     Load,
     NodeCoating,
     ReducedCasing,
+    Start,
     WallClosure,
 )
 
@@ -48,12 +49,7 @@ class BoundaryProblem:
     """Whether friction is opposite to the slip velocity in the contact plane; if not, it acts
     against the rotation."""
     displacement_limit: float  #: largest radial displacement of a contact node [m]
-    displacement: FloatArray  #: initial modal displacements [kg^1/2 m], (copies, modes)
-    velocity: FloatArray  #: initial modal velocities [kg^1/2 m/s], (copies, modes)
-    casing_displacement: FloatArray | None = None
-    """Initial modal displacements of a flexible casing [kg^1/2 m], (casing modes,); None: zero."""
-    casing_velocity: FloatArray | None = None
-    """Initial modal velocities of a flexible casing [kg^1/2 m/s], (casing modes,); None: zero."""
+    start: Start  #: motion of each copy, and of the casing, at t = 0
     loads: tuple[Load, ...] = ()  #: loads, with forces on each copy
     casing: ReducedCasing | None = None  #: flexible casing; None: a rigid wall
     coating: NodeCoating | None = None  #: abradable coating
@@ -71,7 +67,7 @@ class BoundaryProblem:
         at = cubic_weights(place - np.floor(place), 2.0 * np.pi / angles)
         clearance = at[0] * one[..., 0] + at[1] * one[..., 1]
         clearance = clearance + at[2] * two[..., 0] + at[3] * two[..., 1]
-        return np.asarray(clearance + self.recess - self.displacement @ self.contact[::3].T)
+        return np.asarray(clearance + self.recess - self.start.rotor @ self.contact[::3].T)
 
     @property
     def critical_time_step(self) -> float:

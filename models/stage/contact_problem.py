@@ -289,10 +289,21 @@ class Load:
 class Start:
     """Displacement and velocity at t = 0 in modal coordinates."""
 
-    rotor: FloatArray  #: modal displacements of the rotor [kg^1/2 m], (rotor modes,)
-    rotor_velocity: FloatArray  #: modal velocities of the rotor [kg^1/2 m/s], (rotor modes,)
-    casing: FloatArray  #: modal displacements of the casing [kg^1/2 m], (casing modes,)
+    rotor: FloatArray
+    """Modal displacements of the rotor [kg^1/2 m], (rotor modes,); of a superelement (copies,
+    modes)."""
+    rotor_velocity: FloatArray  #: modal velocities of the rotor [kg^1/2 m/s], in the same shape
+    casing: FloatArray
+    """Modal displacements of the casing [kg^1/2 m], (casing modes,); empty for a rigid wall."""
     casing_velocity: FloatArray  #: modal velocities of the casing [kg^1/2 m/s], (casing modes,)
+
+    @classmethod
+    def of_rotor(
+        cls, rotor: FloatArray, rotor_velocity: FloatArray, casing_modes: int = 0
+    ) -> "Start":
+        """Return a start at which the casing is at rest."""
+        still = np.zeros(casing_modes)
+        return cls(rotor=rotor, rotor_velocity=rotor_velocity, casing=still, casing_velocity=still)
 
     def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> "Start":
         """Return the start in the chosen modes: its mass-orthogonal projection on these modes."""
@@ -380,10 +391,5 @@ def critical_time_step(
 
 def at_rest(rotor: ReducedRotor, casing: ReducedCasing) -> Start:
     """Return a start without displacement and velocity."""
-    still_rotor, still_casing = np.zeros(len(rotor.frequency)), np.zeros(len(casing.frequency))
-    return Start(
-        rotor=still_rotor,
-        rotor_velocity=still_rotor,
-        casing=still_casing,
-        casing_velocity=still_casing,
-    )
+    still = np.zeros(len(rotor.frequency))
+    return Start.of_rotor(still, still, len(casing.frequency))

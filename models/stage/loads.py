@@ -4,13 +4,10 @@ Loads on the rotor are in rotating axes, which coincide with the static axes at 
 casing are in static axes.
 """
 
-from typing import Protocol
-
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import U, W
-from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import (
     CasingDistortion,
     EngineOrder,
@@ -20,36 +17,15 @@ from bladewhirl.models.case.excitation import (
 )
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.coupling.stage_modes import is_radial
-from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.rotation.at_speed import tip_recess
-from bladewhirl.models.stage.contact_problem import Load, ReducedCasing, ReducedRotor, Start
+from bladewhirl.models.stage.contact_problem import Load, ReducedRotor, Start
 from bladewhirl.models.stage.engine_order import engine_order_loads
+from bladewhirl.models.stage.ring import Ring
 from bladewhirl.models.stage.stage import Stage
 
 X, Y = range(2)
 """Positions of x and y in the motion of the centre."""
-
-
-class WithRing(Protocol):
-    """Protocol of a stage with a flexible casing, and of the casing alone."""
-
-    @property
-    def case(self) -> Case:
-        """The case."""
-
-    @property
-    def casing(self) -> CasingModel:
-        """Finite element model of the casing."""
-
-    @property
-    def casing_modes(self) -> Modes:
-        """All modes of the casing."""
-
-    @property
-    def reduced_casing(self) -> ReducedCasing:
-        """The casing in all its modes."""
 
 
 def excitation_loads(stage: Stage) -> tuple[Load, ...]:
@@ -73,7 +49,7 @@ def _loads(stage: Stage, load: Excitation) -> tuple[Load, ...]:
     return ()
 
 
-def radial_mode(stage: WithRing, k: int, key: str = "excitation") -> int:
+def radial_mode(stage: Ring, k: int, key: str = "excitation") -> int:
     """Return the number of the lowest radial casing mode w = +cos k theta; `key` is the dotted key
     of the excitation that needs the mode.
 
@@ -155,18 +131,13 @@ def initial_state(stage: Stage) -> Start:
     coordinate is zero. This is the field with the least strain energy for these values at tips and
     centre. The casing starts at rest.
     """
-    initial, rotor = stage.case.initial, stage.rotor
-    still = np.zeros(len(stage.reduced_casing.frequency))
-    return Start(
-        rotor=_static_shape(
-            rotor, boundary_values(stage, initial.tip_displacement, initial.centre_displacement)
-        ),
-        rotor_velocity=_static_shape(
-            rotor, boundary_values(stage, initial.tip_velocity, initial.centre_velocity)
-        ),
-        casing=still,
-        casing_velocity=still,
+    initial = stage.case.initial
+    values = (
+        boundary_values(stage, initial.tip_displacement, initial.centre_displacement),
+        boundary_values(stage, initial.tip_velocity, initial.centre_velocity),
     )
+    rotor, velocity = (_static_shape(stage.rotor, each) for each in values)
+    return Start.of_rotor(rotor, velocity, len(stage.reduced_casing.frequency))
 
 
 def boundary_values(
@@ -188,7 +159,7 @@ def _static_shape(rotor: ReducedRotor, values: FloatArray) -> FloatArray:
     return np.asarray(flexible.T @ forces)
 
 
-def distortion_loads(stage: WithRing, load: CasingDistortion, rotor_modes: int) -> tuple[Load, ...]:
+def distortion_loads(stage: Ring, load: CasingDistortion, rotor_modes: int) -> tuple[Load, ...]:
     """Return the loads of a casing distortion.
 
     Args:

@@ -17,7 +17,7 @@ class Ring:
     """A flexible casing: full model, modes with their families, and modal model."""
 
     case: Case
-    casing: CasingModel
+    casing: CasingModel  #: finite element model of the casing
     casing_modes: Modes  #: all modes of the casing, which is not reduced
     casing_family: tuple[str, ...]  #: family of each mode
     reduced_casing: ReducedCasing  #: the casing in all its modes

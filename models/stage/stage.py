@@ -18,7 +18,6 @@ from bladewhirl.models.elements.build import (
     numbers_within_reach,
     tip_in_sector,
 )
-from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.cost import stage_cost, tell_cost
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.describe import stage_arrays
@@ -30,11 +29,11 @@ from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
 from bladewhirl.models.rotation.at_speed import TurningDisk, tip_recess, turning_disk
 from bladewhirl.models.rotation.eigenproblems import modal_damping
-from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
+from bladewhirl.models.stage.contact_problem import ReducedRotor
 from bladewhirl.models.stage.export import part_superelement, wheel_superelement
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
-from bladewhirl.models.stage.ring import flexible_ring
+from bladewhirl.models.stage.ring import Ring, flexible_ring
 from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
@@ -54,12 +53,10 @@ SHOWN_FAMILIES = ("suspension", "1F", "2F", "3F", "4F", "5F")
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Stage:
+class Stage(Ring):
     """A bladed disk and a casing: full models, reduced models and modes with their families."""
 
-    case: Case
     disk: BladedDiskModel
-    casing: CasingModel
     disk_frequencies: Frequencies
     """Lowest natural frequencies of the full bladed disk with the shaft of the case [rad/s]."""
     reference_frequency: float
@@ -69,10 +66,7 @@ class Stage:
     frequency_error: dict[str, float]
     """Largest relative frequency error of the reduction, by family. With Coriolis forces and equal
     sectors, these are errors of the frequencies of waves."""
-    casing_modes: Modes  #: all modes of the casing, which is not reduced
-    casing_family: tuple[str, ...]  #: family of each mode of the casing
     rotor: ReducedRotor  #: the bladed disk in all modes of `reduction`
-    reduced_casing: ReducedCasing  #: the casing in all its modes
     kept: KeptModes  #: the modes selected for time integration
     turning: TurningDisk | None  #: bladed disk at speed; None without rotation effects
 
@@ -214,18 +208,14 @@ def build_stage(case: Case) -> Stage:
     else:
         errors = wave_errors(rotor, reduction.modes.nodal_diameter, disk_family, turning)
     return Stage(
-        case=case,
+        **vars(ring),
         disk=disk,
-        casing=ring.casing,
         disk_frequencies=full,
         reference_frequency=reference,
         reduction=reduction,
         disk_family=disk_family,
         frequency_error=errors,
-        casing_modes=modes,
-        casing_family=ring.casing_family,
         rotor=rotor,
-        reduced_casing=ring.reduced_casing,
         kept=kept_modes(
             case,
             tip_motion(disk, reduction.modes, disk_family, lambda i: reduction.modes.shapes[:, i]),

@@ -13,11 +13,11 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.modal.stage_arrays import SuperelementArrays
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.coating import node_coating
-from bladewhirl.models.stage.contact_problem import NodeCoating, WallClosure
+from bladewhirl.models.stage.contact_problem import NodeCoating, Start, WallClosure
 from bladewhirl.models.stage.ring import Ring, flexible_ring
-from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
 from bladewhirl.models.stage.superelement_loads import static_shapes, superelement_loads
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
@@ -132,8 +132,11 @@ class SuperelementStage:
             friction=case.contact.friction,
             full_sliding=case.contact.sliding == "full",
             displacement_limit=limit or LIMIT * float(self.part.contact_radius.max()),
-            displacement=static_shapes(case, "displacement", reduced, self.blade, copies),
-            velocity=static_shapes(case, "velocity", reduced, self.blade, copies),
+            start=Start.of_rotor(
+                static_shapes(case, "displacement", reduced, self.blade, copies),
+                static_shapes(case, "velocity", reduced, self.blade, copies),
+                0 if self.ring is None else self.ring.casing_modes.count,
+            ),
             closure=WallClosure.around(case.casing.closure, self._wall_angle),
             casing=None if self.ring is None else self.ring.reduced_casing,
             coating=coating,

@@ -8,12 +8,11 @@ face of a sector is the clockwise (left) face of the next one, so u_right = exp(
 
 import cmath
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 
-from bladewhirl.models.superelements.frequencies import lowest_frequencies
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
 
@@ -49,26 +48,6 @@ def cyclic_reduction(part: Superelement, sectors: int, k: int) -> CyclicReductio
         for matrix in (part.mass, part.stiffness)
     )
     return CyclicReduction(mass, stiffness, tie)
-
-
-def wheel_frequencies(
-    part: Superelement, sectors: int, count: int, diameters: Any = None
-) -> np.ndarray[Any, Any]:
-    """Return the lowest natural frequencies [Hz] of a wheel by nodal diameter, (diameters, count).
-
-    Args:
-        part: sector with left_dofs and right_dofs.
-        sectors: number of sectors.
-        count: number of frequencies for each nodal diameter. Frequencies with 0 < k < sectors / 2
-            belong to two waves, which travel in opposite directions.
-        diameters: nodal diameters; 0 to sectors // 2 by default.
-
-    Raises:
-        SuperelementError: the superelement is not a sector.
-    """
-    chosen = range(sectors // 2 + 1) if diameters is None else diameters
-    reductions = (cyclic_reduction(part, sectors, int(k)) for k in chosen)
-    return np.array([lowest_frequencies(one.mass, one.stiffness, count) for one in reductions])
 
 
 def _transformation(part: Superelement, sectors: int, k: int) -> sp.csr_array:

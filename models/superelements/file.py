@@ -14,7 +14,12 @@ import scipy.sparse as sp
 from bladewhirl.files import replacing
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.units import to_si
-from bladewhirl.models.superelements.superelement import Matrix, Superelement, SuperelementError
+from bladewhirl.models.superelements.superelement import (
+    Matrix,
+    Superelement,
+    SuperelementError,
+    errors_of,
+)
 
 MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "recovery")
 NUMBERS = ("contact_position", "points")
@@ -41,14 +46,12 @@ def read_superelement(path: str | PathLike[str]) -> Superelement:
         SuperelementError: the file cannot be read, lacks a key, or does not describe a structure.
     """
     file = Path(path)
-    try:
+    with errors_of(file):
         content = _content(file)
         for key in sorted(set(content) - set(KEYS)):
             if meant := get_close_matches(key, KEYS, 1, 0.8):
                 raise SuperelementError(f"{key}: unknown key; did you mean {meant[0]}?")
         return superelement_of(content)
-    except SuperelementError as error:
-        raise SuperelementError(*(f"{file}: {line}" for line in error.args)) from None
 
 
 def superelement_of(content: Mapping[str, Any]) -> Superelement:

@@ -258,9 +258,9 @@ def static_flexibility(part: Superelement, rows: sp.csr_array, rigid: FloatArray
 def _solve(stiffness: Matrix, excluded: FloatArray, loads: FloatArray) -> FloatArray:
     """Return displacements orthogonal to the columns of `excluded`, (n, e), under loads, (n, m)."""
     n, extra = excluded.shape
+    padded = np.vstack([loads, np.zeros((extra, loads.shape[1]))])
     if n <= DENSE:
         border = np.block([[dense(stiffness), excluded], [excluded.T, np.zeros((extra, extra))]])
-        padded = np.vstack([loads, np.zeros((extra, loads.shape[1]))])
         return np.asarray(la.solve(border, padded, assume_a="sym"))[:n]
     matrix = (
         sp.csc_array(sp.block_array([[stiffness, excluded], [excluded.T, None]]))
@@ -268,7 +268,6 @@ def _solve(stiffness: Matrix, excluded: FloatArray, loads: FloatArray) -> FloatA
         else stiffness
     )
     solve = factorised(sp.csc_array(matrix))
-    padded = np.vstack([loads, np.zeros((extra, loads.shape[1]))])
     return np.column_stack([solve(column)[:n] for column in padded.T])
 
 

@@ -1,6 +1,7 @@
 """A superelement: the matrices of a blade, a sector or a wheel, with its contact nodes."""
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -23,6 +24,15 @@ FIXED = -1
 
 class SuperelementError(UserError):
     """Error in a superelement; each argument is a fault in one line."""
+
+
+@contextmanager
+def errors_of(source: object) -> Iterator[None]:
+    """Add the name of a file or a program to each line of the errors raised in this context."""
+    try:
+        yield
+    except UserError as error:
+        raise SuperelementError(*(f"{source}: {line}" for line in error.lines)) from None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -14,8 +14,7 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
+from bladewhirl.models.modal.stage_arrays import StageArrays, SuperelementArrays
 from bladewhirl.postprocess.fields.kinematics import Array, recess_at_rest
 from bladewhirl.postprocess.fields.netcdf import ResultError as ResultError
 from bladewhirl.postprocess.fields.netcdf import (

@@ -94,7 +94,7 @@ class BoundaryMarch:
     def init(self) -> KernelState:
         """Return the state at t = 0."""
         problem, dt = self._problem, self._dt
-        x, v = problem.displacement, problem.velocity
+        x, v = problem.start.rotor, problem.start.rotor_velocity
         squares = problem.frequency**2
         force = np.zeros_like(x)
         for load in problem.loads:
@@ -120,9 +120,7 @@ class BoundaryMarch:
         start."""
         problem, casing, dt = self._problem, self._problem.casing, self._dt
         assert casing is not None
-        still = np.zeros(len(casing.frequency))
-        x = still if problem.casing_displacement is None else problem.casing_displacement
-        v = still if problem.casing_velocity is None else problem.casing_velocity
+        x, v = problem.start.casing, problem.start.casing_velocity
         pushed = sum(
             load.casing * np.cos(load.phase)
             for load in problem.loads

@@ -17,9 +17,8 @@ import h5py
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.modal.stage_arrays import StageArrays, SuperelementArrays
 from bladewhirl.models.stage.contact_problem import rod_angles
-from bladewhirl.models.stage.superelement_arrays import SuperelementArrays
 from bladewhirl.solvers.march.boundary import BoundaryChunk
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords, joined
 from bladewhirl.solvers.march.schema import (

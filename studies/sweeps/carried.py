@@ -19,7 +19,6 @@ from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.contact_problem import Load, Start
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.sweep.dataset import DONE, flag
@@ -94,23 +93,12 @@ def late_state(stage: AnyStage, result: xr.Dataset) -> CarriedState:
 def continued(stage: AnyStage, problem: AnyProblem, state: CarriedState) -> AnyProblem:
     """Return the contact problem of a march that starts from a state, without ramps of its loads,
     and without loads that end."""
-    if isinstance(problem, BoundaryProblem):
-        return replace(
-            problem,
-            loads=_lasting(problem.loads),
-            displacement=state.rotor,
-            velocity=state.rotor_velocity,
-            casing_displacement=state.casing,
-            casing_velocity=state.casing_velocity,
+    start = Start(**vars(state))
+    if isinstance(stage, Stage):
+        weighted = stage.disk.structure.mass @ stage.reduction.modes.shapes[:, stage.kept.rotor]
+        start = replace(
+            start, rotor=state.rotor @ weighted, rotor_velocity=state.rotor_velocity @ weighted
         )
-    assert isinstance(stage, Stage)
-    weighted = stage.disk.structure.mass @ stage.reduction.modes.shapes[:, stage.kept.rotor]
-    start = Start(
-        rotor=np.asarray(state.rotor @ weighted),
-        rotor_velocity=np.asarray(state.rotor_velocity @ weighted),
-        casing=state.casing,
-        casing_velocity=state.casing_velocity,
-    )
     return replace(problem, start=start, loads=_lasting(problem.loads))
 
 

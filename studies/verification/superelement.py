@@ -11,7 +11,7 @@ import numpy as np
 from bladewhirl.models.case.check import case_from
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.contact_problem import ContactProblem, Start
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.file import write_superelement
@@ -66,8 +66,7 @@ def rebound() -> Pairs:
         friction=0.0,
         full_sliding=False,
         displacement_limit=1.0,
-        displacement=np.zeros((1, 1)),
-        velocity=np.ones((1, 1)),
+        start=Start.of_rotor(np.zeros((1, 1)), np.ones((1, 1))),
     )
     chunk = march_of_nodes(problem, 5e-6, 6e-3, every=1)
     rate = np.sqrt(OMEGA**2 + 1.0 / FLEXIBILITY)
@@ -128,8 +127,7 @@ def rub(*, by_massless: bool, dt: float) -> BoundaryChunk:
         friction=0.15,
         full_sliding=True,
         displacement_limit=0.05,
-        displacement=np.zeros((1, len(reduced.frequency))),
-        velocity=np.zeros((1, len(reduced.frequency))),
+        start=Start.of_rotor(*np.zeros((2, 1, len(reduced.frequency)))),
     )
     return march_of_nodes(problem, dt, TURNS * 2.0 * np.pi / SPEED, every=1000)
 

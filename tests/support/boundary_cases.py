@@ -10,7 +10,7 @@ from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
-from bladewhirl.models.stage.contact_problem import NodeCoating, ReducedCasing
+from bladewhirl.models.stage.contact_problem import NodeCoating, ReducedCasing, Start
 from bladewhirl.models.stage.ring import flexible_ring
 from bladewhirl.solvers.march.boundary import BoundaryChunk, BoundaryMarch
 
@@ -65,8 +65,11 @@ def bladed(
         "friction": 0.1,
         "full_sliding": False,
         "displacement_limit": 1.0,
-        "displacement": np.zeros((copies, modes)),
-        "velocity": (1.0 + 0.5 * np.cos(pitch - 0.4))[:, None] * np.eye(modes)[0],
+        "start": Start.of_rotor(
+            np.zeros((copies, modes)),
+            (1.0 + 0.5 * np.cos(pitch - 0.4))[:, None] * np.eye(modes)[0],
+            0 if ring is None else len(ring.frequency),
+        ),
         "casing": ring,
         "coating": coating,
     }
@@ -240,10 +243,10 @@ def plain(p: BoundaryProblem, dt: float, steps: int) -> dict[str, FloatArray]:
     ring = p.casing
     stiff = np.zeros(0) if ring is None else ring.frequency
     lost = np.zeros(0) if ring is None else ring.damping_ratio * stiff / dt
-    now, slow = p.displacement, np.zeros(len(stiff))
-    slowing = squares * now + loss * p.velocity + p.velocity @ turning.T
+    now, rate, slow = p.start.rotor, p.start.rotor_velocity, np.zeros(len(stiff))
+    slowing = squares * now + loss * rate + rate @ turning.T
     pushed, blown = pushes(p, 0.0)
-    old = now - dt * p.velocity + 0.5 * dt**2 * (pushed - slowing)
+    old = now - dt * rate + 0.5 * dt**2 * (pushed - slowing)
     slow_old = 0.5 * dt**2 * blown
     force, direction = np.zeros((count, 3)), np.tile([np.sign(p.speed), 0.0], (count, 1))
     strain = np.zeros((0, 0)) if p.coating is None else p.coating.strain

@@ -8,6 +8,9 @@ import meshio
 import numpy as np
 
 from bladewhirl.models.solids.cells import CELL_TYPES
+from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.frequencies import lowest_frequencies
+from bladewhirl.models.superelements.superelement import Superelement
 
 Array = np.ndarray[Any, Any]
 
@@ -97,3 +100,23 @@ def bladed_sector(cell_type: str) -> meshio.Mesh:
         left=lambda place: (place[:, 1] == 0.0) & (place[:, 0] <= 0.4 + 1e-9),
         right=lambda place: (place[:, 1] == 1.0) & (place[:, 0] <= 0.4 + 1e-9),
     )
+
+
+def wheel_frequencies(
+    part: Superelement, sectors: int, count: int, diameters: Any = None
+) -> np.ndarray[Any, Any]:
+    """Return the lowest natural frequencies [Hz] of a wheel by nodal diameter, (diameters, count).
+
+    Args:
+        part: sector with left_dofs and right_dofs.
+        sectors: number of sectors.
+        count: number of frequencies for each nodal diameter. Frequencies with 0 < k < sectors / 2
+            belong to two waves, which travel in opposite directions.
+        diameters: nodal diameters; 0 to sectors // 2 by default.
+
+    Raises:
+        SuperelementError: the superelement is not a sector.
+    """
+    chosen = range(sectors // 2 + 1) if diameters is None else diameters
+    reductions = (cyclic_reduction(part, sectors, int(k)) for k in chosen)
+    return np.array([lowest_frequencies(one.mass, one.stiffness, count) for one in reductions])

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.linalg as la
+from coupled_system import paper_modes
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.coupling.springs import CouplingModes, paper_modes
+from bladewhirl.models.coupling.springs import CouplingModes
 
 BACKWARDS = [4, 5, 2, 3, 0, 1]
 """Positions in (v, u, u_o) of the paper's q1..q6, which Eq. (16) numbers from the suspension."""

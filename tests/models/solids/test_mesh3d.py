@@ -8,12 +8,11 @@ import meshio
 import numpy as np
 import pytest
 from places import ROOT
-from solid_meshes import SECTORS, bladed_sector, cantilever
+from solid_meshes import SECTORS, bladed_sector, cantilever, wheel_frequencies
 
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.solids.cells import CELL_TYPES
-from bladewhirl.models.superelements.cyclic import wheel_frequencies
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 
 STEEL: dict[str, Any] = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": 7800.0}

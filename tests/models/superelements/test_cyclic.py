@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from solid_meshes import SECTORS, bladed_sector
+from solid_meshes import SECTORS, bladed_sector, wheel_frequencies
 
 from bladewhirl.models.solids.blade import mesh3d
-from bladewhirl.models.superelements.cyclic import cyclic_reduction, wheel_frequencies
+from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
 

@@ -7,10 +7,11 @@ from typing import Any, cast
 import numpy as np
 import pytest
 import xarray as xr
+from coupled_system import paper_modes
 from matplotlib.collections import QuadMesh
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.coupling.springs import CouplingModes, paper_modes
+from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.postprocess.modal.coupled_modes import plot_phases
 from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum, plot_truncation

@@ -100,14 +100,11 @@ def test_what_is_waited_for() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("pictures_unsaved")
-def test_a_sweep_records_where_and_why_points_stopped(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("bladewhirl.studies.sweeps.sweep.march_points", in_process)
+def test_a_sweep_records_where_and_why_points_stopped(tmp_path: Path) -> None:
     speeds = {"march.speed": [1.0, 1.1]}
-    run_sweep(pulse(1e3), speeds, tmp_path / "early", stop_when="damped")
-    run_sweep(pulse(1e3), speeds, tmp_path / "whole")
+    with in_process():
+        run_sweep(pulse(1e3), speeds, tmp_path / "early", stop_when="damped")
+        run_sweep(pulse(1e3), speeds, tmp_path / "whole")
     with open_sweep(tmp_path / "early") as early, open_sweep(tmp_path / "whole") as whole:
         assert early.attrs["stop_rule"] == RULE
         assert "stop_rule" not in whole.attrs

@@ -21,7 +21,7 @@ from boundary_cases import (
 
 from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
-from bladewhirl.models.stage.contact_problem import WallClosure
+from bladewhirl.models.stage.contact_problem import Start, WallClosure
 
 
 def still_node(*depths: float, footprint: float = 0.01) -> BoundaryProblem:
@@ -40,7 +40,7 @@ def still_node(*depths: float, footprint: float = 0.01) -> BoundaryProblem:
         "wall": wall,
         "speed": 0.0,
         "friction": 0.0,
-        "velocity": np.zeros((1, 8)),
+        "start": Start.of_rotor(*np.zeros((2, 1, 8))),
         "closure": closure,
     }
     return bladed(1, 1, coating=worn, **given)
@@ -90,7 +90,8 @@ def test_a_stiff_ring_is_a_rigid_wall() -> None:
     ring = casing(24, support=1e12, thickness=0.2, width=10.0)
     even = np.column_stack([np.full(24, CLEARANCE), np.zeros(24)])
     rigid = replace(rubbing(), wall=even)
-    soft = replace(rigid, casing=ring)
+    start = Start.of_rotor(rigid.start.rotor, rigid.start.rotor_velocity, len(ring.frequency))
+    soft = replace(rigid, casing=ring, start=start)
     dt = 0.5 * min(soft.critical_time_step, 4e-6)
     expected, chunk = (advanced(given, dt, round(6e-4 / dt)) for given in (rigid, soft))
     assert expected.coating is not None
