@@ -1,8 +1,9 @@
-"""Reading of line meshes from Abaqus input, .inp.
+"""Reading of meshes of lines and of solids from input of Abaqus and CalculiX, .inp.
 
-Groups are sets: NSET for nodes, ELSET for lines. The data are rectangular sections with their
-materials (BEAM SECTION, ELASTIC, DENSITY) and point masses (MASS, ROTARYI); their units are the
-choice of the author of the file.
+Groups are sets: NSET for nodes, ELSET for elements. The data of lines are rectangular sections with
+their materials (BEAM SECTION, ELASTIC, DENSITY) and point masses (MASS, ROTARYI); their units are
+the choice of the author of the file. The order of the nodes of tetrahedra and hexahedra is that of
+VTK.
 
 meshio is not used, although it reads such files. meshio assigns elements to wrong sets if blocks of
 elements share a set or have none, reads only the last of several blocks of nodes, and supports
@@ -11,19 +12,27 @@ Keywords that would change the mesh without being evaluated are an error.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 
+import meshio
 import numpy as np
 
 from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError, in_plane
+from bladewhirl.meshes.files.meshio_cells import POINT
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
 STRAIGHT = re.compile(r"(T[23]D2|B[23][13]|PIPE[23]1|FRAME[23]D)(OS|R)?H?")
 CURVED = re.compile(r"(T[23]D3|B[23]2|PIPE[23]2)(OS|R)?H?")
 POINT_MASSES = {"MASS": "mass", "ROTARYI": "inertia"}
 """Types of elements with one node, and the names of their data."""
+
+SOLID = re.compile(r"(?:C3D|DC3D|F3D)(\d+).*")
+SOLIDS = {4: "tetra", 10: "tetra10", 8: "hexahedron", 20: "hexahedron20"}
+"""Types of cells by the number of nodes of solid elements (C3D10 has 10 nodes)."""
 
 SECTION = ("width", "thickness", "young_modulus", "density")
 OWN_SETS = re.compile(r"(section|mass|inertia)-\d+", re.I)
@@ -32,10 +41,6 @@ OWN_SETS = re.compile(r"(section|mass|inertia)-\d+", re.I)
 CHANGES_THE_MESH = frozenset(
     ["INCLUDE", "SYSTEM", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "NODETHICKNESS"]
 )
-
-
-UNSOUND = (ValueError, IndexError, KeyError)
-"""Exceptions that are raised if data do not match their keyword."""
 
 MOST_MEMBERS = 1_000_000
 """Largest number of members of a set that is given by ranges."""
@@ -57,42 +62,78 @@ class Card:
 
 
 @dataclass
-class _Content:
-    """Contents of a file, with the numbers of nodes and elements in the file."""
+class AbaqusMesh:
+    """Contents of a file, with the numbers that nodes and elements have in the file.
 
-    points: dict[int, list[float]] = field(default_factory=dict)
-    lines: dict[int, list[int]] = field(default_factory=dict)
-    point_elements: dict[int, int] = field(default_factory=dict)  #: number of element -> of node
+    Names of sets are not case-sensitive; the spelling of their first occurrence is used.
+    """
+
+    points: dict[int, list[float]] = field(default_factory=dict)  #: node -> x, y, z
+    elements: dict[int, list[int]] = field(default_factory=dict)  #: element -> nodes
+    types: dict[int, str] = field(default_factory=dict)  #: element -> type, in capitals
     node_sets: dict[str, list[int]] = field(default_factory=dict)
     element_sets: dict[str, list[int]] = field(default_factory=dict)
+    names: dict[str, str] = field(default_factory=dict)  #: name in capitals -> name
     sections: list[tuple[str, str, float, float]] = field(default_factory=list)
+    """Set, material, width and thickness of each rectangular section."""
     materials: dict[str, dict[str, float]] = field(default_factory=dict)
     masses: list[tuple[str, str, float]] = field(default_factory=list)  #: data, set, value
     material: str = ""  #: name of the material that is being read
 
+    def nodes_of(self, elements: Iterable[int]) -> list[int]:
+        """Return the nodes of elements, each once; elements that are not defined are skipped."""
+        return [*dict.fromkeys(chain.from_iterable(self.elements.get(n, []) for n in elements))]
 
-def read_inp(path: Path) -> GroupedLines:
-    """Read an .inp file.
+    def groups(self) -> dict[str, list[int]]:
+        """Return the nodes of each set of nodes and of each set of elements."""
+        groups = {name: list(members) for name, members in self.node_sets.items()}
+        for name, members in self.element_sets.items():
+            groups[name] = [*groups.get(name, []), *self.nodes_of(members)]
+        return groups
+
+
+def abaqus_mesh(path: Path) -> meshio.Mesh:
+    """Return the elements of solids of an .inp file, and its sets as sets of points.
 
     Raises:
-        MeshFileError: the file is not a valid .inp file, has other elements than straight lines and
-            point masses, or has unsupported keywords that would change the mesh.
+        MeshFileError: the file is not a valid .inp file.
+    """
+    content = read_abaqus(path)
+    place = {number: row for row, number in enumerate(content.points)}
+    sizes = {kind: SOLID.fullmatch(kind) for kind in set(content.types.values())}
+    solids: dict[int, list[list[int]]] = {}
+    for number, kind in content.types.items():
+        if size := sizes[kind]:
+            nodes = [place.get(node, -1) for node in content.elements[number]]
+            solids.setdefault(int(size[1]), []).append(nodes)
+    cells = [(SOLIDS.get(n, f"hexahedron{n}"), np.array(rows)) for n, rows in solids.items()]
+    return meshio.Mesh(
+        np.array([*content.points.values()]).reshape(-1, 3),
+        cells or [(POINT, np.zeros((0, 1), dtype=np.int64))],
+        point_sets=_by_place(content.groups(), place),
+    )
+
+
+def read_abaqus(path: Path) -> AbaqusMesh:
+    """Read nodes, elements, sets, sections and masses of an .inp file; other keywords are skipped.
+
+    Raises:
+        MeshFileError: the file is not a valid .inp file, or has keywords that generate nodes or
+            elements.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
         raise MeshFileError(f"a readable file ({error.strerror})") from None
-    except ValueError as error:
-        raise MeshFileError(f"an .inp file in plain text ({error})") from None
-    content = _Content()
+    content = AbaqusMesh()
     for card in cards(text):
         try:
             _read(card, content)
         except MeshFileError:
             raise
-        except UNSOUND:
+        except (ValueError, IndexError, KeyError):
             raise MeshFileError(f"an .inp file with valid data under *{card.keyword}") from None
-    return _grouped(content)
+    return content
 
 
 def cards(text: str) -> Iterator[Card]:
@@ -123,18 +164,26 @@ def cards(text: str) -> Iterator[Card]:
     yield card
 
 
-def _read(card: Card, content: _Content) -> None:
+def _read(card: Card, content: AbaqusMesh) -> None:
     """Add the data of a keyword to the contents; irrelevant keywords are skipped."""
+    for parameter in ("NSET", "ELSET", "NAME"):
+        if given := card.parameters.get(parameter):
+            card.parameters[parameter] = content.names.setdefault(given.upper(), given)
     match card.keyword:
         case "NODE":
             _read_nodes(card, content)
         case "ELEMENT":
             _read_elements(card, content)
+        case "NSET" if "ELSET" in card.parameters:
+            elements = content.element_sets.get(card.parameters["ELSET"], [])
+            extend(content.node_sets, card.needs("NSET"), content.nodes_of(elements))
         case "NSET":
-            _read_node_set(card, content)
+            _read_set(card, content, "NSET", content.node_sets)
         case "ELSET":
-            sets = content.element_sets
-            extend(sets, card.needs("ELSET"), members_of(card, sets))
+            _read_set(card, content, "ELSET", content.element_sets)
+        case "SURFACE" if card.parameters.get("TYPE", "").upper() == "NODE":
+            card.rows = [row[:1] for row in card.rows]
+            _read_set(card, content, "NAME", content.node_sets)
         case "BEAM SECTION" if card.parameters.get("SECTION", "").upper() == "RECT":
             _read_section(card, content)
         case "MATERIAL":
@@ -156,55 +205,64 @@ def _read(card: Card, content: _Content) -> None:
             )
 
 
-def _read_nodes(card: Card, content: _Content) -> None:
+def _read_nodes(card: Card, content: AbaqusMesh) -> None:
     if card.parameters.get("SYSTEM", "R").upper() != "R":
         raise MeshFileError("nodes in Cartesian coordinates, *NODE without SYSTEM")
     for number, *coordinates in card.rows:
-        if int(number) in content.points:
+        xyz = [float(value or 0.0) for value in coordinates[:3]]
+        xyz += [0.0] * (3 - len(xyz))
+        if content.points.setdefault(int(number), xyz) != xyz:
             raise MeshFileError(
                 f"each node at most once; node number {number} is defined twice"
                 " (only one part per file can be read)"
             )
-        xyz = [float(value or 0.0) for value in coordinates[:3]]
-        content.points[int(number)] = xyz + [0.0] * (3 - len(xyz))
     extend(content.node_sets, card.parameters.get("NSET"), [int(row[0]) for row in card.rows])
 
 
-def _read_elements(card: Card, content: _Content) -> None:
+def _read_elements(card: Card, content: AbaqusMesh) -> None:
     kind = card.needs("TYPE").upper()
-    rows = [[int(value) for value in row] for row in card.rows]
-    if CURVED.fullmatch(kind):
-        raise MeshFileError(
-            f"straight two-node lines, found {len(rows)} curved cells of type {kind}: mesh with "
-            "elements of first order, and shorter ones along curves"
-        )
-    if kind in POINT_MASSES:
-        content.point_elements.update({number: node for number, node in rows})
-    elif STRAIGHT.fullmatch(kind):
-        for number, first, second, *_ in rows:
-            if number in content.lines:
-                raise MeshFileError(f"each element once; element number {number} is defined twice")
-            content.lines[number] = [first, second]
-    else:
-        raise MeshFileError(f"lines only, found {len(rows)} cells of type {kind}")
+    rows = [[int(value) for value in row if value] for row in card.rows]
+    if solid := SOLID.fullmatch(kind):  # an element of 20 nodes takes several lines
+        length, values = int(solid[1]) + 1, [*chain.from_iterable(rows)]
+        if len(values) % length:
+            raise MeshFileError(f"elements of {length - 1} nodes under *ELEMENT, TYPE={kind}")
+        rows = [values[at : at + length] for at in range(0, len(values), length)]
+    for number, first, *others in rows:
+        if number in content.elements:
+            raise MeshFileError(f"each element once; element number {number} is defined twice")
+        content.elements[number], content.types[number] = [first, *others], kind
     extend(content.element_sets, card.parameters.get("ELSET"), [row[0] for row in rows])
 
 
-def _read_node_set(card: Card, content: _Content) -> None:
-    if "ELSET" in card.parameters:
-        elements = content.element_sets.get(card.parameters["ELSET"], [])
-        nodes = [node for element in elements for node in content.lines.get(element, [])]
-        extend(content.node_sets, card.needs("NSET"), list(dict.fromkeys(nodes)))
-        return
-    extend(content.node_sets, card.needs("NSET"), members_of(card, content.node_sets))
-
-
-def _read_section(card: Card, content: _Content) -> None:
+def _read_section(card: Card, content: AbaqusMesh) -> None:
     first, second = (float(value) for value in card.rows[0][:2])
     axis = [float(value) for value in card.rows[1]] if len(card.rows) > 1 else [0.0, 0.0, -1.0]
     out_of_plane = abs(axis[2]) > max(abs(axis[0]), abs(axis[1]))
     width, thickness = (first, second) if out_of_plane else (second, first)
     content.sections.append((card.needs("ELSET"), card.needs("MATERIAL"), width, thickness))
+
+
+def _read_set(card: Card, content: AbaqusMesh, key: str, sets: dict[str, list[int]]) -> None:
+    """Add the members that a keyword lists as numbers, ranges or names of earlier sets."""
+    members: list[int] = []
+    if "GENERATE" in card.parameters:
+        ranges = [[int(value) for value in row if value] for row in card.rows]
+        runs = [range(first, last + 1, *step[:1]) for first, last, *step in ranges]
+        if sum(map(len, runs)) > MOST_MEMBERS:
+            raise MeshFileError(f"sets of at most {MOST_MEMBERS} members")
+        members += chain.from_iterable(runs)
+    else:
+        for value in filter(None, chain.from_iterable(card.rows)):
+            name = content.names.get(value.upper(), value)
+            if value.lstrip("-").isdigit():
+                members.append(int(value))
+            elif name in sets:
+                members += sets[name]
+            else:
+                raise MeshFileError(
+                    f"sets that consist of numbers and earlier sets; {value!r} is neither"
+                )
+    extend(sets, card.needs(key), members)
 
 
 def extend(sets: dict[str, list[int]], name: str | None, members: list[int]) -> None:
@@ -213,41 +271,36 @@ def extend(sets: dict[str, list[int]], name: str | None, members: list[int]) -> 
         sets[name] = list(dict.fromkeys([*sets.get(name, []), *members]))
 
 
-def members_of(card: Card, sets: Mapping[str, list[int]]) -> list[int]:
-    """Return the members that a *NSET or *ELSET lists as numbers, ranges or names of earlier
-    sets."""
-    if "GENERATE" in card.parameters:
-        ranges = [[int(value) for value in row] for row in card.rows]
-        runs = [range(first, last + 1, *step[:1]) for first, last, *step in ranges]
-        if sum(map(len, runs)) > MOST_MEMBERS:
-            raise MeshFileError(f"sets of at most {MOST_MEMBERS} members")
-        return [number for run in runs for number in run]
-    members: list[int] = []
-    for value in (value for row in card.rows for value in row):
-        if value.lstrip("-").isdigit():
-            members.append(int(value))
-        elif value in sets:
-            members += sets[value]
-        else:
+def read_inp(path: Path) -> GroupedLines:
+    """Read the lines of an .inp file, with their sets, sections and point masses.
+
+    Raises:
+        MeshFileError: the file is not a valid .inp file, has other elements than straight lines and
+            point masses, or has unsupported keywords that would change the mesh.
+    """
+    content = read_abaqus(path)
+    for kind, count in Counter(content.types.values()).items():
+        if CURVED.fullmatch(kind):
             raise MeshFileError(
-                f"sets that consist of numbers and earlier sets; {value!r} is neither"
+                f"straight two-node lines, found {count} curved cells of type {kind}: mesh with "
+                "elements of first order, and shorter ones along curves"
             )
-    return members
-
-
-def _grouped(content: _Content) -> GroupedLines:
-    if not content.lines:
+        if kind not in POINT_MASSES and not STRAIGHT.fullmatch(kind):
+            raise MeshFileError(f"lines only, found {count} cells of type {kind}")
+    ends = {n: v[:2] for n, v in content.elements.items() if content.types[n] not in POINT_MASSES}
+    if not ends:
         raise MeshFileError("a mesh with lines; there are none")
+    if any(len(nodes) < 2 for nodes in ends.values()):
+        raise MeshFileError("an .inp file with valid data under *ELEMENT")
     node = {number: place for place, number in enumerate(content.points)}
-    line = {number: place for place, number in enumerate(content.lines)}
-    missing = {n for ends in content.lines.values() for n in ends} - set(node)
-    missing |= set(content.point_elements.values()) - set(node)
-    if missing:
+    line = {number: place for place, number in enumerate(ends)}
+    used = chain.from_iterable(nodes[:2] for nodes in content.elements.values())
+    if missing := {*used} - set(node):
         raise MeshFileError(f"all nodes of the elements; node {min(missing)} is not defined")
     elements = {k: v for k, v in content.element_sets.items() if not OWN_SETS.fullmatch(k)}
     return GroupedLines(
         points=in_plane(np.array([*content.points.values()])),
-        lines=np.array([[node[n] for n in ends] for ends in content.lines.values()]),
+        lines=np.array([[node[n] for n in nodes] for nodes in ends.values()]),
         node_groups=_by_place(content.node_sets, node),
         line_groups=_by_place(elements, line),
         node_data=_mass_data(content, node),
@@ -262,18 +315,18 @@ def _by_place(sets: Mapping[str, list[int]], place: Mapping[int, int]) -> dict[s
     }
 
 
-def _mass_data(content: _Content, node: Mapping[int, int]) -> dict[str, FloatArray]:
+def _mass_data(content: AbaqusMesh, node: Mapping[int, int]) -> dict[str, FloatArray]:
     data: dict[str, FloatArray] = {}
     for name, elset, value in content.masses:
         values = data.setdefault(name, np.zeros(len(node)))
         for element in content.element_sets.get(elset, []):
-            if element not in content.point_elements:
+            if content.types.get(element) not in POINT_MASSES:
                 raise MeshFileError(f"masses on point elements; element {element} is another type")
-            values[node[content.point_elements[element]]] += value
+            values[node[content.elements[element][0]]] += value
     return data
 
 
-def _material(content: _Content, name: str) -> dict[str, float]:
+def _material(content: AbaqusMesh, name: str) -> dict[str, float]:
     """Return Young's modulus and density of a material of a section."""
     if name.upper() not in content.materials:
         raise MeshFileError(f"*MATERIAL, NAME={name}, which a *BEAM SECTION names")
@@ -284,7 +337,7 @@ def _material(content: _Content, name: str) -> dict[str, float]:
     return properties
 
 
-def _section_data(content: _Content, line: Mapping[int, int]) -> dict[str, FloatArray]:
+def _section_data(content: AbaqusMesh, line: Mapping[int, int]) -> dict[str, FloatArray]:
     if not content.sections:
         return {}
     data = {name: np.full(len(line), np.nan) for name in SECTION}

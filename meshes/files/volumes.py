@@ -8,7 +8,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from bladewhirl.meshes.files.abaqus_volumes import abaqus_mesh
+from bladewhirl.meshes.files.abaqus_reader import abaqus_mesh
 from bladewhirl.meshes.files.gmsh import TAG, gmsh_mesh, is_member
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.meshio_cells import readable, stacked

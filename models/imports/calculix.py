@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bladewhirl.meshes.files.abaqus_volumes import abaqus_mesh, read_abaqus
+from bladewhirl.meshes.files.abaqus_reader import abaqus_mesh, read_abaqus
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import read_volume_mesh
 from bladewhirl.meshes.line_mesh import IntArray
