@@ -14,7 +14,7 @@ from bladewhirl.models.inputs.errors import writing
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk, joined, march
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
-from bladewhirl.studies.runs.prepare import AnyPrepared, prepare_stage
+from bladewhirl.studies.runs.prepare import Prepared, prepare
 from bladewhirl.studies.sweeps.cache import Progress
 
 WORKS = ("external_work", "normal_work", "friction_work", "coupling_work")
@@ -64,7 +64,7 @@ def compare_schemes(
     folder = None if directory is None else Path(directory)
     check_figure_folder(folder, overwrite=overwrite)
     stages = [build_stage(with_values(case, {"march.scheme": name})) for name in SCHEMES]
-    prepared = [prepare_stage(stage) for stage in stages]
+    prepared = [prepare(stage) for stage in stages]
     marches = [_marched(one, number, progress) for number, one in enumerate(prepared)]
     data = _side_by_side(marches, prepared[0])
     if folder is not None:
@@ -94,7 +94,7 @@ def _last_value(values: xr.DataArray) -> float | None:
     return float(values) if np.isfinite(values) else None
 
 
-def _marched(prepared: AnyPrepared, number: int, progress: Progress | None) -> xr.Dataset:
+def _marched(prepared: Prepared, number: int, progress: Progress | None) -> xr.Dataset:
     """March with one scheme; return its histories, with displacements of tips (time, tip)."""
     total = prepared.timing.steps
     chunks: list[Chunk] = []
@@ -133,7 +133,7 @@ def _marched(prepared: AnyPrepared, number: int, progress: Progress | None) -> x
     )
 
 
-def _side_by_side(marches: list[xr.Dataset], first: AnyPrepared) -> xr.Dataset:
+def _side_by_side(marches: list[xr.Dataset], first: Prepared) -> xr.Dataset:
     data = xr.concat(marches, xr.Variable("scheme", list(SCHEMES)), join="outer")
     reference = data["tips"].isel(scheme=0)
     size = float(np.sqrt((reference**2).mean()))

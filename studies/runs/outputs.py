@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from bladewhirl.files import write_atomically
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.solvers.march.schema import NODES, tables_of
 from bladewhirl.studies.runs import folder
 
@@ -105,88 +104,65 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.plotting.style import save_figure
+    from bladewhirl.postprocess.reports.figures import figures_of_run
     from bladewhirl.postprocess.run.summary import summarise
     from bladewhirl.postprocess.run.summary_table import displacement_hints
     from bladewhirl.postprocess.run.wear import write_profile
     from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
+    from bladewhirl.postprocess.superelement.summary import summarise_nodes
+    from bladewhirl.postprocess.superelement.wear import write_tracks
     from bladewhirl.studies.runs.sensor_files import write_sensors
 
+    summary: Any
+    hints: list[str] = []
+    worn = directory / folder.WEAR_NAME
     with open_result(directory) as result:
         if tables_of(result.attrs) is NODES:
-            return _node_outputs(result, directory, report, window)
-        orbit, energies = shaft_orbit(result), strain_energies(result)
-        summary = summarise(result, report, orbit=orbit, energies=energies)
+            summary, figures = summarise_nodes(result, report), figures_of_run(result)
+            drawn = {f"{name}.png": figures.draw(name) for name in figures.names}
+            if "wear" in figures.names:
+                write_tracks(drawn["wear.png"][1], worn)
+        else:
+            orbit, energies = shaft_orbit(result), strain_energies(result)
+            summary = summarise(result, report, orbit=orbit, energies=energies)
+            drawn = {
+                folder.ORBIT_NAME: (plot_orbit(orbit), orbit),
+                folder.ENERGY_NAME: (plot_energy(energies), energies),
+            }
+            if "coating_strain" in result:
+                write_profile(result, worn)
+            hints += displacement_hints(summary, result)
+            hints += write_sensors(result, directory)
         write_atomically(directory / folder.SUMMARY_NAME, summary.to_json())
-        save_figure(plot_orbit(orbit), directory / folder.ORBIT_NAME, orbit, ["png"])
-        save_figure(plot_energy(energies), directory / folder.ENERGY_NAME, energies, ["png"])
-        if "coating_strain" in result:
-            write_profile(result, directory / folder.WEAR_NAME)
+        for name, (figure, data) in drawn.items():
+            save_figure(figure, directory / name, data, ["png"])
+        hints += _write_series(result, directory / folder.VTK_NAME, window)
         return Run(
             directory=directory,
             end_reason=result.attrs["end_reason"],
             end_message=result.attrs["end_message"],
             summary=summary,
-            symmetry=result.attrs["symmetry"],
-            hints=(
-                *displacement_hints(summary, result),
-                *write_sensors(result, directory),
-                *_write_series(result, directory / folder.VTK_NAME, window),
-            ),
+            symmetry=result.attrs.get("symmetry", ""),
+            hints=tuple(hints),
         )
-
-
-def _node_outputs(
-    result: xr.Dataset, directory: Path, report: Mapping[str, float], window: Window
-) -> Run:
-    """Write summary, figures and ParaView series of a superelement."""
-    from bladewhirl.postprocess.plotting.style import save_figure
-    from bladewhirl.postprocess.reports.figures import figures_of_run
-    from bladewhirl.postprocess.superelement import wear
-    from bladewhirl.postprocess.superelement.series import export_points
-    from bladewhirl.postprocess.superelement.summary import summarise_nodes
-
-    summary: Any = summarise_nodes(result, report)
-    write_atomically(directory / folder.SUMMARY_NAME, summary.to_json())
-    figures = figures_of_run(result)
-    for name in figures.names:
-        figure, drawn = figures.draw(name)
-        save_figure(figure, directory / f"{name}.png", drawn, ["png"])
-        if name == "wear":
-            wear.write_tracks(drawn, directory / folder.WEAR_NAME)
-    hints = []
-    if window.frames and "point" in result:
-        target = directory / folder.VTK_NAME
-        try:
-            export_points(
-                result,
-                target,
-                frames=window.frames,
-                start=window.start,
-                end=window.end,
-                rotating=window.rotating,
-            )
-        except ViewError as error:  # the run ended before the window
-            hints.append(f"no ParaView series: {error}")
-    return Run(
-        directory=directory,
-        end_reason=result.attrs["end_reason"],
-        end_message=result.attrs["end_message"],
-        summary=summary,
-        symmetry="",
-        hints=tuple(hints),
-    )
 
 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
     """Write the ParaView series; yield hints for the user, for instance about too coarse
     sampling."""
-    if window.frames == 0:
-        return
     from bladewhirl.postprocess.fields.kinematics import ViewError, sampling_hint
     from bladewhirl.postprocess.paraview.series import export_vtk, series_records
+    from bladewhirl.postprocess.superelement.series import export_points
 
+    nodes = tables_of(result.attrs) is NODES
+    if window.frames == 0 or (nodes and "point" not in result):
+        return
+    instants: Any = {"frames": window.frames, "start": window.start, "end": window.end}
     try:
-        records = series_records(result, window.frames, window.start, window.end)
+        if nodes:
+            export_points(result, directory, rotating=window.rotating, **instants)
+            return
+        records = series_records(result, **instants)
     except ViewError as error:  # the run ended before the window
         yield f"no ParaView series: {error}"
         return

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
@@ -11,7 +11,7 @@ from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
-from bladewhirl.models.stage.build import contact_problem, march_faults
+from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.coating import node_coating_faults
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.mass_scaling import screening_problem
@@ -31,39 +31,16 @@ Change = Callable[[Any, Timing], tuple[Any, Timing]]
 AnyStage = Stage | SuperelementStage
 """A stage of beams, or of a superelement."""
 
-StageT = TypeVar("StageT", bound=AnyStage)
-ProblemT = TypeVar("ProblemT", bound=ContactProblem | BoundaryProblem)
-
 
 @dataclass(frozen=True, kw_only=True)
-class Prepared(Generic[StageT, ProblemT]):
-    """A case that is ready to march, with all checks passed."""
+class Prepared:
+    """A case, of beams or with a superelement, that is ready to march, with all checks passed."""
 
-    stage: StageT
-    problem: ProblemT
+    stage: Any  #: `AnyStage`
+    problem: Any  #: `AnyProblem`
     timing: Timing
     scheme: Scheme[Any]
     stop: FreeMotion | None = None  #: rule by which the march ends early; None: no early end
-
-
-AnyPrepared: TypeAlias = Prepared[Any, Any]
-"""A case that is ready to march, of beams or with a superelement."""
-
-
-def prepare(case: Case) -> AnyPrepared:
-    """Build the stage of a case and prepare its time integration.
-
-    Raises:
-        CaseError: all errors that prevent time integration.
-    """
-    return prepare_any(any_stage(case))
-
-
-def prepare_any(stage: AnyStage, change: Change | None = None) -> AnyPrepared:
-    """Prepare the time integration of a stage, see `prepare_stage` and `prepare_superelement`."""
-    if isinstance(stage, SuperelementStage):
-        return prepare_superelement(stage, change)
-    return prepare_stage(stage, change)
 
 
 def any_stage(case: Case) -> AnyStage:
@@ -77,21 +54,25 @@ def any_stage(case: Case) -> AnyStage:
     return build_stage(case)
 
 
-def prepare_stage(stage: Stage, change: Change | None = None) -> Prepared[Stage, ContactProblem]:
-    """Prepare the time integration of a stage: check it, and factorise the matrices.
+def prepare(given: Case | AnyStage, change: Change | None = None) -> Prepared:
+    """Prepare the time integration of a case or its stage: check it, and factorise the matrices.
 
     Args:
-        stage: the stage.
+        given: a case, or its stage.
         change: function that returns another contact problem and another timing.
 
     Raises:
-        CaseError: all errors that prevent time integration.
-        UserError: raised by `change`.
+        CaseError: all errors that prevent time integration, see `problem_of`.
+        UserError: raised by `change` or `problem_of`.
     """
-    problem, case = contact_problem(stage), stage.case
-    timing = case.march.timing
+    stage = any_stage(given) if isinstance(given, Case) else given
+    case, problem, timing = stage.case, problem_of(stage), stage.case.march.timing
     if change is not None:
         problem, timing = change(problem, timing)
+    scheme: Any
+    if isinstance(problem, BoundaryProblem):
+        scheme = BoundaryMarch(problem, timing.time_step, timing.record_every)
+        return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
     with numbers_within_reach(case):
         try:
             scheme = make_scheme(problem, timing.time_step, timing.record_every, case.march.scheme)
@@ -119,47 +100,16 @@ def screened(case: Case, problem: ContactProblem, timing: Timing) -> tuple[Conta
         raise UserError(f"--screen: expected {error}") from None
 
 
-def check_march(stage: AnyStage) -> None:
-    """Check that a stage can be marched.
-
-    Raises:
-        CaseError: all errors that prevent time integration.
-        UserError: as for `prepare_superelement`.
-    """
-    if isinstance(stage, SuperelementStage):
-        checked_problem(stage)
-    elif faults := list(march_faults(stage)):
-        raise CaseError(faults)
-
-
 def problem_of(stage: AnyStage) -> AnyProblem:
-    """Return the contact problem of a stage.
+    """Return the contact problem of a stage that can be marched.
 
     Raises:
-        CaseError: all errors that prevent time integration.
+        CaseError: all errors that prevent time integration; of a superelement, a contact node
+            starts inside the wall, or the time step is too long for the modes or the coating.
+        UserError: the environment asks for the reference in NumPy, which superelements do not have.
     """
-    return stage.problem if isinstance(stage, SuperelementStage) else contact_problem(stage)
-
-
-def prepare_superelement(
-    stage: SuperelementStage, change: Change | None = None
-) -> Prepared[SuperelementStage, BoundaryProblem]:
-    """Prepare the time integration of a superelement, see `prepare_stage`.
-
-    Raises:
-        CaseError: a contact node starts inside the wall, or the time step is too long for the
-            modes or the coating.
-        UserError: the environment asks for the reference in NumPy.
-    """
-    problem, timing = checked_problem(stage), stage.case.march.timing
-    if change is not None:
-        problem, timing = change(problem, timing)
-    scheme: Any = BoundaryMarch(problem, timing.time_step, timing.record_every)
-    return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
-
-
-def checked_problem(stage: SuperelementStage) -> BoundaryProblem:
-    """Return the contact problem of a superelement, checked as for `prepare_superelement`."""
+    if isinstance(stage, Stage):
+        return contact_problem(stage)
     if os.environ.get(KERNEL, "compiled") != "compiled":
         raise UserError(f'{KERNEL}: expected "compiled"; superelements have no reference in NumPy')
     problem, timing = stage.problem, stage.case.march.timing

@@ -45,7 +45,7 @@ from bladewhirl.solvers.march.recorder import (
 from bladewhirl.solvers.march.schema import NODES, tables_of
 from bladewhirl.studies.runs import folder, march_texts
 from bladewhirl.studies.runs.interrupts import asked_to_stop
-from bladewhirl.studies.runs.prepare import AnyPrepared
+from bladewhirl.studies.runs.prepare import Prepared
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,7 +77,7 @@ REMEDY = (
 
 
 def march_to_file(
-    prepared: AnyPrepared,
+    prepared: Prepared,
     path: Path,
     case_text: str,
     progress: Progress | None = None,
@@ -120,7 +120,7 @@ def march_to_file(
 
 
 def march_in_memory(
-    prepared: AnyPrepared,
+    prepared: Prepared,
     room: dict[str, Values] | None = None,
     *,
     casing: bool = True,
@@ -147,7 +147,7 @@ def march_in_memory(
 
 def _march_into(
     record: Recorder | Records,
-    prepared: AnyPrepared,
+    prepared: Prepared,
     flush: Callable[[AnyChunk, MarchState, float], None],
     pause: float,
     progress: Progress | None = None,
@@ -158,16 +158,14 @@ def _march_into(
     """March; return the quality measures. At intervals of `pause` [s], `flush` is called with the
     new records, the state and the elapsed time [s]; between two such calls are `chunk_steps` steps
     or more."""
-    timing, residual, unsolved = prepared.timing, 0.0, 0
+    timing, statistics = prepared.timing, None
     reason, message = EndReason.COMPLETED.value, ""
     first, before = None, 0.0
     is_over = prepared.stop.is_over if prepared.stop is not None else None
     if begin is not None:
         first, before = state_at(prepared, begin), begin.wall_time
-        residual = first.statistics.complementarity_residual
-        unsolved = first.statistics.lcp_failures
-    problem = prepared.problem
-    if problem.coating is not None:
+        statistics = first.statistics
+    if prepared.problem.coating is not None:
         # There is a profile of the coating at the end of each chunk.
         chunk_steps = min(CHUNK_STEPS, timing.steps // PROFILES + 1)
     began, flushed, waiting = time.perf_counter() - before, -pause, list[Any]()
@@ -180,15 +178,12 @@ def _march_into(
                 if due or end or stopping or sum(c.records for c in waiting) > FLUSH_RECORDS:
                     flush(joined(waiting), state, time.perf_counter() - began)
                     waiting, flushed = [], time.perf_counter()
-                residual = state.statistics.complementarity_residual
-                unsolved = state.statistics.lcp_failures
+                statistics = state.statistics
                 if progress is not None:
                     progress("marching", min(state.step, timing.steps), timing.steps)
                 if end is EndReason.DIVERGENT:
-                    reason, message = (
-                        end.value,
-                        f"{march_texts.divergence(prepared, chunk)}; {REMEDY}",
-                    )
+                    reason = end.value
+                    message = f"{march_texts.divergence(prepared, chunk)}; {REMEDY}"
                 elif end is EndReason.DAMPED:
                     reason, message = end.value, f"ended at {chunk.time[-1]:.6g} s, {RULE}"
                 elif stopping:
@@ -199,8 +194,8 @@ def _march_into(
         reason, message = EndReason.DIVERGENT.value, f"{error}; {REMEDY}"
     wall_time = time.perf_counter() - began
     report = {
-        "complementarity_residual": residual,
-        "unsolved_steps": unsolved,
+        "complementarity_residual": statistics.complementarity_residual if statistics else 0.0,
+        "unsolved_steps": statistics.lcp_failures if statistics else 0,
         "dt_over_critical": timing.time_step / prepared.problem.critical_time_step,
         "steps": record.steps,
         "wall_time": wall_time,
@@ -214,7 +209,7 @@ def _march_into(
 
 @contextmanager
 def _recorder(
-    prepared: AnyPrepared, path: Path, case_text: str, begin: Checkpoint | None
+    prepared: Prepared, path: Path, case_text: str, begin: Checkpoint | None
 ) -> Iterator[Recorder]:
     """Yield a recorder of the result that contains the records before a checkpoint."""
     attributes = march_texts.attributes(prepared, case_text)
@@ -264,7 +259,7 @@ def _chunk(records: xr.Dataset, time_step: float, *, profiles: bool) -> AnyChunk
     return Chunk(step=step, coating=coating, **values)
 
 
-def state_at(prepared: AnyPrepared, begin: Checkpoint) -> Any:
+def state_at(prepared: Prepared, begin: Checkpoint) -> Any:
     """Return the state of the scheme at a checkpoint.
 
     Raises:
@@ -300,6 +295,6 @@ def check_room(directory: Path, needed: int) -> None:
         )
 
 
-def expected_bytes(prepared: AnyPrepared) -> int:
+def expected_bytes(prepared: Prepared) -> int:
     """Return the size of the result on disk if the march completes [bytes]."""
     return result_bytes(prepared.stage.arrays, prepared.timing.records)

@@ -16,7 +16,7 @@ from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs import folder, recorded_march
 from bladewhirl.studies.runs.outputs import Run, Window, write_outputs
 from bladewhirl.studies.runs.place import locked, taking_place
-from bladewhirl.studies.runs.prepare import AnyPrepared, prepare
+from bladewhirl.studies.runs.prepare import Prepared, prepare
 from bladewhirl.studies.runs.sensor_files import check_gauges
 
 
@@ -130,7 +130,7 @@ def resume(
 
 
 def _march_and_sum_up(
-    prepared: AnyPrepared,
+    prepared: Prepared,
     place: Path,
     window: Window,
     progress: recorded_march.Progress | None,
@@ -150,7 +150,7 @@ def _march_and_sum_up(
     return replace(done, hints=(*_hints(prepared), *done.hints))
 
 
-def _hints(prepared: AnyPrepared) -> tuple[str, ...]:
+def _hints(prepared: Prepared) -> tuple[str, ...]:
     """Return the warnings for a stage."""
     stage = prepared.stage
     return stage_hints(stage) if isinstance(stage, Stage) else (*superelement_hints(stage),)

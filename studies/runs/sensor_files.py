@@ -11,13 +11,13 @@ import numpy as np
 from bladewhirl.files import replacing
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.runs import folder
-from bladewhirl.studies.runs.prepare import AnyPrepared
+from bladewhirl.studies.runs.prepare import Prepared
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def check_gauges(prepared: AnyPrepared) -> None:
+def check_gauges(prepared: Prepared) -> None:
     """Check before a march that the sensors of its case fit the stage.
 
     Raises:

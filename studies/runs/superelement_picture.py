@@ -10,7 +10,7 @@ from bladewhirl.postprocess.fields.result import result_of
 from bladewhirl.postprocess.superelement.picture import render_blades
 from bladewhirl.solvers.march.schema import NODES
 from bladewhirl.studies.runs.march_texts import attributes
-from bladewhirl.studies.runs.prepare import prepare_superelement
+from bladewhirl.studies.runs.prepare import prepare
 
 CLEARANCE_SHARE = 0.1
 """Largest drawn clearance, divided by the size of a blade."""
@@ -27,7 +27,7 @@ def draw_superelement(stage: SuperelementStage, path: Path) -> None:
         ViewError: the superelement has no points and triangles.
         CaseError: the case cannot be marched.
     """
-    prepared = prepare_superelement(stage)
+    prepared = prepare(stage)
     _, chunk, _ = prepared.scheme.advance(prepared.scheme.init(), 1)
     histories = {name: getattr(chunk, name) for name in NODES.history}
     result = result_of(stage.arrays, histories, attributes(prepared, ""))

@@ -14,13 +14,12 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, Layout
 from bladewhirl.solvers.march.free_motion import RULE, STOPS, FreeMotion, StopWhen
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 from bladewhirl.studies.runs import folder
-from bladewhirl.studies.runs.prepare import check_march, problem_of, screened
+from bladewhirl.studies.runs.prepare import problem_of, screened
 from bladewhirl.studies.sweeps.axes import (
     OVER,
     Grid,
@@ -376,7 +375,6 @@ def _check_stages(case: Case, grid: Grid, *, screen: bool) -> None:
     for point in chosen:
         with grid.naming(point):
             at_point = with_values(case, grid.values(point))
-            stage = stage_at(at_point)
-            check_march(stage)
-            if isinstance(stage, Stage) and screen:
-                screened(at_point, contact_problem(stage), at_point.march.timing)
+            problem = problem_of(stage_at(at_point))
+            if isinstance(problem, ContactProblem) and screen:
+                screened(at_point, problem, at_point.march.timing)

@@ -32,7 +32,7 @@ from bladewhirl.studies.runs.prepare import (
     AnyStage,
     Change,
     any_stage,
-    prepare_any,
+    prepare,
     screened,
 )
 from bladewhirl.studies.runs.recorded_march import expected_bytes, march_in_memory, march_to_file
@@ -130,7 +130,7 @@ def _body(case: Case) -> AnyStage:
 
 def _march_point(work: Work, case: Case, point: Point) -> Digest:
     name = point.history
-    prepared = prepare_any(stage := stage_at(case), _change(work, stage, point))
+    prepared = prepare(stage := stage_at(case), _change(work, stage, point))
     if work.stop_when is not None:
         with suppress(ValueError):  # a march that cannot end early runs to its end
             stop = FreeMotion.of(prepared.problem, prepared.timing.time_step)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bladewhirl.models.case.file import loads
-from bladewhirl.studies.runs.prepare import AnyStage, prepare_any
+from bladewhirl.studies.runs.prepare import AnyStage, prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.sweeps import sweep
 from bladewhirl.studies.sweeps.carried import continued, late_state
@@ -72,10 +72,10 @@ def in_process(*, figures: bool = False) -> Iterator[InProcess]:
 def assert_carried_on(stage: AnyStage, *names: str) -> None:
     """Assert that a march carried on from another moves as the other did after two revolutions, in
     which the loads repeat themselves."""
-    first, _ = march_in_memory(prepare_any(stage))
+    first, _ = march_in_memory(prepare(stage))
     state = late_state(stage, first)
     second, _ = march_in_memory(
-        prepare_any(stage, lambda problem, timing: (continued(stage, problem, state), timing))
+        prepare(stage, lambda problem, timing: (continued(stage, problem, state), timing))
     )
     record = int(np.abs(first["time"].values - 4.0 * np.pi / stage.speed).argmin())
     for name in names:

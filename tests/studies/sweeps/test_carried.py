@@ -12,7 +12,7 @@ from sweep_work import InProcess, Killed, assert_carried_on, same_bits
 import bladewhirl as bw
 from bladewhirl.models.stage.contact_problem import NEVER, Load
 from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, flag, open_sweep
-from bladewhirl.studies.runs.prepare import prepare_stage
+from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.sweeps.carried import COMPLETED, Chains, continued, late_state
 from bladewhirl.studies.sweeps.points import stage_at
@@ -67,7 +67,7 @@ def test_a_march_in_two_parts_is_one_march(effects: str) -> None:
 def test_loads_go_on_without_ramp_and_pulses_are_over() -> None:
     loads: Any = [{"type": "casing-distortion"}, {"type": "engine-order", "ramp": 0.3}]
     stage = bw.build_stage(small(excitation=loads))
-    prepared = prepare_stage(stage)
+    prepared = prepare(stage)
     result, _ = march_in_memory(prepared)
     after = continued(stage, prepared.problem, late_state(stage, result))
     assert [load.ramp for load in after.loads] == [0.0, 0.0]

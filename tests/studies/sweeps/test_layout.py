@@ -12,7 +12,7 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.postprocess.sweep.digest import digest
-from bladewhirl.studies.runs.prepare import prepare_any
+from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory, march_to_file
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.layout import (
@@ -85,7 +85,7 @@ def test_a_stage_is_that_of_the_speed_of_its_point(effects: str) -> None:
 
 def test_records_in_memory_are_those_in_a_file(tmp_path: Path) -> None:
     case = bw.case_from({"march": {"speed": 1.05, "duration": "5 ms", "record_step": "20 us"}})
-    prepared = prepare_any(stage_at(case))
+    prepared = prepare(stage_at(case))
     report = march_to_file(prepared, tmp_path / "result.nc", "")
     kept, same = march_in_memory(prepared)
     clocks = {"wall_time", "us_per_step"}
@@ -111,7 +111,7 @@ def test_points_that_share_their_room_are_those_marched_in_their_own() -> None:
     for shared, at_point in zip(
         [march_point(work, p) for p in points], grid.cases(case), strict=True
     ):
-        own = digest(*march_in_memory(prepare_any(stage_at(at_point))), layout)
+        own = digest(*march_in_memory(prepare(stage_at(at_point))), layout)
         assert isinstance(shared, dict)
         for name in own:
             assert_array_equal(shared[name], own[name])
