@@ -1,5 +1,6 @@
 """Meshes of solids: tetrahedra or hexahedra of first or second order, with groups of nodes."""
 
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from os import PathLike
@@ -103,31 +104,26 @@ def _volumes(mesh: meshio.Mesh, name: str) -> VolumeMesh:
 
 def _groups(mesh: meshio.Mesh) -> dict[str, IntArray]:
     """Return the numbers of the nodes of each group, repeated nodes included."""
-    groups: dict[str, list[IntArray]] = {}
+    groups: defaultdict[str, list[IntArray]] = defaultdict(list)
     for key, nodes in mesh.point_sets.items():
-        groups.setdefault(key, []).append(np.asarray(nodes, dtype=np.int64))
+        groups[key].append(np.asarray(nodes, dtype=np.int64))
     for key, members in mesh.cell_sets.items():
         if not key.startswith("gmsh:"):
             for block, inside in zip(mesh.cells, members, strict=True):
                 if inside is not None and len(inside):
-                    groups.setdefault(key, []).append(block.data[np.asarray(inside, dtype=int)])
+                    groups[key].append(block.data[np.asarray(inside, dtype=int)])
     for key, nodes in integer_groups(_named(mesh.point_data)):
-        groups.setdefault(key, []).append(nodes)
+        groups[key].append(nodes)
     for number, block in enumerate(mesh.cells):
         arrays = {key: values[number] for key, values in _named(mesh.cell_data).items()}
         for key, inside in integer_groups(arrays):
-            groups.setdefault(key, []).append(block.data[inside])
-    if TAG not in mesh.cell_data:  # the field data are not groups of Gmsh
-        return _joined(groups)
-    for key, (tag, dimension) in mesh.field_data.items():
+            groups[key].append(block.data[inside])
+    # Without tags the field data are not groups of Gmsh.
+    for key, (tag, dimension) in mesh.field_data.items() if TAG in mesh.cell_data else ():
         for number, block in enumerate(mesh.cells):
             if block.dim == dimension:
                 inside = is_member(mesh, number, key, tag)
-                groups.setdefault(key, []).append(block.data[inside])
-    return _joined(groups)
-
-
-def _joined(groups: Mapping[str, list[IntArray]]) -> dict[str, IntArray]:
+                groups[key].append(block.data[inside])
     return {key: np.concatenate([np.ravel(one) for one in nodes]) for key, nodes in groups.items()}
 
 
