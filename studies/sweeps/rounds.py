@@ -1,4 +1,10 @@
-"""Order in which the points of a sweep are marched: screening marches first, then the others."""
+"""Order in which the points of a sweep are marched, and random draws that need not be marched.
+
+Screening marches are first. Random draws stop, point by point, when no more of them are needed. A
+rule looks at the draws of a point in their order, whatever the order in which they were marched: a
+draw is needed if the draws before it do not settle the outcome of the point. The dataset therefore
+does not depend on the number of workers.
+"""
 
 from collections.abc import Callable, Iterable, Iterator
 
@@ -7,23 +13,120 @@ from numpy.typing import NDArray
 
 from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, NOT_NEEDED
 from bladewhirl.postprocess.sweep.shares import settled, wilson
+from bladewhirl.solvers.march.schema import BEAMS
 from bladewhirl.studies.sweeps.carried import SPEED, Carry, Chains
 from bladewhirl.studies.sweeps.plan import Plan
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point
 from bladewhirl.studies.sweeps.store import Store
-from bladewhirl.studies.sweeps.until import (
-    REGIMES,
-    Judge,
-    Rule,
-    differing,
-    narrower,
-    never,
-)
 
 March = Callable[[Iterable[Point | None]], Iterator[tuple[int, Outcome]]]
 """Function that marches points and yields number and outcome of each."""
 
 Mask = NDArray[np.bool_]
+
+UNKNOWN, FAILED = -1, -2  #: codes of random draws without a regime
+
+REGIMES = np.arange(1, len(BEAMS.sweep["regime"].labels))
+"""Codes of the regimes; zero means that there is no regime yet."""
+
+
+Rule = Callable[[NDArray[np.float64], NDArray[np.float64]], Mask]
+"""Function that returns true for each n for which the first n draws of a point are enough,
+(draws,). Its arguments are the number of draws of each regime among the first n draws, (draws,
+regimes), and n, (draws,). Failed draws have no regime."""
+
+
+def narrower(width: float) -> Rule:
+    """Return the rule of `--until`, see `shares.settled`."""
+    return lambda hits, drawn: settled(*wilson(hits, hits.sum(axis=-1, keepdims=True)), width)
+
+
+def never(hits: NDArray[np.float64], drawn: NDArray[np.float64]) -> Mask:
+    """Return false for each number of draws."""
+    return np.zeros(drawn.shape, dtype=np.bool_)
+
+
+def differing(hits: NDArray[np.float64], drawn: NDArray[np.float64]) -> Mask:
+    """Return true for each number of draws among which two differ or one failed."""
+    return np.asarray(hits.max(axis=1) < drawn)
+
+
+class Judge:
+    """Decision which random draws of each point are needed.
+
+    Args:
+        count: number of draws of each point, if all are needed.
+        enough: rule by which the outcome of a point is known; its other draws are left out.
+        known: true for every draw whose regime is known, (points * count,).
+        regime: code of the regime of every draw as written, (points * count,).
+        halt: rule by which a point is put off: its other draws are neither marched nor left out.
+        chosen: true for each point whose draws are marched, (points,); all points when None.
+    """
+
+    def __init__(
+        self,
+        count: int,
+        enough: Rule,
+        known: Mask,
+        regime: NDArray[np.int8],
+        halt: Rule = never,
+        chosen: Mask | None = None,
+    ) -> None:
+        self._count, self._enough, self._halt = count, enough, halt
+        self._regime = np.where(known, regime, UNKNOWN).reshape(-1, count)
+        every = np.arange(len(self._regime))
+        self._points = (every if chosen is None else np.flatnonzero(chosen)).tolist()
+        self._arrived: dict[int, Outcome] = {}  # outcomes that are not written yet
+
+    def next_draws(self) -> Iterator[int]:
+        """Yield the numbers of draws to march: the first draw of every point, then the second draw
+        of every point, and so on. Whether a draw is needed is decided when it is requested, from
+        the outcomes that have arrived."""
+        for draw in range(self._count):
+            for point in self._points:
+                row = self._regime[point]
+                if row[draw] == UNKNOWN and draw < self._needed(row)[1]:
+                    yield point * self._count + draw
+
+    def take(self, number: int, outcome: Outcome) -> Iterator[tuple[int, Outcome | None]]:
+        """Take the outcome of a draw; yield the outcomes of its point that can be written, with
+        their numbers. An outcome can be written as soon as the outcomes of all draws before it are
+        known. None means that a draw is left out."""
+        point, draw = divmod(number, self._count)
+        code = FAILED if isinstance(outcome, Failure) else int(outcome["regime"])
+        self._regime[point, draw] = code
+        self._arrived[number] = outcome
+        yield from self._decided(point)
+
+    def all_decided(self) -> Iterator[tuple[int, Outcome | None]]:
+        """Yield the outcomes of all points that can be written, see `take`."""
+        for point in self._points:
+            yield from self._decided(point)
+
+    def _decided(self, point: int) -> Iterator[tuple[int, Outcome | None]]:
+        """Yield number and outcome of every draw of a point whose outcome can be written; None if
+        the draw is left out. See `take`."""
+        first, row = point * self._count, self._regime[point]
+        known, needed, put_off = self._needed(row)
+        for draw in range(min(known, needed)):
+            if first + draw in self._arrived:
+                yield first + draw, self._arrived.pop(first + draw)
+        for draw in range(needed, self._count) if needed <= known and not put_off else ():
+            if row[draw] == UNKNOWN or self._arrived.pop(first + draw, None) is not None:
+                yield first + draw, None
+
+    def _needed(self, row: NDArray[np.int8]) -> tuple[int, int, bool]:
+        """Return the number of draws before the first one without an outcome, the number of draws
+        that are needed according to these draws, and whether the point is put off."""
+        unknown = np.flatnonzero(row == UNKNOWN)
+        known = int(unknown[0]) if unknown.size else len(row)
+        hits = np.cumsum(row[:known, None] == REGIMES, axis=0).astype(np.float64)
+        drawn = np.arange(1.0, known + 1.0)
+        ends = [
+            int(np.argmax(rule)) if (rule := each(hits, drawn)).any() else len(row)
+            for each in (self._halt, self._enough)
+        ]
+        return known, min(*ends, len(row) - 1) + 1, ends[0] <= min(ends[1], len(row) - 1)
 
 
 class Rounds:
@@ -40,26 +143,20 @@ class Rounds:
 
     def __init__(self, plan: Plan, store: Store, march: March) -> None:
         self._plan, self._store, self._march = plan, store, march
-        self._draws = 1 if plan.grid.draws is None else plan.grid.draws.count
+        draws = plan.grid.draws
+        judged = draws is not None and (plan.screen or draws.until is not None)
+        #: number of draws of a point that are judged together; 1 if all draws are needed
+        self._draws = draws.count if draws is not None and judged else 1
         self.screening = False  #: whether the current round consists of screening marches
         self.waiting = 0  #: number of finished screening marches that are still to be repeated
 
     def outcomes(self) -> Iterator[tuple[int, Outcome | None]]:
         """March the unfinished points; yield number and outcome of each, None for a draw that is
         left out."""
-        plan, draws = self._plan, self._plan.grid.draws
-        if plan.carry is not None:
-            yield from self._chained(plan.carry)
-        elif plan.screen or (draws is not None and draws.until is not None):
-            yield from self._judged()
-        else:
-            yield from self._march(plan.point(n) for n in self._unfinished())
-
-    def _judged(self) -> Iterator[tuple[int, Outcome | None]]:
-        """March the draws that are needed, in one or two rounds; yield number and outcome of each.
-
-        Both rounds are in one call of `march`, so that workers are started once.
-        """
+        if self._plan.carry is not None:
+            yield from self._chained(self._plan.carry)
+            return
+        # Both rounds are in one call of `march`, so that workers are started once.
         rounds, flying = self._rounds(), 0
         judge = next(rounds)
         yield from self._counted(judge.all_decided())
@@ -89,18 +186,13 @@ class Rounds:
         self.screening = self._plan.screen
         done = store.state == DONE
         if not self.screening:
-            yield self._judge(done, np.ones(self._points, dtype=np.bool_), rule)
+            yield Judge(self._draws, rule, done, store.regime)
             return
-        yield self._judge(done, ~self._repeated(), rule, differing)
+        yield Judge(self._draws, rule, done, store.regime, differing, ~self._repeated())
         self.screening, again, done = False, self._uncertain(), store.state == DONE
         known = done & ~(store.screened & np.repeat(again, self._draws))
         self.waiting = int(np.count_nonzero(done & ~known))
-        yield self._judge(known, again, rule)
-
-    def _judge(self, known: Mask, chosen: Mask, enough: Rule, halt: Rule = never) -> Judge:
-        """Return the judge of the chosen points (points,) with the known draws (draws,)."""
-        state = np.where(known, DONE, MISSING).astype(np.int8)
-        return Judge(self._draws, enough, state, self._store.regime, halt, chosen)
+        yield Judge(self._draws, rule, known, store.regime, chosen=again)
 
     def _chained(self, carry: Carry) -> Iterator[tuple[int, Outcome]]:
         """March points one after the other along the speed; yield number and outcome of each."""
@@ -129,13 +221,6 @@ class Rounds:
         for number, outcome in outcomes:
             self.waiting -= int(self.waiting > 0 and self._store.state[number] == DONE)
             yield number, outcome
-
-    @property
-    def _points(self) -> int:
-        return int(self._store.state.size) // self._draws
-
-    def _unfinished(self) -> Iterator[int]:
-        return map(int, np.flatnonzero(self._store.state != DONE))
 
     def _repeated(self) -> Mask:
         """Return true for each point with a draw that was marched without scaled masses, (points,);

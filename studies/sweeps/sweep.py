@@ -4,6 +4,7 @@ Only the calling process writes the dataset; workers only march. The content of 
 on the case and the points, not on the number of workers, their order, or interruptions.
 """
 
+import os
 import shutil
 import time
 import warnings
@@ -11,19 +12,20 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from bladewhirl.files import PREFIX
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import Hint, UserError
 from bladewhirl.postprocess.sweep.dataset import DONE, SWEEP_NAME
 from bladewhirl.solvers.march.free_motion import StopWhen
 from bladewhirl.studies.runs import folder
-from bladewhirl.studies.sweeps.axes import OVER, TABLE, Grid, Value, make_grid
+from bladewhirl.studies.sweeps.axes import OVER, TABLE, Grid, PointTable, Value, make_grid
 from bladewhirl.studies.sweeps.carried import STATES_NAME, Carry
-from bladewhirl.studies.sweeps.draws import parse_draws
-from bladewhirl.studies.sweeps.more_draws import add_draws
+from bladewhirl.studies.sweeps.draws import UNTIL, parse_draws
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, Plan, plan_sweep, read_plan, write_plan
 from bladewhirl.studies.sweeps.points import Work
 from bladewhirl.studies.sweeps.rounds import Rounds
@@ -193,7 +195,7 @@ def resume_sweep(
     directory = Path(directory)
     plan = read_plan(directory)
     if draws is not None or until is not None:
-        plan = add_draws(plan, directory, draws, until)
+        plan = _add_draws(plan, directory, draws, until)
     watch = watch or Watch()
     watch.planned(plan)
     return _carry_out(plan, directory, watch, scheduler, workers)
@@ -260,3 +262,75 @@ def _carry_out(
     if swept.done == swept.points:
         shutil.rmtree(states, ignore_errors=True)
     return replace(swept, left_out=leave_figures(directory))
+
+
+def _add_draws(plan: Plan, directory: Path, count: int | None, until: float | None) -> Plan:
+    """Return the plan of a sweep with `count` random draws at each point, and write plan and
+    dataset with these draws into the folder of the sweep. Draws are marched until the confidence
+    intervals are narrower than `until`. None keeps the value of the plan.
+
+    The dataset is replaced before the plan. After a kill in between, the same call completes both.
+
+    Raises:
+        UserError: the sweep has no draws, or not fewer than `count`; it keeps histories, which are
+            numbered by draw, or carries motion from speed to speed; or its dataset is in use,
+            damaged or of another plan.
+    """
+    draws = plan.grid.draws
+    of_count = f"--resume {directory}, --draws {count}"
+    of_until = f"--resume {directory}, {UNTIL} {until or 0.0:g}"
+    either = of_until if count is None else of_count
+    if draws is None:
+        raise UserError(f"{either}: this sweep was made without --draws")
+    if plan.histories or plan.carry:
+        kept = "--histories" if plan.histories else "--continue"
+        raise UserError(f"{either}: a sweep with {kept} cannot get more random draws")
+    if count is not None and count <= draws.count:
+        raise UserError(f"{of_count}: expected more than the {draws.count} draws it has")
+    if until is not None:
+        if draws.until is None:
+            raise UserError(f"{of_until}: this sweep was made without {UNTIL}")
+        if not 0.0 < until < draws.until:
+            raise UserError(f"{of_until}: expected less than its width {draws.until:g}")
+    count = count or draws.count
+    table = PointTable(values=plan.grid.listed) if plan.grid.table else None
+    more = replace(draws, count=count, until=until or draws.until)
+    grid = make_grid(plan.case, plan.grid.over, large=True, draws=more, table=table)
+    wider = plan_sweep(
+        plan.case, grid, histories=False, stop_when=plan.stop_when, screen=plan.screen
+    )
+    if not _is_dataset_of(wider, directory):
+        with TemporaryDirectory(prefix=PREFIX, dir=directory) as draft:
+            _copy_draws(plan, directory, wider, Path(draft))
+            os.replace(Path(draft) / SWEEP_NAME, directory / SWEEP_NAME)
+    (directory / folder.FAILURES_NAME).unlink(missing_ok=True)  # they are marched again
+    write_plan(wider, directory)
+    return wider
+
+
+def _is_dataset_of(plan: Plan, directory: Path) -> bool:
+    """Return whether the dataset in a folder is that of a plan."""
+    try:
+        with Store(directory, plan.grid, plan.digest):
+            return True
+    except UserError:
+        return False
+
+
+def _copy_draws(plan: Plan, directory: Path, more: Plan, draft: Path) -> None:
+    """Create the dataset of the plan `more` in the folder `draft`, with all finished draws of the
+    dataset of `plan` in `directory`."""
+    assert plan.grid.draws is not None
+    assert more.grid.draws is not None
+    with Store(directory, plan.grid, plan.digest) as old:
+        layout = replace(more.layout, frequency=old.frequency)
+        create(draft, more.grid, more.coordinates, layout, more.attributes, screen=more.screen)
+        screened = old.screened
+        with Store(draft, more.grid, more.digest) as new:
+            for number in np.flatnonzero(old.state == DONE):
+                point, draw = divmod(int(number), plan.grid.draws.count)
+                new.write(
+                    point * more.grid.draws.count + draw,
+                    old.read(int(number)),
+                    screened=bool(screened[number]),
+                )

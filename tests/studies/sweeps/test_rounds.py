@@ -12,13 +12,13 @@ from sweep_work import InProcess, Killed, same_bits
 
 import bladewhirl as bw
 from bladewhirl.models.case.template import dumps_case
-from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, flag, open_sweep
+from bladewhirl.postprocess.sweep.dataset import flag, open_sweep
 from bladewhirl.postprocess.sweep.shares import settled, wilson
 from bladewhirl.solvers.march.schema import BEAMS, SCREENING
 from bladewhirl.studies.sweeps.layout import make_layout, march_extent
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point, stage_at
+from bladewhirl.studies.sweeps.rounds import Judge, narrower
 from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
-from bladewhirl.studies.sweeps.until import Judge, narrower
 
 DIVERGENT, SUSTAINED = flag("regime", "divergent"), flag("regime", "sustained")
 CASE = small(**{"contact.friction": 0.2, "march.duration": 2e-3})
@@ -157,8 +157,8 @@ def carried_out(regimes: NDArray[np.int64], workers: int, seed: int) -> list[dic
     """March toy draws that arrive in random order; return for each point its draws that were
     written, true if needed."""
     written: list[dict[int, bool]] = [{} for _ in regimes]
-    fresh = np.full(regimes.size, MISSING, dtype=np.int8)
-    judge = Judge(COUNT, narrower(0.2), fresh, fresh)
+    known = np.zeros(regimes.size, dtype=np.bool_)
+    judge = Judge(COUNT, narrower(0.2), known, known.astype(np.int8))
     random, numbers, flying = np.random.default_rng(seed), judge.next_draws(), list[int]()
     while True:
         while len(flying) < 2 * workers and (number := next(numbers, None)) is not None:
@@ -250,7 +250,7 @@ def test_a_killed_addition_of_draws_is_completed(tmp_path: Path) -> None:
 
 
 def test_a_resumed_point_needs_the_first_missing_draw() -> None:
-    state = np.array([DONE, MISSING, DONE], dtype=np.int8)
-    judge = Judge(3, narrower(0.2), state, np.full(3, SUSTAINED, dtype=np.int8))
+    known = np.array([True, False, True])
+    judge = Judge(3, narrower(0.2), known, np.full(3, SUSTAINED, dtype=np.int8))
     assert list(judge.next_draws()) == [1]
     assert [number for number, _ in judge.take(1, outcome(SUSTAINED))] == [1]
