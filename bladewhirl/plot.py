@@ -80,7 +80,7 @@ def campbell(data: xr.Dataset, frame: Literal["rotating", "static"] = "rotating"
 
 def critical_speeds(data: xr.Dataset) -> Figure:
     """Draw the map of critical speeds of `bw.critical_speeds(case)` against the shaft stiffness."""
-    from bladewhirl.postprocess.modal.critical_speeds import plot_critical_speeds
+    from bladewhirl.postprocess.modal.veering import plot_critical_speeds
 
     return plot_critical_speeds(data)
 

@@ -1,4 +1,5 @@
-"""Frequencies against nodal diameter (the paper's Fig. 7) and against shaft stiffness."""
+"""Frequencies against nodal diameter (the paper's Fig. 7), frequencies and critical speeds against
+shaft stiffness."""
 
 from typing import Any
 
@@ -52,6 +53,9 @@ centre."""
 
 WAYS = {"both": "o", "standing": "o", "backward": "<", "forward": ">"}
 """Marks of waves, by their direction in the rotating frame."""
+
+WIDTHS = {"forward": 1.6, "backward": 0.7}
+"""Widths of the lines of forward and of backward critical speeds [points]."""
 
 
 @styled
@@ -114,18 +118,11 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     ways = data["branch_direction"].values
     turns = "forward" in ways  # backward and forward waves have different branches
     figure = new_figure(width=FULL_WIDTH if turns else COLUMN_WIDTH, height=0.095)
-    axes = figure.subplots()
-    stiffness = data["stiffness"].values
     frequency, share = (
         data[name].values for name in ("normalised_branch_frequency", "branch_spring_share")
     )
-    axes.set(
-        xscale="log",
-        xlim=(stiffness[0], stiffness[-1]),
-        yscale="log",
-        ylim=(max(0.7 * frequency[frequency > 0.0].min(), LOWEST), 1.4 * frequency.max()),
-        xlabel="stiffness of each shaft spring [N/m]",
-    )
+    lowest = max(0.7 * frequency[frequency > 0.0].min(), LOWEST)
+    axes, stiffness = _stiffness_axes(figure, data, lowest, 1.4 * frequency.max())
     frequency_axis(axes, float(data.attrs["reference_frequency_hz"]))
     look: dict[str, Any] = {"linewidth": 0.8, "zorder": 1}
     at_case: dict[str, Any] = {
@@ -164,6 +161,55 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
         rank = int(np.count_nonzero(ways[:branch] == ways[branch])) + 1
         labels.add(stiffness[::-1], np.full_like(stiffness, level), f"{rank}F", "#555555")
     return figure
+
+
+@styled
+def plot_critical_speeds(data: xr.Dataset) -> Figure:
+    """Draw the critical speeds from `bladewhirl.critical_speeds` against the shaft stiffness.
+
+    Colours show the share of the shaft springs in the strain energy. If this share is large, the
+    disk moves on its springs, and the critical speed increases with the root of the stiffness; if
+    the share is small, the blades bend. Grey lines are stiffness and speed of the case.
+    """
+    figure = new_figure(width=COLUMN_WIDTH, height=0.09)
+    low, high = float(data["critical_speed"].min()), float(data["critical_speed"].max())
+    axes, stiffness = _stiffness_axes(figure, data, 0.8 * low, 1.25 * high)
+    axes.set_ylabel("critical speed [rpm]")
+    grey: Any = {"color": COLOURS["rest"], "linewidth": 0.8, "zorder": 1}
+    axes.axvline(data.attrs["case_stiffness"], label="stiffness and speed of the case", **grey)
+    if data.attrs["case_speed"] > 0.0:
+        axes.axhline(data.attrs["case_speed"], **grey)
+    for direction, width in WIDTHS.items():
+        axes.plot([], [], color=COLOURS["total"], linewidth=width, label=direction)
+        for branch in data["branch"].values:
+            line = {"direction": direction, "branch": branch}
+            speed, share = (
+                data[name].sel(line).values for name in ("critical_speed", "spring_share")
+            )
+            if np.isfinite(speed).sum() > 1:
+                lines = coloured_line(axes, stiffness, speed, share)
+                lines.set_linewidth(width)
+    figure.colorbar(
+        lines, ax=axes, label="share of energy in the shaft springs [–]", location="top", aspect=30
+    )
+    set_title(figure, data.attrs["case"], "Critical speeds against shaft stiffness")
+    legends_below(figure, Group(entries_of(axes)))
+    return figure
+
+
+def _stiffness_axes(
+    figure: Figure, data: xr.Dataset, low: float, high: float
+) -> tuple[Axes, FloatArray]:
+    """Return logarithmic axes against the stiffness of the shaft, and the stiffness [N/m]."""
+    axes, stiffness = figure.subplots(), data["stiffness"].values
+    axes.set(
+        xscale="log",
+        xlim=(stiffness[0], stiffness[-1]),
+        yscale="log",
+        ylim=(low, high),
+        xlabel="stiffness of each shaft spring [N/m]",
+    )
+    return axes, stiffness
 
 
 def _at_speed(data: xr.Dataset) -> str:

@@ -106,11 +106,44 @@ def open_mark(label: str) -> tuple[Line2D, str]:
 
 
 def label_figure(figure: Figure, data: xr.Dataset, *groups: Group) -> None:
-    """Complete a figure of `data` by the title, by legends below the figure (the first group of
-    entries uppermost) and, if the speed is swept, by an axis in rpm."""
+    """Complete a figure of `data` with panels one above another: axes of the swept key below and,
+    if it is the speed, in rpm above the panels, the title, and legends below the figure, the first
+    group of entries uppermost."""
+    key_axis(figure.axes[-1], data)
     rpm_on_top(data, figure.axes[0])
     title_figure(figure, data)
     legends_below(figure, *groups)
+
+
+def stacked(
+    data: xr.Dataset, count: int, height: float, **arrangement: Any
+) -> tuple[xr.Dataset, list[Line], Figure, list[Axes]]:
+    """Return data in convenient units, their lines, and a new figure with panels one above another.
+
+    Args:
+        data: Dataset over (line, key).
+        count: number of panels.
+        height: height of the figure [m].
+        arrangement: further arguments of `matplotlib.figure.Figure.subplots`.
+    """
+    data = in_handy_units(data)
+    figure = new_figure(width=FULL_WIDTH, height=height)
+    panels = figure.subplots(count, 1, sharex=True, **arrangement)
+    return data, lines_of(data), figure, [*panels]
+
+
+def draw_quantity(axes: Axes, lines: Sequence[Line], name: str, scale: float) -> None:
+    """Draw lines of a quantity multiplied by `scale`; divergent points have open marks."""
+    for line in lines:
+        size = scale * line.data[name].values
+        axes.plot(line.place, size, color=line.colour, linestyle=line.dash)
+        draw_marks(axes, line, size, filled=line.data["regime"].values != "divergent")
+
+
+def divergent_mark(data: xr.Dataset) -> Group:
+    """Return the legend entry of the marks of divergent points, if there are any."""
+    divergent = (data["regime"] == "divergent").any()
+    return Group([open_mark("divergent (open marks)")] if divergent else [])
 
 
 def plot_quantities(data: xr.Dataset, panels: Mapping[str, tuple[float, str]]) -> Figure:
@@ -120,22 +153,13 @@ def plot_quantities(data: xr.Dataset, panels: Mapping[str, tuple[float, str]]) -
         data: Dataset over (line, key) with the quantities and `regime`.
         panels: factor and label of each quantity.
     """
-    data = in_handy_units(data)
-    lines = lines_of(data)
-    figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.04 * len(panels))
-    axes_of = figure.subplots(len(panels), sharex=True)
+    data, lines, figure, axes_of = stacked(data, len(panels), 0.02 + 0.04 * len(panels))
     for axes, (name, (scale, label)) in zip(axes_of, panels.items(), strict=True):
-        for line in lines:
-            size = scale * line.data[name].values
-            axes.plot(line.place, size, color=line.colour, linestyle=line.dash)
-            draw_marks(axes, line, size, filled=line.data["regime"].values != "divergent")
+        draw_quantity(axes, lines, name, scale)
         axes.margins(y=0.1)
         axes.set_ylim(bottom=0.0)
         axes.set_ylabel(label)
-    key_axis(axes_of[-1], data)
-    divergent = (data["regime"] == "divergent").any()
-    marks = [open_mark("divergent (open marks)")] if divergent else []
-    label_figure(figure, data, Group(marks), lines_group(lines))
+    label_figure(figure, data, divergent_mark(data), lines_group(lines))
     return figure
 
 

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.legends import Group, entries_of
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
+from bladewhirl.postprocess.sweep.axes import in_handy_units
 from bladewhirl.postprocess.sweep.dataset import DRAW
 from bladewhirl.postprocess.sweep.drawing import (
     MARK_SIZE,
@@ -81,6 +81,5 @@ def plot_probability(data: xr.Dataset) -> Figure:
             axes.plot(line.place, one["share"], color=colour, marker=mark, ms=MARK_SIZE, label=name)
         axes.set(ylim=(-0.02, 1.02), ylabel="share of random draws [–]", title=line.label)
         axes.axhline(0.5, color="black", linewidth=0.5, linestyle=":")
-    key_axis(panels[-1], data)
     label_figure(figure, data, Group(entries_of(*panels), "Bands are 95 % intervals."))
     return figure

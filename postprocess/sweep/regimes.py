@@ -17,7 +17,7 @@ from bladewhirl.postprocess.plotting.axes import draw_map
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.sweep import drawing
-from bladewhirl.postprocess.sweep.axes import edges_of, in_handy_units, key_axis, linear_threshold
+from bladewhirl.postprocess.sweep.axes import edges_of, in_handy_units, linear_threshold
 
 NOT_JUDGED = "The marches are too short to judge growth; sustained means contact up to the end."
 
@@ -53,7 +53,6 @@ def plot_regimes(data: xr.Dataset) -> Figure:
         panels[1].axhline(0.0, color=COLOURS["total"], linewidth=0.6, zorder=1)
         panels[1].set_ylabel(f"growth rate\n± {CERTAINTY:g} errors [1/s]")
         groups.append(drawing.lines_group(lines, marked=False))
-    key_axis(panels[-1], data)
     drawing.label_figure(figure, data, *groups)
     return figure
 

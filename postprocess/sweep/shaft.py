@@ -1,15 +1,17 @@
-"""Figures of a sweep: displacement (the paper's Fig. 24), whirl and contact side of the shaft."""
+"""Figures of a sweep: displacement (the paper's Fig. 24), whirl and contact side of the shaft, wear
+of the coating."""
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.legends import Group
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.style import COLOURS, styled
 from bladewhirl.postprocess.shaft.orbits import LONG_LINE
 from bladewhirl.postprocess.sweep import drawing
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
+from bladewhirl.postprocess.sweep.quantities import along
 from bladewhirl.solvers.stability.scenario import STEADY
 
 #: the axis is logarithmic if the largest displacement exceeds this many times the median
@@ -25,6 +27,13 @@ SECTION_SIZE = 2.2  #: size of marks of sections [points]
 
 PARTS = {"shaft_radius_max": "largest", "shaft_radius_final": "at the end"}
 
+WEAR = {
+    "wear_volume": (1e6, "removed volume [cm³]"),
+    "wear_strain_max": (100.0, "deepest cut [% of thickness]"),
+    "wear_lobes": (1.0, "lobes"),
+}
+"""Factor and label of each panel."""
+
 
 @styled
 def plot_shaft_radius(radius: xr.Dataset) -> Figure:
@@ -33,16 +42,10 @@ def plot_shaft_radius(radius: xr.Dataset) -> Figure:
 
     Divergent points have open marks, because their displacements would have grown further.
     """
-    radius = in_handy_units(radius)
     unit, scale = handy_unit(float(radius["shaft_radius_max"].max().fillna(0.0)), "m")
-    lines = drawing.lines_of(radius)
-    figure = new_figure(width=FULL_WIDTH, height=0.11)
-    panels = figure.subplots(2, 1, sharex=True)
+    radius, lines, figure, panels = drawing.stacked(radius, len(PARTS), 0.11)
     for axes, (name, label) in zip(panels, PARTS.items(), strict=True):
-        for line in lines:
-            size = scale * line.data[name].values
-            axes.plot(line.place, size, color=line.colour, linestyle=line.dash)
-            drawing.draw_marks(axes, line, size, filled=line.data["regime"].values != "divergent")
+        drawing.draw_quantity(axes, lines, name, scale)
         values = scale * radius[name].values
         moving = values[values > 0]
         if moving.size and moving.max() > WIDE * np.median(moving):
@@ -51,10 +54,8 @@ def plot_shaft_radius(radius: xr.Dataset) -> Figure:
             axes.margins(y=0.08)
             axes.set_ylim(bottom=0.0)
         axes.set_ylabel(f"{label} [{unit}]")
-    key_axis(panels[1], radius)
-    divergent = (radius["regime"] == "divergent").any()
-    marks = [drawing.open_mark("divergent (open marks)")] if divergent else []
-    drawing.label_figure(figure, radius, Group(marks), drawing.lines_group(lines))
+    marks = drawing.divergent_mark(radius)
+    drawing.label_figure(figure, radius, marks, drawing.lines_group(lines))
     return figure
 
 
@@ -65,10 +66,7 @@ def plot_whirls(data: xr.Dataset) -> Figure:
 
     Whirls with a clear direction have filled marks. Where the shaft hardly moves there is no mark.
     """
-    data = in_handy_units(data)
-    lines = drawing.lines_of(data)
-    figure = new_figure(width=FULL_WIDTH, height=0.12)
-    panels = figure.subplots(2, 1, sharex=True)
+    data, lines, figure, panels = drawing.stacked(data, data.sizes["frame"], 0.12)
     for axes, frame in zip(panels, data["frame"].values, strict=True):
         axes.axhline(0.0, color=COLOURS["total"], linewidth=0.6)
         for line in lines:
@@ -83,7 +81,6 @@ def plot_whirls(data: xr.Dataset) -> Figure:
         axes.margins(y=0.1)
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, -LEAST_WHIRL), max(high, LEAST_WHIRL))
-    key_axis(panels[1], data)
     marks = Group([drawing.open_mark("no clear direction (open marks)")])
     drawing.label_figure(figure, data, marks, drawing.lines_group(lines))
     return figure
@@ -97,10 +94,8 @@ def plot_contact_sides(data: xr.Dataset) -> Figure:
     The contact scenario is standard within 90 degrees, in the grey band, and inverted outside of
     the band. Points with an unsteady angle have open marks, points without contact have no mark.
     """
-    data = in_handy_units(data)
-    figure = new_figure(width=FULL_WIDTH, height=0.11)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
-    lines = drawing.lines_of(data)
+    data, lines, figure, panels = drawing.stacked(data, 2, 0.11, height_ratios=(2.0, 1.0))
+    upper, lower = panels
     for line in lines:
         lead = np.degrees(line.data["shaft_lead"].values)
         drawing.draw_marks(upper, line, lead, filled=line.data["scenario"].values != "unsteady")
@@ -118,7 +113,6 @@ def plot_contact_sides(data: xr.Dataset) -> Figure:
     )
     lower.set(ylim=(0.0, 1.05), ylabel="steadiness [–]")
     lower.axhline(STEADY, color=COLOURS["total"], linestyle=":", linewidth=0.6)
-    key_axis(lower, data)
     unsteady = drawing.open_mark(f"unsteady, below {STEADY:g} (open marks)")
     marks = Group([(band, "where contact is standard"), unsteady])
     drawing.label_figure(figure, data, marks, drawing.lines_group(lines))
@@ -129,12 +123,9 @@ def plot_contact_sides(data: xr.Dataset) -> Figure:
 def plot_bifurcation(data: xr.Dataset) -> Figure:
     """Draw Poincaré sections and local maxima of the displacement against the swept key, from
     `quantities.bifurcation`."""
-    data = in_handy_units(data)
     sizes = [np.nanmax(np.abs(data[name].values), initial=0.0) for name in SECTION_PARTS]
     unit, scale = handy_unit(float(max(sizes)), "m")
-    lines = drawing.lines_of(data)
-    figure = new_figure(width=FULL_WIDTH, height=0.17)
-    panels = figure.subplots(len(SECTION_PARTS), 1, sharex=True)
+    data, lines, figure, panels = drawing.stacked(data, len(SECTION_PARTS), 0.17)
     for axes, (name, label) in zip(panels, SECTION_PARTS.items(), strict=True):
         for line in lines:
             values = scale * line.data[name].values
@@ -148,6 +139,24 @@ def plot_bifurcation(data: xr.Dataset) -> Figure:
                 rasterized=values.size > LONG_LINE,
             )
         axes.set_ylabel(f"{label} [{unit}]")
-    key_axis(panels[-1], data)
     drawing.label_figure(figure, data, drawing.lines_group(lines, dashed=False))
     return figure
+
+
+def wear_quantities(dataset: xr.Dataset, key: str) -> xr.Dataset:
+    """Load the quantities of the wear of a sweep along a key, see `quantities.along`.
+
+    Raises:
+        ViewError: no point has a coating.
+    """
+    data = along(dataset, key, [*WEAR, "wear_dissipated", "regime"])
+    if not np.isfinite(data["wear_volume"]).any():
+        raise ViewError("no point of this sweep has a casing.coating, so nothing can be worn")
+    return data.assign_attrs(title="wear of the coating")
+
+
+@styled
+def plot_wear_quantities(data: xr.Dataset) -> Figure:
+    """Draw removed volume, deepest cut and number of lobes against the swept key, from
+    `wear_quantities`. Divergent points have open marks."""
+    return drawing.plot_quantities(data, WEAR)

@@ -28,7 +28,7 @@ def critical_speeds(
     """
     import numpy as np
 
-    from bladewhirl.postprocess.modal.critical_speeds import plot_critical_speeds
+    from bladewhirl.postprocess.modal.veering import plot_critical_speeds
     from bladewhirl.studies.modal import critical_speeds as study
     from bladewhirl.studies.modal.modes import stage_of_file
     from bladewhirl.studies.modal.veering import spring_stiffnesses

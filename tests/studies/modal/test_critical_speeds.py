@@ -10,7 +10,7 @@ from command_line import answer
 import bladewhirl as bw
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.rotation.waves import waves
-from bladewhirl.postprocess.modal.critical_speeds import plot_critical_speeds
+from bladewhirl.postprocess.modal.veering import plot_critical_speeds
 from bladewhirl.studies.modal.critical_speeds import ORDERS, critical_speeds
 
 RPM = 30.0 / np.pi
