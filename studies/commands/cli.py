@@ -1,41 +1,38 @@
 """Command line: registers the commands.
 
-Each command is a function in a module of the same name. When such a module is imported, it may
-import the standard library and typer only; the command imports other modules when it runs. Thus
-``bladewhirl --help`` answers at once.
+A command is a function. The section "Args" of its docstring describes its parameters in `--help`,
+unless an option that several commands have, from `options`, has a description of its own. When a
+module with commands is imported, it may import the standard library and typer only; a command
+imports other modules when it runs. Thus ``bladewhirl --help`` answers at once.
 """
 
 import gc
 import os
+import re
 import warnings
 from importlib import metadata
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from bladewhirl.models.inputs.errors import Hint
-from bladewhirl.studies.commands.campbell import campbell
-from bladewhirl.studies.commands.compare import compare
-from bladewhirl.studies.commands.convergence import convergence
-from bladewhirl.studies.commands.critical_speeds import critical_speeds
+from bladewhirl.studies.commands.checks import reproduce, verify
 from bladewhirl.studies.commands.exits import UserErrorGroup, robust_output
-from bladewhirl.studies.commands.export import export
-from bladewhirl.studies.commands.import_ import import_
-from bladewhirl.studies.commands.interaction import interaction
-from bladewhirl.studies.commands.mesh import mesh
-from bladewhirl.studies.commands.modes import modes
-from bladewhirl.studies.commands.new import new
-from bladewhirl.studies.commands.plot import plot
+from bladewhirl.studies.commands.inputs import import_, mesh, new
+from bladewhirl.studies.commands.marches import compare, convergence, interaction, run
+from bladewhirl.studies.commands.modal import (
+    campbell,
+    critical_speeds,
+    modes,
+    response,
+    stability,
+    veering,
+)
 from bladewhirl.studies.commands.render import render
-from bladewhirl.studies.commands.report import report
-from bladewhirl.studies.commands.reproduce import reproduce
-from bladewhirl.studies.commands.response import response
-from bladewhirl.studies.commands.run import run
+from bladewhirl.studies.commands.results import export, plot, report
 from bladewhirl.studies.commands.show import show
-from bladewhirl.studies.commands.stability import stability
 from bladewhirl.studies.commands.sweep import sweep
-from bladewhirl.studies.commands.veering import veering
-from bladewhirl.studies.commands.verify import verify
 
 app = typer.Typer(
     name="bladewhirl",
@@ -46,14 +43,26 @@ app = typer.Typer(
 )
 
 
+class DocumentedCommand(TyperCommand):
+    """Command described by the docstring of its function."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        """Take the help of the command and of its parameters from the docstring."""
+        super().__init__(*args, **options)
+        text, _, arguments = (self.help or "").partition("\n\nArgs:\n")
+        # The terminal wraps each paragraph.
+        self.help = "\n\n".join(" ".join(part.split()) for part in text.split("\n\n"))
+        parameters = {parameter.name: parameter for parameter in self.params}
+        for name, words in re.findall(r"^ {4}(\w+): (.+(?:\n {8}.+)*)", arguments, re.MULTILINE):
+            parameters[name].help = " ".join(words.split())  # type: ignore[attr-defined]
+
+
 for command in (
     *(campbell, compare, convergence, critical_speeds, export, import_, interaction, mesh, modes),
     *(new, plot, render, report, reproduce, response, run, show, stability, sweep, veering, verify),
 ):
-    # The terminal wraps each paragraph.
-    paragraphs = (command.__doc__ or "").split("\n\n")
     name = command.__name__.strip("_").replace("_", "-")
-    app.command(name, help="\n\n".join(" ".join(part.split()) for part in paragraphs))(command)
+    app.command(name, cls=DocumentedCommand)(command)
 
 
 def _print_version(version: bool) -> None:

@@ -1,10 +1,10 @@
-"""Shared options of the commands, and parsers of their values."""
+"""Options that several commands have, and parsers of their values."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from bladewhirl.models.case.case import Case
     from bladewhirl.models.inputs.units import Speed
 
 MOST_POINTS = 100_000
@@ -23,7 +24,11 @@ MOST_POINTS = 100_000
 
 
 def option(
-    name: str, metavar: str, help_text: str, read: Callable[[str], Any], expected: str
+    name: str,
+    metavar: str,
+    read: Callable[[str], Any],
+    expected: str,
+    help_text: str | None = None,
 ) -> Any:
     """Return a typer option whose text is converted by the function `read`.
 
@@ -57,25 +62,25 @@ def in_si(unit: str, least: float = float("-inf")) -> Callable[[str], float]:
     return read
 
 
-def time(name: str, help_text: str) -> Any:
+def time(name: str, help_text: str | None = None) -> Any:
     """Return the typer option of a time [s]."""
     expected = 'a time in seconds, or with a unit such as "0.8 ms"'
-    return option(name, "TIME", help_text, in_si("s"), expected)
+    return option(name, "TIME", in_si("s"), expected, help_text)
 
 
-def stiffness(name: str, help_text: str) -> Any:
+def stiffness(name: str) -> Any:
     """Return the typer option of a stiffness [N/m]."""
     expected = "a number of zero or more, in N/m or with a unit"
-    return option(name, "STIFFNESS", help_text, in_si("N/m", 0.0), expected)
+    return option(name, "STIFFNESS", in_si("N/m", 0.0), expected)
 
 
-def speed(name: str, help_text: str) -> Any:
+def speed(name: str) -> Any:
     """Return the typer option of a speed, with a unit or relative to the reference frequency."""
     expected = "multiples of the reference frequency, or text in rpm, Hz or rad/s"
-    return option(name, "SPEED", help_text, _speed, expected)
+    return option(name, "SPEED", _speed, expected)
 
 
-def several(name: str, metavar: str, help_text: str, read: Callable[[str], Any], noun: str) -> Any:
+def several(name: str, metavar: str, read: Callable[[str], Any], noun: str) -> Any:
     """Return the typer option of two or more different positive values, separated by commas; the
     parser sorts them."""
 
@@ -85,8 +90,7 @@ def several(name: str, metavar: str, help_text: str, read: Callable[[str], Any],
             raise ValueError
         return values
 
-    expected = f"two or more different {noun} above zero"
-    return option(name, metavar, help_text, read_all, expected)
+    return option(name, metavar, read_all, f"two or more different {noun} above zero")
 
 
 def _speed(text: str) -> Speed:
@@ -126,58 +130,57 @@ class Span:
         return np.linspace(start, stop, self.count)
 
 
-def parse_span(option: str, text: str, *, unit: str = "", counted: bool = False) -> Span:
-    """Convert the text of an option to a `Span`.
+def span(name: str, *, unit: str = "", counted: bool = False, help_text: str | None = None) -> Any:
+    """Return the typer option of a `Span`; its default is given as text, which typer parses.
 
     Args:
-        option: name of the option, for errors.
-        text: "START:STOP"; each is a number in SI units or has a unit.
+        name: name of the option.
         unit: SI unit of the ends; if empty, the ends are speeds.
         counted: whether "START:STOP:COUNT" is expected.
-
-    Raises:
-        UserError: the text has another form.
+        help_text: description, unless each command has its own.
     """
-    ends, _, last = text.rpartition(":") if counted else (text, "", "2")
-    read: Callable[[str], Any] = in_si(unit) if unit else _speed
-    try:
-        start, stop = map(read, ends.split(":"))
-        count = int(last)
-    except ValueError:
-        form = "START:STOP" + (":COUNT" if counted else "")
-        units = (
-            f"numbers in {unit} or have a unit" if unit else 'numbers or text such as "2500 rpm"'
-        )
-        raise UserError(f"{option} {text}: expected {form}, with ends that are {units}") from None
-    if not 2 <= count <= MOST_POINTS:
-        raise UserError(f"{option} {text}: expected a COUNT from 2 to {MOST_POINTS}")
-    return Span(f"{option} {text}", start, stop, count)
-
-
-def output(help_text: str, metavar: str | None = None) -> Any:
-    """Return the typer option of the file or folder to write."""
-    return typer.Option("--output", "-o", metavar=metavar, help=help_text)
-
-
-def span(name: str, help_text: str, *, unit: str = "", counted: bool = False) -> Any:
-    """Return the typer option of a `Span`; its default is given as text, which typer parses."""
-    parser = partial(parse_span, name, unit=unit, counted=counted)
     form = "START:STOP:COUNT" if counted else "START:STOP"
-    return typer.Option(name, parser=parser, metavar=form, help=help_text)
+    units = f"numbers in {unit} or have a unit" if unit else 'numbers or text such as "2500 rpm"'
+    read_end: Callable[[str], Any] = in_si(unit) if unit else _speed
+
+    def read(text: str) -> Span:
+        ends, _, last = text.rpartition(":") if counted else (text, "", "2")
+        start, stop = map(read_end, ends.split(":"))
+        count = int(last)
+        if not 2 <= count <= MOST_POINTS:
+            raise UserError(f"{name} {text}: expected a COUNT from 2 to {MOST_POINTS}")
+        return Span(f"{name} {text}", start, stop, count)
+
+    return option(name, form, read, f"{form}, with ends that are {units}", help_text)
 
 
-CaseFolder = Annotated[Path | None, output("Folder to make; CASE-COMMAND by default.")]
+Output = Annotated[Path | None, typer.Option("--output", "-o")]
+OutputFolder = Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR")]
+OutputFile = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE")]
+CaseFolder = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", help="Folder to make; CASE-COMMAND by default."),
+]
 CaseFile = Annotated[Path, typer.Argument(help="Case file.", show_default=False)]
+NewCase = Annotated[
+    Path | None, typer.Argument(help="Case file; not with --resume.", show_default=False)
+]
+Resume = Annotated[Path | None, typer.Option(metavar="DIR")]
 RunFolder = Annotated[
     Path, typer.Argument(metavar="DIR", help="Folder of a run, or its result.nc.")
 ]
+Folder = Annotated[Path, typer.Argument(metavar="DIR")]
+File = Annotated[Path | None, typer.Option(metavar="FILE")]
+Number = Annotated[int, typer.Option(min=1)]
+MaybeNumber = Annotated[int | None, typer.Option(min=1)]
+Speeds = Annotated[Span, span("--speeds", counted=True)]
 Stiffnesses = Annotated[
     Span | None,
     span(
         "--stiffnesses",
-        "Stiffness of each shaft spring, N/m or '1 kN/mm:1 MN/mm'; by default a thousandth"
-        " to a thousand times that of the case.",
         unit="N/m",
+        help_text="Stiffness of each shaft spring, N/m or '1 kN/mm:1 MN/mm'; by default a"
+        " thousandth to a thousand times that of the case.",
     ),
 ]
 Changes = Annotated[
@@ -213,6 +216,31 @@ Scheduler = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS", help="Address of a running dask scheduler, tls://host:8786."),
 ]
+
+
+@contextmanager
+def case_of(file: Path, overrides: list[str] | None) -> Iterator[Case]:
+    """Yield a case with changes "KEY=VALUE"; faults in the block name the file or --set.
+
+    Raises:
+        CaseError: all faults of the case.
+    """
+    from bladewhirl.models.case.file import faults_from, read_case
+
+    case = read_case(file, overrides or [])
+    with faults_from(file, overrides or []):
+        yield case
+
+
+def folder_of(case: Path, command: str, output: Path | None, *, json: bool) -> Path | None:
+    """Return the folder of a study: CASE-COMMAND unless the user named one, None with --json."""
+    return output if output is not None or json else Path(f"{case.stem}-{command}")
+
+
+def refuse_existing(target: Path | None, *, force: bool) -> None:
+    """Raise an error if a file exists that may not be replaced."""
+    if target is not None and target.exists() and not force:
+        raise UserError(f"{target}: already exists; --force overwrites it")
 
 
 def claim_output(target: Path, *, named: bool, overwrite: bool) -> None:

@@ -10,7 +10,6 @@ from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.progress import progress_bar
 
-FrameOfView = Literal["static", "rotating"]
 FieldOfColour = Literal[
     "displacement",
     "deformation",
@@ -25,58 +24,20 @@ FieldOfColour = Literal[
 
 def render(
     directory: options.RunFolder,
-    gif: Annotated[bool, typer.Option("--gif", help="An animation that loops (default).")] = False,
-    mp4: Annotated[bool, typer.Option("--mp4", help="A film.")] = False,
-    png: Annotated[bool, typer.Option("--png", help="Stills, one for each --time.")] = False,
-    sheet: Annotated[
-        bool,
-        typer.Option(
-            "--sheet",
-            help="Several stills in one PNG: one for each --time, or a number of --frames, by"
-            " default over the revolution with the strongest contact.",
-        ),
-    ] = False,
-    page: Annotated[
-        bool,
-        typer.Option(
-            "--html", help="An interactive animation for any browser, which works offline."
-        ),
-    ] = False,
-    output: Annotated[
-        Path | None,
-        options.output(
-            "File to write; its suffix replaces --gif, --mp4, --png or --html. "
-            "By default animation.gif, animation.mp4, still.png, sheet.png or page.html in DIR."
-        ),
-    ] = None,
-    frames: Annotated[
-        int | None, typer.Option(min=2, help="Number of pictures: by default 120, in a sheet 9.")
-    ] = None,
+    gif: Annotated[bool, typer.Option("--gif")] = False,
+    mp4: Annotated[bool, typer.Option("--mp4")] = False,
+    png: Annotated[bool, typer.Option("--png")] = False,
+    sheet: Annotated[bool, typer.Option("--sheet")] = False,
+    page: Annotated[bool, typer.Option("--html")] = False,
+    output: options.Output = None,
+    frames: Annotated[int | None, typer.Option(min=2)] = None,
     start: options.Start = None,
     end: options.End = None,
-    time: Annotated[
-        list[float] | None,
-        options.time(
-            "--time",
-            "Instant of a still; may be given several times. By default the record with the"
-            " largest mean contact force (normal and friction) since the previous record.",
-        ),
-    ] = None,
-    exaggeration: Annotated[
-        float | None,
-        typer.Option(
-            help="Factor on displacements and clearance; 1: true to scale; automatic by default."
-        ),
-    ] = None,
-    frame: Annotated[
-        FrameOfView, typer.Option(help="Frame of reference of the picture.")
-    ] = "static",
-    colour: Annotated[
-        FieldOfColour, typer.Option(help="Field that colours beams and wall.")
-    ] = "displacement",
-    orbit: Annotated[
-        bool, typer.Option("--orbit", help="Show the shaft's orbit in an inset.")
-    ] = False,
+    time: Annotated[list[float] | None, options.time("--time")] = None,
+    exaggeration: float | None = None,
+    frame: Literal["static", "rotating"] = "static",
+    colour: FieldOfColour = "displacement",
+    orbit: Annotated[bool, typer.Option("--orbit")] = False,
     overwrite: options.Replace = False,
 ) -> None:
     """Draw a run as GIF, MP4, PNG or HTML, without a display.
@@ -85,6 +46,23 @@ def render(
     factor, so bodies touch in the picture exactly when they touch in the run. By default an
     animation has 120 pictures around the strongest contact, close enough in time for a smooth
     rotation.
+
+    Args:
+        gif: An animation that loops (default).
+        mp4: A film.
+        png: Stills, one for each --time.
+        sheet: Several stills in one PNG: one for each --time, or a number of --frames, by default
+            over the revolution with the strongest contact.
+        page: An interactive animation for any browser, which works offline.
+        output: File to write; its suffix replaces --gif, --mp4, --png or --html. By default
+            animation.gif, animation.mp4, still.png, sheet.png or page.html in DIR.
+        frames: Number of pictures: by default 120, in a sheet 9.
+        time: Instant of a still; may be given several times. By default the record with the largest
+            mean contact force (normal and friction) since the previous record.
+        exaggeration: Factor on displacements and clearance; 1: true to scale; automatic by default.
+        frame: Frame of reference of the picture.
+        colour: Field that colours beams and wall.
+        orbit: Show the shaft's orbit in an inset.
     """
     from bladewhirl.files import check_file
     from bladewhirl.postprocess.fields.kinematics import sampling_hint

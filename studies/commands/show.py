@@ -1,7 +1,12 @@
 """`bladewhirl show`: properties of a case, and all keys of the case."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import partial
+from math import degrees
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -10,6 +15,11 @@ from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.output import emit, facts, table
 from bladewhirl.studies.commands.progress import reduction_bar
 from bladewhirl.studies.modal.columns import Column, texts
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from bladewhirl.models.case.case import Case
 
 RATES = (
     Column("name", " "),
@@ -31,6 +41,13 @@ MODES = (
     Column("frequency.hz", "[Hz]", ".6g"),
     Column("frequency.normalised", "normalised", ".5g"),
     Column("purity", "purity", ".3f"),
+)
+MARCH = (
+    Column("critical_time_step", "critical time step [s]", ".4g"),
+    Column("dt_over_critical", "time step / critical", ".3g"),
+    Column("steps", "steps", "d"),
+    Column("records", "records", "d"),
+    Column("result_bytes", "result.nc, about [MB]", ".3g", 1e-6),
 )
 PROPERTIES = (
     Column("bladed_disk_mass", "bladed disk [kg]", ".5g"),
@@ -55,87 +72,123 @@ PROPERTIES = (
     Column("symmetry", "symmetry"),
     Column("reduction.marched", "modes of the march", "d"),
     Column("marched", "method of the march"),
-    Column("critical_time_step", "critical time step [s]", ".4g"),
-    Column("dt_over_critical", "time step / critical", ".3g"),
-    Column("steps", "steps", "d"),
-    Column("records", "records", "d"),
-    Column("result_bytes", "result.nc, about [MB]", ".3g", 1e-6),
+    *MARCH,
 )
 """Columns of the properties of a stage."""
+
+NODES = (
+    Column("node", "node", "d"),
+    Column("radius", "radius [mm]", ".5g", 1e3),
+    Column("angle", "angle [°]", ".4g", degrees(1.0)),
+    Column("axial", "axial [mm]", ".4g", 1e3),
+    Column("flexibility", "flexibility [m/N]", ".3g"),
+    Column("residual", "residual [m/N]", ".3g"),
+    Column("locking_friction", "locks above μ", ".3g"),
+)
+OF_SUPERELEMENT = (
+    Column("superelement", "superelement"),
+    Column("coordinates", "coordinates", "d"),
+    Column("copies", "copies", "d"),
+    Column("reference_frequency.hz", "lowest frequency [Hz]", ".6g"),
+    Column("speed.rpm", "speed [rpm]", ".6g"),
+    Column("speed.normalised", "speed / lowest frequency", ".5g"),
+    Column("modes", "modes of each copy", "d"),
+    Column("smallest_clearance", "smallest clearance [mm]", ".4g", 1e3),
+    Column("coating.tracks", "tracks of the coating", "d"),
+    Column("coating.rods", "rods of each track", "d"),
+    Column("coating.footprint", "arc under a contact node [mm]", ".3g", 1e3),
+    Column("coating.width", "width of a track [mm]", ".3g", 1e3),
+    *MARCH,
+)
+"""Columns of the properties of a superelement."""
+
+Shown = tuple[dict[str, Any], Iterable[str], list["Table"], Callable[[Path], None]]
+"""Properties for JSON, hints, printed tables, and a function that draws the stage into a file."""
 
 
 def show(
     case: options.CaseFile,
     overrides: options.Changes = None,
     json: options.AsJson = False,
-    with_case: Annotated[
-        bool, typer.Option("--case", help="Print every key of the case after the properties.")
-    ] = False,
-    png: Annotated[
-        bool, typer.Option("--png", help="Draw the stage: parts, sets, springs, supports.")
-    ] = False,
-    output: Annotated[
-        Path | None,
-        options.output("File of the drawing; by default the name of the case with .png."),
-    ] = None,
+    with_case: Annotated[bool, typer.Option("--case")] = False,
+    png: Annotated[bool, typer.Option("--png")] = False,
+    output: options.Output = None,
     overwrite: options.Replace = False,
 ) -> None:
     """Print the properties of a case, and with --case all keys of the case.
 
     Properties are masses, lowest frequencies of the full model, the speed in rpm, the critical time
     step, the load of an imbalance, size and errors of the reduced model, and the size of result.nc.
+
+    Args:
+        with_case: Print every key of the case after the properties.
+        png: Draw the stage: parts, sets, springs, supports.
+        output: File of the drawing; by default the name of the case with .png.
     """
-    from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.models.case.template import dumps_case
-    from bladewhirl.models.stage.build import time_step_faults
-    from bladewhirl.models.stage.hints import stage_hints, superelement_hints
-    from bladewhirl.models.stage.stage import build_stage
-    from bladewhirl.models.stage.superelement_stage import superelement_stage
-    from bladewhirl.studies.modal.superelement import (
-        NODES,
-        superelement_properties,
-    )
-    from bladewhirl.studies.modal.superelement import PROPERTIES as SUPERELEMENT
-    from bladewhirl.studies.runs.properties import MARCHES, stage_properties
-    from bladewhirl.studies.runs.superelement_picture import draw_superelement
 
     if output is not None and not png:
         raise UserError("--output: allowed only with --png, the option that draws the stage")
-    values = overrides or []
-    checked = read_case(case, values)
-    if checked.bladed_disk.superelement is not None:
-        with faults_from(case, values), reduction_bar():
-            built = superelement_stage(checked)
-            derived = superelement_properties(built)
-        for hint in superelement_hints(built):
+    with options.case_of(case, overrides) as checked:
+        beams = checked.bladed_disk.superelement is None
+        derived, hints, tables, draw = (_of_beams if beams else _of_superelement)(checked)
+        for hint in hints:
             typer.echo(f"Hint: {hint}.", err=True)
         if png:
             target = output or Path(f"{case.stem}.png")
             options.claim_output(target, named=True, overwrite=overwrite)
-            with faults_from(case, values), writing(target):
-                draw_superelement(built, target)
+            with writing(target):
+                draw(target)
             typer.echo(f"Wrote {target}.", err=True)
-        document = {"case": checked.model_dump(mode="json", exclude_none=True), "derived": derived}
-        tables = [
-            facts(texts(derived, SUPERELEMENT)),
-            table(derived["contact_nodes"], NODES, "Contact nodes of a copy"),
-        ]
-        full = (f"\n{dumps_case(checked)}".removesuffix("\n"),) if with_case else ()
-        emit(document, *tables, *full, json=json)
-        return
-    with faults_from(case, values):
-        stage = build_stage(checked)
-        faults = list(time_step_faults(stage))
-        if faults:
-            raise CaseError(faults)
-        derived = stage_properties(stage)
-    for hint in stage_hints(stage):
-        typer.echo(f"Hint: {hint}.", err=True)
-    if png:
+    document = {"case": checked.model_dump(mode="json", exclude_none=True), "derived": derived}
+    full = (f"\n{dumps_case(checked)}".removesuffix("\n"),) if with_case else ()
+    emit(document, *tables, *full, json=json)
+
+
+def _of_superelement(case: Case) -> Shown:
+    from bladewhirl.models.stage.hints import superelement_hints
+    from bladewhirl.models.stage.superelement_stage import superelement_stage
+    from bladewhirl.studies.modal.superelement import superelement_properties
+    from bladewhirl.studies.runs.superelement_picture import draw_superelement
+
+    with reduction_bar():
+        stage = superelement_stage(case)
+        derived = superelement_properties(stage)
+    tables = [
+        facts(texts(derived, OF_SUPERELEMENT)),
+        table(derived["contact_nodes"], NODES, "Contact nodes of a copy"),
+    ]
+    return derived, superelement_hints(stage), tables, partial(draw_superelement, stage)
+
+
+def _of_beams(case: Case) -> Shown:
+    from bladewhirl.models.stage.build import time_step_faults
+    from bladewhirl.models.stage.hints import stage_hints
+    from bladewhirl.models.stage.stage import build_stage
+    from bladewhirl.studies.runs.properties import MARCHES, stage_properties
+
+    stage = build_stage(case)
+    faults = list(time_step_faults(stage))
+    if faults:
+        raise CaseError(faults)
+    derived = stage_properties(stage)
+    marched = {body: MARCHES[cyclic] for body, cyclic in derived["cyclic"].items()}
+    rates = [
+        {"name": name} | rate
+        for key, name in NAMES.items()
+        if (rate := Column(key).value(derived)) is not None
+    ]
+    tables = [
+        facts(texts(derived | {"marched": marched}, PROPERTIES)),
+        table(rates, RATES, "Frequencies and speed"),
+    ]
+    for body, title in (("bladed_disk", "Bladed disk"), ("casing", "Casing")):
+        modes = sorted(derived[body], key=lambda mode: mode["nodal_diameter"])
+        tables.append(table(modes, MODES, f"{title}, full model"))
+
+    def draw(target: Path) -> None:
         from bladewhirl.postprocess.pictures.stage import draw_stage, stage_at_rest
 
-        target = output or Path(f"{case.stem}.png")
-        options.claim_output(target, named=True, overwrite=overwrite)
         at_rest = stage_at_rest(
             stage.arrays,
             title=stage.case.title,
@@ -143,20 +196,6 @@ def show(
             casing_radius=stage.reduced_casing.radius,
             clamped=stage.case.shaft.clamped,
         )
-        with writing(target):
-            draw_stage(at_rest, target, node_sets=stage.disk.mesh.node_sets)
-        typer.echo(f"Wrote {target}.", err=True)
-    document = {"case": checked.model_dump(mode="json", exclude_none=True), "derived": derived}
-    marched = {body: MARCHES[cyclic] for body, cyclic in derived["cyclic"].items()}
-    derived = derived | {"marched": marched}
-    rates = [
-        {"name": name} | rate
-        for key, name in NAMES.items()
-        if (rate := Column(key).value(derived)) is not None
-    ]
-    tables = [facts(texts(derived, PROPERTIES)), table(rates, RATES, "Frequencies and speed")]
-    for body, title in (("bladed_disk", "Bladed disk"), ("casing", "Casing")):
-        modes = sorted(derived[body], key=lambda mode: mode["nodal_diameter"])
-        tables.append(table(modes, MODES, f"{title}, full model"))
-    full = (f"\n{dumps_case(checked)}".removesuffix("\n"),) if with_case else ()
-    emit(document, *tables, *full, json=json)
+        draw_stage(at_rest, target, node_sets=stage.disk.mesh.node_sets)
+
+    return derived, stage_hints(stage), tables, draw

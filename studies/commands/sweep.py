@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -23,93 +22,23 @@ SHOWN_FAILURES = 10
 
 
 def sweep(
-    case: Annotated[
-        Path | None, typer.Argument(help="Case file; not with --resume.", show_default=False)
-    ] = None,
-    over: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--over",
-            metavar="KEY=VALUES",
-            help="A numeric key of the case and its values: march.speed=0.95:2:0.005"
-            " (start:stop:step, the stop included) or contact.friction=0.05,0.1; units as in the"
-            ' case file, "casing.clearance=0.5 mm,1 mm". Several --over: all combinations.',
-        ),
-    ] = None,
-    table: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="CSV file of points, in place of --over: keys in the first line, with units as in"
-            ' "march.speed,casing.clearance [mm]", and a point in every other line.',
-        ),
-    ] = None,
-    output: Annotated[Path | None, options.output("Folder to make.", "DIR")] = None,
+    case: options.NewCase = None,
+    over: Annotated[list[str] | None, typer.Option(metavar="KEY=VALUES")] = None,
+    table: options.File = None,
+    output: options.OutputFolder = None,
     overrides: options.Changes = None,
     scheduler: options.Scheduler = None,
     workers: options.Workers = None,
-    histories: Annotated[
-        bool, typer.Option("--histories", help="Keep the full history of every point.")
-    ] = False,
-    stop_when: Annotated[
-        Literal["damped"] | None,
-        typer.Option(
-            "--stop-when",
-            help="End marches early. damped: when blades do not touch and the motion has too little"
-            " energy for another contact.",
-        ),
-    ] = None,
-    draws: Annotated[
-        int | None,
-        typer.Option(
-            help="Number of random draws: marches of each point, with values changed by --perturb."
-        ),
-    ] = None,
-    perturb: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="KEY=SIZE",
-            help='Random change of a key in each random draw: "contact.friction = 0.05" is a normal'
-            ' distribution with a standard deviation of 5 %. A following "absolute" means SI units,'
-            ' "uniform" a uniform distribution.',
-        ),
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the random draws.")] = 0,
-    until: Annotated[
-        float | None,
-        typer.Option(
-            metavar="WIDTH",
-            help="March no more random draws of a point when the 95 % interval of the share of"
-            " every regime excludes one half or is narrower than WIDTH, such as 0.2.",
-        ),
-    ] = None,
-    screen: Annotated[
-        bool,
-        typer.Option(
-            "--screen",
-            help="First march the random draws with scaled masses of the casing and longer time"
-            " steps; then repeat points with an uncertain outcome at the time step of the case.",
-        ),
-    ] = False,
-    carry: Annotated[
-        Literal["up", "down"] | None,
-        typer.Option(
-            "--continue",
-            help="Start the march at each speed from the motion at the speed before, with rising or"
-            " with falling speed.",
-        ),
-    ] = None,
-    resume: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR",
-            help="Finish the sweep in this folder; with a larger number of --draws or a smaller"
-            " --until, add random draws.",
-        ),
-    ] = None,
-    yes: Annotated[
-        bool, typer.Option("--yes", help="Allow more than 100,000 points or long marches.")
-    ] = False,
+    histories: Annotated[bool, typer.Option("--histories")] = False,
+    stop_when: Literal["damped"] | None = None,
+    draws: int | None = None,
+    perturb: Annotated[list[str] | None, typer.Option(metavar="KEY=SIZE")] = None,
+    seed: int = 0,
+    until: Annotated[float | None, typer.Option(metavar="WIDTH")] = None,
+    screen: Annotated[bool, typer.Option("--screen")] = False,
+    carry: Annotated[Literal["up", "down"] | None, typer.Option("--continue")] = None,
+    resume: options.Resume = None,
+    yes: Annotated[bool, typer.Option("--yes")] = False,
     json: options.AsJson = False,
 ) -> None:
     """March a case with every value of a key, or every combination of values of several keys.
@@ -119,6 +48,31 @@ def sweep(
     every point, and some figures. `bladewhirl plot DIR` draws more figures: whirl, contacts,
     energies, bifurcations, maps over two keys. Failed points are listed in failures.json. --resume
     DIR finishes a sweep that was interrupted or killed, with bitwise the same result.
+
+    Args:
+        over: A numeric key of the case and its values: march.speed=0.95:2:0.005 (start:stop:step,
+            the stop included) or contact.friction=0.05,0.1; units as in the case file,
+            "casing.clearance=0.5 mm,1 mm". Several --over: all combinations.
+        table: CSV file of points, in place of --over: keys in the first line, with units as in
+            "march.speed,casing.clearance [mm]", and a point in every other line.
+        output: Folder to make.
+        histories: Keep the full history of every point.
+        stop_when: End marches early. damped: when blades do not touch and the motion has too little
+            energy for another contact.
+        draws: Number of random draws: marches of each point, with values changed by --perturb.
+        perturb: Random change of a key in each random draw: "contact.friction = 0.05" is a normal
+            distribution with a standard deviation of 5 %. A following "absolute" means SI units,
+            "uniform" a uniform distribution.
+        seed: Seed of the random draws.
+        until: March no more random draws of a point when the 95 % interval of the share of every
+            regime excludes one half or is narrower than WIDTH, such as 0.2.
+        screen: First march the random draws with scaled masses of the casing and longer time steps;
+            then repeat points with an uncertain outcome at the time step of the case.
+        carry: Start the march at each speed from the motion at the speed before, with rising or
+            with falling speed.
+        resume: Finish the sweep in this folder; with a larger number of --draws or a smaller
+            --until, add random draws.
+        yes: Allow more than 100,000 points or long marches.
     """
     from bladewhirl.models.case.file import read_case
     from bladewhirl.studies.sweeps.axes import parse_over
@@ -181,17 +135,10 @@ def sweep(
                 carry=carry,
                 watch=watch,
             )
-    document = {
-        "directory": str(result.directory),
-        "points": result.points,
-        "done": result.done,
-        "failed": result.failed,
-        "not_needed": result.not_needed,
-        "screened": result.screened,
-        "marched": result.marched,
-        "wall_time": result.wall_time,
-        "failures": result.grid.failed(result.failures),
-    }
+    numbers = ("points", "done", "failed", "not_needed", "screened", "marched", "wall_time")
+    document: dict[str, Any] = {"directory": str(result.directory)}
+    document |= {name: getattr(result, name) for name in numbers}
+    document["failures"] = result.grid.failed(result.failures)
     not_needed = f", {result.not_needed} random draws skipped" if result.not_needed else ""
     screened = f" ({result.screened} screened)" if result.screened else ""
     names = ", ".join(sorted(path.name for path in result.directory.iterdir()))

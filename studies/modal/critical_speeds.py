@@ -105,11 +105,10 @@ def critical_speeds(
     )
 
 
-def critical_speed_rows(speeds: xr.Dataset) -> list[dict[str, Any]]:
-    """Return the critical speeds from `critical_speeds` at a single stiffness as rows, forward
-    first."""
-    rows = rows_of(
-        speeds.stack(row=("direction", "branch")).rename(critical_speed="rpm").reset_index("row"),
-        AT_THE_CASE,
-    )
+def critical_speed_rows(stage: ModalStage, branches: int) -> list[dict[str, Any]]:
+    """Return the critical speeds at the shaft stiffness of the case as rows, forward first."""
+    at = np.array([stage.case.shaft.stiffness])
+    speeds = critical_speeds(stage, stiffnesses=at, branches=branches).isel(stiffness=0)
+    stacked = speeds.stack(row=("direction", "branch")).rename(critical_speed="rpm")
+    rows = rows_of(stacked.reset_index("row"), AT_THE_CASE)
     return [row for row in rows if row["rpm"] is not None]

@@ -1,13 +1,11 @@
 """Natural modes of a case: Dataset and JSON document."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import faults_from, read_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import Speed
 from bladewhirl.models.modal.full_stage import ModalStage, Whirl, modal_stage
@@ -70,18 +68,6 @@ def speed_of(value: Any, label: str) -> Speed:
             f"{label}: expected multiples of the reference frequency, or text in rpm, Hz or rad/s"
             f" ({error})"
         ) from None
-
-
-def stage_of_file(file: Path, overrides: list[str] | None) -> ModalStage:
-    """Return the finite element models and modes of a case file with changes "KEY=VALUE".
-
-    Raises:
-        CaseError: all faults of the case, naming the file or --set.
-    """
-    values = overrides or []
-    case = read_case(file, values)
-    with faults_from(file, values):
-        return modal_stage(case)
 
 
 def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
@@ -206,3 +192,19 @@ def mode_lists(computed: xr.Dataset, count: int) -> dict[str, list[dict[str, Any
         name: rows_of(computed.sel(selection).isel(mode=slice(count)), columns)
         for name, selection in lists.items()
     }
+
+
+def printed_rows(
+    computed: xr.Dataset, body: dict[str, str], count: int
+) -> tuple[list[dict[str, Any]], list[Column]]:
+    """Return rows and columns of the `count` lowest modes of a body, with one row for both modes of
+    a pair; the columns "purity" and "at rest" are left out if they contain no information."""
+    data = computed.sel(body).isel(mode=slice(count))
+    single = data.isel(mode=(data["pattern"] != "sine").values)
+    plain = {
+        "purity": bool((single["purity"] > 0.9995).all()),
+        "family_at_rest": bool((single["family"] == single["family_at_rest"]).all()),
+    }
+    columns = (*COLUMNS, *AT_SPEED) if "wave" in computed["pattern"].values else COLUMNS
+    shown = [column for column in columns if not plain.get(column.key, False)]
+    return rows_of(single, shown), shown

@@ -178,3 +178,18 @@ def _zones(chart: xr.Dataset) -> dict[str, Any]:
         for key in lists:
             zone[key].append(row[key])
     return {"zones": [*merged.values()], "coincidence_speeds": rows_of(chart, COINCIDENCES)}
+
+
+def cause_of_growth(document: dict[str, Any]) -> dict[str, str]:
+    """Return the cause of growth of the uncoupled bladed disk above a critical speed, if any; the
+    document is that of a point or of a chart."""
+    if document.get("critical_speed") is None:
+        return {}
+    if document["rotation_effects"] == "centrifugal":
+        return {"cause": "no Coriolis forces; only rotation.effects = full stabilises a rotor"}
+    if document["waves_met"]:
+        return {"cause": "two waves of the bladed disk have merged; they grow without damping"}
+    if document["rotor_growth_rate"] <= 0.0:
+        return {}
+    limit = ", which no bearing damping stabilises" if document["holding_damping"] is None else ""
+    return {"cause": f"internal damping of the forward wave{limit}"}

@@ -248,7 +248,7 @@ def test_ctrl_c_finishes_what_was_recorded(path: Path, monkeypatch: pytest.Monke
 
         yield update
 
-    monkeypatch.setattr("bladewhirl.studies.commands.run.progress_bar", interrupting)
+    monkeypatch.setattr("bladewhirl.studies.commands.marches.progress_bar", interrupting)
     out = path.parent / "out"
     arguments = ["--set", "march.duration=3", "--frames", "3"]
     done = RUNNER.invoke(app, ["run", str(path), "-o", str(out), *arguments])

@@ -13,7 +13,7 @@ from places import ROOT
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import whirl
-from bladewhirl.studies.commands.options import parse_span
+from bladewhirl.studies.commands.options import span
 from bladewhirl.studies.modal import coupled_mode_figures
 
 FAN_STAGE = str(ROOT / "examples" / "fan_stage.toml")
@@ -128,15 +128,15 @@ def test_damping_takes_energy_as_a_growing_circle_does(tmp_path: Path) -> None:
 
 
 def test_a_span_includes_its_ends_and_takes_units() -> None:
-    kappas = parse_span("--kappas", "0.5:2:4", unit="N/m", counted=True)
+    kappas = span("--kappas", unit="N/m", counted=True).parser("0.5:2:4")
     assert kappas.values().tolist() == [0.5, 1.0, 1.5, 2.0]
-    stiffnesses = parse_span("--stiffnesses", "1 kN/mm:2e7", unit="N/m")
+    stiffnesses = span("--stiffnesses", unit="N/m").parser("1 kN/mm:2e7")
     assert stiffnesses.values().tolist() == [1e6, 2e7]
     reference = 2.0 * np.pi * 40.0
-    speeds = parse_span("--speeds", "1200 rpm:2.5")
-    assert speeds.values(reference) == pytest.approx([0.5, 2.5])
+    speeds = span("--speeds").parser
+    assert speeds("1200 rpm:2.5").values(reference) == pytest.approx([0.5, 2.5])
     with pytest.raises(UserError, match="expected a START of zero or more and a STOP above"):
-        parse_span("--speeds", "3000 rpm:0.5").values(reference)
+        speeds("3000 rpm:0.5").values(reference)
     for wrong in ("1 mm:2 mm", "1:2:3", "a:b"):
         with pytest.raises(UserError, match=r"--speeds .* expected START:STOP"):
-            parse_span("--speeds", wrong)
+            speeds(wrong)

@@ -1,4 +1,4 @@
-"""`bladewhirl plot`: figures of a run or a sweep, by name."""
+"""Commands that draw and export results: figures, reports, series for ParaView."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.postprocess.plotting.registry import (
     NODE_FIGURES,
     REPLACED,
@@ -18,23 +19,19 @@ from bladewhirl.postprocess.plotting.registry import (
     captions,
 )
 from bladewhirl.studies.commands import options
+from bladewhirl.studies.commands.progress import progress_bar
 
 if TYPE_CHECKING:
     from bladewhirl.postprocess.reports.figures import AnyFigures
     from bladewhirl.postprocess.sweep.figures import SweepFigures
 
 ALL = "all"
-PLOTS = "plots"
-"""Name of the folder of figures in the folder of the run or the sweep."""
+PLOTS, VTK = "plots", "vtk"
+"""Names of the folders of figures and of the series in the folder of a run or a sweep."""
 
 
 def plot(
-    directory: Annotated[
-        Path,
-        typer.Argument(
-            metavar="DIR", help="Folder of a run or a sweep, or its result.nc or sweep.nc."
-        ),
-    ],
+    directory: options.Folder,
     names: Annotated[
         list[str] | None,
         typer.Argument(
@@ -55,33 +52,24 @@ def plot(
     ] = None,
     start: options.Start = None,
     end: options.End = None,
-    output: Annotated[
-        Path | None, options.output(f"Folder for the figures; by default DIR/{PLOTS}.")
-    ] = None,
-    format_name: Annotated[
-        Literal["png", "pdf", "svg"] | None,
-        typer.Option("--format", help="Format of the pictures. By default both png and pdf."),
-    ] = None,
-    width: Annotated[
-        float | None,
-        typer.Option(
-            metavar="MM",
-            min=40,
-            max=500,
-            help="Width of a figure [mm]: 85 for a column, 170 for a page.",
-        ),
-    ] = None,
-    title: Annotated[
-        str | None, typer.Option(help='Another title of the figure; "" for no title.')
-    ] = None,
+    output: options.Output = None,
+    format_name: Annotated[Literal["png", "pdf", "svg"] | None, typer.Option("--format")] = None,
+    width: Annotated[float | None, typer.Option(metavar="MM", min=40, max=500)] = None,
+    title: str | None = None,
     overwrite: options.Replace = False,
 ) -> None:
     """Draw figures of a run or a sweep, with the data of each figure as netCDF.
 
     Without a NAME the available figures are listed. Without a time window, spectrum and
     contact-classes of a run show the last third of the time.
+
+    Args:
+        directory: Folder of a run or a sweep, or its result.nc or sweep.nc.
+        output: Folder for the figures; by default DIR/plots.
+        format_name: Format of the pictures. By default both png and pdf.
+        width: Width of a figure [mm]: 85 for a column, 170 for a page.
+        title: Another title of the figure; "" for no title.
     """
-    from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.postprocess.fields.kinematics import ViewError
     from bladewhirl.postprocess.plotting.style import FORMATS
     from bladewhirl.postprocess.plotting.titles import refit
@@ -156,3 +144,91 @@ def _is_sweep(path: Path) -> bool:
     from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 
     return (path / SWEEP_NAME).is_file() if path.is_dir() else path.name == SWEEP_NAME
+
+
+def export(
+    directory: options.RunFolder,
+    frames: options.Number = 300,
+    start: options.Start = None,
+    end: options.End = None,
+    surface: Annotated[bool, typer.Option("--surface")] = False,
+    rotating: options.Rotating = False,
+    exaggeration: float | None = None,
+    output: options.Output = None,
+    overwrite: options.Replace = False,
+) -> None:
+    """Write a series for ParaView: run its view.py, or open series.pvd and apply Warp By Vector.
+
+    The parts are rotor, casing, contact, supports. Warp By Vector with warp and factor 1 shows the
+    stage as bladewhirl render does. For a superelement the parts are blades and contact, with
+    displacement and force. Fields: displacement, velocity, radial_displacement, gap, axial
+    and bending strain and stress; part, blade, thickness; contact_force (for Glyph).
+    An earlier series that bladewhirl wrote into the folder is replaced.
+
+    Args:
+        frames: Number of instants, evenly spaced.
+        surface: Write boxes of true thickness and width instead of lines.
+        exaggeration: Factor on displacement and clearance in the field warp; automatic by default.
+        output: Folder to write; by default DIR/vtk.
+    """
+    from bladewhirl.postprocess.fields.kinematics import sampling_hint
+    from bladewhirl.postprocess.fields.result import open_result
+    from bladewhirl.postprocess.paraview.series import export_vtk, series_records
+    from bladewhirl.postprocess.superelement.series import export_points
+    from bladewhirl.solvers.march.schema import NODES, tables_of
+
+    folder = output or (directory if directory.is_dir() else directory.parent) / VTK
+    with open_result(directory) as result:
+        if tables_of(result.attrs) is NODES:
+            if surface or exaggeration is not None:
+                raise UserError("--surface, --exaggeration: not allowed for a superelement")
+            with writing(folder):
+                index = export_points(
+                    result,
+                    folder,
+                    frames=frames,
+                    start=start,
+                    end=end,
+                    rotating=rotating,
+                    overwrite=overwrite,
+                )
+            typer.echo(f"Wrote {index}.")
+            return
+        records = series_records(result, frames, start, end)
+        with progress_bar(folder.name) as update, writing(folder):
+            index = export_vtk(
+                result,
+                folder,
+                records=records,
+                rotating=rotating,
+                surface=surface,
+                exaggeration=exaggeration,
+                overwrite=overwrite,
+                progress=update,
+            )
+        first, last = result["time"].values[records[[0, -1]]]
+        hint = sampling_hint(result, records)
+    typer.echo(f"Wrote {index}: {len(records)} instants from {first:.6g} s to {last:.6g} s.")
+    if hint:
+        typer.echo(f"Hint: {hint}.", err=True)
+
+
+def report(
+    directory: options.Folder, output: options.OutputFile = None, overwrite: options.Replace = False
+) -> None:
+    """Write a report as one HTML file that any browser shows without a network.
+
+    It contains the regime with its reasons, the figures of `bladewhirl plot` with explanations,
+    interactive maps, the numbers, the resolved case and its provenance. An older report of the
+    folder is replaced.
+
+    Args:
+        directory: Folder of a run or a sweep, finished or not.
+        output: File to write; by default DIR/report.html.
+    """
+    from bladewhirl.studies.runs.report import report as write_report
+    from bladewhirl.studies.runs.report import report_target
+
+    target = report_target(directory, output)
+    options.claim_output(target, named=output is not None, overwrite=overwrite)
+    typer.echo(f"Wrote {write_report(directory, target)}.")

@@ -1,0 +1,213 @@
+"""Commands that make the input of a march: case files, meshes, superelements."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from bladewhirl.models.inputs.errors import UserError, writing
+from bladewhirl.studies.commands import options
+from bladewhirl.studies.commands.output import emit, facts, table
+from bladewhirl.studies.modal.columns import Column
+
+if TYPE_CHECKING:
+    from bladewhirl.meshes.files.groups import GroupedLines
+    from bladewhirl.models.imports.inspection import Inspection
+    from bladewhirl.models.superelements.superelement import Superelement
+
+GROUPS = (Column("name", "group"), Column("kind", "kind"), Column("members", "members", "d"))
+
+NODES = (
+    Column("node", "contact node", "d"),
+    Column("radius", "radius [mm]", ".5g", scale=1e3),
+    Column("angle", "angle [deg]", ".4f"),
+    Column("z", "z [mm]", ".5g", scale=1e3),
+)
+
+MOST_NODES = 30
+"""Largest number of contact nodes that are listed."""
+
+
+def new(
+    path: Annotated[Path, typer.Argument()] = Path("case.toml"), force: options.Force = False
+) -> None:
+    """Write a case file with every key, its default and its meaning.
+
+    Args:
+        path: File to write.
+    """
+    from bladewhirl.files import write_atomically
+    from bladewhirl.models.case.template import template
+
+    options.refuse_existing(path, force=force)
+    with writing(path):
+        path.parent.stat()  # an error if the folder does not exist
+        write_atomically(path, template())
+    typer.echo(f"Wrote {path}.")
+
+
+def mesh(
+    source: Path,
+    output: options.OutputFile = None,
+    overrides: options.Changes = None,
+    force: options.Force = False,
+) -> None:
+    r"""List the groups of a mesh, and write the mesh in another format.
+
+    The mesh of a case is the undeformed bladed disk, in metres, with its sets as groups and its
+    sections, materials, masses, springs and links as data: the key \[bladed_disk.mesh] of a case
+    can read the written file. A mesh file is converted without changes, in its own units.
+
+    Args:
+        source: Case file, or a mesh file: .msh of Gmsh, .vtu, .inp of Abaqus.
+        output: Mesh file to write: .vtu, .msh or .inp.
+    """
+    from bladewhirl.meshes.files.groups import MeshFileError
+    from bladewhirl.meshes.files.registry import left_out, write_line_mesh
+
+    lines = _content(source, overrides or [])
+    low, high = lines.points.min(axis=0), lines.points.max(axis=0)
+    size = (
+        f"{len(lines.points)} nodes, {len(lines.lines)} lines,"
+        f" x {low[0]:.6g} to {high[0]:.6g}, y {low[1]:.6g} to {high[1]:.6g}"
+    )
+    rows = [
+        {"name": name, "kind": kind, "members": len(members)}
+        for kind, groups in (("nodes", lines.node_groups), ("lines", lines.line_groups))
+        for name, members in groups.items()
+    ]
+    data = [f"{name} (nodes)" for name in lines.node_data]
+    data += [f"{name} (lines)" for name in lines.line_data]
+    listed = [f"data: {', '.join(data)}"] if data else []
+    emit(None, size, table(rows, GROUPS), *listed, json=False)
+    if output is None:
+        return
+    options.refuse_existing(output, force=force)
+    try:
+        with writing(output):
+            write_line_mesh(output, lines)
+    except MeshFileError as error:
+        raise UserError(f"{output}: expected {error}") from None
+    missing = left_out(output, lines)
+    if missing:
+        typer.echo(f"{output} does not contain {', '.join(missing)}; .vtu and .msh do.", err=True)
+    typer.echo(f"Wrote {output}.")
+
+
+def _content(source: Path, overrides: list[str]) -> GroupedLines:
+    """Return the line mesh of a case file or a mesh file."""
+    from bladewhirl.meshes.files.groups import MeshFileError
+    from bladewhirl.meshes.files.registry import READERS, read_line_mesh
+    from bladewhirl.models.elements.build import case_beam_model
+    from bladewhirl.models.geometry.from_mesh import grouped_lines
+
+    if source.suffix.lower() not in READERS:
+        with options.case_of(source, overrides) as case:
+            return grouped_lines(case_beam_model(case))
+    if overrides:
+        raise UserError(f"--set {overrides[0]}: expected a case file to change, not {source}")
+    try:
+        return read_line_mesh(source)
+    except MeshFileError as error:
+        raise UserError(f"{source}: expected {error}") from None
+
+
+def import_(
+    source: Path,
+    contact: str | None = None,
+    clamped: str | None = None,
+    contacts: options.MaybeNumber = None,
+    mass: Path | None = None,
+    nodes: Path | None = None,
+    left: str | None = None,
+    right: str | None = None,
+    copies: int | None = None,
+    length_unit: str | None = None,
+    mass_unit: str | None = None,
+    axis: str | None = None,
+    name: str | None = None,
+    output: options.OutputFile = None,
+    force: options.Force = False,
+) -> None:
+    """Make a superelement from the matrices of another finite element code.
+
+    The matrices are checked: the mass and the stiffness must be symmetric and not indefinite, the
+    nodes known and the first frequency plausible. The superelement is in SI units, and its axis of
+    rotation is z.
+
+    CalculiX writes .sti, .mas and .dof beside its input in a step with *FREQUENCY,
+    SOLVER=MATRIXSTORAGE. Matrix Market needs --mass and --nodes, .mat with M and K needs --nodes,
+    .op4 needs .asm and .pch beside it.
+
+    Args:
+        source: CalculiX .inp, Nastran .op4, stiffness in Matrix Market, .mat or .npz.
+        contact: Contact nodes: a group, or numbers of nodes such as 12,15,18.
+        clamped: Nodes to hold, if the matrices contain them.
+        contacts: Number of contact nodes, spread along the chord of --contact.
+        mass: Mass in Matrix Market.
+        nodes: Table of nodes: a CSV file with a first line node,x,y,z.
+        left: Nodes of the clockwise face of a sector.
+        right: Nodes of the counter-clockwise face of a sector.
+        copies: Number of sectors of the wheel.
+        length_unit: Unit of positions; the unit of time is s. Default: m.
+        mass_unit: Unit of mass, such as t for N, mm and s. Default: kg.
+        axis: Axis of rotation: x, y or z. Default: z.
+        name: Name of the superelement.
+        output: File of the superelement to write, .npz.
+    """
+    from bladewhirl.models.imports.importing import imported
+    from bladewhirl.models.superelements.file import write_superelement
+
+    options.refuse_existing(output, force=force)
+    part, inspection, total = imported(
+        source,
+        mass=mass,
+        nodes=nodes,
+        contact=contact,
+        clamped=clamped,
+        contacts=contacts,
+        left=left,
+        right=right,
+        copies=copies,
+        length_unit=length_unit,
+        mass_unit=mass_unit,
+        axis=axis,
+        name=name,
+    )
+    given = f"{length_unit or 'm'}, {mass_unit or 'kg'}, s"
+    emit(None, facts(_facts(part, inspection, total, given)), *_contacts(part), json=False)
+    if output is not None:
+        with writing(output):
+            write_superelement(output, part)
+        typer.echo(f"Wrote {output}.")
+
+
+def _facts(part: Superelement, inspection: Inspection, total: Any, units: str) -> dict[str, str]:
+    shown = {"name": part.name, "source": part.source, "coordinates": str(part.size)}
+    if total is not None:
+        shown["units"] = f"{units}, converted to m, kg, s"
+        values = ", ".join(f"{value:.6g}" for value in total)
+        shown["mass along x, y, z"] = f"{values} kg, without fixed nodes"
+    if part.left_dofs is not None:
+        shown["faces of the sector"] = f"{len(part.left_dofs)} nodes each, free below"
+    shown["rigid modes"] = str(inspection.rigid_modes)
+    frequencies = ", ".join(f"{value:.6g}" for value in inspection.frequencies)
+    shown["first frequencies"] = f"{frequencies} Hz" if frequencies else "none"
+    return {key: value for key, value in shown.items() if value}
+
+
+def _contacts(part: Superelement) -> list[Any]:
+    import numpy as np
+
+    places = np.column_stack(
+        [part.contact_radius, np.degrees(part.contact_angle), part.contact_position[:, 2]]
+    )
+    rows = [
+        {"node": node, "radius": radius, "angle": angle, "z": z}
+        for node, (radius, angle, z) in enumerate(places.tolist())
+    ]
+    more = len(rows) - MOST_NODES
+    shown = [table(rows[:MOST_NODES], NODES)]
+    return [*shown, f"and {more} more contact nodes"] if more > 0 else shown

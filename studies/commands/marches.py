@@ -1,0 +1,302 @@
+"""Commands that march a case: once, with several schemes, time steps, modes or speeds."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.commands import options
+from bladewhirl.studies.commands.exits import INTERRUPTED
+from bladewhirl.studies.commands.output import emit, facts, table
+from bladewhirl.studies.commands.progress import progress_bar, reduction_bar
+from bladewhirl.studies.modal.columns import Column, rows_of
+
+if TYPE_CHECKING:
+    from bladewhirl.studies.runs.recorded_march import Activity
+
+RUNS = Path("runs")
+"""Default folder of runs."""
+
+QUANTITIES = (
+    Column("end_time", "end [ms]", ".4g", 1e3),
+    Column("tip_displacement", "largest tip displacement [mm]", ".4g", 1e3),
+    Column("distance", "difference of tip displacements [%]", ".4g", 1e2),
+    Column("impulse", "normal impulse [N s]", ".4g"),
+    Column("friction_impulse", "friction impulse [N s]", ".4g"),
+    Column("friction_work", "work of friction [J]", ".4g"),
+    Column("energy", "energy at the end [J]", ".4g"),
+    Column("ledger", "mismatch of energy and work / largest term", ".4g"),
+    Column("penetration", "deepest penetration [µm]", ".4g", 1e6),
+    Column("step_cost", "cost of a step [µs]", ".4g", 1e6),
+)
+"""Rows of the table of `compare`, which has a column for each scheme."""
+
+TIME_STEP, MODES = Column("time_step", "Δt [µs]", ".4g", 1e6), Column("modes", "modes η", "d")
+REFINEMENT = (
+    Column("regime", "regime"),
+    Column("radius_max", "radius [mm]", ".5g", 1e3),
+    Column("impulse", "impulse [N s]", ".5g"),
+    Column("distance", "orbit [%]", ".3g", 100.0),
+    Column("impulse_error", "impulse [%]", ".3g", 100.0),
+)
+"""Columns of the tables of `convergence`; the last two are differences from the finest march."""
+
+ORDERS = (
+    Column("time_steps.free_until", "first contact [ms]", ".4g", 1e3),
+    Column("time_steps.free_order", "order in the time step, before contact", ".3g"),
+    Column("time_steps.displacement_order", "order in the time step, displacement", ".3g"),
+    Column("time_steps.impulse_order", "order in the time step, contact impulse", ".3g"),
+    Column("modes.motion_converged", "same regime with all numbers of modes (1: yes)", "d"),
+)
+"""Labels of the orders of convergence. A dash stands for an order that cannot be computed, because
+there are too few differences, or because the differences are not monotone."""
+
+SPEEDS: Any = "0.1:1:91"
+
+LARGEST = (
+    Column("rpm", "[rpm]", ".1f"),
+    Column("contact_impulse", "impulse [N s]", ".4g"),
+    Column("contact_force_max", "force [N]", ".4g"),
+    Column("radial", "radial", ".4g", 1e3),
+    Column("tangential", "tangential", ".4g", 1e3),
+    Column("axial", "axial", ".4g", 1e3),
+    Column("divergent", "divergent"),
+)
+"""Columns of the speeds with the largest impulses, in the table of `interaction`."""
+
+SHOWN = 10
+"""Number of speeds in this table."""
+
+
+def run(
+    case: options.NewCase = None,
+    output: options.OutputFolder = None,
+    overrides: options.Changes = None,
+    overwrite: options.Overwrite = False,
+    frames: int = 300,
+    start: options.Start = None,
+    end: options.End = None,
+    rotating: options.Rotating = False,
+    resume: options.Resume = None,
+    json: options.AsJson = False,
+) -> None:
+    """March a case in time.
+
+    DIR then contains the resolved case.toml, provenance.json, result.nc (netCDF, opens with
+    xarray), summary.json, and orbit.png, energy.png and vtk/series.pvd for ParaView, which show the
+    complete run or the window of --from and --to. A divergent motion is a valid result. Ctrl-C ends
+    the march and keeps its records; --resume DIR finishes a run that was killed, or stopped by a
+    full disk, with bitwise the same result. --overwrite replaces the old run when the new one is
+    finished.
+
+    Args:
+        output: Folder to make; by default runs/NAME of the case.
+        frames: Number of frames of the ParaView series; 0 for no series.
+        resume: Continue the run in this folder; --set march.duration=6 makes it longer.
+    """
+    from rich.console import Console
+
+    from bladewhirl.models.case.file import faults_from, read_case
+    from bladewhirl.studies.runs.folder import CASE_NAME
+    from bladewhirl.studies.runs.run import resume as resume_run
+    from bladewhirl.studies.runs.run import run as run_case
+
+    values = overrides or []
+    if (case is None) == (resume is None):
+        raise UserError("run: expected either CASE or --resume DIR")
+    if resume is not None and (output is not None or overwrite or (start, end) != (None, None)):
+        raise UserError(
+            f"--resume {resume}: omit --output, --overwrite, --from and --to of a new run"
+        )
+    source = case or (resume or Path()) / CASE_NAME
+    step, begun = read_case(source, values).march.time_step, 0.0
+    with faults_from(source, values), progress_bar("preparing") as update, reduction_bar():
+
+        def progress(activity: Activity, done: int, total: int) -> None:
+            nonlocal begun
+            begun = begun or time.monotonic()
+            passed = time.monotonic() - begun
+            rate = f"  {done / passed:,.0f} steps/s" if passed else ""
+            reached = f"{done * step:.4f} of {total * step:g} s"
+            update(done, total, label=activity, text=reached + rate)
+
+        if resume is not None:
+            finished = resume_run(
+                resume, values, frames=frames, rotating=rotating, progress=progress
+            )
+        else:
+            finished = run_case(
+                read_case(source, values),
+                output or RUNS / source.stem,
+                overwrite=overwrite,
+                frames=frames,
+                start=start,
+                end=end,
+                rotating=rotating,
+                progress=progress,
+            )
+    if json:
+        typer.echo(finished.summary.to_json(), nl=False)
+    else:
+        Console().print(finished)
+    for line in (finished.end_message, *(f"Hint: {hint}." for hint in finished.hints)):
+        if line:
+            typer.echo(line, err=True)
+    if finished.end_reason == "interrupted":
+        raise typer.Exit(INTERRUPTED)
+
+
+def compare(
+    case: options.CaseFile,
+    output: options.Output = None,
+    overwrite: options.Overwrite = False,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
+) -> None:
+    """March a case with every contact scheme, side by side.
+
+    The schemes are central differences with multipliers, Moreau and Jean's impacts with sticking
+    friction, and a penalty, see march.scheme. The table lists displacements, impulses, energy and
+    cost, and the difference of the tip displacements from those of the first scheme. A step of the
+    other two schemes costs fifty to a hundred times that of the first, so choose a short march:
+    --set march.duration=0.05.
+
+    Args:
+        output: Folder to make, for a figure.
+    """
+    from bladewhirl.studies.convergence.schemes import compare_schemes, schemes_document
+
+    with options.case_of(case, overrides) as read, progress_bar("marching") as update:
+        data = compare_schemes(read, output, overwrite=overwrite, progress=update)
+    document = schemes_document(data)
+    schemes = document["schemes"]
+    rows = [
+        {"quantity": quantity.heading}
+        | {scheme["scheme"]: quantity.text(scheme) for scheme in schemes}
+        for quantity in QUANTITIES
+    ]
+    columns = [
+        Column("quantity", "quantity"),
+        *(Column(scheme["scheme"], scheme["scheme"], ">") for scheme in schemes),
+    ]
+    emit(document, table(rows, columns, document["title"]), json=json, written=[output])
+
+
+def convergence(
+    case: options.CaseFile,
+    time_steps: Annotated[
+        Sequence[float] | None,
+        options.several("--time-steps", "STEP,STEP,...", options.in_si("s"), "times"),
+    ] = None,
+    modes: Annotated[
+        Sequence[int] | None,
+        options.several("--modes", "COUNT,COUNT,...", int, "whole numbers"),
+    ] = None,
+    output: options.CaseFolder = None,
+    overwrite: options.Overwrite = False,
+    workers: options.Workers = None,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
+) -> None:
+    """Study how a march depends on its time step and on its modes.
+
+    The case is marched with several time steps, then with several numbers of fixed-interface modes.
+    The output lists differences of orbit and contact impulse from the finest march, the orders of
+    convergence, and the regimes of motion, as in Section 4.2 of the paper. Figures with their data,
+    convergence.json and the marches are written into DIR.
+
+    Args:
+        time_steps: Time steps in s or with a unit; by default 4, 2, 1, 1/2 times that of the case.
+        modes: Numbers of fixed-interface modes; by default 2 to 6 per blade.
+    """
+    from bladewhirl.studies.convergence.study import convergence as study
+
+    folder = output or Path(f"{case.stem}-convergence")
+    with (
+        options.case_of(case, overrides) as read,
+        progress_bar("marches", lines="marches") as update,
+    ):
+        result = study(
+            read,
+            folder,
+            time_steps=time_steps and time_steps[::-1],
+            modes=modes,
+            overwrite=overwrite,
+            workers=workers,
+            progress=update,
+        )
+    document = result.as_json()
+    tables = [
+        table(rows_of(data, columns), columns, title)
+        for data, columns, title in (
+            (result.time_steps, (TIME_STEP, *REFINEMENT), "Refinement of the time step"),
+            (result.modes, (MODES, *REFINEMENT), "Refinement of the modes"),
+        )
+    ]
+    orders = {column.heading: column.text(document) for column in ORDERS}
+    emit(document, *tables, facts(orders), json=json, written=[folder])
+
+
+def interaction(
+    case: options.CaseFile,
+    speeds: options.Speeds = SPEEDS,
+    turns: Annotated[int, typer.Option(min=2)] = 50,
+    steps: int | None = None,
+    node: Annotated[int, typer.Option(min=0)] = 0,
+    workers: options.Workers = None,
+    output: options.CaseFolder = None,
+    overwrite: options.Replace = False,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
+) -> None:
+    """March a superelement at many speeds and draw impulse, displacements and spectra.
+
+    Each march begins at rest and lasts the given number of revolutions; the second half counts. The
+    table lists the speeds with the largest impulses. march.speed and march.duration of the case are
+    not used. With --json and no -o nothing is written.
+
+    Args:
+        speeds: Speeds of rotation: multiples of the lowest natural frequency, or
+            "2000 rpm:9000 rpm:600".
+        turns: Revolutions at each speed.
+        steps: Time steps in a revolution; by default those of march.time_step.
+        node: Contact node of the spectra.
+        workers: Number of threads; all processors by default.
+    """
+    import numpy as np
+
+    from bladewhirl.models.stage.superelement_stage import superelement_stage
+    from bladewhirl.postprocess.superelement.interaction import plot_interaction
+    from bladewhirl.studies.runs.figures_folder import save_figures
+    from bladewhirl.studies.sweeps.interaction import interaction_map
+
+    folder = options.folder_of(case, "interaction", output, json=json)
+    with options.case_of(case, overrides) as read, progress_bar("speeds", lines="speeds") as update:
+        reference = 1.0
+        if read.bladed_disk.superelement is not None:
+            with reduction_bar():
+                reference = superelement_stage(read).reference_frequency
+        data = interaction_map(
+            read,
+            speeds.values(reference).tolist(),
+            turns=turns,
+            steps_per_turn=steps,
+            node=node,
+            workers=workers,
+            progress=update,
+        )
+    rpm = data["speed"] * 30.0 / np.pi
+    numbers = data.drop_dims("line").assign(rpm=rpm)
+    largest = np.argsort(-data["contact_impulse"].values)[:SHOWN]
+    document = {"speeds": rows_of(numbers, (*LARGEST, Column("contact_share"), Column("turns")))}
+    if folder is not None:
+        figures = {"interaction": (plot_interaction(data), data)}
+        save_figures(folder, figures, overwrite=overwrite)
+    rows = rows_of(numbers.isel(speed=np.sort(largest)), LARGEST)
+    title = "Speeds with the largest impulses per revolution; largest displacements [mm]"
+    emit(document, table(rows, LARGEST, title), json=json, written=[folder])

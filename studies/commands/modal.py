@@ -1,0 +1,362 @@
+"""Commands that analyse modes, before a march; each prints what a function of `studies.modal`
+computes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.commands import options
+from bladewhirl.studies.commands.output import emit, facts, table
+from bladewhirl.studies.commands.progress import progress_bar, reduction_bar
+from bladewhirl.studies.modal.columns import Column, texts
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rich.table import Table
+
+    from bladewhirl.models.modal.full_stage import ModalStage
+
+# Typer parses these defaults.
+CAMPBELL_SPEEDS: Any = "0:3"
+OPERATING: Any = "0.6:2"
+RESPONSE_SPEEDS: Any = "0.1:2:381"
+CHART_SPEEDS: Any = "0.6:3:600"
+CHART_KAPPAS: Any = "0:1000:300"
+
+SPECIAL_SPEEDS = (
+    Column("waves_meet", "two waves merge and grow without contact from", ".6g"),
+    Column("clearance_gone", "tip growth equals the clearance at rest at", ".6g"),
+)
+
+
+def modes(
+    case: options.CaseFile,
+    count: options.Number = 60,
+    json: options.AsJson = False,
+    output: options.Output = None,
+    shapes: Annotated[str | None, typer.Option(metavar="NAMES")] = None,
+    animate: Annotated[str | None, typer.Option(metavar="NAMES")] = None,
+    wave: str | None = None,
+    films: bool = True,
+    overwrite: options.Replace = False,
+    overrides: options.Changes = None,
+) -> None:
+    """List natural frequencies of the full bladed disk, with the centre as in the case, and of the
+    casing.
+
+    Normalised frequencies are multiples of the lowest frequency with a free centre, ω₁. The column
+    "springs" is the share of the shaft springs in the strain energy. Purity is the share of the
+    listed nodal diameter in a mode; it is not shown if all blades are equal, because it is 1. At
+    speed, the branch with most of its strain energy in the shaft springs is the suspension; the
+    column "at rest" gives the name of the same branch at rest. -o DIR writes
+    pictures of mode shapes; contact scenarios of the first k = 1 mode at the speed at which it
+    coincides with the k = 1 mode of the casing; and films, with a picture of each travelling wave.
+    With Coriolis forces, pictures and films show the waves at the speed of the case.
+
+    Args:
+        count: Number of modes of each body, from the lowest on; a pair of equal frequencies has one
+            row.
+        output: Folder to make for pictures and films.
+        shapes: Modes to draw: "1F:0,1F:1,suspension,casing:1F:2"; without ":k", all nodal
+            diameters. Where blades differ, all modes of a name are drawn. By default 1F with
+            k = 0, 1, ... and the highest k, the suspension, and the lowest modes of the casing.
+        animate: Modes to film. By default 1F:1, and suspension if there is one.
+        wave: Wave of films: standing, forward or backward. By default the wave that contact
+            amplifies: backward on the bladed disk, forward on the casing.
+        films: Write films, as GIF and as VTK series.
+    """
+    from bladewhirl.models.modal.full_stage import modal_stage
+    from bladewhirl.studies.modal import modes as study
+    from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
+    from bladewhirl.studies.modal.superelement import superelement_modes
+
+    for name, value in {"--shapes": shapes, "--animate": animate, "--wave": wave}.items():
+        if output is None and value is not None:
+            raise UserError(f"{name}: needs a folder for the pictures, -o DIR")
+    with options.case_of(case, overrides) as read:
+        if read.bladed_disk.superelement is not None:
+            if output is not None:
+                raise UserError(
+                    "--output: not allowed for a superelement; bladewhirl run makes its pictures"
+                )
+            with reduction_bar():
+                document = superelement_modes(read, count)
+            rows = document["bladed_disk"]
+            columns = [column for column in study.COLUMNS if column.key in rows[0]]
+            emit(document, table(rows, columns, "Superelement without contact"), json=json)
+            return
+        stage = modal_stage(read)
+    if output is not None:
+        plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
+    computed = study.modes(stage)
+    centre, hertz = (computed.attrs[key] for key in ("centre", "reference_frequency_hz"))
+    tables: list[Table] = []
+    for title, body in (
+        (f"Bladed disk, {centre} centre", {"body": "bladed-disk", "centre": centre}),
+        ("Casing", {"body": "casing"}),
+    ):
+        rows, shown = study.printed_rows(computed, body, count)
+        tables.append(table(rows, shown, title))
+    if output is not None:
+        draw_modes(stage, plan, output, overwrite=overwrite)
+    lists = study.mode_lists(computed, count)
+    emit(lists, *tables, f"ω₁ = {hertz:.6g} Hz", json=json, written=[output])
+
+
+def campbell(
+    case: options.CaseFile,
+    speeds: Annotated[options.Span, options.span("--speeds")] = CAMPBELL_SPEEDS,
+    operating: Annotated[options.Span, options.span("--operating")] = OPERATING,
+    families: options.Number = 5,
+    output: options.CaseFolder = None,
+    html: options.File = None,
+    overwrite: options.Replace = False,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
+) -> None:
+    """Find coincidence speeds, and draw a Campbell diagram in the rotating and one in the static
+    frame.
+
+    Where k Ω = ω_casing + ω_rotor, Eq. (14), a forward wave on the casing and a backward wave on
+    the rotor travel at the same speed in space, and contact amplifies both waves. The table lists
+    the coincidence speeds inside --speeds; JSON lists all coincidence speeds, for every nodal
+    diameter and family. With --json or --html a folder is made only if -o names it.
+
+    Args:
+        speeds: Speeds of the diagrams: multiples of ω₁, or "2000 rpm:9000 rpm".
+        operating: Operating range to shade: multiples of ω₁, or "40 Hz:60 Hz".
+        families: Number of families of the bladed disk, without the suspension pair.
+        html: Write both diagrams as an interactive page, FILE.html.
+    """
+    from bladewhirl.postprocess.plotting.files import checked_target
+    from bladewhirl.studies.modal import campbell as study
+
+    folder = options.folder_of(case, "campbell", output, json=json or html is not None)
+    if html is not None:
+        checked_target(html, ".html")
+    stage = _modal_stage(case, overrides)
+    first, last = speeds.values(stage.reference_frequency).tolist()
+    operated = operating.values(stage.reference_frequency).tolist()
+    diagram = study.campbell(
+        stage, families=families, speeds=(first, last), operating=tuple(operated)
+    )
+    if folder is not None:
+        study.draw_campbell(diagram, folder, overwrite=overwrite)
+    if html is not None:
+        study.write_campbell_page(diagram, html, overwrite=overwrite)
+    document = study.coincidence_list(diagram)
+    rows = [row for row in document["coincidences"] if first <= row["speed"] <= last]
+    parts = [table(rows, study.COINCIDENCES, f"Coincidence speeds from {first:g} to {last:g} ω₁")]
+    if "critical_speeds" in document:
+        title = f"Critical speeds up to {last:g} ω₁"
+        parts.append(table(document["critical_speeds"], study.CRITICAL_SPEEDS, title))
+        parts.append(facts(texts(document, SPECIAL_SPEEDS)))
+    emit(document, *parts, json=json, written=[folder, html])
+
+
+def veering(
+    case: options.CaseFile,
+    families: options.Number = 12,
+    stiffnesses: options.Stiffnesses = None,
+    output: options.CaseFolder = None,
+    overwrite: options.Replace = False,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
+) -> None:
+    """Draw frequencies against nodal diameter and against the stiffness of the shaft.
+
+    The first two diagrams show frequencies of the full bladed disk against nodal diameter, with a
+    free and with a clamped centre: many families, and the first two families with the suspension
+    pair. The third shows the modes with one nodal diameter against the stiffness of the shaft
+    springs, where the character of the suspension pair passes from branch to branch. With --json
+    and no -o nothing is written.
+
+    Args:
+        families: Number of families in the first diagram, without the suspension pair.
+    """
+    from bladewhirl.studies.modal import veering as study
+
+    interval = None if stiffnesses is None else stiffnesses.values()
+    folder = options.folder_of(case, "veering", output, json=json)
+    stage = _modal_stage(case, overrides)
+    springs = study.spring_stiffnesses(stage.case, interval)
+    diagrams = study.veering(stage, families=families, stiffnesses=springs)
+    if folder is not None:
+        study.draw_veering(diagrams, folder, overwrite=overwrite)
+    document = study.veering_document(diagrams)
+    emit(document, facts(study.veering_facts(diagrams)), json=json, written=[folder])
+
+
+def critical_speeds(
+    case: options.CaseFile,
+    branches: options.Number = 2,
+    stiffnesses: options.Stiffnesses = None,
+    output: options.CaseFolder = None,
+    overwrite: options.Replace = False,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
+) -> None:
+    """Draw the map of critical speeds against the stiffness of the shaft.
+
+    At a critical speed the shaft whirls at the speed of rotation: forward, as an imbalance drives
+    it, or backward. The table lists the critical speeds with the stiffness of the case. The case
+    needs rotation.effects = "full". With --json and no -o nothing is written.
+
+    Args:
+        branches: Number of branches in each direction of whirl.
+    """
+    from bladewhirl.postprocess.modal.veering import plot_critical_speeds
+    from bladewhirl.studies.modal import critical_speeds as study
+    from bladewhirl.studies.modal.veering import spring_stiffnesses
+    from bladewhirl.studies.runs.figures_folder import save_figures
+
+    interval = None if stiffnesses is None else stiffnesses.values()
+    folder = options.folder_of(case, "critical-speeds", output, json=json)
+    stage = _modal_stage(case, overrides)
+    at = stage.case.shaft.stiffness
+    rows = study.critical_speed_rows(stage, branches)
+    if folder is not None:
+        springs = spring_stiffnesses(stage.case, interval)
+        speeds = study.critical_speeds(stage, stiffnesses=springs, branches=branches)
+        figures = {"critical-speeds": (plot_critical_speeds(speeds), speeds)}
+        save_figures(folder, figures, overwrite=overwrite)
+    document = {"stiffness": at, "critical_speeds": rows}
+    title = f"Critical speeds with shaft springs of {at:.4g} N/m"
+    emit(document, table(rows, study.AT_THE_CASE, title), json=json, written=[folder])
+
+
+def response(
+    case: options.CaseFile,
+    speeds: options.Speeds = RESPONSE_SPEEDS,
+    output: options.CaseFolder = None,
+    overwrite: options.Replace = False,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
+) -> None:
+    """Compute the steady response to engine-order forces at many speeds, without contact.
+
+    The case needs excitation.type = "engine-order". The equations of motion of the time
+    integration, with damping, mistuning and rotation effects, are solved for the complex amplitude
+    at each speed. The table lists the largest amplitude of each engine order; the figure shows the
+    amplitudes of all blades and of nodal diameters against the speed. With --json and no -o nothing
+    is written.
+
+    Args:
+        speeds: Speeds of rotation: multiples of ω₁, or "2000 rpm:9000 rpm:600".
+    """
+    from bladewhirl.models.stage.stage import build_stage
+    from bladewhirl.postprocess.modal.response import drawn_amplitudes, plot_response
+    from bladewhirl.studies.modal import response as study
+    from bladewhirl.studies.runs.figures_folder import save_figures
+
+    folder = options.folder_of(case, "response", output, json=json)
+    with options.case_of(case, overrides) as read, progress_bar("speeds") as progress:
+        stage = build_stage(read)
+        multiples = speeds.values(stage.reference_frequency).tolist()
+        data = study.response(stage, speeds=multiples, progress=progress)
+    if folder is not None:
+        figures = {"response": (plot_response(data), drawn_amplitudes(data))}
+        save_figures(folder, figures, overwrite=overwrite)
+    document = study.response_document(data)
+    rows = table(document["largest"], study.PEAKS, "Largest amplitudes of the tips")
+    emit(document, rows, json=json, written=[folder])
+
+
+def stability(
+    case: options.CaseFile,
+    speed: Annotated[Any, options.speed("--speed")] = None,
+    kappa: Annotated[float | None, options.stiffness("--kappa")] = None,
+    speeds: options.Speeds = CHART_SPEEDS,
+    kappas: Annotated[
+        options.Span, options.span("--kappas", unit="N/m", counted=True)
+    ] = CHART_KAPPAS,
+    line: Annotated[float, options.stiffness("--line")] = 500.0,
+    modes: str = "six",
+    damped: Annotated[bool, typer.Option("--damped")] = False,
+    no_pi: Annotated[bool, typer.Option("--no-pi")] = False,
+    physical: Annotated[bool, typer.Option("--physical")] = False,
+    output: options.CaseFolder = None,
+    films: bool = True,
+    overwrite: options.Replace = False,
+    json: options.AsJson = False,
+    overrides: options.Changes = None,
+) -> None:
+    """Chart growth rates against speed and coupling stiffness, or compute one point.
+
+    Bladed disk and casing are coupled by springs of stiffness κ, which represent frame and
+    bearings. A chart shows the unstable zones, with borders by root finding, and the eigenvalues
+    along --line. If --modes is not "six", a figure shows zones that the six modes of the paper
+    miss. One point (--speed and --kappa) gives growth rate and eigenvalues and, with -o, the
+    divergent mode in time. With --json and no -o nothing is written. If blades differ, growth rates
+    are computed with dense matrices: --physical is required, "six" means 1F,suspension,casing:1
+    with all modes of these families, and a chart has no borders of zones. With an uneven casing,
+    unequal bearings or, with --damped, dampers, only one point can be analysed, by the monodromy
+    matrix of a turn.
+
+    With rotation effects the modes at rest are also coupled by tension, softening and Coriolis
+    forces; "all" represents the waves at speed more accurately than "six". Above a critical speed,
+    the growth rate of the uncoupled bladed disk by internal damping is listed, and the bearing
+    damping that stabilises it.
+
+    Args:
+        speed: One speed: multiples of ω₁, or text such as "2500 rpm".
+        kappa: One coupling stiffness [N/m], together with --speed.
+        speeds: Speeds of the chart: multiples of ω₁, or "2000 rpm:9000 rpm:600".
+        kappas: Stiffnesses of the chart [N/m].
+        line: Stiffness [N/m] of the figure of eigenvalues against speed.
+        modes: Modes to couple: "six" as in the paper, "all", or a list such as
+            "casing:1,1F:1,2F:1,suspension"; without ":k", modes of all nodal diameters.
+        damped: Include the damping of the case.
+        no_pi: Leave out the factor π of Eq. (8), as in Eq. (9).
+        physical: Use the physical amplitude of each mode, not unit amplitudes.
+        films: Also write the divergent mode as VTK series and GIF.
+    """
+    from bladewhirl.studies.modal import stability_report as study
+    from bladewhirl.studies.modal.coupled_system import couple
+
+    if (speed is None) != (kappa is None):
+        raise UserError("--speed, --kappa: expected both, for one point, or neither, for a chart")
+    stiffnesses = kappas.values()
+    folder = options.folder_of(case, "stability", output, json=json or kappa is not None)
+    system = couple(
+        _modal_stage(case, overrides),
+        modes=modes,
+        damped=damped,
+        with_pi=not no_pi,
+        physical=physical,
+        chart=speed is None,
+    )
+    if kappa is not None:
+        omega = speed.rad_per_s(system.reference)
+        document = study.point_report(
+            system, omega, kappa, folder, films=films, overwrite=overwrite
+        )
+        verdict = "unstable" if document["unstable"] else "stable"
+        values = texts(document | {"stability": verdict}, (*study.POINT, *study.MOTION))
+        tables = []
+    else:
+        omegas = speeds.values(system.reference) * system.reference
+        with progress_bar("growth rates") as update:
+            document = study.chart_report(
+                system, omegas, stiffnesses, folder, line=line, overwrite=overwrite, progress=update
+            )
+        values = texts(document, study.CHART)
+        zones = [
+            zone | {column.key: zone[column.key][-1] for column in study.BORDERS}
+            for zone in document.get("zones", [])
+        ]
+        tables = [table(zones, study.ZONES, "Unstable zones")] if "zones" in document else []
+    values |= texts(document | study.cause_of_growth(document), study.ROTOR_ALONE)
+    emit(document, *tables, facts(values), json=json, written=[folder])
+
+
+def _modal_stage(case: Path, overrides: list[str] | None) -> ModalStage:
+    """Return the finite element models and modes of a case file with changes."""
+    from bladewhirl.models.modal.full_stage import modal_stage
+
+    with options.case_of(case, overrides) as read:
+        return modal_stage(read)
