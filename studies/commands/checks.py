@@ -6,9 +6,7 @@ from typing import Annotated
 import typer
 
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.exits import interruptible
-from bladewhirl.studies.commands.output import emit, table
-from bladewhirl.studies.commands.progress import progress_bar
+from bladewhirl.studies.commands.terminal import emit, interruptible, progress_bar, table
 from bladewhirl.studies.modal.columns import Column
 
 FAILED = 1

@@ -18,7 +18,6 @@ from typer.core import TyperCommand
 
 from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.studies.commands.checks import reproduce, verify
-from bladewhirl.studies.commands.exits import UserErrorGroup, robust_output
 from bladewhirl.studies.commands.inputs import import_, mesh, new
 from bladewhirl.studies.commands.marches import compare, convergence, interaction, run
 from bladewhirl.studies.commands.modal import (
@@ -33,6 +32,7 @@ from bladewhirl.studies.commands.render import render
 from bladewhirl.studies.commands.results import export, plot, report
 from bladewhirl.studies.commands.show import show
 from bladewhirl.studies.commands.sweep import sweep
+from bladewhirl.studies.commands.terminal import UserErrorGroup, robust_output
 
 app = typer.Typer(
     name="bladewhirl",

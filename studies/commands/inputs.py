@@ -9,7 +9,7 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.output import emit, facts, table
+from bladewhirl.studies.commands.terminal import emit, facts, table
 from bladewhirl.studies.modal.columns import Column
 
 if TYPE_CHECKING:

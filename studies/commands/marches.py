@@ -11,9 +11,14 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.exits import INTERRUPTED
-from bladewhirl.studies.commands.output import emit, facts, table
-from bladewhirl.studies.commands.progress import progress_bar, reduction_bar
+from bladewhirl.studies.commands.terminal import (
+    INTERRUPTED,
+    emit,
+    facts,
+    progress_bar,
+    reduction_bar,
+    table,
+)
 from bladewhirl.studies.modal.columns import Column, rows_of
 
 if TYPE_CHECKING:
@@ -101,12 +106,10 @@ def run(
     """
     from rich.console import Console
 
-    from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.studies.runs.folder import CASE_NAME
     from bladewhirl.studies.runs.run import resume as resume_run
     from bladewhirl.studies.runs.run import run as run_case
 
-    values = overrides or []
     if (case is None) == (resume is None):
         raise UserError("run: expected either CASE or --resume DIR")
     if resume is not None and (output is not None or overwrite or (start, end) != (None, None)):
@@ -114,8 +117,12 @@ def run(
             f"--resume {resume}: omit --output, --overwrite, --from and --to of a new run"
         )
     source = case or (resume or Path()) / CASE_NAME
-    step, begun = read_case(source, values).march.time_step, 0.0
-    with faults_from(source, values), progress_bar("preparing") as update, reduction_bar():
+    with (
+        options.case_of(source, overrides) as read,
+        progress_bar("preparing") as update,
+        reduction_bar(),
+    ):
+        step, begun = read.march.time_step, 0.0
 
         def progress(activity: Activity, done: int, total: int) -> None:
             nonlocal begun
@@ -127,11 +134,11 @@ def run(
 
         if resume is not None:
             finished = resume_run(
-                resume, values, frames=frames, rotating=rotating, progress=progress
+                resume, overrides or [], frames=frames, rotating=rotating, progress=progress
             )
         else:
             finished = run_case(
-                read_case(source, values),
+                read,
                 output or RUNS / source.stem,
                 overwrite=overwrite,
                 frames=frames,

@@ -9,8 +9,7 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.output import emit, facts, table
-from bladewhirl.studies.commands.progress import progress_bar, reduction_bar
+from bladewhirl.studies.commands.terminal import emit, facts, progress_bar, reduction_bar, table
 from bladewhirl.studies.modal.columns import Column, texts
 
 if TYPE_CHECKING:

@@ -1,6 +1,6 @@
 """`bladewhirl render`: a film or a still of a run."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -8,7 +8,7 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.progress import progress_bar
+from bladewhirl.studies.commands.terminal import progress_bar
 
 FieldOfColour = Literal[
     "displacement",
@@ -71,7 +71,7 @@ def render(
     from bladewhirl.postprocess.superelement.picture import render_blades
     from bladewhirl.solvers.march.schema import NODES, tables_of
     from bladewhirl.studies.runs.render import SHEET_PICTURES, window_records
-    from bladewhirl.studies.runs.render import render as draw
+    from bladewhirl.studies.runs.render import render as draw_stage
 
     flags = {"gif": gif, "mp4": mp4, "png": png, "sheet": sheet, "html": page}
     targets = _targets(directory, output, [kind for kind, flag in flags.items() if flag])
@@ -90,32 +90,29 @@ def render(
             pictures.append((path, {"time": times} if times else sheet_window))
         else:
             pictures.append((path, window))
-    look: dict[str, Any] = {"frame": frame, "colour": colour, "orbit": orbit}
+    look: dict[str, Any] = {"exaggeration": exaggeration}
     with open_result(directory) as result:
         for path, _ in pictures:
             with writing(path):
                 check_file(path, overwrite=overwrite)
-        if tables_of(result.attrs) is NODES:
+        of_nodes = tables_of(result.attrs) is NODES
+        draw: Callable[..., Path] = render_blades if of_nodes else draw_stage
+        if of_nodes:
             if {"sheet", "html"} & set(targets):
                 raise UserError(
                     "--sheet, --html: not allowed for a superelement; use --png, --gif or --mp4"
                 )
             if frame != "static" or colour != "displacement" or orbit:
                 raise UserError("--frame, --colour, --orbit: not allowed for a superelement")
-            for path, chosen in pictures:
-                with progress_bar(path.name) as update, writing(path):
-                    render_blades(
-                        result, path, **chosen, exaggeration=exaggeration, progress=update
-                    )
-                options.claim_output(path, named=output is not None, overwrite=True)
-                typer.echo(f"Wrote {path}.")
-            return
-        for instant in times:
-            check_inside(result, instant)
+        else:
+            look |= {"frame": frame, "colour": colour, "orbit": orbit}
+            for instant in times:
+                check_inside(result, instant)
         for path, chosen in pictures:
-            with progress_bar(path.name) as update:
-                draw(result, path, **chosen, **look, exaggeration=exaggeration, progress=update)
-            if "time" in chosen:
+            with progress_bar(path.name) as update, writing(path):
+                draw(result, path, **chosen, **look, progress=update)
+            options.claim_output(path, named=output is not None, overwrite=True)
+            if of_nodes or "time" in chosen:
                 typer.echo(f"Wrote {path}.")
                 continue
             records = window_records(result, path, **chosen)
@@ -124,8 +121,6 @@ def render(
             hint = "" if path.suffix.lower() == ".png" else sampling_hint(result, records)
             if hint:
                 typer.echo(f"Hint: {hint}; --from and --to choose another window.", err=True)
-    for path, _ in pictures:
-        options.claim_output(path, named=output is not None, overwrite=True)
 
 
 def _targets(directory: Path, output: Path | None, kinds: list[str]) -> dict[str, Path]:

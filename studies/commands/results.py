@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -19,7 +19,7 @@ from bladewhirl.postprocess.plotting.registry import (
     captions,
 )
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.progress import progress_bar
+from bladewhirl.studies.commands.terminal import progress_bar
 
 if TYPE_CHECKING:
     from bladewhirl.postprocess.reports.figures import AnyFigures
@@ -75,26 +75,13 @@ def plot(
     from bladewhirl.postprocess.plotting.titles import refit
     from bladewhirl.studies.runs.figures_folder import save_figures
 
-    of_sweep = _is_sweep(directory)
-    figure_names = SWEEP_FIGURES if of_sweep else _figures_of_run(directory)
-    if not names:
-        typer.echo("\n".join(captions(figure_names)))
-        return
-    unknown = [name for name in names if name not in (*figure_names, ALL)]
-    for name in unknown:
-        if REPLACED.get(name) in figure_names:
-            raise UserError(f"{name}: expected {REPLACED[name]}, which replaces it")
-    if unknown:
-        of_nodes = "of a superelement " if figure_names is NODE_FIGURES else ""
-        kind = "a sweep has" if of_sweep else f"a run {of_nodes}has"
-        raise UserError(
-            f"{', '.join(unknown)}: {kind} the figures {', '.join(figure_names)}; or {ALL}"
-        )
-    if of_sweep and (start is not None or end is not None):
-        raise UserError(f"{directory}: omit --from and --to, because a sweep has no time window")
-    folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
     formats = [format_name] if format_name else FORMATS
-    with _opened(directory, start, end) as figures:
+    folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
+    with _opened(directory, start, end) as (kinds, figures):
+        if not names:
+            typer.echo("\n".join(captions(kinds)))
+            return
+        _check_names(names, kinds)
         left_out: dict[str, list[str]] = {}
         for name in figures.names if ALL in names else dict.fromkeys(names):
             try:
@@ -111,39 +98,44 @@ def plot(
             typer.echo(f"{', '.join(figures_without)} left out: {reason}", err=True)
 
 
+def _check_names(names: Sequence[str], kinds: Mapping[str, FigureKind]) -> None:
+    """Raise an error if there are no figures of these names."""
+    unknown = [name for name in names if name not in (*kinds, ALL)]
+    for name in unknown:
+        if REPLACED.get(name) in kinds:
+            raise UserError(f"{name}: expected {REPLACED[name]}, which replaces it")
+    if unknown:
+        of_nodes = "of a superelement " if kinds is NODE_FIGURES else ""
+        kind = "a sweep has" if kinds is SWEEP_FIGURES else f"a run {of_nodes}has"
+        raise UserError(f"{', '.join(unknown)}: {kind} the figures {', '.join(kinds)}; or {ALL}")
+
+
 @contextmanager
 def _opened(
     directory: Path, start: float | None, end: float | None
-) -> Iterator[AnyFigures | SweepFigures]:
-    """Yield the figures of a run or of a sweep; modules for the other kind are not loaded."""
-    if _is_sweep(directory):
-        from bladewhirl.postprocess.sweep.dataset import open_sweep
+) -> Iterator[tuple[Mapping[str, FigureKind], AnyFigures | SweepFigures]]:
+    """Yield the registry and the figures of a run or of a sweep; modules for the other kind are not
+    loaded."""
+    from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
+
+    in_folder = (directory / SWEEP_NAME).is_file()
+    if in_folder if directory.is_dir() else directory.name == SWEEP_NAME:
         from bladewhirl.postprocess.sweep.figures import SweepFigures
 
+        if start is not None or end is not None:
+            raise UserError(
+                f"{directory}: omit --from and --to, because a sweep has no time window"
+            )
         with open_sweep(directory) as sweep:
-            yield SweepFigures(sweep)
+            yield SWEEP_FIGURES, SweepFigures(sweep)
         return
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.reports.figures import figures_of_run
-
-    with open_result(directory) as result:
-        yield figures_of_run(result, start, end)
-
-
-def _figures_of_run(directory: Path) -> Mapping[str, FigureKind]:
-    """Return the figures of a run of beams or of a superelement."""
-    from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.solvers.march.schema import NODES, tables_of
 
     with open_result(directory) as result:
-        return NODE_FIGURES if tables_of(result.attrs) is NODES else RUN_FIGURES
-
-
-def _is_sweep(path: Path) -> bool:
-    """Return whether a path is the folder of a sweep, or the file of its dataset."""
-    from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
-
-    return (path / SWEEP_NAME).is_file() if path.is_dir() else path.name == SWEEP_NAME
+        kinds = NODE_FIGURES if tables_of(result.attrs) is NODES else RUN_FIGURES
+        yield kinds, figures_of_run(result, start, end)
 
 
 def export(

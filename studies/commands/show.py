@@ -12,8 +12,7 @@ import typer
 
 from bladewhirl.models.inputs.errors import CaseError, UserError, writing
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.output import emit, facts, table
-from bladewhirl.studies.commands.progress import reduction_bar
+from bladewhirl.studies.commands.terminal import emit, facts, reduction_bar, table
 from bladewhirl.studies.modal.columns import Column, texts
 
 if TYPE_CHECKING:

@@ -8,9 +8,7 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.exits import ALL_FAILED, interruptible
-from bladewhirl.studies.commands.output import emit
-from bladewhirl.studies.commands.progress import progress_bar
+from bladewhirl.studies.commands.terminal import ALL_FAILED, emit, interruptible, progress_bar
 
 if TYPE_CHECKING:
     from bladewhirl.studies.sweeps.plan import Plan

@@ -187,20 +187,14 @@ def _speeds(
 ) -> dict[str, tuple[Any, ...]]:
     """Return critical speeds, or speeds of engine orders, ascending, with nodal diameter and
     family."""
-    rows = []
-    for k, waves_of_k in disk.items():
-        if kind == "engine_order" and k == 0:
-            continue
-        order = 0 if kind == "critical" else k
-        for speed, share in zip(
-            *map(np.ndarray.tolist, waves_of_k.synchronous(order)), strict=True
-        ):
-            if speed > highest:
-                break
-            family, at_rest = names_at(waves_of_k, names[k], speed, order * speed)
-            if at_rest in chosen:
-                rows.append((speed, k, family, at_rest, share))
-    rows.sort()
+    orders = {k: 0 if kind == "critical" else k for k in disk if k or kind == "critical"}
+    rows = sorted(
+        (speed, k, *names_at(disk[k], names[k], speed, order * speed), share)
+        for k, order in orders.items()
+        for speed, share in zip(*map(np.ndarray.tolist, disk[k].synchronous(order)), strict=True)
+        if speed <= highest
+    )
+    rows = [row for row in rows if row[3] in chosen]
     speeds = np.array([row[0] for row in rows])
     name = {
         "critical": "critical speed",

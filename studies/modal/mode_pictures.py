@@ -1,7 +1,10 @@
-"""Pictures and films of natural modes, and of the contact scenarios of the first k = 1 mode."""
+"""Pictures and films of natural modes, and of the contact scenarios of the first k = 1 mode.
+
+Modes are named as on the command line: "1F:1", "suspension", "casing:1F:2", or lists of these."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import cast, get_args
 
@@ -12,9 +15,11 @@ from rich.console import Console
 from rich.progress import track
 
 from bladewhirl.files import claim
+from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import UserError, writing
+from bladewhirl.models.inputs.mode_names import CASING
 from bladewhirl.models.modal.full_stage import ModalStage, Whirl
-from bladewhirl.models.modal.labels import Body
+from bladewhirl.models.modal.labels import Body, LabelledModes
 from bladewhirl.postprocess.modal.mode_shapes import (
     mode_title,
     plot_mode_shapes,
@@ -24,7 +29,6 @@ from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, sha
 from bladewhirl.postprocess.modal.scenarios import plot_scenario
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.pictures.render import render_animation
-from bladewhirl.studies.modal.mode_names import ChosenMode, choose_modes, family_of, modes_of
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, scenario_dataset, whirling_modes
 from bladewhirl.studies.runs.figures_folder import save_figures
 
@@ -34,6 +38,33 @@ FED: dict[Body, Wave] = {"bladed-disk": "backward", "casing": "forward"}
 
 PANELS = 6
 """Default number of pictured modes of a body."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChosenMode:
+    """A mode, or a degenerate pair, of a body: the bladed disk or the casing."""
+
+    body: Body
+    family: str
+    nodal_diameter: int
+    numbers: IntArray
+    """Numbers among the modes of the body: a single mode, the cosine and sine modes of a pair, or
+    waves in both directions."""
+    rank: int = 0
+    """Number from 1 if several modes have the same name, as with unequal sectors; 0 if the name is
+    unique."""
+
+    @property
+    def name(self) -> str:
+        """Name on the command line."""
+        diameter = "" if self.family == "suspension" else f":{self.nodal_diameter}"
+        prefix = "" if self.body == "bladed-disk" else f"{CASING}:"
+        return f"{prefix}{self.family}{diameter}"
+
+    @property
+    def stem(self) -> str:
+        """Name of the mode's files without suffix."""
+        return self.name.replace(":", "-") + (f"-{self.rank}" if self.rank else "")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,12 +92,12 @@ def plan_pictures(
     if wave is not None and wave not in get_args(Wave):
         raise UserError(f"--wave {wave}: expected one of {', '.join(get_args(Wave))}")
     if animate is None:
-        filmed = family_of(stage, "bladed-disk", "1F", [1])
-        filmed += family_of(stage, "bladed-disk", "suspension", [1])
+        filmed = _of_family(stage, "bladed-disk", "1F", [1])
+        filmed += _of_family(stage, "bladed-disk", "suspension", [1])
     else:
-        filmed = choose_modes(stage, "--animate", animate) if animate else []
+        filmed = _chosen(stage, "--animate", animate) if animate else []
     return PicturePlan(
-        shapes=_lowest(stage) if shapes is None else choose_modes(stage, "--shapes", shapes),
+        shapes=_lowest(stage) if shapes is None else _chosen(stage, "--shapes", shapes),
         films=[(mode, _wave(stage, mode, wave)) for mode in filmed],
     )
 
@@ -90,16 +121,16 @@ def draw_modes(
 
 def _lowest(stage: ModalStage) -> list[ChosenMode]:
     """Return the default modes to draw: some 1F modes, the suspension, the lowest casing modes."""
-    highest = int(modes_of(stage, "bladed-disk").nodal_diameter.max())
-    disk = family_of(stage, "bladed-disk", "suspension", [1])
+    highest = int(_modes_of(stage, "bladed-disk").nodal_diameter.max())
+    disk = _of_family(stage, "bladed-disk", "suspension", [1])
     first = [*range(min(PANELS - 1 - len(disk), highest)), highest]
-    disk = family_of(stage, "bladed-disk", "1F", first) + disk
+    disk = _of_family(stage, "bladed-disk", "1F", first) + disk
     casing = stage.casing_modes
     wall = [
         mode
         for k in range(1, PANELS + 1)
         for number in np.flatnonzero(casing.nodal_diameter == k)[:1]
-        for mode in family_of(stage, "casing", casing.family[number], [k])
+        for mode in _of_family(stage, "casing", casing.family[number], [k])
     ]
     return disk + wall
 
@@ -161,7 +192,7 @@ def _film(
     stage: ModalStage, mode: ChosenMode, wave: Wave, folder: Path, *, overwrite: bool
 ) -> None:
     """Write the film and the VTK series of a mode, and the picture of a travelling wave."""
-    modes, numbers = modes_of(stage, mode.body), mode.numbers
+    modes, numbers = _modes_of(stage, mode.body), mode.numbers
     purity = (modes.modes if isinstance(modes, Whirl) else modes).purity[numbers[0]]
     title = f"{mode_title(mode.family, mode.nodal_diameter, purity)}, {wave} wave"
     if mode.body == "casing":
@@ -179,3 +210,64 @@ def _film(
         claim(folder, [film.name], overwrite=overwrite)
         render_animation(motion, film, np.arange(motion.sizes["time"]))
         export_vtk(motion, folder / f"{stem}-vtk", frames=PICTURES, overwrite=overwrite)
+
+
+def _chosen(stage: ModalStage, option: str, text: str) -> list[ChosenMode]:
+    """Return the modes of a list of names, separated by commas; errors contain the option's name.
+
+    A name without nodal diameter means all nodal diameters of the family. A name that several modes
+    have, as with unequal sectors, means all of these modes.
+
+    Raises:
+        UserError: a family is unknown, or does not have the nodal diameter.
+    """
+    chosen = []
+    for name in map(str.strip, text.split(",")):
+        on_casing = name.startswith(f"{CASING}:")
+        body: Body = "casing" if on_casing else "bladed-disk"
+        family, colon, number = name.removeprefix(f"{CASING}:").partition(":")
+        modes = _modes_of(stage, body)
+        families = list(dict.fromkeys(modes.family))
+        if family not in families:
+            near = get_close_matches(family, families, n=1)
+            hint = f" (did you mean {near[0]}?)" if near else ""
+            expected = f"a family of the {'casing' if on_casing else 'bladed disk'}"
+            listed = ", ".join(families)
+            raise UserError(f"{option} {name or chr(34) * 2}: expected {expected}: {listed}{hint}")
+        of_family = np.flatnonzero([other == family for other in modes.family])
+        diameters = np.unique(modes.nodal_diameter[of_family]).tolist()
+        if colon and (not number.isdecimal() or int(number) not in diameters):
+            listed = ", ".join(map(str, diameters))
+            raise UserError(f"{option} {name}: expected a nodal diameter of {family}: {listed}")
+        chosen += _of_family(stage, body, family, [int(number)] if colon else diameters, every=True)
+    return chosen
+
+
+def _of_family(
+    stage: ModalStage, body: Body, family: str, diameters: list[int], *, every: bool = False
+) -> list[ChosenMode]:
+    """Return the lowest mode of a family with each nodal diameter, or all of them with `every`;
+    nodal diameters without such a mode are skipped."""
+    modes, chosen = _modes_of(stage, body), []
+    for k in diameters:
+        numbers = modes.find(family, k)
+        order = modes.modes.rank if isinstance(modes, Whirl) else modes.column
+        paired = numbers.size and order[numbers[0]] >= 0
+        groups = [numbers] if paired else list(numbers[:, None])
+        groups = groups if every else groups[:1]
+        chosen += [
+            ChosenMode(
+                body=body,
+                family=family,
+                nodal_diameter=k,
+                numbers=group,
+                rank=place if len(groups) > 1 else 0,
+            )
+            for place, group in enumerate(groups, 1)
+        ]
+    return chosen
+
+
+def _modes_of(stage: ModalStage, body: Body) -> LabelledModes | Whirl:
+    """Return the modes of a body; for a bladed disk with Coriolis forces, its whirling modes."""
+    return (stage.disk_whirl or stage.disk_modes) if body == "bladed-disk" else stage.casing_modes

@@ -8,12 +8,13 @@ from pathlib import Path
 import pytest
 from command_line import loaded, refusal
 from small_run import COMMAND
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.commands.progress import progress_bar
+from bladewhirl.studies.commands.terminal import progress_bar
 
 RUNNER = CliRunner()
 
@@ -58,6 +59,14 @@ def test_the_installed_entry_point(tmp_path: Path) -> None:
     assert refused.stderr == "case.toml: already exists; --force overwrites it\n"
     assert bladewhirl("--version").stdout.startswith("bladewhirl ")
     assert RUNNER.invoke(app, ["frobnicate"]).exit_code == 2
+
+
+def test_every_parameter_is_described() -> None:
+    commands = get_command(app).commands  # type: ignore[attr-defined]
+    assert len(commands) == len(app.registered_commands)
+    for command in commands.values():
+        assert "Args:" not in command.help
+        assert all(parameter.help for parameter in command.params)
 
 
 def test_help_loads_nothing_heavy() -> None:

@@ -1,0 +1,234 @@
+"""The terminal: documents and tables, progress, errors and exit codes.
+
+Progress is on standard error: a bar on a terminal, or in a log a line after each tenth of the work.
+"""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from datetime import timedelta
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn, Protocol
+
+import typer
+from typer.core import TyperGroup
+
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.modal.columns import Column
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+LINES = 10
+"""Number of lines in a log for a complete job."""
+
+RATE_PERIOD = 3600.0
+"""Time over which the rate of progress is averaged [s]."""
+
+ALL_FAILED = 1
+"""Exit code of a sweep without a finished point."""
+
+USER_ERROR = 2
+"""Exit code of errors that the user can correct; click uses the same code for wrong options."""
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as in shells."""
+
+
+def table(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], title: str = "") -> Table:
+    """Return a table with a line for each row; columns without a heading are left out."""
+    from rich import box
+    from rich.markup import escape
+    from rich.table import Table
+
+    printed = Table(
+        title=escape(title) or None,
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+        title_style="bold",
+        pad_edge=False,
+        collapse_padding=True,
+    )
+    columns = [column for column in columns if column.heading]
+    for place, column in enumerate(columns):
+        printed.add_column(
+            escape(column.heading), justify="right" if column.form else "left", no_wrap=place > 0
+        )
+    for row in rows:
+        printed.add_row(*(escape(column.text(row)) for column in columns))
+    return printed
+
+
+def facts(values: Mapping[str, str]) -> Table:
+    """Return a table of names and values without headings."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    printed = Table(show_header=False, box=None, pad_edge=False)
+    printed.add_column(style="cyan", no_wrap=True)
+    printed.add_column(overflow="fold")
+    for name, value in values.items():
+        printed.add_row(escape(name), escape(value))
+    return printed
+
+
+def emit(
+    document: Any, *parts: Table | str, json: bool, written: Sequence[Path | None] = ()
+) -> None:
+    """Print one JSON document, or tables and lines; then the names of written files.
+
+    Args:
+        document: document printed with --json. It must not contain NaN.
+        parts: tables and lines printed without --json.
+        json: whether --json is set.
+        written: written files and folders, or None; with --json the names are printed on standard
+            error.
+    """
+    from json import dumps
+
+    from rich.console import Console
+
+    if json:
+        typer.echo(dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
+        parts = ()
+    for part in parts:
+        if isinstance(part, str):
+            typer.echo(part)
+        else:
+            Console().print(part)
+    for path in written:
+        if path is not None:
+            typer.echo(f"Wrote {path}.", err=json)
+
+
+class Update(Protocol):
+    """Callback for progress."""
+
+    def __call__(
+        self, done: int, total: int, *, label: str = "", text: str = "", failed: int = 0
+    ) -> None:
+        """Show progress.
+
+        Args:
+            done: number of finished items, failures included.
+            total: number of items.
+            label: text before the bar; unchanged if empty.
+            text: text after the bar; the percentage if empty.
+            failed: number of failures.
+        """
+
+
+@cache
+def _console() -> Console:
+    """Return the console of standard error, shared by all bars, which appear below each other."""
+    from rich.console import Console
+
+    return Console(stderr=True)
+
+
+@contextmanager
+def reduction_bar() -> Iterator[None]:
+    """Show a bar while a large superelement is reduced."""
+    from bladewhirl.models.superelements.solver import reduction_progress
+
+    with progress_bar("reducing the superelement") as update, reduction_progress(update):
+        yield
+
+
+@contextmanager
+def progress_bar(label: str, *, lines: str = "") -> Iterator[Update]:
+    """Show a bar that disappears at the end of the job.
+
+    Args:
+        label: text before the bar.
+        lines: noun of the counted items, such as "points", in the lines that are written if there
+            is no terminal; if empty, no lines are written.
+    """
+    from rich import progress as bars
+
+    console = _console()
+    terminal = console.is_terminal
+    last = (0, -1)  # total, tenth
+    with bars.Progress(
+        bars.TextColumn("{task.description}"),
+        bars.BarColumn(),
+        bars.TextColumn("{task.fields[text]}"),
+        bars.TimeRemainingColumn(),
+        bars.TextColumn("left"),
+        console=console,
+        transient=True,
+        disable=not terminal,
+        speed_estimate_period=RATE_PERIOD,
+    ) as bar:
+        task = bar.add_task(label, total=None, text="")
+
+        def update(
+            done: int, total: int, *, label: str = "", text: str = "", failed: int = 0
+        ) -> None:
+            nonlocal last
+            failures = f", {failed} failed" if failed else ""
+            text = (text or f"{done / max(total, 1):4.0%}") + failures
+            bar.update(task, completed=done, total=total, description=label or None, text=text)
+            tenth = (total, LINES * done // max(total, 1))
+            if lines and not terminal and done and tenth != last:
+                last, left = tenth, bar.tasks[0].time_remaining
+                remaining = f", {timedelta(seconds=round(left))} left" if left else ""
+                typer.echo(f"{done} of {total} {lines}{failures}{remaining}", err=True)
+
+        yield update
+
+
+class UserErrorGroup(TyperGroup):
+    """Group of commands that print a `UserError` on standard error, without a traceback."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except UserError as error:
+            for line in error.lines:
+                typer.echo(line, err=True)
+            raise typer.Exit(USER_ERROR) from None
+
+
+@contextmanager
+def robust_output() -> Iterator[None]:
+    """Replace characters that the output cannot encode; report I/O errors on one line."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        yield
+    except OSError as error:  # from any file or stream
+        _leave(error)
+    finally:
+        try:
+            sys.stdout.flush()
+        except OSError as error:
+            _leave(error)
+
+
+def _leave(error: OSError) -> NoReturn:
+    """Print the error of the system and exit; the remaining standard output is dropped."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if error.errno != errno.EPIPE:
+        place = error.filename or "standard output"
+        sys.stderr.write(f"{place}: cannot be used ({error.strerror or error})\n")
+    raise SystemExit(USER_ERROR) from None
+
+
+@contextmanager
+def interruptible(remedy: str) -> Iterator[None]:
+    """On Ctrl-C, print one line that tells how to continue, and exit."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        typer.echo(f"interrupted; {remedy}", err=True)
+        raise typer.Exit(INTERRUPTED) from None
