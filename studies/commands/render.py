@@ -1,6 +1,6 @@
 """`bladewhirl render`: a film or a still of a run."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -70,26 +70,15 @@ def render(
     from bladewhirl.postprocess.pictures.render import check_inside
     from bladewhirl.postprocess.superelement.picture import render_blades
     from bladewhirl.solvers.march.schema import NODES, tables_of
-    from bladewhirl.studies.runs.render import SHEET_PICTURES, window_records
     from bladewhirl.studies.runs.render import render as draw_stage
+    from bladewhirl.studies.runs.render import window_records
 
     flags = {"gif": gif, "mp4": mp4, "png": png, "sheet": sheet, "html": page}
     targets = _targets(directory, output, [kind for kind, flag in flags.items() if flag])
     times: list[Any] = time or []
     window = {"frames": frames, "start": start, "end": end}
     _check_options(set(targets), times, {"--frames": frames, "--from": start, "--to": end})
-    pictures: list[tuple[Path, dict[str, Any]]] = []
-    for kind, path in targets.items():
-        if kind == "png":
-            several = len(times) > 1
-            for number, instant in enumerate(times or [None], 1):
-                name = f"{path.stem}_{number}{path.suffix}" if several else path.name
-                pictures.append((path.with_name(name), {"time": instant}))
-        elif kind == "sheet":
-            sheet_window = window | {"frames": frames or SHEET_PICTURES}
-            pictures.append((path, {"time": times} if times else sheet_window))
-        else:
-            pictures.append((path, window))
+    pictures = list(_pictures(targets, times, window))
     look: dict[str, Any] = {"exaggeration": exaggeration}
     with open_result(directory) as result:
         for path, _ in pictures:
@@ -140,6 +129,25 @@ def _targets(directory: Path, output: Path | None, kinds: list[str]) -> dict[str
         flags = " ".join(f"--{kind}" for kind in kinds)
         raise UserError(f"--output {output}: names one file, whose suffix does not fit {flags}")
     return {kinds[0]: output}
+
+
+def _pictures(
+    targets: Mapping[str, Path], times: list[Any], window: dict[str, Any]
+) -> Iterator[tuple[Path, dict[str, Any]]]:
+    """Yield the files of all pictures with their instants or their time window."""
+    from bladewhirl.studies.runs.render import SHEET_PICTURES
+
+    for kind, path in targets.items():
+        if kind == "png":
+            for number, instant in enumerate(times or [None], 1):
+                name = f"{path.stem}_{number}{path.suffix}" if len(times) > 1 else path.name
+                yield path.with_name(name), {"time": instant}
+        elif kind == "sheet" and times:
+            yield path, {"time": times}
+        elif kind == "sheet":
+            yield path, window | {"frames": window["frames"] or SHEET_PICTURES}
+        else:
+            yield path, window
 
 
 def _check_options(kinds: set[str], times: list[float], window: Mapping[str, object]) -> None:

@@ -133,6 +133,14 @@ def sweep(
                 carry=carry,
                 watch=watch,
             )
+    _report(result, json=json)
+    if not result.done:
+        raise typer.Exit(ALL_FAILED)
+
+
+def _report(result: Sweep, *, json: bool) -> None:
+    """Print the outcome, and on standard error the failed points and the figures that could not be
+    drawn."""
     numbers = ("points", "done", "failed", "not_needed", "screened", "marched", "wall_time")
     document: dict[str, Any] = {"directory": str(result.directory)}
     document |= {name: getattr(result, name) for name in numbers}
@@ -148,13 +156,6 @@ def sweep(
         f"{result.directory}: {names}",
         json=json,
     )
-    _print_failures(result)
-    if not result.done:
-        raise typer.Exit(ALL_FAILED)
-
-
-def _print_failures(result: Sweep) -> None:
-    """Print on standard error the failed points, and the figures that could not be drawn."""
     for point, reason in sorted(result.failures.items())[:SHOWN_FAILURES]:
         typer.echo(f"failed: {result.grid.label(point)}: {reason}", err=True)
     for name, reason in result.left_out.items():

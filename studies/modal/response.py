@@ -59,17 +59,7 @@ def response(
             depend on time because of unequal shaft springs or springs to the casing.
     """
     stage = build_stage(case_or_stage) if isinstance(case_or_stage, Case) else case_or_stage
-    given_loads = stage.case.excitations
-    loads = [load for load in given_loads.values() if isinstance(load, EngineOrder)]
-    if not loads:
-        types = ", ".join(f'{key}.type = "{load.type}"' for key, load in given_loads.items())
-        raise UserError(f'{types}: expected "engine-order" for a response')
-    if stage.rotor.anisotropy:
-        raise UserError("response: expected equal shaft springs")
-    if stage.kept.springs is not None:
-        raise UserError("response: not allowed with springs between bladed disk and casing")
-    if stage.case.reduction.modes != ALL:
-        raise UserError(f'reduction.modes = "{stage.case.reduction.modes}": expected "{ALL}"')
+    loads = _engine_orders(stage)
     given = [stage.case.march.speed.given] if speeds is None else list(speeds)
     multiples = [
         speed_of(each, f"response: speeds {each!r}").multiple(stage.reference_frequency)
@@ -111,6 +101,22 @@ def response(
         },
     )
     return data if len(orders) > 1 else data.isel(order=0)
+
+
+def _engine_orders(stage: Stage) -> list[EngineOrder]:
+    """Return the excitations of engine order; raise an error if the response is not defined."""
+    given = stage.case.excitations
+    loads = [load for load in given.values() if isinstance(load, EngineOrder)]
+    if not loads:
+        types = ", ".join(f'{key}.type = "{load.type}"' for key, load in given.items())
+        raise UserError(f'{types}: expected "engine-order" for a response')
+    if stage.rotor.anisotropy:
+        raise UserError("response: expected equal shaft springs")
+    if stage.kept.springs is not None:
+        raise UserError("response: not allowed with springs between bladed disk and casing")
+    if stage.case.reduction.modes != ALL:
+        raise UserError(f'reduction.modes = "{stage.case.reduction.modes}": expected "{ALL}"')
+    return loads
 
 
 def _answers(
