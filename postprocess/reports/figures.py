@@ -9,9 +9,6 @@ from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.superelement.ring import is_flexible
 from bladewhirl.solvers.march.schema import NODES, tables_of
 
-AnyFigures = Figures
-"""Figures of a run by name."""
-
 
 def figures_of_run(
     result: xr.Dataset, start: float | None = None, end: float | None = None

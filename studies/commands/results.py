@@ -22,8 +22,7 @@ from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import progress_bar
 
 if TYPE_CHECKING:
-    from bladewhirl.postprocess.reports.figures import AnyFigures
-    from bladewhirl.postprocess.sweep.figures import SweepFigures
+    from bladewhirl.postprocess.plotting.figures import Figures
 
 ALL = "all"
 PLOTS, VTK = "plots", "vtk"
@@ -113,7 +112,7 @@ def _check_names(names: Sequence[str], kinds: Mapping[str, FigureKind]) -> None:
 @contextmanager
 def _opened(
     directory: Path, start: float | None, end: float | None
-) -> Iterator[tuple[Mapping[str, FigureKind], AnyFigures | SweepFigures]]:
+) -> Iterator[tuple[Mapping[str, FigureKind], Figures]]:
     """Yield the registry and the figures of a run or of a sweep; modules for the other kind are not
     loaded."""
     from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep

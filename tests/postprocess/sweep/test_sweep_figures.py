@@ -1,5 +1,6 @@
 """Figures of sweeps and what is behind them: closed-form motions, failed points, two keys."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +46,12 @@ def one(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
+def sweep(one: Path) -> Iterator[xr.Dataset]:
+    with open_sweep(one) as data:
+        yield data
+
+
+@pytest.fixture(scope="module")
 def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two speeds and three frictions, the radius growing with both."""
     motions = [
@@ -62,21 +69,19 @@ def none(tmp_path: Path) -> Path:
     return synthetic_sweep(tmp_path / "none", {"march.speed": (1.0, 2.0)}, [None, None])
 
 
-def test_points_are_put_in_order(one: Path) -> None:
-    with open_sweep(one) as sweep:
-        actual = shaft_radius(sweep, "march_speed")
-        np.testing.assert_array_equal(actual["march_speed"], [0.8, 1.0, 1.2, 1.4, 1.6])
-        expected = [0.2e-3, 1.3e-3, 0.4e-3, np.nan, 0.0]
-        np.testing.assert_allclose(actual["shaft_radius_max"].values, [expected], rtol=1e-12)
-        assert regimes(sweep, "march_speed")["regime"].values.tolist() == [
-            ["no-contact", "sustained", "no-contact", "unknown", "no-contact"]
-        ]
+def test_points_are_put_in_order(sweep: xr.Dataset) -> None:
+    actual = shaft_radius(sweep, "march_speed")
+    np.testing.assert_array_equal(actual["march_speed"], [0.8, 1.0, 1.2, 1.4, 1.6])
+    expected = [0.2e-3, 1.3e-3, 0.4e-3, np.nan, 0.0]
+    np.testing.assert_allclose(actual["shaft_radius_max"].values, [expected], rtol=1e-12)
+    assert regimes(sweep, "march_speed")["regime"].values.tolist() == [
+        ["no-contact", "sustained", "no-contact", "unknown", "no-contact"]
+    ]
 
 
-def test_a_whirl_has_its_frequency_and_rest_has_none(one: Path) -> None:
-    with open_sweep(one) as sweep:
-        actual = whirls(sweep, "march_speed").isel(line=0)
-        sides = contact_sides(sweep, "march_speed").isel(line=0)
+def test_a_whirl_has_its_frequency_and_rest_has_none(sweep: xr.Dataset) -> None:
+    actual = whirls(sweep, "march_speed").isel(line=0)
+    sides = contact_sides(sweep, "march_speed").isel(line=0)
     moving, resting = slice(0, 3), slice(3, 5)
     rotating = actual["frequency"].sel(frame="rotating").values
     np.testing.assert_allclose(rotating[moving], WHIRL, rtol=1e-9)
@@ -98,9 +103,8 @@ def test_a_whirl_has_its_frequency_and_rest_has_none(one: Path) -> None:
     assert np.isnan(sides["shaft_lead"].values[3:]).all()
 
 
-def test_a_map_peaks_at_the_whirl(one: Path) -> None:
-    with open_sweep(one) as sweep:
-        maps = frequency_map(sweep, "march_speed").isel(line=0)
+def test_a_map_peaks_at_the_whirl(sweep: xr.Dataset) -> None:
+    maps = frequency_map(sweep, "march_speed").isel(line=0)
     assert maps["amplitude"].dims == ("march_speed", "frequency")
     assert maps["frequency"].attrs["units"] == "1"
     done = maps["amplitude"].isel(march_speed=[0, 1, 2])
@@ -114,12 +118,11 @@ def test_a_map_peaks_at_the_whirl(one: Path) -> None:
     np.testing.assert_allclose(casing, 5.0 / REFERENCE - np.array([0.8, 1.0, 1.2]), rtol=1e-12)
 
 
-def test_many_points_share_columns(one: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_many_points_share_columns(sweep: xr.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
     """Five points in two columns: the largest of each is seen."""
-    with open_sweep(one) as sweep:
-        every = frequency_map(sweep, "march_speed")["amplitude"].values[0]
-        monkeypatch.setattr(map_module, "MOST_COLUMNS", 2)
-        few = frequency_map(sweep, "march_speed")
+    every = frequency_map(sweep, "march_speed")["amplitude"].values[0]
+    monkeypatch.setattr(map_module, "MOST_COLUMNS", 2)
+    few = frequency_map(sweep, "march_speed")
     np.testing.assert_array_equal(few["march_speed"], [0.8, 1.4])
     np.testing.assert_array_equal(few["amplitude"].values[0, 0], every[:3].max(axis=0))
     np.testing.assert_array_equal(few["amplitude"].values[0, 1], every[4])
@@ -168,22 +171,20 @@ def whirling(speed: float, share: float) -> xr.Dataset:
     return result
 
 
-def test_blades_are_counted_by_their_share_of_contact(one: Path) -> None:
-    with open_sweep(one) as sweep:
-        share = np.zeros((5, 22))
-        share[0, :4], share[0, 4:10] = 1.0, 0.3  # of speed 1.2
-        changed = sweep.assign(late_contact_share=(("march_speed", "blade"), share))
-        actual = blade_contacts(changed, "march_speed").isel(line=0)
+def test_blades_are_counted_by_their_share_of_contact(sweep: xr.Dataset) -> None:
+    share = np.zeros((5, 22))
+    share[0, :4], share[0, 4:10] = 1.0, 0.3  # of speed 1.2
+    changed = sweep.assign(late_contact_share=(("march_speed", "blade"), share))
+    actual = blade_contacts(changed, "march_speed").isel(line=0)
     classes = ("permanent", "intermittent", "free")
     assert [actual[name].values[2] for name in classes] == [4, 6, 12]
     assert [actual[name].values[0] for name in classes] == [0, 0, 22]
     assert np.isnan(actual["free"].values[3])  # it failed
 
 
-def test_energies_are_those_of_the_modes(one: Path) -> None:
+def test_energies_are_those_of_the_modes(sweep: xr.Dataset) -> None:
     """Two modes in quadrature hold 1/2 omega^2 q^2 together at any time."""
-    with open_sweep(one) as sweep:
-        actual = point_energies(sweep, "march_speed").isel(line=0)
+    actual = point_energies(sweep, "march_speed").isel(line=0)
     radii = np.array([0.2e-3, 1.3e-3, 0.4e-3])
     np.testing.assert_allclose(actual["suspension"][:3], 0.5 * 190.0**2 * radii**2, rtol=1e-9)
     family = actual["first_family"].sel(nodal_diameter=1).values

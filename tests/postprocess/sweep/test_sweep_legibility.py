@@ -2,7 +2,7 @@
 that are told apart without colour.
 """
 
-from pathlib import Path
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ SPEEDS = (1.0, 1.1, 1.2)
 
 
 @pytest.fixture(scope="module")
-def four(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def sweep(tmp_path_factory: pytest.TempPathFactory) -> Iterator[xr.Dataset]:
     """Three speeds and two values of each of three lengths with long names."""
     motions = [
         {"speed": REFERENCE * s, "shaft_radius": 1e-4 * s, "records": 101}
@@ -41,19 +41,18 @@ def four(tmp_path_factory: pytest.TempPathFactory) -> Path:
     }
     folder = tmp_path_factory.mktemp("sweeps") / "four"
     units = {key: "1" if key == "march.speed" else "m" for key in over}
-    return synthetic_sweep(folder, over, motions, units=units)
+    with open_sweep(synthetic_sweep(folder, over, motions, units=units)) as data:
+        yield data
 
 
 @pytest.mark.parametrize("name", ["frequency-map", "energy-families", "maps", "contact-classes"])
-def test_figures_of_four_keys_stay_on_their_canvas(four: Path, name: str) -> None:
-    with open_sweep(four) as sweep:
-        figure, _ = SweepFigures(sweep).draw(name)
+def test_figures_of_four_keys_stay_on_their_canvas(sweep: xr.Dataset, name: str) -> None:
+    figure, _ = SweepFigures(sweep).draw(name)
     assert_legible(figure)
 
 
-def test_lines_differ_without_their_colour(four: Path) -> None:
-    with open_sweep(four) as sweep:
-        lines = list(lines_of(in_handy_units(regimes(sweep, "march_speed"))))
+def test_lines_differ_without_their_colour(sweep: xr.Dataset) -> None:
+    lines = list(lines_of(in_handy_units(regimes(sweep, "march_speed"))))
     assert len({str(line.dash) for line in lines}) == len({line.mark for line in lines}) == 8
     assert lines[0].label == "20 µm, 1.25 mm, 0.4 mm"
 
@@ -74,12 +73,11 @@ def test_ticks_are_at_the_swept_values_if_these_are_few() -> None:
     assert len(axes.get_xticks()) < 20
 
 
-def test_points_that_nothing_touches_have_no_side(four: Path) -> None:
-    with open_sweep(four) as sweep:
-        share = np.zeros(sweep["late_contact_share"].shape)
-        share[1, ..., 3] = 0.5
-        changed = sweep.assign(late_contact_share=(sweep["late_contact_share"].dims, share))
-        actual = contact_sides(changed, "march_speed")
+def test_points_that_nothing_touches_have_no_side(sweep: xr.Dataset) -> None:
+    share = np.zeros(sweep["late_contact_share"].shape)
+    share[1, ..., 3] = 0.5
+    changed = sweep.assign(late_contact_share=(sweep["late_contact_share"].dims, share))
+    actual = contact_sides(changed, "march_speed")
     assert (actual["scenario"].values[:, [0, 2]] == "no-contact").all()
     assert np.isnan(actual["shaft_lead"].values[:, [0, 2]]).all()
     assert np.isfinite(actual["shaft_lead"].values[:, 1]).all()
@@ -90,9 +88,8 @@ def test_points_that_nothing_touches_have_no_side(four: Path) -> None:
     assert high > SPEEDS[-1]
 
 
-def test_growth_that_may_be_none_is_crossed_out(four: Path) -> None:
-    with open_sweep(four) as sweep:
-        maps = sweep_maps(sweep, "march_speed")
+def test_growth_that_may_be_none_is_crossed_out(sweep: xr.Dataset) -> None:
+    maps = sweep_maps(sweep, "march_speed")
     rate = np.full(maps["growth_rate"].shape, 3.0)
     error = np.ones_like(rate)
     error[0, 0, :2] = 2.0
@@ -108,9 +105,8 @@ def test_growth_that_may_be_none_is_crossed_out(four: Path) -> None:
     assert DOUBTFUL in [text.get_text() for text in figure.legends[0].get_texts()]
 
 
-def test_a_frequency_map_names_only_modes_that_are_seen(four: Path) -> None:
-    with open_sweep(four) as sweep:
-        maps = frequency_map(sweep, "march_speed")
+def test_a_frequency_map_names_only_modes_that_are_seen(sweep: xr.Dataset) -> None:
+    maps = frequency_map(sweep, "march_speed")
     names = [text.get_text() for text in plot_frequency_map(maps).legends[0].get_texts()]
     assert names == ["suspension", "1F k = 1", "casing k = 1", "engine orders"]
     maps["mode_line"].loc[{"mode": "casing k=1"}] = 1e4

@@ -1,5 +1,6 @@
-"""Campbell diagrams of a bladed disk with rotation effects."""
+"""Campbell diagrams and critical speeds of bladed disks with rotation effects."""
 
+import json
 from functools import cache
 from pathlib import Path
 
@@ -12,10 +13,13 @@ from stages import oracle
 
 import bladewhirl as bw
 from bladewhirl.models.modal.full_stage import modal_stage
+from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.postprocess.modal.campbell import Frame, plot_campbell
+from bladewhirl.postprocess.modal.veering import plot_critical_speeds
 from bladewhirl.studies.modal import campbell as modal_campbell
 from bladewhirl.studies.modal.campbell import campbell, coincidence_list
+from bladewhirl.studies.modal.critical_speeds import ORDERS, critical_speeds
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
 
 SMALL = {"bladed_disk.blades": 8, "bladed_disk.elements_per_blade": 4, "shaft.stiffness": 1e7}
@@ -177,3 +181,55 @@ def test_contact_scenarios_are_of_the_wave_where_it_meets_the_casing() -> None:
     stiff = bw.with_values(stage_case(), {"casing.support": 7.975e6})
     with pytest.raises(bw.UserError, match="coincides with the casing wave at no speed"):
         whirling_modes(modal_stage(stiff), casing_share=0.5)
+
+
+RPM = 30.0 / np.pi
+
+
+FEW = bw.case_from(
+    {
+        "bladed_disk": {"blades": 6, "elements_per_blade": 3},
+        "rotation": {"effects": "full"},
+    }
+)
+
+
+def test_a_disk_on_soft_springs_is_critical_at_its_frequency_at_rest() -> None:
+    soft = 1e3  # N/m
+    stage = modal_stage(bw.with_values(FEW, {"shaft.stiffness": soft}))
+    (pair,) = {float(f) for f in stage.free_modes.frequency[:2].round(9)}
+    speeds = critical_speeds(stage, stiffnesses=np.array([soft, 4.0 * soft]))
+    lowest = speeds["critical_speed"].isel(branch=0)
+    np.testing.assert_allclose(lowest.isel(stiffness=0), pair * RPM, rtol=1e-4)
+    np.testing.assert_allclose(lowest.isel(stiffness=1), 2.0 * pair * RPM, rtol=1e-3)
+    np.testing.assert_allclose(speeds["spring_share"].isel(branch=0), 1.0, rtol=1e-3)
+
+
+@pytest.mark.parametrize("stiffness", [1e6, 1e8])
+def test_the_shaft_whirls_at_the_speed_of_rotation(stiffness: float) -> None:
+    speeds = critical_speeds(FEW, stiffnesses=np.array([stiffness]))["critical_speed"]
+    own = modal_stage(bw.with_values(FEW, {"shaft.stiffness": stiffness}))
+    assert own.turning is not None
+    block = waves(own.turning.matrices, 1, "full")
+    for direction, order in ORDERS.items():
+        for rpm in speeds.sel(direction=direction).values.ravel():
+            nearest = np.abs(block.frequencies(rpm / RPM) - order * rpm / RPM).min()
+            assert nearest < 1e-5 * rpm / RPM
+
+
+def test_the_command_lists_the_speeds_of_the_case(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(bw.dumps_case(FEW), encoding="utf-8")
+    document = json.loads(answer("critical-speeds", file, "--json", "--branches", "1").stdout)
+    assert document["stiffness"] == FEW.shaft.stiffness
+    speeds = critical_speeds(FEW, stiffnesses=np.array([document["stiffness"]]), branches=1)
+    expected = speeds["critical_speed"].values.ravel()
+    assert [row["rpm"] for row in document["critical_speeds"]] == pytest.approx(expected)
+    assert [row["direction"] for row in document["critical_speeds"]] == list(ORDERS)
+
+
+def test_the_figure_has_a_line_a_branch() -> None:
+    springs = np.geomspace(1e6, 1e9, 5)
+    axes = plot_critical_speeds(critical_speeds(FEW, stiffnesses=springs)).axes[0]
+    assert len(axes.collections) == 4
+    assert axes.get_xlim() == (1e6, 1e9)

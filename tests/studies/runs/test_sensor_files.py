@@ -49,12 +49,6 @@ def test_a_run_writes_its_sensors_and_replaces_them(tmp_path: Path) -> None:
     assert files & {path.name for path in run.directory.iterdir()} == {"sensors.nc", "a1.csv"}
 
 
-def test_a_case_without_sensors_gives_the_files_of_before(tmp_path: Path) -> None:
-    run = bw.run(small(**{"march.duration": 1e-3}), tmp_path / "run", frames=0)
-    assert not {"sensors.nc"} & ({path.name for path in run.directory.iterdir()} | listed(tmp_path))
-    assert "sensor" not in (run.directory / "case.toml").read_text(encoding="utf-8")
-
-
 def test_a_gauge_beside_the_mesh_is_refused_before_the_march(tmp_path: Path) -> None:
     case = small(sensor=[{"type": "strain", "element": 2}])
     line = fault(bw.run, case, tmp_path / "run")
