@@ -107,7 +107,7 @@ def test_it_begins_with_the_run_at_one_instant(folder: Path, page: Parsed) -> No
 
 
 def test_a_killed_march_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("bladewhirl.postprocess.reports.run.RUN_FIGURES", {})
+    monkeypatch.setattr("bladewhirl.postprocess.reports.run.report_figures", lambda *_: [])
     run = made(tmp_path / "run", end_reason="unfinished", steps=0, **dict.fromkeys(MARCHED))
     target = tmp_path / "own.html"
     target.write_text("old")
