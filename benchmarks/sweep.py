@@ -21,14 +21,14 @@ from rich.table import Table
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.studies.sweeps.axes import make_grid
-from bladewhirl.studies.sweeps.plan import Plan, plan_sweep
+from bladewhirl.studies.sweeps.plan import SweepPlan, plan_sweep
 from bladewhirl.studies.sweeps.points import Failure, Point, Work, march_point
 from bladewhirl.studies.sweeps.workers import cores
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 
 
-def planned(duration: float, points: int) -> Plan:
+def planned(duration: float, points: int) -> SweepPlan:
     """Return a sweep of a number of points, each marched for a duration [s]."""
     case = read_case(EXAMPLES / "imbalance.toml", [f"march.duration={duration!r}"])
     speeds = [0.95 + 0.2 * point / points for point in range(points)]
@@ -36,7 +36,7 @@ def planned(duration: float, points: int) -> Plan:
     return plan_sweep(case, grid, histories=False)
 
 
-class Cost(NamedTuple):
+class PointCost(NamedTuple):
     """Times that workers need for their points."""
 
     wall: float  #: wall-clock time until all workers have ended [s]
@@ -53,13 +53,13 @@ def processor_time(work: Work, points: list[Point]) -> float:
     return time.process_time() - began
 
 
-def cost(pool: ProcessPoolExecutor, plan: Plan, workers: int, points: int) -> Cost:
+def cost(pool: ProcessPoolExecutor, plan: SweepPlan, workers: int, points: int) -> PointCost:
     """Let a number of workers march, each of them all points; return the times of the workers."""
     work = Work(case=dumps_case(plan.case), layout=plan.layout, histories="")
     began = time.perf_counter()
     chosen = [Point(number=number, values=plan.grid.values(number)) for number in range(points)]
     used = list(pool.map(processor_time, [work] * workers, [chosen] * workers))
-    return Cost(wall=time.perf_counter() - began, processor=sum(used) / len(used))
+    return PointCost(wall=time.perf_counter() - began, processor=sum(used) / len(used))
 
 
 def main() -> None:
@@ -82,7 +82,7 @@ def main() -> None:
     table = Table(
         "per step of a worker [µs]", "alone", f"one of {given.workers}", "efficiency", box=None
     )
-    for name in Cost._fields:
+    for name in PointCost._fields:
         one, many = (min(getattr(turn, name) for turn in turns) for turns in (alone, together))
         table.add_row(name, f"{scale * one:.3f}", f"{scale * many:.3f}", f"{one / many:.1%}")
     Console().print(table)

@@ -88,7 +88,7 @@ WHIRL_FAMILIES = 6
 
 
 @dataclass(frozen=True, kw_only=True)
-class Whirl:
+class LabelledWhirlModes:
     """Modes of a bladed disk with Coriolis forces."""
 
     modes: WhirlModes
@@ -149,22 +149,22 @@ class ModalStage:
         return None if self.at_speed is None else self.at_speed[int(self.case.shaft.clamped)]
 
     @cached_property
-    def free_whirl(self) -> Whirl | None:
+    def free_whirl(self) -> LabelledWhirlModes | None:
         """Whirling modes of the bladed disk with a free centre; None without Coriolis forces."""
         return self._whirl(0)
 
     @cached_property
-    def clamped_whirl(self) -> Whirl | None:
+    def clamped_whirl(self) -> LabelledWhirlModes | None:
         """Whirling modes of the bladed disk with a clamped centre; None without Coriolis forces."""
         return self._whirl(1)
 
     @property
-    def disk_whirl(self) -> Whirl | None:
+    def disk_whirl(self) -> LabelledWhirlModes | None:
         """Whirling modes of the bladed disk with a free or clamped centre, as the case requires;
         None without Coriolis forces."""
         return self.clamped_whirl if self.case.shaft.clamped else self.free_whirl
 
-    def _whirl(self, centre: int) -> Whirl | None:
+    def _whirl(self, centre: int) -> LabelledWhirlModes | None:
         """Compute all whirling modes; for a large bladed disk with unequal sectors only the modes
         of the lowest families."""
         if self.at_speed is None or self.case.rotation.effects != "full":
@@ -175,7 +175,7 @@ class ModalStage:
             count = WHIRL_FAMILIES * layout.sectors
         modes = whirl_modes(structure, count)
         family, at_rest = whirl_families(structure, modes, tip_in_sector(self.free_disk))
-        return Whirl(modes=modes, family=family, at_rest=at_rest)
+        return LabelledWhirlModes(modes=modes, family=family, at_rest=at_rest)
 
     @property
     def speed(self) -> float:

@@ -10,7 +10,7 @@ from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.postprocess.modal import campbell
 from bladewhirl.postprocess.plotting.style import COLOURS
 from bladewhirl.postprocess.reports.interactive import plot
-from bladewhirl.postprocess.reports.page import Explorer, Page, Section, Table
+from bladewhirl.postprocess.reports.page import Explorer, Page, PageSection, PageTable
 
 POINTS = 121  #: number of speeds along a line
 
@@ -49,12 +49,12 @@ def campbell_page(data: xr.Dataset) -> Page:
         warnings=[],
         figures=[*_glance(data)],
         sections=[
-            Section(
+            PageSection(
                 name="diagrams",
                 title="Campbell diagrams",
                 blocks=[_explorer(data, "rotating"), _explorer(data, "static")],
             ),
-            Section(name="coincidences", title="Coincidences", blocks=[_table(data, inside)]),
+            PageSection(name="coincidences", title="Coincidences", blocks=[_table(data, inside)]),
         ],
     )
 
@@ -72,10 +72,10 @@ def _glance(data: xr.Dataset) -> Iterator[tuple[str, str, str]]:
     yield "clearance at rest used up", f"{gone:.4f} ω₁", f"{60.0 * hertz * gone:.1f} rpm"
 
 
-def _table(data: xr.Dataset, inside: BoolArray) -> Table:
+def _table(data: xr.Dataset, inside: BoolArray) -> PageTable:
     names = ("nodal_diameter", *COINCIDENT, "normalised_speed", "speed", "in_operating_range")
     columns = (data[name].values[inside] for name in names)
-    return Table(
+    return PageTable(
         name="all-coincidences",
         title="Coincidences by speed",
         head=("k", "bladed disk", "casing", "Ω / ω₁", "rpm", "operating range"),

@@ -48,7 +48,7 @@ class ReportFigure(Block):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Table(Block):
+class PageTable(Block):
     """Table of texts."""
 
     kind = "table"
@@ -92,7 +92,7 @@ class Instants(Explorer):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Section:
+class PageSection:
     """Section of a report."""
 
     name: str
@@ -112,7 +112,7 @@ class Page:
     reason: str  #: reason for the verdict
     warnings: Sequence[str]
     figures: Sequence[tuple[str, str, str]]  #: key figures: name, value, remark
-    sections: Sequence[Section]
+    sections: Sequence[PageSection]
 
 
 def report_figures(

@@ -11,7 +11,7 @@ from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.plotting.titles import speed_label
 from bladewhirl.postprocess.reports.figures import figures_of_run
 from bladewhirl.postprocess.reports.instants import instants
-from bladewhirl.postprocess.reports.page import Page, Section, Table, report_figures
+from bladewhirl.postprocess.reports.page import Page, PageSection, PageTable, report_figures
 from bladewhirl.postprocess.reports.provenance import Provenance, case_section, subject
 from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
@@ -61,7 +61,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
         energy, orbit = figures.energies, figures.orbit
         regime = classify(dataset, energy["total"].values)
         plots = instants(dataset, figures.contact, orbit, energy)
-        first.append(Section(name="instant", title="At one instant", blocks=[plots]))
+        first.append(PageSection(name="instant", title="At one instant", blocks=[plots]))
         glance += _beam_glance(dataset, orbit)
         stresses = figures.stresses
         rows = _summary(dataset, lambda report: summary_rows(summarise(dataset, report, stresses)))
@@ -72,19 +72,19 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     meaning = REGIMES[regime.name].meaning
     reason = str(dataset.attrs.get("end_reason", "completed"))
     ended = reason in ("completed", "divergent", "damped")
-    verdict = Section(
+    verdict = PageSection(
         name="verdict",
         title="Regime, and why",
         words=f"{meaning} The regime is the first line of the criterion below that applies.",
         blocks=[*report_figures(figures, "verdict"), criterion_table(regime.name)],
     )
     parts = [
-        Section(name=part, title=title, blocks=blocks)
+        PageSection(name=part, title=title, blocks=blocks)
         for part, title in TITLES.items()
         if (part != "wear" or "coating_strain" in dataset)
         and (blocks := report_figures(figures, part))
     ]
-    numbers = Section(name="numbers", title="Numbers", blocks=[rows])
+    numbers = PageSection(name="numbers", title="Numbers", blocks=[rows])
     case = case_section(dataset, provenance, CASE_CAPTION)
     return Page(
         title=str(dataset.attrs.get("title", "")) or "Run",
@@ -107,7 +107,7 @@ def _late(dataset: xr.Dataset) -> xr.Dataset:
 
 def _summary(
     dataset: xr.Dataset, rows_of: Callable[[Mapping[str, float]], Mapping[str, str]]
-) -> Table:
+) -> PageTable:
     """Return the rows of a summary, without those that are known only after the march has ended if
     it has not. `rows_of` makes the rows from the quality measures of the march."""
     reported = {name: dataset.attrs.get(name, math.nan) for name in MARCH_REPORT}
@@ -117,7 +117,7 @@ def _summary(
         reported |= {"steps": round(done), "unsolved_steps": 0}
     left_out = {"because", *(UNKNOWN if missing else ())}  # the reason is at the top of the page
     shown = [row for row in rows_of(reported).items() if row[0] not in left_out]
-    return Table(name="summary", title="Summary", rows=shown)
+    return PageTable(name="summary", title="Summary", rows=shown)
 
 
 def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:

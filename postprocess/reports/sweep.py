@@ -65,7 +65,7 @@ def sweep_report(
     }
     if failures:
         head = ("point", "reason")
-        table = page.Table(name="failures", title="Failed points", head=head, rows=failures)
+        table = page.PageTable(name="failures", title="Failed points", head=head, rows=failures)
         blocks["points"].append(table)
     if points is not None:
         blocks["regimes"].insert(0, points_explorer(points))
@@ -77,7 +77,7 @@ def sweep_report(
     blocks["regimes"].append(criterion_table())
     titles = ("Regimes", "Frequencies", "Motion and contact", "Points")
     sections = [
-        page.Section(name=name, title=title, blocks=parts)
+        page.PageSection(name=name, title=title, blocks=parts)
         for (name, parts), title in zip(blocks.items(), titles, strict=True)
         if parts
     ]
@@ -230,7 +230,7 @@ def _windowed(dataset: xr.Dataset, caption: str) -> str:
     return f"{caption} {window[:1].upper()}{window[1:]}." if window else caption
 
 
-def _point_table(points: xr.Dataset) -> page.Table:
+def _point_table(points: xr.Dataset) -> page.PageTable:
     key = points[str(points.attrs["along"])]
     listed, others = table_keys(points), other_keys(points)
     column = {str(name): points[name].values for name in points.data_vars}
@@ -252,7 +252,7 @@ def _point_table(points: xr.Dataset) -> page.Table:
         for n, at in enumerate(key.values)
     ]
     left_out = len(rows) - MOST_POINTS
-    return page.Table(
+    return page.PageTable(
         name="all-points",
         title=f"All points ({len(rows)})",
         caption=f"Growth rates ± {CERTAINTY:g} standard errors."
@@ -271,7 +271,7 @@ def _point_table(points: xr.Dataset) -> page.Table:
     )
 
 
-def _case_section(dataset: xr.Dataset, provenance: Provenance) -> page.Section:
+def _case_section(dataset: xr.Dataset, provenance: Provenance) -> page.PageSection:
     """Return the resolved case, with the swept keys in the caption."""
     keys = swept_keys(dataset)
     settings = " ".join(f"--set {dataset[key].attrs['long_name']}=VALUE" for key in keys)

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import xarray as xr
 
 from bladewhirl.postprocess.energy.regimes import CRITERION
-from bladewhirl.postprocess.reports.page import Table
+from bladewhirl.postprocess.reports.page import PageTable
 
 
-class Regime(NamedTuple):
+class RegimeText(NamedTuple):
     """Description of a regime in a report."""
 
     name: str
@@ -17,18 +17,18 @@ class Regime(NamedTuple):
     meaning: str  #: meaning in one sentence
 
 
-REGIMES: Mapping[str, Regime] = {
-    "divergent": Regime("Divergent", "bad", "The motion grows beyond the linear model."),
-    "sustained": Regime("Sustained contact", "fair", "Contact persists without growth."),
-    "damped": Regime("Damped", "good", "Blades touched the casing and came free again."),
-    "no-contact": Regime("No contact", "good", "No blade touched the casing."),
+REGIMES: Mapping[str, RegimeText] = {
+    "divergent": RegimeText("Divergent", "bad", "The motion grows beyond the linear model."),
+    "sustained": RegimeText("Sustained contact", "fair", "Contact persists without growth."),
+    "damped": RegimeText("Damped", "good", "Blades touched the casing and came free again."),
+    "no-contact": RegimeText("No contact", "good", "No blade touched the casing."),
 }
 """Regimes, the worst first."""
 
 
-def criterion_table(regime: str = "") -> Table:
+def criterion_table(regime: str = "") -> PageTable:
     """Return a table of the criteria of the regimes; the row of `regime` is highlighted."""
-    return Table(
+    return PageTable(
         name="criterion",
         title="Criterion of the regimes",
         caption="The regime is the first line that applies.",

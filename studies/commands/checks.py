@@ -104,7 +104,7 @@ def reproduce(
     from bladewhirl.studies.sweeps.sweep import Watch
 
     options.refuse_both(scheduler, workers)
-    plan = judge.Plan(
+    plan = judge.Assessment(
         claims=judge.chosen_claims(claims or []),
         changes=override_values(overrides or []),
         quick=quick,

@@ -11,7 +11,7 @@ from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import ALL_FAILED, emit, interruptible, progress_bar
 
 if TYPE_CHECKING:
-    from bladewhirl.studies.sweeps.plan import Plan
+    from bladewhirl.studies.sweeps.plan import SweepPlan
     from bladewhirl.studies.sweeps.sweep import Sweep
 
 
@@ -164,7 +164,7 @@ def _report(result: Sweep, *, json: bool) -> None:
         typer.echo(f"failed: {result.failed - SHOWN_FAILURES} more, see failures.json", err=True)
 
 
-def _print_plan(plan: Plan) -> None:
+def _print_plan(plan: SweepPlan) -> None:
     """Print hints about the case, and the size of the sweep."""
     for hint in plan.hints:
         typer.echo(f"Hint: {hint}.", err=True)

@@ -18,7 +18,7 @@ from bladewhirl.files import claim
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.inputs.mode_names import CASING
-from bladewhirl.models.modal.full_stage import ModalStage, Whirl
+from bladewhirl.models.modal.full_stage import LabelledWhirlModes, ModalStage
 from bladewhirl.models.modal.labels import Body, LabelledModes
 from bladewhirl.postprocess.modal.mode_shapes import (
     mode_title,
@@ -193,7 +193,7 @@ def _film(
 ) -> None:
     """Write the film and the VTK series of a mode, and the picture of a travelling wave."""
     modes, numbers = _modes_of(stage, mode.body), mode.numbers
-    purity = (modes.modes if isinstance(modes, Whirl) else modes).purity[numbers[0]]
+    purity = (modes.modes if isinstance(modes, LabelledWhirlModes) else modes).purity[numbers[0]]
     title = f"{mode_title(mode.family, mode.nodal_diameter, purity)}, {wave} wave"
     if mode.body == "casing":
         title = f"casing {title}"
@@ -251,7 +251,7 @@ def _of_family(
     modes, chosen = _modes_of(stage, body), []
     for k in diameters:
         numbers = modes.find(family, k)
-        order = modes.modes.rank if isinstance(modes, Whirl) else modes.column
+        order = modes.modes.rank if isinstance(modes, LabelledWhirlModes) else modes.column
         paired = numbers.size and order[numbers[0]] >= 0
         groups = [numbers] if paired else list(numbers[:, None])
         groups = groups if every else groups[:1]
@@ -268,6 +268,6 @@ def _of_family(
     return chosen
 
 
-def _modes_of(stage: ModalStage, body: Body) -> LabelledModes | Whirl:
+def _modes_of(stage: ModalStage, body: Body) -> LabelledModes | LabelledWhirlModes:
     """Return the modes of a body; for a bladed disk with Coriolis forces, its whirling modes."""
     return (stage.disk_whirl or stage.disk_modes) if body == "bladed-disk" else stage.casing_modes

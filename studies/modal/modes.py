@@ -8,7 +8,7 @@ import xarray as xr
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import Speed
-from bladewhirl.models.modal.full_stage import ModalStage, Whirl, modal_stage
+from bladewhirl.models.modal.full_stage import LabelledWhirlModes, ModalStage, modal_stage
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import is_first_of_pair
 from bladewhirl.models.rotation.whirl_modes import Direction, WhirlModes, directions
@@ -117,10 +117,10 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
 
 
 def _modes_of(
-    source: LabelledModes | Whirl, body: str, centre: str, stage: ModalStage
+    source: LabelledModes | LabelledWhirlModes, body: str, centre: str, stage: ModalStage
 ) -> xr.Dataset:
     """Return all modes of one body."""
-    modes = source.modes if isinstance(source, Whirl) else source
+    modes = source.modes if isinstance(source, LabelledWhirlModes) else source
     if isinstance(modes, WhirlModes):
         pattern = ["single" if way == "standing" else "wave" for way in modes.direction]
         rotating, static = modes.direction, modes.static_direction(stage.speed)

@@ -33,7 +33,7 @@ Draw = Callable[[Evidence, Path], None]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Panel:
+class FigurePart:
     """Part of a figure of the paper."""
 
     caption: str
@@ -47,7 +47,7 @@ class PaperFigure:
     """A figure of the paper, whose panels are side by side as in the paper."""
 
     caption: str
-    panels: tuple[Panel, ...]
+    panels: tuple[FigurePart, ...]
 
 
 def draw_figures(
@@ -83,7 +83,7 @@ def draw_figures(
     return drawn
 
 
-def _draw(evidence: Evidence, panel: Panel, folder: Path) -> str:
+def _draw(evidence: Evidence, panel: FigurePart, folder: Path) -> str:
     """Draw all panels of a folder; return an empty text, or the reason if this is impossible."""
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
@@ -140,7 +140,7 @@ def _draw_one(kind: str, source: str, name: str, evidence: Evidence, folder: Pat
     save_figure(figure, folder / name, data)
 
 
-def _panel(row: Mapping[str, str]) -> Panel:
+def _panel(row: Mapping[str, str]) -> FigurePart:
     """Return the panel for a row of figures.csv.
 
     The column `picture` names a picture of modes, or a figure of a run or a sweep.
@@ -149,7 +149,7 @@ def _panel(row: Mapping[str, str]) -> Panel:
     slug = "-".join(source.replace(",", "").split())
     folder = {"modal": source, "run": slug, "sweep": f"sweep-{slug}"}[kind]
     draw = _MODAL[source] if kind == "modal" else partial(_draw_one, kind, source, name)
-    return Panel(caption=row["caption"], folder=folder, name=name, draw=draw)
+    return FigurePart(caption=row["caption"], folder=folder, name=name, draw=draw)
 
 
 PAPER_FIGURES: Mapping[str, PaperFigure] = {

@@ -42,7 +42,7 @@ REPEATS = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plan:
+class Assessment:
     """Claims to judge, and the conditions of the runs."""
 
     claims: tuple[Claim, ...]
@@ -89,7 +89,7 @@ def chosen_claims(numbers: Sequence[int]) -> tuple[Claim, ...]:
 
 
 def reproduce_claims(
-    plan: Plan,
+    plan: Assessment,
     directory: Path,
     *,
     workers: int | None = None,

@@ -11,7 +11,7 @@ from rich import box
 from rich import table as rich_table
 from rich.markup import escape
 
-from bladewhirl.postprocess.reports.page import Page, ReportFigure, Section, Table
+from bladewhirl.postprocess.reports.page import Page, PageSection, PageTable, ReportFigure
 from bladewhirl.studies.paper.claim import VERDICTS, Claim, Finding, Verdict
 
 STYLES: Mapping[Verdict, str] = {
@@ -145,7 +145,7 @@ def scorecard_page(card: Scorecard, drawn: Mapping[str, Sequence[ReportFigure]])
         for section, scores in groupby(ordered, key=lambda score: score.claim.section)
     ]
     conditions = [(name.replace("_", " "), _text(v)) for name, v in card.conditions.items()]
-    table = Table(name="conditions-table", title="", rows=conditions)
+    table = PageTable(name="conditions-table", title="", rows=conditions)
     return Page(
         title="Claims of the paper",
         subject=f"bladewhirl {card.conditions.get('bladewhirl', '')}".strip(),
@@ -154,20 +154,22 @@ def scorecard_page(card: Scorecard, drawn: Mapping[str, Sequence[ReportFigure]])
         reason="Each claim is compared with the paper by thresholds.",
         warnings=(),
         figures=[(verdict, str(count), "") for verdict, count in card.counts.items()],
-        sections=[*sections, Section(name="conditions", title="Conditions", blocks=[table])],
+        sections=[*sections, PageSection(name="conditions", title="Conditions", blocks=[table])],
     )
 
 
 def _section(
     section: str, scores: Sequence[Score], drawn: Mapping[str, Sequence[ReportFigure]]
-) -> Section:
+) -> PageSection:
     rows = [
         (str(s.claim.number), s.claim.text, s.claim.paper, s.ours, s.verdict, s.why) for s in scores
     ]
     numbers = {number for score in scores for number in score.claim.figures if number in drawn}
     panels = [panel for number in sorted(numbers, key=int) for panel in drawn[number]]
-    table = Table(name=f"claims-{section}", title="", head=HEAD, rows=rows)
-    return Section(name=f"section-{section}", title=f"Section {section}", blocks=[table, *panels])
+    table = PageTable(name=f"claims-{section}", title="", head=HEAD, rows=rows)
+    return PageSection(
+        name=f"section-{section}", title=f"Section {section}", blocks=[table, *panels]
+    )
 
 
 def _text(value: object) -> str:

@@ -71,7 +71,7 @@ hours, such a sweep weeks on many cores."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plan:
+class SweepPlan:
     """Validated sweep with its points and cost."""
 
     case: Case
@@ -146,7 +146,7 @@ def plan_sweep(
     stop_when: StopWhen | None = None,
     screen: bool = False,
     carry: Carry | None = None,
-) -> Plan:
+) -> SweepPlan:
     """Validate every point of a sweep and estimate its cost.
 
     Points are validated one after the other, so that a sweep of any size takes little memory.
@@ -194,7 +194,7 @@ def plan_sweep(
         except ValueError as error:
             expected = "expected that motion without contact decays"
             raise UserError(f"{STOP_WHEN} {stop_when}: {expected}, but {error}") from None
-    return Plan(
+    return SweepPlan(
         case=case,
         grid=grid,
         coordinates=coordinates,
@@ -240,7 +240,7 @@ def plan_digest(
     return whole.hexdigest()
 
 
-def write_plan(plan: Plan, directory: Path) -> None:
+def write_plan(plan: SweepPlan, directory: Path) -> None:
     """Write the plan of a sweep into its folder, with a copy of the case's mesh file."""
     files = folder.case_files(plan.case)
     document = {
@@ -266,7 +266,7 @@ def write_plan(plan: Plan, directory: Path) -> None:
     write_atomically(directory / PLAN_NAME, text)
 
 
-def read_plan(directory: Path) -> Plan:
+def read_plan(directory: Path) -> SweepPlan:
     """Return the plan of an existing sweep.
 
     Raises:

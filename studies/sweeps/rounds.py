@@ -15,7 +15,7 @@ from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, NOT_NEEDED
 from bladewhirl.postprocess.sweep.shares import settled, wilson
 from bladewhirl.solvers.march.schema import BEAMS
 from bladewhirl.studies.sweeps.carried import SPEED, Carry, Chains
-from bladewhirl.studies.sweeps.plan import Plan
+from bladewhirl.studies.sweeps.plan import SweepPlan
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point
 from bladewhirl.studies.sweeps.store import Store
 
@@ -141,7 +141,7 @@ class Rounds:
         march: function that marches points.
     """
 
-    def __init__(self, plan: Plan, store: Store, march: March) -> None:
+    def __init__(self, plan: SweepPlan, store: Store, march: March) -> None:
         self._plan, self._store, self._march = plan, store, march
         draws = plan.grid.draws
         judged = draws is not None and (plan.screen or draws.until is not None)

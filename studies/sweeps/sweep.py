@@ -26,7 +26,7 @@ from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import OVER, TABLE, Grid, PointTable, Value, make_grid
 from bladewhirl.studies.sweeps.carried import STATES_NAME, Carry
 from bladewhirl.studies.sweeps.draws import UNTIL, parse_draws
-from bladewhirl.studies.sweeps.plan import PLAN_NAME, Plan, plan_sweep, read_plan, write_plan
+from bladewhirl.studies.sweeps.plan import PLAN_NAME, SweepPlan, plan_sweep, read_plan, write_plan
 from bladewhirl.studies.sweeps.points import Work
 from bladewhirl.studies.sweeps.rounds import Rounds
 from bladewhirl.studies.sweeps.store import Store, create
@@ -41,7 +41,9 @@ HISTORIES_NAME = "histories"
 class Watch:
     """Progress callbacks of a sweep."""
 
-    planned: Callable[[Plan], None] = lambda plan: None  #: called once, before anything is written
+    planned: Callable[[SweepPlan], None] = lambda plan: (
+        None
+    )  #: called once, before anything is written
     progress: Callable[[int, int, int], None] = lambda done, failed, points: None
     """Called after every point with the numbers of finished, failed and all points."""
 
@@ -202,7 +204,7 @@ def resume_sweep(
 
 
 def _carry_out(
-    plan: Plan, directory: Path, watch: Watch, scheduler: str | None, workers: int | None
+    plan: SweepPlan, directory: Path, watch: Watch, scheduler: str | None, workers: int | None
 ) -> Sweep:
     """March all unfinished points of the plan into the dataset in the folder, and draw figures."""
     from bladewhirl.postprocess.sweep.figures import leave_figures
@@ -264,7 +266,9 @@ def _carry_out(
     return replace(swept, left_out=leave_figures(directory))
 
 
-def _add_draws(plan: Plan, directory: Path, count: int | None, until: float | None) -> Plan:
+def _add_draws(
+    plan: SweepPlan, directory: Path, count: int | None, until: float | None
+) -> SweepPlan:
     """Return the plan of a sweep with `count` random draws at each point, and write plan and
     dataset with these draws into the folder of the sweep. Draws are marched until the confidence
     intervals are narrower than `until`. None keeps the value of the plan.
@@ -308,7 +312,7 @@ def _add_draws(plan: Plan, directory: Path, count: int | None, until: float | No
     return wider
 
 
-def _is_dataset_of(plan: Plan, directory: Path) -> bool:
+def _is_dataset_of(plan: SweepPlan, directory: Path) -> bool:
     """Return whether the dataset in a folder is that of a plan."""
     try:
         with Store(directory, plan.grid, plan.digest):
@@ -317,7 +321,7 @@ def _is_dataset_of(plan: Plan, directory: Path) -> bool:
         return False
 
 
-def _copy_draws(plan: Plan, directory: Path, more: Plan, draft: Path) -> None:
+def _copy_draws(plan: SweepPlan, directory: Path, more: SweepPlan, draft: Path) -> None:
     """Create the dataset of the plan `more` in the folder `draft`, with all finished draws of the
     dataset of `plan` in `directory`."""
     assert plan.grid.draws is not None

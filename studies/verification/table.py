@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from importlib import import_module, metadata
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.reports.page import Page, Section, Table
+from bladewhirl.postprocess.reports.page import Page, PageSection, PageTable
 from bladewhirl.studies.verification.case import CASES, Outcome, VerificationCase, rows
 
 SUBJECTS = {
@@ -88,11 +88,11 @@ class Verification:
         count = len(self.outcomes)
         good = sum(outcome.passed for outcome in self.outcomes)
         sections = [
-            Section(
+            PageSection(
                 name=subject,
                 title=SUBJECTS[subject],
                 blocks=[
-                    Table(
+                    PageTable(
                         name=f"{subject}-cases",
                         title="",
                         head=HEAD,

@@ -18,7 +18,7 @@ from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import HOLDERS, Motion
 from bladewhirl.studies.paper.claim import CLAIMS, VERDICTS, Check, Finding, check
 from bladewhirl.studies.paper.claims_sweeps import done_points, middle_of_divergence
-from bladewhirl.studies.paper.judge import Plan, chosen_claims, reproduce_claims
+from bladewhirl.studies.paper.judge import Assessment, chosen_claims, reproduce_claims
 from bladewhirl.studies.paper.scorecard import Score, counted
 from bladewhirl.studies.paper.trials import CASES, KAPPAS, SURVEYS, TRIALS, perturbed
 from bladewhirl.studies.sweeps.cache import RunStore, run_key
@@ -204,7 +204,7 @@ def test_a_shift_has_to_be_larger_than_the_step_of_the_sweep(second: int, met: b
 @pytest.mark.slow
 def test_a_claim_on_a_march_is_judged_over_repeats(tmp_path: Path) -> None:
     """Two milliseconds of the imbalance's ramp: no contact, so no limit cycle."""
-    plan = Plan(claims=chosen_claims([33]), changes=SHORT, quick=False, repeats=2)
+    plan = Assessment(claims=chosen_claims([33]), changes=SHORT, quick=False, repeats=2)
     card, evidence = reproduce_claims(plan, tmp_path, workers=1)
     with evidence:
         (score,) = card.scores
@@ -246,7 +246,7 @@ def test_the_page_says_what_is_computed(tmp_path: Path) -> None:
     page = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
     said = dict(re.findall(r"^\| (\d+) \|.*\| ([a-z ]+) \|$", page, flags=re.MULTILINE))
     numbers = (*range(1, 16), 20, 22, 23, 24, 30, 33, 42, 43, 44)  # 21 takes repeats
-    plan = Plan(claims=chosen_claims(numbers), changes={}, quick=False, repeats=1)
+    plan = Assessment(claims=chosen_claims(numbers), changes={}, quick=False, repeats=1)
     card, evidence = reproduce_claims(plan, tmp_path, workers=1)
     with evidence:
         actual = {str(score.claim.number): score.verdict for score in card.scores}
