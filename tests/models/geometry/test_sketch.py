@@ -111,7 +111,9 @@ def test_rotary_inertia_of_a_mass() -> None:
     """A light beam with a heavy disk at its end: the 2 x 2 eigenproblem of the end alone."""
     section = Section(width=0.1, thickness=0.01, young_modulus=2.1e11, density=1e-6)
     sketch = beam(section, 3)
+    sketch.mass("clamp", 5.0)  # without inertia
     sketch.mass("end", 2.0, inertia=0.3)
+    assert sketch.build().masses.inertia.tolist() == [0.0, 0.3]
     bending = section.bending_stiffness
     stiffness = bending * np.array([[12.0, -6.0], [-6.0, 4.0]])
     expected = np.sqrt(la.eigvalsh(stiffness, np.diag([2.0, 0.3])))
