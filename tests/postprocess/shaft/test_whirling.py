@@ -62,6 +62,10 @@ class TestWindows:
 class TestWhirlHistory:
     """`verify results` compares the rates of circles in both frames with their frequency."""
 
+    def test_a_slow_circle_has_its_direction_in_every_span(self) -> None:
+        whirls = whirl_history(synthetic.synthetic_result(records=2001))
+        np.testing.assert_array_equal(whirls.direction.sel(frame="static"), 1)
+
     def test_a_rate_that_changes_is_followed(self) -> None:
         orbit = shaft_orbit(synthetic.synthetic_result(records=4001))
         time = orbit.time.values
@@ -77,6 +81,8 @@ class TestWhirlHistory:
         expected = -90 + 10 * whirls.time
         np.testing.assert_allclose(whirls.rate.sel(frame="rotating"), expected, rtol=1e-10)
         np.testing.assert_allclose(whirls.radius, 1e-3, rtol=1e-12)
+        assert whirls.sizes["time"] > 5
+        np.testing.assert_array_equal(whirls.direction.sel(frame="rotating"), -1)
 
     def test_a_shaft_at_rest_has_neither_rate_nor_direction(self) -> None:
         whirls = whirl_history(synthetic.synthetic_result(shaft_radius=0.0))
