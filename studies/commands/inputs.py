@@ -67,6 +67,8 @@ def mesh(
     from bladewhirl.meshes.files.groups import MeshFileError
     from bladewhirl.meshes.files.registry import left_out, write_line_mesh
 
+    if output is not None:
+        options.refuse_existing(output, force=force)
     lines = _content(source, overrides or [])
     low, high = lines.points.min(axis=0), lines.points.max(axis=0)
     size = (
@@ -84,7 +86,6 @@ def mesh(
     emit(None, size, table(rows, GROUPS), *listed, json=False)
     if output is None:
         return
-    options.refuse_existing(output, force=force)
     try:
         with writing(output):
             write_line_mesh(output, lines)

@@ -217,9 +217,13 @@ def report(
         directory: Folder of a run or a sweep, finished or not.
         output: File to write; by default DIR/report.html.
     """
+    from bladewhirl.files import check_file
     from bladewhirl.studies.runs.report import report as write_report
     from bladewhirl.studies.runs.report import report_target
 
     target = report_target(directory, output)
-    options.claim_output(target, named=output is not None, overwrite=overwrite)
-    typer.echo(f"Wrote {write_report(directory, target)}.")
+    with writing(target):
+        check_file(target, overwrite=overwrite)
+    write_report(directory, target)
+    options.claim_output(target, named=output is not None, overwrite=True)
+    typer.echo(f"Wrote {target}.")
