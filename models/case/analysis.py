@@ -32,17 +32,18 @@ class Reduction(Table):
     scale it with the number of blades. A smaller bladed disk keeps all of its modes. bladewhirl
     show prints the errors."""
     boundary: Literal["massless", "consistent"] = "massless"
-    """Contact nodes of a superelement. "massless": free-interface modes and the residual
-    flexibility of the contact nodes, which have no mass: a contact force deforms this flexibility
-    until the gap is zero. "consistent": all modes of the Craig-Bampton model with
-    fixed_interface_modes; the contact nodes have mass."""
+    """Model of the contact nodes of a superelement. "massless": contact nodes without mass,
+    described by free-interface modes and a residual flexibility, which a contact force deforms
+    until the gap is zero. "consistent": contact nodes with mass, described by all modes of the
+    Craig-Bampton model with fixed_interface_modes."""
     free_interface_modes: Annotated[int, fields.count(1)] = 50
     """Number of free-interface modes of a superelement with a massless boundary."""
     modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "all"
     """Modes that a march keeps: "all"; "six", the paper's truncated space of Eqs (4)-(10), which is
     "1F:1,suspension:1,casing:1"; or names, FAMILY:k on the bladed disk and casing:FAMILY:k on the
-    casing. Without ":k" a name selects all nodal diameters; "*" is every family; "casing:k" is the
-    lowest radial mode. Loads and initial motion are projected on the modes."""
+    casing, with the nodal diameter k. A name without ":k" selects all nodal diameters; "*" is every
+    family; "casing:k" is the lowest radial mode with k. Loads and initial motion
+    are projected on the modes."""
 
 
 class Damping(Table):
@@ -52,8 +53,9 @@ class Damping(Table):
     """Damping ratio xi of every mode (not in the paper; suspension transients decay within about
     1.1 s)."""
     boundary_ratio: fields.NumberOrZero = 0.05
-    """Damping ratio of the highest modes with reduction.boundary = "consistent": all but the lowest
-    reduction.fixed_interface_modes. They are mostly motions of the contact nodes."""
+    """Damping ratio of the highest modes, which are mostly motions of the contact nodes; used with
+    reduction.boundary = "consistent". The lowest modes, as many as reduction.fixed_interface_modes,
+    have damping.ratio."""
 
 
 class Contact(Table):
@@ -67,14 +69,14 @@ class Contact(Table):
     the sign is determined by rounding errors. "full" (superelement only): friction opposes the slip
     velocity, tangential and axial, elastic velocities included."""
     tip_rotation: StrictBool = False
-    """Add u_t / R, with the tangential displacement u_t of a tip, to the angle of the tip on the
-    casing."""
+    """Add u_t / R to the angle at which a tip meets the casing; u_t is the tangential displacement
+    of the tip, R the tip radius."""
     foreshortening: StrictBool = False
-    """Open the gap of a tip by the distance by which the tip draws back as its blade bends, to
-    second order: about 0.58 y^2 / L in the first bending mode of a blade of length L, with the
-    tangential displacement y of the tip. The distance is measured along the blade. A bent blade
-    also moves along a tangent, which brings its tip nearer to a round wall by y^2 / (2 R); this is
-    included if tip_rotation is true as well."""
+    """Increase the gap of a tip by the second-order shortening of its bent blade: about
+    0.58 y^2 / L in the first bending mode of a blade of length L whose tip has the tangential
+    displacement y. The shortening is measured along the blade. The tip also moves along a tangent,
+    which brings it nearer to a round wall by y^2 / (2 R); this is included if tip_rotation is true
+    as well."""
     restitution: fields.NumberOrZero = 0.0
     """Ratio of the speeds of a tip after and before an impact, 0 to 1, for march.scheme =
     "moreau-jean"."""
@@ -107,8 +109,9 @@ class Initial(Table):
     tip_velocity: fields.VelocityRows | None = Field(
         default=None, examples=["[[0.0, 0.0], [0.0, 0.0], ...]"]
     )
-    """Velocity of each tip, radial and tangential [m/s], blades x 2; default 0. The blade follows
-    statically. Under a superelement it is the mean of the contact nodes of each blade."""
+    """Velocity of each tip, radial and tangential [m/s], blades x 2; default 0. The other nodes
+    of the blade follow statically. With a superelement the velocity is the mean velocity of the
+    contact nodes of the blade."""
     tip_displacement: fields.DisplacementRows | None = Field(
         default=None, examples=["[[0.0, 0.0], [0.0, 0.0], ...]"]
     )

@@ -150,7 +150,8 @@ class BladedDisk(ReplacedKeys):
     """Beam elements along each blade (paper, Section 2.1)."""
     blade: BeamSection = BeamSection()
     """Section of the blades: width out of the plane of motion, thickness in the plane [m] (paper,
-    Table 1; the paper's k_o equals 500 blade stiffnesses only if the 10 mm are in the plane)."""
+    Table 1; the paper's shaft stiffness k_o equals 500 blade stiffnesses only if the 10 mm are in
+    the plane)."""
     taper: TaperRows = ()
     """Sections of the blades from root to tip at equal distances, linear in between, rows of {
     thickness = "12 mm", width = "0.1 m" }; keys that are left out have the values of blade."""
@@ -169,8 +170,8 @@ class BladedDisk(ReplacedKeys):
     connect to the centre, which then needs a point mass. Spokes are beams from the centre to each
     root; near the centre, where spokes overlap, each of them has its full mass and stiffness."""
     disk: DiskSection = DiskSection()
-    """Section of spokes and rim [m]; 30 mm in the plane is a choice (the paper has "a dedicated set
-    of beams"), with which the suspension modes are at 2.53 times the reference frequency."""
+    """Section of spokes and rim [m]. The thickness of 30 mm is a choice (the paper has "a dedicated
+    set of beams"); the suspension modes are then at 2.53 times the reference frequency."""
     disk_rings: RingRows = ()
     """More rings within the disk, rows of { radius = "25 mm", thickness = "20 mm" }; the spokes
     have nodes at the rings."""

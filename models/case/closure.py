@@ -21,8 +21,8 @@ class Closure(Table):
     """Clearance that is lost over time, as the casing cools or the bladed disk grows."""
 
     amount: Annotated[float, fields.quantity("m", "any")] = 0.0
-    """Clearance lost in the end [m]: amount (1 - exp(-t / time_constant)). A negative amount opens
-    the gap."""
+    """Clearance lost in the end [m]; at the time t, amount (1 - exp(-t / time_constant)) is lost. A
+    negative amount opens the gap."""
     time_constant: fields.Time | None = None
     """Time after which 63 % of the amount is lost [s]; needed with an amount."""
     table: Annotated[tuple[Row, ...], fields.rows('[time, closure], as in ["1 s", "0.2 mm"]')] = ()
@@ -32,9 +32,9 @@ class Closure(Table):
     lobes: Annotated[
         tuple[Lobe, ...], fields.rows('{ lobes = 2, amplitude = "0.1 mm", phase = "30 deg" }')
     ] = ()
-    """Waves of the closure around the casing, rows as in casing.clearance_lobes. The amplitudes are
-    those at the time of the largest closure (in magnitude); at other times they are proportional to
-    the closure."""
+    """Waves of the closure around the casing, rows as in casing.clearance_lobes. Their amplitudes
+    hold at the time at which the closure has its largest magnitude; at other times they are
+    proportional to the closure."""
 
     @property
     def largest(self) -> float:
@@ -52,7 +52,7 @@ class Closure(Table):
 
     @property
     def smallest_loss(self) -> float:
-        """Smallest closure [m]; negative if the gap opens anywhere at any time."""
+        """Smallest closure at any time, anywhere around the ring [m]; negative if a gap opens."""
         return min(0.0, *self._extremes)
 
     @property

@@ -20,7 +20,7 @@ Points = Annotated[tuple[Point, ...], fields.rows('[angle, recess], as in ["90 d
 
 
 class WornTrack(Table):
-    """Removed depth of one track of a coating under a superelement."""
+    """Removed depth in one track of a coating, for a superelement."""
 
     axial: Annotated[float, fields.quantity("m", "any")]
     """Axial position of the track [m]."""
@@ -38,19 +38,19 @@ class WornProfile(Table):
 
     points: Points = ()
     """Points of a worn surface, rows of [angle, recess]: angle from the x axis [rad] and removed
-    depth [m], with linear interpolation around the casing; the same in all tracks under a
-    superelement. file = "wear.csv" reads the points from a file whose first line is
+    depth [m], with linear interpolation around the casing. With a superelement they apply to all
+    tracks. file = "wear.csv" reads the points from a file whose first line is
     "angle [deg],recess [mm]", with any units; a run with a coating writes such a file."""
     tracks: Annotated[
         tuple[WornTrack, ...],
         fields.rows('{ axial = "5 mm", points = [["90 deg", "0.1 mm"], ...] }'),
     ] = ()
-    """Points of each track under a superelement, in place of points. file = "wear.csv" reads them
+    """Points of each track, in place of points, for a superelement. file = "wear.csv" reads them
     from a file whose first line is "angle [deg],recess at -5 mm [mm],recess at 5 mm [mm]", with
     the axial positions of the contact nodes; a run of a superelement writes such a file."""
     lobes: LobeRows = ()
-    """Waves of the removed depth that are added, each from 0 to its amplitude:
-    amplitude (1 + cos(lobes (angle - phase))) / 2."""
+    """Waves that are added to the removed depth. Each varies around the casing from 0 to its
+    amplitude: amplitude (1 + cos(lobes (angle - phase))) / 2."""
 
     @model_validator(mode="before")
     @classmethod
@@ -73,8 +73,8 @@ class WornProfile(Table):
             yield Inconsistency("tracks", "at most one track at each axial position")
 
     def recess(self, angle: FloatArray) -> FloatArray:
-        """Return the removed depth [m] at angles [rad], in the shape of the angles; with tracks
-        (tracks, *angle.shape), in the order of `axial`."""
+        """Return the removed depth [m] at angles [rad], in the shape of the angles; if there
+        are tracks, in the shape (tracks, *angle.shape) and the order of `axial`."""
         total = np.zeros(angle.shape)
         if self.points:
             total = _interpolated(self.points, angle)
@@ -107,11 +107,11 @@ class Coating(Table):
     tangent_modulus: Stress | None = None
     """Slope of the stress-strain curve above the yield stress [Pa], in place of hardening."""
     elements: Annotated[int, fields.count(8)] | None = None
-    """Number of rods around the casing; by default the smallest number whose rods are shorter than
-    a quarter of the footprint. Under a superelement, each track has this number of rods; a track is
-    the strip at one axial position of contact nodes."""
+    """Number of rods around the casing; by default the smallest number at which a rod is shorter
+    than a quarter of the footprint. With a superelement, each track has this number of rods; a
+    track is the strip at one axial position of contact nodes."""
     width: fields.Length | None = None
-    """Size out of the plane [m]; the width of casing.wall by default. Under a superelement the
+    """Size out of the plane [m]; the width of casing.wall by default. With a superelement the
     widths of several tracks follow from the distances between them."""
     footprint: fields.Length | None = None
     """Arc that a tip, or a contact node of a superelement, covers [m]; by default the thickness of
@@ -119,8 +119,8 @@ class Coating(Table):
     friction: fields.NumberOrZero | None = None
     """Friction coefficient; contact.friction by default."""
     limit: Annotated[float, fields.number("positive")] = 0.9
-    """Largest fraction of the thickness that can be removed. A deeper tip touches the metal of the
-    casing."""
+    """Largest fraction of the thickness that can be removed. A tip beyond this depth touches the
+    metal of the casing."""
     profile: WornProfile | None = Field(default=None, examples=['{ file = "wear.csv" }'])
     """Worn surface at the start: { file = "wear.csv" }, { points = [["0 deg", "0.1 mm"], ...] } or
     { lobes = [{ lobes = 3, amplitude = "0.1 mm" }] }; by default the coating is new."""

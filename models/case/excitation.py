@@ -90,8 +90,8 @@ class CasingDistortion(Table):
     """A pulse on one casing mode (the paper's scenario A)."""
 
     type: Literal["casing-distortion"] = "casing-distortion"
-    """Force during [0, duration] on the lowest radial casing mode with nodal diameter k, which is
-    mass-normalised and follows w = +cos k theta in the static frame."""
+    """Force during [0, duration] on the lowest radial casing mode with nodal diameter k. The mode
+    is mass-normalised; its radial displacement varies as +cos k theta in the static frame."""
     nodal_diameter: Annotated[int, count(1)] = 1
     """Nodal diameter k of the mode; at most half the number of casing elements."""
     modal_force: Annotated[float, quantity("N/kg^0.5", "not negative")] = 3e4
@@ -121,8 +121,8 @@ class Imbalance(Table):
     )
     """Unbalance m e [kg m], instead of clearance_speed."""
     ramp: TimeOrZero = 0.2
-    """Half-cosine ramp of the force [s], 0 for a step (not in the paper; a step overshoots to twice
-    the static answer)."""
+    """Duration of the half-cosine ramp of the force [s], 0 for a step (not in the paper; a step
+    overshoots to twice the static answer)."""
 
     @model_validator(mode="before")
     @classmethod
@@ -166,8 +166,8 @@ class EngineOrder(Table):
     centre line of the blades; two such numbers for a load distributed between them; or the name of
     a node set with one node on each blade."""
     amplitude: Annotated[float, BeforeValidator(_amplitude)] = 1.0
-    """Amplitude F of the force on each blade [N], per length of the blade if it is distributed
-    [N/m]."""
+    """Amplitude F of the force on each blade [N]; for a distributed load, force per length of the
+    blade [N/m]."""
     direction: Annotated[str | float, BeforeValidator(_direction)] = "tangential"
     """"tangential", positive towards +theta; "radial", positive outward; or an angle from the
     radial direction towards +theta [rad], each at the loaded point."""
@@ -176,7 +176,7 @@ class EngineOrder(Table):
     factors: Annotated[tuple[float, ...], BeforeValidator(_factors)] = ()
     """Factors on the amplitude, one for each blade; 1 by default."""
     ramp: TimeOrZero = 0.0
-    """Half-cosine ramp of the force [s], 0 for a step."""
+    """Duration of the half-cosine ramp of the force [s], 0 for a step."""
 
     @property
     def inclination(self) -> float:

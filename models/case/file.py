@@ -26,7 +26,7 @@ _DEEP_KEY = re.compile(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){50}")
 square of the number of parts."""
 
 SET = "--set"
-"""Name used in place of the file in faults of overridden keys."""
+"""Text that replaces the name of the file in faults of overridden keys."""
 
 LOAD_TYPE = re.compile(r"excitation(\.[0-9]+)?\.type")
 
@@ -71,9 +71,14 @@ TableT = TypeVar("TableT", bound=Table)
 
 
 def table_of(text: str, name: str, kind: type[TableT]) -> TableT:
-    """Return a table of the text of a case, such as [casing]; the default if it is not there.
+    """Return one table from the text of a case, such as [casing]; the default if it is not there.
 
-    Other tables are not made, so that files they name, which may lie elsewhere, are not read.
+    Other tables are ignored, so that the files named in them need not exist on this computer.
+
+    Args:
+        text: TOML text of the case.
+        name: name of the table.
+        kind: class of the table.
 
     Raises:
         CaseError: the text is not TOML, or the table is invalid.
@@ -167,8 +172,8 @@ def override_values(overrides: Iterable[str]) -> dict[str, Any]:
 
 @contextmanager
 def faults_from(file: str | PathLike[str], overrides: Iterable[str]) -> Iterator[None]:
-    """Add the source of the key (override or file) to each fault that is raised in this context
-    without one.
+    """Add the source of the key, an override or the file, to each fault raised in this context
+    that does not state its source.
 
     Args:
         file: file from which the case was read.

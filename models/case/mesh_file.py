@@ -58,7 +58,8 @@ class MeshTable(Table):
     file: Annotated[str, file_path('the path of a mesh file such as "stage.msh"')]
     """Path of a mesh file (.msh of Gmsh, .inp of Abaqus, or .vtu), relative to the case file."""
     unit: Annotated[str | float, PlainValidator(_unit)] = 1.0
-    """Unit of length in the file, such as "mm", or its length in metres [m]."""
+    """Unit of length in the file, such as "mm", or the size of this unit in metres, such as
+    0.001."""
     tips: StrictStr = "tips"
     """Name of the group of nodes at the blade tips, in any order. The tip of blade 0 is the one
     nearest to +x; the other blades follow counter-clockwise."""
@@ -66,7 +67,8 @@ class MeshTable(Table):
     """Name of the group with the node at the origin, on the shaft."""
     sections: dict[str, MeshSection] = Field(default={})
     """Section of each group of lines, { width, thickness, material }; material, a name in
-    material.named, may be left out. Other lines have the sections in the file."""
+    material.named, may be left out. Lines of other groups have the sections given in the mesh
+    file."""
     tip_radius: Length | None = None
     """Radius from which the clearance is measured [m]; the largest tip radius by default."""
 
@@ -194,7 +196,8 @@ class MeshTable(Table):
 
 @lru_cache(maxsize=8)
 def _cached(file: str, stamp: tuple[int, int]) -> GroupedLines:
-    """Read a mesh once for all stages of a sweep; a changed file has another stamp."""
+    """Read a mesh once for all stages of a sweep. The stamp, time of change and size of the file,
+    makes sure that a changed file is read again."""
     from bladewhirl.meshes.files.registry import read_line_mesh  # here: slow to load
 
     return read_line_mesh(file)

@@ -19,7 +19,8 @@ MOTION_UNITS: dict[str, str] = {"displacement": "m", "velocity": "m/s", "acceler
 """SI unit of each quantity of a moving point."""
 
 RESERVED = ("time", "blade", "wear")
-"""Names that a sensor must not have: coordinates of the signals, and wear.csv of a coating."""
+"""Names that a sensor must not have: coordinates of the signals, and the name of the file
+wear.csv that a run with a coating writes."""
 
 
 _NAME = fields.text(
@@ -70,8 +71,8 @@ class SensorTable(Table):
     type: str
     """"strain", "tip-timing", "wall" or "centre"."""
     name: Annotated[str, _NAME] = ""
-    """Name of the signal and of its file NAME.csv; by default from the type and the position, such
-    as "wall-90"."""
+    """Name of the signal and of its file NAME.csv; by default made of the type and the position,
+    such as "wall-90"."""
     sampling_rate: Annotated[float, fields.quantity("Hz")] | None = Field(
         default=None, examples=['"20 kHz"']
     )
@@ -99,11 +100,11 @@ class StrainGauge(SensorTable):
     """Position from 0 at the root to 1 at the tip, measured along the centre line of the blade.
     Give either span or element."""
     element: Annotated[int, fields.count(0)] | None = Field(default=None, examples=[0])
-    """Number of the element of the blade with the gauge at its middle, from 0 at the root."""
+    """Number of the element of the blade, from 0 at the root; the gauge is at its middle."""
     side: Literal["+theta", "-theta"] = "+theta"
-    """Side of the blade that faces counter-clockwise, "+theta", or clockwise, "-theta"."""
+    """Side of the blade with the gauge: "+theta" faces counter-clockwise, "-theta" clockwise."""
     blade: Annotated[int | Literal["all"], BeforeValidator(_blade)] = "all"
-    """Number of the blade with the gauge, from 0, or "all" for a gauge on every blade."""
+    """Number of the blade with the gauge, counted from 0, or "all" for a gauge on every blade."""
     noise: Annotated[float, fields.number("not negative")] = 0.0
     """Standard deviation of the noise [m/m]."""
 
@@ -123,9 +124,9 @@ class TipTiming(SensorTable):
     """Probes in the casing that record when the blade tips arrive."""
 
     type: Literal["tip-timing"]
-    """Arrival times [s], and from each the tangential deflection of the tip [m]. Arrival times are
-    rounded to the ticks of a clock with the frequency sampling_rate; without this key they are
-    exact."""
+    """Arrival times [s], and the tangential deflection of the tip [m] that follows from each.
+    Arrival times are rounded to the ticks of a clock with the frequency sampling_rate; without this
+    key they are exact."""
     probes: Annotated[tuple[Angle, ...], BeforeValidator(_listed)]
     """Angle of the probe in the casing, counter-clockwise from the x axis [rad], or a list of the
     angles of several probes."""

@@ -64,10 +64,9 @@ class Shaft(ReplacedKeys):
     """Damping along y [N s/m], if different from that along x."""
     damping_frame: Literal["rotating", "static"] = "rotating"
     """Frame of the dampers: "rotating", internal damping, which acts on the velocity in rotating
-    axes and destabilises forward whirl above its critical speed; "static", bearing damping, c (v +
-    Omega z x u), which stabilises forward whirl. "static" needs equal dampers and rotation.effects
-    = "full".
-    """
+    axes and destabilises forward whirl above its critical speed; "static", bearing damping, which
+    acts on the velocity in static axes and stabilises forward whirl. "static" needs equal dampers
+    and rotation.effects = "full"."""
     clamped: StrictBool = False
     """Fix the centre instead of supporting it by springs."""
 

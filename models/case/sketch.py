@@ -91,7 +91,7 @@ class SketchMember(SketchPart):
     stations: tuple[Section, ...] = ()  #: sections at equal distances, in place of `section`
     elements: Annotated[int, count(1)] = 1
     path: tuple[Position, ...] = ()  #: points in between, in sector 0 [m]
-    part: Name | None = None  #: name of its line set; the name of the member if None
+    part: Name | None = None  #: name of the line set; if None, the name of the member
     sectors: Chosen = None
 
     @property
@@ -112,7 +112,7 @@ class SketchMass(SketchPart):
 
 
 class SketchSpring(SketchPart):
-    """A spring between two nodes, or between a node and the rotating frame."""
+    """A spring between two nodes, or between a node and the rotating frame, by its stiffnesses."""
 
     title, ends = "spring at", ("node", "other")
 
@@ -212,7 +212,7 @@ class SketchTable(Table):
 
 
 Faults = Iterator[tuple[str, str]]
-"""Pairs of the name of a part of a sketch and a text that completes "expected ..."."""
+"""Pairs of texts: the name of a part of a sketch, and a text that completes "expected ..."."""
 
 
 def _parts(sketch: SketchTable) -> Iterator[Part]:

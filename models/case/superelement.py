@@ -24,9 +24,9 @@ class SuperelementTable(Table):
     file: Annotated[str, fields.file_path('the path of a file such as "blade.npz"')]
     """Path of a .npz or .mat file, relative to the case file."""
     copies: Annotated[int, fields.count(1)] = 1
-    """kind = "blade": number of blades at equal angles; "sector": number of sectors of the wheel;
-    "wheel": number of its blades, whose contact nodes are listed blade by blade. With 1, the blades
-    of a wheel are not distinguished."""
+    """Number of blades or sectors. kind = "blade": blades at equal angles; "sector": sectors of the
+    wheel; "wheel": blades of the wheel, whose contact nodes are listed blade by blade, or 1 if its
+    blades are not to be distinguished."""
     kind: Literal["blade", "sector", "wheel"] = "blade"
     """"blade": clamped at the root; "sector": a sector of a wheel, with left_dofs and right_dofs;
     "wheel": a bladed disk, which shaft.stiffness supports at its centre if the file has
@@ -72,7 +72,8 @@ class SuperelementTable(Table):
 
 @lru_cache(maxsize=4)
 def _cached(file: str, modified: int, size: int) -> Superelement:
-    """Read a file once for all stages of a sweep; a changed file has another stamp."""
+    """Read a file once for all stages of a sweep. The other arguments, time of change [ns] and size
+    [bytes] of the file, make sure that a changed file is read again."""
     return read_superelement(file)
 
 

@@ -69,8 +69,8 @@ def _keys(table: Table, *, commented: bool) -> Iterator[str]:
 
 
 def _alternative(table: Table, heading: str = "") -> str:
-    """Return a heading and, commented out below it, the keys of a type of excitation or sensor;
-    comments start with "##"."""
+    """Return the heading and the keys of a table of one type of excitation or sensor, commented out
+    with "#"; comments on the keys begin with "##"."""
     if isinstance(table, NoExcitation):
         return ""
     lines = [_comment(_summary(table)), heading, *_keys(table, commented=True)]

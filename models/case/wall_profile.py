@@ -31,10 +31,10 @@ class ClearanceProfile(Table):
         tuple[Point, ...], fields.rows('[angle, clearance], as in ["90 deg", "1 mm"]')
     ] = ()
     """Measured points, rows of [angle, clearance]: angle from the x axis [rad] and clearance at
-    rest [m], with a periodic cubic spline between them. casing.clearance is then the clearance from
-    which the radius of the ring follows; the gaps follow from the points. file = "wall.csv" reads
-    the points from a file whose first line is "angle [deg],clearance [mm]", with any units; its
-    path is relative to the case file."""
+    rest [m], with a periodic cubic spline between them. casing.clearance then determines
+    only the radius of the ring; the gaps follow from the points. file = "wall.csv" reads the points
+    from a file whose first line is "angle [deg],clearance [mm]", with any units; its path is
+    relative to the case file."""
     harmonics: LobeRows = ()
     """Waves around the casing that are added, rows as in casing.clearance_lobes."""
 
@@ -50,7 +50,8 @@ class ClearanceProfile(Table):
 
 
 def angle_fault(given: list[float]) -> str:
-    """Describe valid angles of the points of a profile; empty if the angles [rad] are valid."""
+    """Return a text that says which points of a profile are valid; an empty text if the points at
+    the given angles [rad] are valid."""
     if not FEWEST <= len(given) <= MOST:
         return f"{FEWEST} to {MOST} points, not {len(given)}"
     angles = np.sort(np.mod(given, TURN))
@@ -60,7 +61,7 @@ def angle_fault(given: list[float]) -> str:
 
 def with_points_of_file(values: Any, column: str, *, tracked: bool = False) -> Any:
     """Return the values of a table with the contents of its `file` as `points`, or as `tracks` if
-    columns of the file have axial positions. Only a `tracked` table may have tracks."""
+    columns of the file have axial positions. `tracked` is true for a table that may have tracks."""
     if not isinstance(values, dict) or "file" not in values:
         return values
     if values.get("points") or values.get("tracks"):
@@ -75,7 +76,7 @@ def with_points_of_file(values: Any, column: str, *, tracked: bool = False) -> A
 
 
 def read_columns(file: Any, column: str) -> dict[float | None, list[list[float]]]:
-    """Read the points of a wall, of one line around it or of several at axial positions.
+    """Read the points along one line around a wall, or along several lines at axial positions.
 
     Args:
         file: path of a CSV file. Its first line has headings such as "angle [deg],recess [mm]", or
@@ -83,8 +84,8 @@ def read_columns(file: Any, column: str) -> dict[float | None, list[list[float]]
         column: name of the columns of lengths.
 
     Returns:
-        Rows of angle [rad] and length [m] by axial position [m]; by None if a single column has no
-        axial position.
+        Rows of angle [rad] and length [m] of each line, by its axial position [m]; the key is None
+        if the file has a single line without axial position.
 
     Raises:
         PydanticCustomError: the file cannot be read, or a line does not have a number for each
