@@ -16,7 +16,7 @@ from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.sections.rectangular import LineProperties
 
 GROUND = -1
-"""Number that stands for the rotating frame as the second end of a spring."""
+"""Number in place of the second node of a spring that ends at the rotating frame."""
 
 ROUNDING = 1e-13
 """Relative difference below which two lengths count as equal."""
@@ -25,7 +25,7 @@ AT_ORIGIN = 1e-9
 """Largest allowed distance of the centre from the origin, in tip radii."""
 
 OUTSIDE = 1e-9
-"""A node counts as inside up to this fraction of the radius beyond it."""
+"""A node counts as inside a radius if it exceeds the radius by at most this fraction."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,7 +121,8 @@ class BeamModel:
 
     @property
     def part_masses(self) -> dict[str, float]:
-        """Mass of the beams of each part [kg], and of all point masses if there are any."""
+        """Mass of the beams of each part, by its name, and of all point masses if there are any
+        [kg]."""
         line_mass = self.properties.mean_line_mass * self.mesh.lengths
         parts = np.array(self.mesh.line_parts)
         masses = {str(name): float(line_mass[parts == name].sum()) for name in dict.fromkeys(parts)}
@@ -222,8 +223,8 @@ def part_outside(model: BeamModel, radius: float) -> str | None:
 
 
 def _part(model: BeamModel, node: int) -> str:
-    """Return in words the part of a node, or the node if its part has no name, and the position of
-    the node."""
+    """Return as text the part to which a node belongs (the node if its part has no name), and the
+    position of the node."""
     lines = np.flatnonzero((model.mesh.lines == node).any(axis=1))
     names = [model.mesh.line_parts[line] for line in lines if model.mesh.line_parts[line]]
     return f"part {names[0]!r} at {_at(model, node)}" if names else _node(model, node)

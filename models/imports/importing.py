@@ -46,30 +46,30 @@ def import_superelement(
       a step with ``*FREQUENCY, SOLVER=MATRIXSTORAGE``. Groups are its sets of nodes and elements.
     - .op4: external superelement of Nastran, beside .asm and .pch of the same name; this needs
       pyyeti, ``pip install 'bladewhirl[nastran]'``.
-    - .mat: matrices M and K, perhaps D and G, of NLvib or another program, with `nodes`; or with
-      contact nodes and all else as in the file of a superelement.
+    - .mat: matrices M and K, perhaps D and G, of NLvib or another program. The nodes are in
+      `nodes`; without `nodes`, the file has contact nodes and all else as for `read_superelement`.
     - .npz: a superelement.
-    - any other name: the stiffness in Matrix Market, with `mass` and `nodes`. Lines of row, column
-      and value without a head are read too.
+    - any other name: the stiffness in Matrix Market; `mass` and `nodes` are required. Files of
+      lines of row, column and value, without a head, are read too.
 
     Args:
         source: path of the main file.
-        mass: path of the mass in Matrix Market.
+        mass: path of the mass matrix in Matrix Market.
         nodes: path of a CSV file with a first line ``node,x,y,z``, the number and position of each
             node. Columns ``row_x,row_y,row_z`` are the rows of its displacements in the matrices,
-            from 1, and 0 or nothing for fixed ones; without them each node has the same number of
-            consecutive rows, the first of which are x, y and z. A column ``group`` has the names
-            of groups, separated by blanks.
+            from 1; 0 or nothing for fixed displacements. Without these columns each node has the
+            same number of consecutive rows, the first of which are x, y and z. A column ``group``
+            has the names of groups, separated by blanks.
         choice: contact and clamped (groups, or numbers of nodes separated by commas), contacts,
-            left, right, copies, length_unit, mass_unit, axis and name, see `mesh3d`. Nodes are
-            clamped here only if the matrices contain them. The unit of time is the second.
+            left, right, copies, length_unit, mass_unit, axis and name, see `mesh3d`. `clamped`
+            is needed only if the matrices contain nodes to clamp. The unit of time is the second.
 
     Returns:
         the superelement, in SI units.
 
     Raises:
-        SuperelementError: files are missing or invalid, or describe no structure: matrices are not
-            symmetric or indefinite, nodes are unknown, or the first frequency is implausible.
+        SuperelementError: files are missing or invalid, or describe no structure: matrices are
+            indefinite or not symmetric, nodes are unknown, or the first frequency is implausible.
     """
     return imported(source, mass=mass, nodes=nodes, **choice)[0]
 
@@ -82,7 +82,8 @@ def imported(
     **choice: Any,
 ) -> tuple[Superelement, Inspection, FloatArray | None]:
     """Return a superelement, its properties, and its mass along x, y and z without fixed nodes
-    [kg], (3,); None if the coordinates have no positions. See `import_superelement`."""
+    [kg], (3,). The mass is None if the file is already a superelement. See `import_superelement`.
+    """
     path = Path(source)
     given = {key: value for key, value in choice.items() if value is not None}
     if path.suffix.lower() == SUPERELEMENT or (path.suffix.lower() == MATLAB and nodes is None):

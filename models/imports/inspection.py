@@ -25,7 +25,7 @@ RIGID = 1e-6
 coordinate."""
 
 NEGATIVE = 1e-7
-"""An eigenvalue below minus this number counts as negative if the diagonal is scaled to ones."""
+"""An eigenvalue of a matrix scaled to a diagonal of ones is negative if below minus this number."""
 
 LOWEST, USUAL, HIGHEST = 1.0, 500.0, 50e3
 """Lowest plausible, usual and highest plausible first elastic frequency [Hz]."""

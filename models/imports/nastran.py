@@ -1,8 +1,8 @@
 """External superelements of Nastran: .op4 with .asm and .pch, read by pyyeti.
 
-Nastran writes them for EXTSEOUT(ASMBULK,EXTBULK,EXTID=102,MATOP4=102). The matrices are reduced by
-Craig and Bampton: the displacements of the boundary nodes, in their own axes, and the amplitudes of
-modes, which Nastran calls scalar points.
+Nastran writes them for EXTSEOUT(ASMBULK,EXTBULK,EXTID=102,MATOP4=102). The matrices are those of a
+Craig-Bampton reduction. Coordinates are the displacements of the boundary nodes, in the axes of
+each node, and the amplitudes of modes, which Nastran calls scalar points.
 """
 
 from pathlib import Path
@@ -76,9 +76,16 @@ def _named(matrices: Any, names: tuple[str, ...], size: int) -> Any:
 
 
 def _basic_axes(first: Any, kept: Any, rigid: Any, nodes: Any, table: Path) -> tuple[Any, Any]:
-    """Return the matrix from coordinates in the basic axes to those of Nastran, (n, n), and the
-    rows of the displacements, (nodes, 3). Row `first` of a node is its first displacement in all
-    rows; three rows of `rigid` are its displacements under unit translations."""
+    """Return the matrix from coordinates in the basic axes to those of Nastran, (n, n), and for
+    each node the rows of its x, y and z displacements in the matrices, (nodes, 3).
+
+    Args:
+        first: row of the first displacement of each node among all rows, (nodes,).
+        kept: true for the rows that the matrices contain.
+        rigid: displacements in all rows under unit translations along x, y and z.
+        nodes: number of the node of each row.
+        table: path of the file, for messages.
+    """
     place = np.where(kept, np.cumsum(kept) - 1, FIXED)
     turned = sp.lil_array(sp.eye_array(int(kept.sum())))
     dofs = place[first[:, None] + np.arange(3)]

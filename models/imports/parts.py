@@ -32,11 +32,12 @@ class ForeignPart:
     points: FloatArray  #: positions of the nodes, (nodes, 3)
     dofs: IntArray
     """Row of the x, y and z displacement of each node, from 0; -1 where it is fixed, (nodes, 3)."""
-    groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> rows of nodes
-    surface: IntArray | None = None  #: rows of the nodes of each surface triangle, (t, 3)
+    groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> positions in `numbers`
+    surface: IntArray | None = None  #: nodes of each surface triangle, as in `groups`, (t, 3)
 
     def nodes(self, key: str, given: str) -> IntArray:
-        """Return the rows of the nodes of a group, or of node numbers separated by commas.
+        """Return the positions in `numbers` of the nodes of a group, or of nodes given by their
+        numbers, separated by commas.
 
         Raises:
             SuperelementError: the group or a node is unknown; the error names ``key``.
@@ -65,7 +66,7 @@ class ForeignPart:
 
 @dataclass(frozen=True, kw_only=True)
 class Choice:
-    """What becomes of a part: its contact nodes, faces, units and axis."""
+    """Choices for the superelement of a part: contact nodes, faces, units and axis."""
 
     contact: str  #: group, or numbers of nodes
     clamped: str | None = None  #: group or numbers of nodes to clamp, if the program did not
@@ -73,7 +74,7 @@ class Choice:
     left: str | None = None  #: group or numbers of the nodes of the clockwise face
     right: str | None = None  #: group or numbers of the nodes of the counter-clockwise face
     copies: int | None = None  #: number of sectors
-    length_unit: str = "m"  #: unit of positions and, with N, of stiffness
+    length_unit: str = "m"  #: unit of length; stiffness is in N per unit of length
     mass_unit: str = "kg"  #: unit of mass
     axis: str = "z"  #: axis of rotation, "x", "y" or "z"
     name: str = ""  #: name of the superelement

@@ -88,7 +88,8 @@ def _variables(path: Path) -> dict[str, Any]:
 
 
 def _matrices(content: dict[str, Any]) -> Iterator[tuple[str, Matrix]]:
-    """Yield matrices by key; those of structures first, so that variables replace them."""
+    """Yield each matrix with its key: first the fields of structures, so that variables of the same
+    key replace them."""
     for value in content.values():
         for one in value.flat if getattr(value, "dtype", None) == np.object_ else ():
             if isinstance(one, sio.matlab.mat_struct):
@@ -129,7 +130,8 @@ def _with_nodes(matrices: dict[str, Any], table: Path, source: str) -> ForeignPa
 
 
 def _dofs(table: Path, rows: list[dict[str, str]], size: int) -> IntArray:
-    """Return the rows of the displacements, as in the table or in the order of its nodes."""
+    """Return the rows of the x, y and z displacements of each node, (nodes, 3): those in the table,
+    or consecutive rows in the order of its nodes."""
     if any(key in rows[0] for key in ROWS):
         columns = [_column(table, rows, key, int, empty=0) for key in ROWS]
         dofs = np.array(columns, dtype=np.int64).T - 1
@@ -209,7 +211,8 @@ def read_matrix(path: Path) -> sp.csr_array:
 def read_triplets(path: Path, size: int | None = None) -> sp.csr_array:
     """Read a matrix from lines of row, column and value, separated by blanks or commas.
 
-    Rows and columns begin with 1. If only one triangle has entries, the matrix is symmetric.
+    Rows and columns begin with 1. If only one triangle has entries, they stand
+    for a symmetric matrix.
 
     Args:
         path: path of the file.

@@ -48,7 +48,7 @@ LONGEST_VALUE = 60
 
 
 def demand(text: str) -> str:
-    """Return a text after "expected"; a text that begins with "not allowed" is complete."""
+    """Return "expected" and the text; only the text if it begins with "not allowed"."""
     return text if text.startswith("not allowed") else f"expected {text}"
 
 

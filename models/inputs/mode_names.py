@@ -92,7 +92,8 @@ def chosen_modes(
         choice: text that selects modes, as in a case.
         rotor: modes of the bladed disk.
         casing: modes of the casing.
-        radial: lowest radial casing modes by nodal diameter; empty without cyclic symmetry.
+        radial: numbers of the lowest radial casing modes by nodal diameter; an empty dictionary
+            without cyclic symmetry.
 
     Raises:
         ValueError: a name selects no mode of the stage.

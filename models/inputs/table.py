@@ -30,12 +30,12 @@ class Inconsistency(NamedTuple):
 
     @property
     def path(self) -> tuple[str | int, ...]:
-        """Names and numbers of rows in `key`."""
+        """Names and row numbers of which `key` consists."""
         return path_of(self.key)
 
 
 def path_of(key: str) -> tuple[str | int, ...]:
-    """Return the names and the numbers of rows in a dotted key."""
+    """Return the names and the row numbers of which a dotted key consists."""
     parts = key.split(".") if key else []
     return tuple(int(part) if part.isdigit() else part for part in parts)
 
@@ -79,7 +79,7 @@ class ReplacedKeys(Table):
     """A table of which some keys, if they are given, replace others."""
 
     def written(self) -> Iterable[str]:
-        """Return the keys to write: all that have a meaning."""
+        """Return the keys to write, without those that other keys replace."""
         raise NotImplementedError
 
     @model_serializer(mode="wrap")

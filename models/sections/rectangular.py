@@ -128,7 +128,7 @@ class Section(Rectangle[float]):
         young_modulus: Young's modulus [Pa].
         density: density [kg/m3].
         material: material with Young's modulus and density, in place of these two arguments;
-            `Material()` is steel. A yield strength is given to the case instead.
+            `Material()` is steel. The material must have no yield strength; give it to the case.
 
     Raises:
         CaseError: a value is not positive, has a wrong unit, is missing or is given twice, or the
@@ -181,7 +181,7 @@ Taper = Sequence[Section]
 QUANTITIES = tuple(each.name for each in fields(Section))
 
 CHANGES = tuple(f"{name}_change" for name in QUANTITIES)
-"""Names of the changes of the quantities along a line in `LineProperties` and mesh files."""
+"""Names, in `LineProperties` and mesh files, of the changes of the quantities along a line."""
 
 
 def along(sections: Section | Taper, share: FloatArray) -> FloatArray:

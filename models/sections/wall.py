@@ -92,7 +92,8 @@ class RingProfile:
 
     def slope(self, angle: ArrayLike) -> FloatArray:
         """Return d(value)/d(angle), per rad, at angles [rad], in the shape of the angles: the slope
-        of the spline through `points` plus that of `lobes`, without `stations`."""
+        of the spline through `points` plus that of `lobes`. The slope between `stations` is not
+        included."""
         theta = np.asarray(angle, dtype=np.float64)
         slope = self._spline(theta, 1) if self.points else np.zeros(theta.shape)
         for wave in self.lobes:
@@ -117,7 +118,7 @@ class WallProperties:
     young_modulus: FloatArray  #: Young's modulus [Pa]
 
     def mean(self, weights: FloatArray) -> "WallProperties":
-        """Return the weighted means over the points of each element; the weights sum to one."""
+        """Return the weighted means over the points of each element; the weights add up to one."""
         return WallProperties(**{name: values @ weights for name, values in vars(self).items()})
 
 

@@ -62,7 +62,8 @@ class Solid:
 
         Args:
             density: density [kg/m3].
-            reduced: use the quadrature of the stiffness, not one that is exact for plane faces.
+            reduced: true for the quadrature of the stiffness, false for one that is exact for cells
+                with plane faces.
         """
         mass = BilinearForm(lambda u, v, w: density * u * v)
         order = self._type.stiffness_order if reduced else self._type.mass_order
@@ -71,16 +72,17 @@ class Solid:
     def stiffness(
         self, material: Elasticity, displacement: FloatArray | None = None
     ) -> sp.csr_array:
-        """Return the stiffness for small motions about a static displacement [N/m], (3 nodes, 3
-        nodes).
+        """Return the stiffness for small motions about a static displacement [N/m], (3 * nodes,
+        3 * nodes).
 
-        With the gradient F of the deformed positions and the stress S, which is linear in the
-        displacement, the entries are those of int F_ia C_ajbl F_kb + S_jl delta_ik dN/dx_j
-        dN^T/dx_l dV: elastic stiffness on the deformed solid and geometric stiffness.
+        The block of displacements i and k is int (F_ia C_ajbl F_kb + S_jl delta_ik) dN/dx_j
+        dN^T/dx_l dV with the shape functions N, the elasticity tensor C, the gradient F of the
+        deformed positions and the stress S, which is linear in the displacement. The first term is
+        the elastic stiffness of the deformed solid, the second the geometric stiffness.
 
         Args:
             material: elastic constants.
-            displacement: static displacements of the nodes [m], (3 nodes,); none by default.
+            displacement: static displacements of the nodes [m], (3 * nodes,); zero by default.
         """
         basis = self._basis(self._type.stiffness_order)
         law = material.tensor
@@ -164,13 +166,14 @@ IN_PLANE = np.diag([1.0, 1.0, 0.0])
 def rotating_stiffness(
     solid: Solid, mass: sp.csr_array, tie: sp.csr_array, material: Elasticity, speed: float
 ) -> sp.csr_array:
-    """Return the stiffness of a solid that rotates about z, (3 nodes, 3 nodes) [N/m].
+    """Return the stiffness of a solid that rotates about z [N/m], (3 * nodes, 3 * nodes).
 
     Args:
         solid: finite elements; their axis of rotation is z.
         mass: mass of one component of the displacements [kg], (nodes, nodes).
-        tie: matrix from coordinates to displacements, (3 nodes, coordinates): that of the free
-            displacements, or for a sector that of nodal diameter 0.
+        tie: matrix from the coordinates of the static deformation to all displacements, (3 * nodes,
+            coordinates); the coordinates are the free displacements, for a sector those of a
+            motion with nodal diameter 0.
         material: elastic constants.
         speed: speed of rotation [rad/s].
     """

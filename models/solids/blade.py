@@ -63,14 +63,15 @@ def mesh3d(
     of first order are too stiff in bending.
 
     With a speed, the stiffness is that for small motions about the rotating structure, in a
-    rotating frame: K_u + K_s - speed^2 M_xy. The static displacement is that of K u = speed^2 M_xy
-    X; K_u is the elastic stiffness on the displaced nodes, K_s the geometric stiffness of the
-    stress, and M_xy the mass in the plane of rotation.
+    rotating frame: K_u + K_s - speed^2 M_xy. K_u is the elastic stiffness of the statically
+    deformed solid, K_s the geometric stiffness due to its stress, and M_xy the mass in the plane of
+    rotation. The static displacement u follows from K u = speed^2 M_xy X with the positions X of
+    the nodes and the stiffness K at rest.
 
     Args:
         mesh: mesh of meshio, or path of a .msh file of Gmsh with physical groups, a .vtu file, or
-            an .inp file of Abaqus or CalculiX with sets of nodes or elements. The position of the
-            blade relative to the axis counts.
+            an .inp file of Abaqus or CalculiX with sets of nodes or elements. The mesh
+            must be at its true position relative to the axis of rotation.
         young_modulus: Young's modulus [Pa], or text such as "210 GPa".
         poisson_ratio: Poisson's ratio, from 0 to less than 0.5.
         density: density [kg/m3], or text such as "7.8 g/cm3".
@@ -78,17 +79,18 @@ def mesh3d(
         contact: group of the contact nodes.
         contacts: number of contact nodes, evenly spaced along the chord of the group and in the
             middle of its thickness; all nodes of the group by default.
-        left, right: groups of the clockwise and of the counter-clockwise face of a sector, whose
-            nodes match after a rotation by one pitch. Both or none are given.
+        left, right: groups of the clockwise and of the counter-clockwise face of a sector; their
+            nodes match after a rotation by one pitch. Both groups or none are given.
         copies: number of sectors in the wheel; required with left and right.
         unit: unit of length of the mesh, such as "mm".
         axis: axis of rotation of the mesh, "x", "y" or "z". The axis of the superelement is z:
             axes x, y and z of the mesh become z, x and y, or y, z and x.
         speed: speed of rotation [rad/s], or text such as "12000 rpm".
         mass_quadrature: "full", exact for cells with plane faces and evenly spaced nodes, or
-            "reduced", with the points of the stiffness. Reduced is the mass of CalculiX, whose
-            frequencies of coarse meshes of tetrahedra are higher.
-        coriolis: whether to add the matrix of the Coriolis forces, 2 M e_z x v at 1 rad/s.
+            "reduced", with the quadrature points of the stiffness. CalculiX uses the reduced mass,
+            which gives higher frequencies for coarse meshes of tetrahedra.
+        coriolis: true to add the matrix of the Coriolis forces 2 M e_z x v, for the velocity v and
+            a speed of 1 rad/s.
         name: name of the superelement; by default that of the file.
 
     Returns:

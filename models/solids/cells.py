@@ -53,12 +53,12 @@ class CellType:
     faces: tuple[tuple[int, ...], ...]  #: corners of each face, counter-clockwise from outside
     element: type[Any]  #: element of displacements
     mesh: type[Any]  #: mesh of scikit-fem, whose element describes the shape
-    stiffness_order: int  #: degree of polynomials that the quadrature of stiffness integrates
-    mass_order: int  #: degree for the mass
+    stiffness_order: int  #: degree to which the quadrature of the stiffness is exact
+    mass_order: int  #: degree to which the quadrature of the mass is exact
 
     @cached_property
     def triangles(self) -> tuple[Face, ...]:
-        """Triangles between all nodes of each face; nodes are given by their place in the cell."""
+        """Triangles that cover all faces; nodes are given by their place in the cell."""
         middle = {frozenset(edge): len(self.corners) + n for n, edge in enumerate(self.edges)}
         first_order = len(self.reference) == len(self.corners)
         return tuple(_face(face, {} if first_order else middle) for face in self.faces)
@@ -70,8 +70,9 @@ class CellType:
 
 
 def _face(face: tuple[int, ...], middle: dict[frozenset[int], int]) -> Face:
-    """Return triangles on a face; its mid-side nodes are cut off with their corners first. The
-    centre of a face of 27-node cells is left out."""
+    """Return triangles that cover a face. With mid-side nodes, one triangle at each corner comes
+    first, then triangles between the mid-side nodes; a node at the centre of the face is not used.
+    """
     ring = list(face)
     cut: list[tuple[int, int, int]] = []
     if middle:

@@ -65,7 +65,7 @@ def sector_faces(
     """Return the names of the faces of a sector and the number of sectors; None for a blade.
 
     Raises:
-        CaseError: some are missing, or copies is not a number of sectors.
+        CaseError: one or two of the arguments are missing, or copies is not a number of sectors.
     """
     given = {"left": left, "right": right, "copies": copies}
     if left is None or right is None or copies is None:

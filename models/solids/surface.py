@@ -1,4 +1,4 @@
-"""Surface of a solid for pictures, and nodes along the chord of a blade tip."""
+"""Surface of a solid for pictures, and evenly spaced nodes along the chord of a blade tip."""
 
 import numpy as np
 
@@ -8,8 +8,8 @@ from bladewhirl.models.solids.cells import CELL_TYPES
 
 
 def surface_triangles(mesh: VolumeMesh) -> tuple[IntArray, IntArray]:
-    """Return the nodes on the surface, (p,), and triangles between them, (t, 3), given by places
-    among these nodes; triangles are counter-clockwise when seen from outside."""
+    """Return the nodes on the surface, (p,), and triangles between them, (t, 3). Corners of
+    triangles are positions in the first array, counter-clockwise when seen from outside."""
     kind = CELL_TYPES[mesh.cell_type]
     corners = np.array(kind.faces)
     keys = np.sort(mesh.cells[:, corners].reshape(-1, corners.shape[1]), axis=1)

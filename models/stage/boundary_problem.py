@@ -20,33 +20,33 @@ RIGID = 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class BoundaryProblem:
-    """Equal or similar structures in modal coordinates, the copies, in a rigid wall or a flexible
-    ring."""
+    """Equal or similar structures, called copies, inside a rigid wall or a flexible ring; all in
+    modal coordinates."""
 
     frequency: FloatArray  #: frequency of each mode [rad/s], (copies, modes)
     damping_ratio: FloatArray  #: damping ratio of each mode, (copies, modes)
     by_velocity: FloatArray | None = None
-    """Matrix of the forces due to velocities that `damping_ratio` does not contain, Coriolis forces
-    and damping [1/s], (modes, modes), of each copy; None without such forces."""
+    """Matrix of the Coriolis forces and of the damping that `damping_ratio` does not contain, equal
+    for all copies [1/s], (modes, modes); None without such forces."""
     contact: FloatArray
     """Radial, tangential and axial displacements of the contact nodes of a copy for unit modal
-    coordinates [kg^-1/2], (3 nodes, modes)."""
+    coordinates [kg^-1/2], (3 * nodes, modes)."""
     compliance: FloatArray
-    """Residual flexibility of the contact nodes of each copy [m/N], (copies, 3 nodes, 3 nodes);
-    zero if the contact nodes have mass."""
-    massless: bool  #: whether the contact nodes have no mass
+    """Residual flexibility of the contact nodes of each copy [m/N], (copies, 3 * nodes,
+    3 * nodes); zero if the contact nodes have mass."""
+    massless: bool  #: true if the contact nodes have no mass
     angle: FloatArray  #: angle of each contact node from +x at t = 0 [rad], (copies, nodes)
     radius: FloatArray  #: radius of the contact nodes of a copy [m], (nodes,)
     recess: FloatArray
-    """Distance of each contact node inside the radius from which the clearance is measured [m],
-    (nodes,); with a coating plus the depth of the metal below the surface of the coating."""
+    """Radius from which the clearance is measured, minus the radius of each contact node [m],
+    (nodes,). With a coating, the depth of the metal below the surface of the coating is added."""
     wall: FloatArray
     """Clearance [m] and its derivative with respect to the angle [m], (angles, 2), at equally
     spaced angles from 0 or at the nodes of a flexible casing."""
     speed: float  #: speed of rotation [rad/s]
     friction: float  #: friction coefficient
     full_sliding: bool
-    """Whether friction is opposite to the slip velocity in the contact plane; if not, it acts
+    """True if friction is opposite to the slip velocity in the contact plane; false if it acts
     against the rotation."""
     displacement_limit: float  #: largest radial displacement of a contact node [m]
     start: Start  #: motion of each copy, and of the casing, at t = 0
@@ -71,8 +71,8 @@ class BoundaryProblem:
 
     @property
     def critical_time_step(self) -> float:
-        """Largest stable time step [s]: 2 / omega with the largest frequency of the modes; massless
-        contact nodes are fixed in all directions in which they have a residual flexibility."""
+        """Largest stable time step [s]: 2 / omega with the highest frequency of the modes. Massless
+        contact nodes are then fixed in each direction with a residual flexibility."""
         highest = 0.0 if self.casing is None else self.casing.frequency.max()
         return float(2.0 / max(self._highest_frequency, highest))
 

@@ -74,8 +74,8 @@ def march_faults(stage: Stage) -> Iterator[Fault]:
 
 
 def time_step_faults(stage: Stage) -> Iterator[Fault]:
-    """Yield faults if the time step reaches the stability limit, or the time in which a tip passes
-    an element of the casing."""
+    """Yield faults if the time step is not below the stability limit, or not below the time in
+    which a tip passes an element of the casing."""
     case, step = stage.case, stage.case.march.time_step
     with numbers_within_reach(case):
         bodies = marched_bodies(stage)
@@ -126,8 +126,8 @@ def _load_faults(stage: Stage) -> Iterator[Fault]:
 
 
 def _start_faults(stage: Stage) -> Iterator[Fault]:
-    """Yield faults for tips that start inside the casing, and for initial displacements above the
-    limit."""
+    """Yield faults for tips that start beyond the inner face of the casing, and for initial
+    displacements above the limit."""
     case, rows = stage.case, stage.case.initial.tip_displacement or ()
     rotor = stage.rotor
     clearance = case.casing.clearance_profile.value(rotor.tip_angle) + rotor.tip_recess
@@ -157,8 +157,8 @@ def _start_faults(stage: Stage) -> Iterator[Fault]:
 
 
 NEGLECTED = 1e-6
-"""Terms of a quadratic form below this fraction of the largest are neglected, for modes of equal
-energy."""
+"""Terms of a quadratic form are neglected if they are below this fraction of the largest term when
+all modes have the same energy."""
 
 
 def foreshortening(stage: Stage) -> Foreshortening | None:

@@ -21,15 +21,15 @@ from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.superelements.superelement import Superelement
 
 PER_FOOTPRINT = 4
-"""By default, more than this number of rods are under a footprint."""
+"""By default, a footprint covers more than this number of rods."""
 
 SAME = 1e-6
 """Two axial positions closer than this fraction of the radius are one track; a footprint up to this
 fraction counts as zero."""
 
 MISPLACED = 0.01
-"""A track of a worn profile may be off the track of the contact nodes by this fraction of its
-width."""
+"""Largest axial distance between a track of a worn profile and the track of the contact nodes,
+divided by the width of the track."""
 
 LISTED = 8
 """A message lists all axial positions up to this number of them."""
@@ -95,10 +95,10 @@ def node_coating(
 ) -> NodeCoating | None:
     """Return the coating of the wall; None if there is none.
 
-    There is a track of rods for each axial position of contact nodes. The widths of the tracks and
-    the arcs that the nodes cover follow from the distances between neighbours (see `spacing`):
-    neighbours of a node are nodes of its blade in the same track, or along the chord if it is alone
-    in its track.
+    There is a track of rods for each axial position of contact nodes. The widths of the tracks
+    follow from the axial distances between them, the arcs that nodes cover from the distances
+    between neighbours (see `spacing`). Neighbours of a node are the nodes of its blade in the same
+    track, or all nodes of its blade if it is alone in its track.
 
     Args:
         case: the case.
@@ -107,8 +107,8 @@ def node_coating(
         wall_radius: radius of the wall [m].
 
     Raises:
-        CaseError: the distances of the nodes give no footprint or no width, or a worn profile has
-            other tracks.
+        CaseError: contact nodes of a blade are at the same angle, so that no footprint follows, or
+            the tracks of a worn profile are not at the axial positions of the contact nodes.
     """
     coating = case.casing.coating
     if coating is None:
@@ -155,8 +155,8 @@ def _law(coating: Coating) -> dict[str, float]:
 
 
 def _worn(coating: Coating, around: float, footprint: FloatArray, *tracks: int) -> FloatArray:
-    """Return the plastic strain of each rod at the start, (*tracks, rods); the number of rods
-    follows from the circumference of the wall and the arcs that tips cover [m]."""
+    """Return the plastic strain of each rod at the start, (*tracks, rods). The default number of
+    rods follows from the circumference `around` of the wall and the arcs that tips cover [m]."""
     rods = coating.elements or int(PER_FOOTPRINT * around / footprint.min()) + 1
     strain = np.zeros((*tracks, rods))
     if coating.profile is not None:
@@ -179,8 +179,8 @@ def node_coating_faults(case: Case, coating: NodeCoating | None, speed: float) -
 
 
 def spacing(places: FloatArray) -> FloatArray:
-    """Return the part of a line that belongs to each of some places on it, in the same shape: half
-    of the distances to both neighbours; at the ends the distance to the only neighbour."""
+    """Return the length that belongs to each place on a line, in the same shape: half of the sum of
+    the distances to both neighbours; at the ends the distance to the only neighbour."""
     if len(places) < 2:
         return np.zeros(len(places))
     order = np.argsort(places, kind="stable")
@@ -190,8 +190,8 @@ def spacing(places: FloatArray) -> FloatArray:
 
 
 def axial_tracks(axial: FloatArray, radius: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return the different axial positions of contact nodes [m], ascending, and the number of the
-    position of each node.
+    """Return the different axial positions of contact nodes [m], (tracks,), ascending, and the
+    number of the position at which each node is, (nodes,).
 
     Args:
         axial: axial position of each node [m], (nodes,).
@@ -204,7 +204,7 @@ def axial_tracks(axial: FloatArray, radius: FloatArray) -> tuple[FloatArray, Int
 
 
 def _listed(places: FloatArray) -> str:
-    """Return positions in mm; number, first and last position of a long list."""
+    """Return positions in mm as text; of a long list only the number, the first and the last."""
     texts = [f"{1e3 * place:.5g}" for place in places]
     if len(texts) > LISTED:
         return f"{len(texts)} positions from {texts[0]} to {texts[-1]} mm"

@@ -40,7 +40,8 @@ class ReducedRotor:
     dampers: FloatArray
     """Rows G of the damping matrix G^T G of point dampers [s^-1/2], (dampers, modes)."""
     anisotropy: float = 0.0
-    """Half the difference of the static springs at the centre, stiffness along x minus y [N/m]."""
+    """Half the difference of the springs at the centre that are fixed in the static frame:
+    stiffness along x minus stiffness along y [N/m]."""
     by_velocity: FloatArray | None = None
     """Matrix of the Coriolis forces 2 Omega G and of the damping that does not follow from
     `damping_ratio` and `dampers` [1/s], (modes, modes); None without Coriolis forces. With this
@@ -120,7 +121,9 @@ class ReducedCasing:
 
     frequency: FloatArray  #: natural frequency [rad/s], (modes,)
     damping_ratio: FloatArray  #: damping ratio of each mode, (modes,)
-    nodal: FloatArray  #: w, dw/ds, u, du/ds of each node [kg^-1/2], (nodes, 4, modes)
+    nodal: FloatArray
+    """Radial displacement w, tangential displacement u and their derivatives by the arc length s at
+    each node, in the order w, dw/ds, u, du/ds [kg^-1/2], (nodes, 4, modes)."""
     clearance: FloatArray  #: clearance and its derivative by s at each node [m, 1], (nodes, 2)
     radius: float  #: radius of the ring [m]
     column: IntArray  #: DFT column of each mode over the nodes, (modes,); -1 without symmetry
@@ -136,7 +139,7 @@ class ReducedCasing:
     def by_harmonics(self) -> bool:
         """True if time integration treats each harmonic separately.
 
-        This needs symmetry; with few modes dense products are faster.
+        This needs symmetry, and more modes than nodes; with fewer modes dense products are faster.
         """
         return len(self.column) > len(self.nodal) and bool(np.all(self.column >= 0))
 
@@ -158,14 +161,15 @@ class WallClosure:
 
     course: Closure  #: closure over time
     share: FloatArray
-    """Share of the closure at each node, and its derivative by s [1, 1/m], (nodes, 2)."""
+    """Closure at each node divided by that of `course`, and the derivative of this ratio by the arc
+    length s [1, 1/m], (nodes, 2)."""
 
     @classmethod
     def around(
         cls, course: Closure | None, angle: FloatArray, radius: float = 1.0
     ) -> "WallClosure | None":
-        """Return the closure at angles around a ring of a radius [m], or per rad without a radius;
-        None without a closure."""
+        """Return the closure at angles [rad] around a ring; None if `course` is None. Derivatives
+        are with respect to the arc length at the radius [m]; by default, to the angle."""
         if course is None:
             return None
         share = [course.around.value(angle), course.around.slope(angle) / radius]
@@ -242,7 +246,7 @@ class NodeCoating(CoatingLaw):
 
 @dataclass(frozen=True, kw_only=True)
 class Foreshortening:
-    """Quadratic forms of the distances by which tips draw back as their blades bend.
+    """Quadratic forms of the distances by which tips move inward as their blades bend.
 
     The gap of tip j opens by 1/2 sum_i s_ji y_ji^2 with y_j = F_j x and the modal displacements x
     of the rotor.
@@ -272,7 +276,7 @@ class Load:
     """A force pattern times cos(frequency t + phase), with a half-cosine ramp and an end."""
 
     rotor: FloatArray
-    """Modal force [N kg^-1/2], (rotor modes,); on the copies of a superelement (copies, modes)."""
+    """Modal force [N kg^-1/2], (rotor modes,); for a superelement (copies, modes)."""
     casing: FloatArray = field(default_factory=lambda: np.zeros(0))
     """Modal force [N kg^-1/2], (casing modes,); empty for a rigid wall."""
     end: float = NEVER  #: the load is zero from this time on [s]
@@ -290,7 +294,7 @@ class Start:
     """Displacement and velocity at t = 0 in modal coordinates."""
 
     rotor: FloatArray
-    """Modal displacements of the rotor [kg^1/2 m], (rotor modes,); of a superelement (copies,
+    """Modal displacements of the rotor [kg^1/2 m], (rotor modes,); for a superelement (copies,
     modes)."""
     rotor_velocity: FloatArray  #: modal velocities of the rotor [kg^1/2 m/s], in the same shape
     casing: FloatArray
@@ -345,7 +349,8 @@ class ContactProblem:
 
     @property
     def metal_recess(self) -> FloatArray:
-        """Gap of each tip to the metal at rest, in addition to the clearance [m], (tips,)."""
+        """Distance of each tip at rest from the metal wall, which is under the coating if there is
+        one, minus the clearance [m], (tips,)."""
         removable = 0.0 if self.coating is None else self.coating.removable
         return np.asarray(self.rotor.tip_recess + removable)
 

@@ -120,7 +120,8 @@ def blade_lines(case: Case, disk: BladedDiskModel, load: EngineOrder) -> list[In
 
 
 def _one_per_blade(case: Case, disk: BladedDiskModel, load: EngineOrder) -> IntArray:
-    """Return for each blade the node of the set of a load that is nearest in angle to the tip."""
+    """Return for each blade a node of the set that the load names: the nearest in angle to the
+    tip."""
     name, blades = str(load.position), len(disk.model.tips)
     nodes = disk.mesh.node_sets.get(name)
     if nodes is None or len(nodes) != blades:

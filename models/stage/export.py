@@ -27,8 +27,8 @@ def wheel_superelement(
     """Return the full finite element model of a bladed disk as a wheel, without the springs of the
     shaft.
 
-    Coordinates are the free degrees of freedom of the beams, but x and y displacements of the tips
-    in place of radial and tangential ones. Points are all nodes. Rotation effects of the stage are
+    Coordinates are the free degrees of freedom of the beams; at the tips, x and y displacements
+    replace the radial and tangential ones. Points are all nodes. Rotation effects of the stage are
     included in the stiffness, Coriolis forces are not.
 
     Args:
@@ -63,8 +63,8 @@ def wheel_superelement(
 
 
 def _to_cartesian_tips(disk: BladedDiskModel) -> sp.csr_array:
-    """Return the matrix from coordinates with x and y displacements of the tips, in place of their
-    radial and tangential displacements, to the free degrees of freedom, (size, size)."""
+    """Return the matrix from the coordinates of `wheel_superelement`, in which the displacements of
+    the tips are along x and y, to the free degrees of freedom, (size, size)."""
     turn: FloatArray = np.zeros((disk.structure.size, disk.structure.size))
     np.fill_diagonal(turn, 1.0)
     c, s = np.cos(disk.tip_angles), np.sin(disk.tip_angles)
@@ -141,7 +141,7 @@ def part_superelement(
 def _lines_alone(
     disk: BladedDiskModel, chosen: BoolArray, nodes: IntArray
 ) -> tuple[sp.csr_array, sp.csr_array]:
-    """Return mass and stiffness of some of the lines, for x, y and rotation of some nodes."""
+    """Return mass and stiffness of the chosen lines alone, for x, y and rotation of given nodes."""
     flat = replace(disk.mesh, node_axes=np.zeros_like(disk.mesh.node_axes))
     assembler = straight_beams(flat.lengths, flat.lines, len(flat.points))
     transform, sections = nodal_to_line_axes(flat), disk.properties.at(assembler.points)

@@ -70,7 +70,7 @@ def _fed_whirl(stage: Stage) -> Iterator[str]:
 
 
 def _free_ends(model: BeamModel) -> Iterator[str]:
-    """Yield a warning about free ends at the radius of the tips that are missing in their set."""
+    """Yield a warning about free ends at the radius of the tips that are not in the set `tips`."""
     points = model.mesh.points
     joined = np.bincount(model.joints.ravel(), minlength=len(points))
     ends = np.setdiff1d(np.flatnonzero(joined == 1), [*model.tips, model.centre, *model.links.led])
@@ -90,8 +90,9 @@ ROUNDING = 1e-9
 
 
 def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
-    """Yield warnings for matrices of the file that are not used or that add to other damping, and
-    for a contact node that locks itself against the wall with the given friction."""
+    """Yield warnings about matrices of the file that are not used, about a damping matrix that adds
+    to the modal damping, and about a contact node that the given friction locks against the
+    wall."""
     ratio = stage.case.damping.ratio
     for key in ("damping", "gyroscopic"):
         if getattr(stage.table.part, key) is None:
@@ -131,8 +132,8 @@ def locking_friction(stage: SuperelementStage) -> dict[int, float]:
 
 def static_response(stage: SuperelementStage) -> tuple[FloatArray, FloatArray]:
     """Return the radial displacement of each contact node per radial and per tangential force on
-    it [m/N], (nodes,) each; empty for a wheel from a sector, whose matrices are not assembled, and
-    for a structure with rigid modes."""
+    it [m/N], (nodes,) each. Both arrays are empty for a wheel from a sector, whose matrices are not
+    assembled, and for a structure with rigid modes."""
     part = stage.part
     squares = stage.reduced.frequency**2
     if stage.table.kind == "sector" or squares.min() <= rigid_limit(part):

@@ -50,8 +50,8 @@ def _loads(stage: Stage, load: Excitation) -> tuple[Load, ...]:
 
 
 def radial_mode(stage: Ring, k: int, key: str = "excitation") -> int:
-    """Return the number of the lowest radial casing mode w = +cos k theta; `key` is the dotted key
-    of the excitation that needs the mode.
+    """Return the number of the lowest casing mode whose radial displacement varies as +cos k theta;
+    `key` is the dotted key of the excitation that needs the mode.
 
     Raises:
         CaseError: there is no such mode.
@@ -151,7 +151,8 @@ def boundary_values(
 
 
 def _static_shape(rotor: ReducedRotor, values: FloatArray) -> FloatArray:
-    """Return the modal coordinates of least strain energy for given motion of tips and centre."""
+    """Return the modal coordinates of least strain energy for a given motion of tips and centre;
+    `values` are in the order of `boundary_values`."""
     rows = np.vstack([rotor.tip_radial, rotor.tip_tangential, rotor.centre])
     free = np.any(rows != 0.0, axis=1)  # a clamped centre has no coordinates
     flexible = rows[free] / rotor.stiffness

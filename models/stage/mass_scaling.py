@@ -17,8 +17,8 @@ from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing
 
 MASS_CHANGE = 0.03
-"""At the default cut-off frequency, the inverse mass that a force between a tip and the wall meets
-decreases by at most this fraction, on average around the casing."""
+"""Largest decrease, relative and on average around the casing, of the inverse mass on which a force
+between a tip and the wall acts; it determines the default cut-off frequency."""
 
 STEP_SHARE = 0.5
 """The time step of a screening march is at most this fraction of the critical step: with longer

@@ -49,7 +49,7 @@ class ReducedDisk:
     """Skew matrix of the Coriolis forces, [N s/m] between displacements, (size, size); None without
     Coriolis forces."""
     basis: FloatArray
-    """Matrix from the coordinates to the free DoF of the finite element model, (full size, size).
+    """Matrix from the coordinates to the free DoF of the finite element model, (free DoF, size).
     """
     disk: BladedDiskModel  #: finite element model
 

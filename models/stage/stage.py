@@ -307,7 +307,7 @@ def _by_velocity(case: Case, disk: BladedDiskModel, modes: Modes) -> FloatArray 
 
 
 def _check_clearance(case: Case, recess: FloatArray) -> None:
-    """Check that no tip touches the casing due to its growth.
+    """Check that the static growth of the tips at speed closes no gap to the casing.
 
     Raises:
         CaseError: a tip touches the casing; the error names the blade and the overlap.

@@ -86,7 +86,7 @@ def engine_order_forces(
     Args:
         load: the excitation, at the tip.
         contact: displacements of the contact nodes of a copy for unit modal coordinates
-            [kg^-1/2], (3 nodes, modes).
+            [kg^-1/2], (3 * nodes, modes).
         angle: angle of each contact node at t = 0 [rad], (copies, nodes).
         blade: blade of each contact node of a copy, (nodes,).
     """
@@ -117,12 +117,11 @@ def static_shapes(
     copies: int,
 ) -> FloatArray:
     """Return the modal coordinates of least strain energy for the initial motion of the tips and of
-    the centre, (copies, modes).
+    the centre, (copies, modes). The motion of a tip is the mean of the contact nodes of a blade.
 
     Args:
-        case: the case, with the radial and tangential motion of each blade, the mean of its contact
-            nodes.
-        key: kind of the motion in the table `initial`.
+        case: case whose table `initial` gives the motion.
+        key: part of the motion to use.
         reduced: the reduced superelement.
         blade: blade of each contact node of a copy, (nodes,).
         copies: number of copies.

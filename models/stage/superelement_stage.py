@@ -33,7 +33,7 @@ GRID = 4096
 """Number of angles at which the wall is tabulated; more if the profile has many points."""
 
 PER_POINT = 8
-"""Angles of the table for each point of a measured profile."""
+"""Smallest number of angles at which the wall is tabulated per point of a measured profile."""
 
 LIMIT = 0.2
 """Default of march.displacement_limit, divided by the largest radius of a contact node."""
@@ -47,7 +47,7 @@ class SuperelementStage:
     """A superelement in its case, reduced."""
 
     case: Case
-    part: Superelement  #: the superelement; all contact nodes of a wheel if it is a sector
+    part: Superelement  #: the superelement; the wheel if the file has a sector
     reduced: ReducedSuperelement  #: modes of one copy and its contact nodes
     factor: FloatArray  #: factor on the stiffness of each copy, (copies,)
     blade: IntArray  #: number of the blade of each contact node of a copy, (nodes,)
@@ -93,7 +93,7 @@ class SuperelementStage:
 
     @property
     def recess(self) -> FloatArray:
-        """Distance of each contact node inside the radius from which the clearance is measured [m],
+        """Radius from which the clearance is measured, minus the radius of each contact node [m],
         (nodes,)."""
         radius = self.case.casing.radius
         if radius is None:
@@ -109,7 +109,7 @@ class SuperelementStage:
         """Return the contact problem at a speed of rotation [rad/s].
 
         Raises:
-            CaseError: a contact node is inside the wall at the start.
+            CaseError: a contact node is beyond the wall at the start.
         """
         case, reduced = self.case, self.reduced
         modes, copies = len(reduced.frequency), self.copies
@@ -180,8 +180,8 @@ class SuperelementStage:
 
     @cached_property
     def wall(self) -> FloatArray:
-        """Clearance [m] and its derivative with respect to the angle [m], at equal
-        angles or at the nodes of a flexible casing, (angles, 2)."""
+        """Clearance [m] and its derivative with respect to the angle [m], at equally spaced
+        angles from 0 or at the nodes of a flexible casing, (angles, 2)."""
         profile, angles = self.case.casing.clearance_profile, self._wall_angle
         return np.column_stack([profile.value(angles), profile.slope(angles)])
 
@@ -199,15 +199,15 @@ class SuperelementStage:
         if gap.min() < 0.0:
             copy, node = np.unravel_index(int(gap.argmin()), gap.shape)
             expected = (
-                f"a wall outside all contact nodes at t = 0: node {node} of blade {copy} would"
-                f" start {-gap.min():.4g} m inside it; use a larger clearance, another phase, or"
-                " casing.closure, which moves the wall later"
+                f"all contact nodes inside the wall at t = 0: node {node} of blade {copy} would be"
+                f" {-gap.min():.4g} m beyond the wall; use a larger clearance, another phase of its"
+                " lobes, or casing.closure, which moves the wall inward later"
             )
             raise CaseError([case_fault(self.case, "casing.clearance", expected)])
 
 
 def _ring_arrays(ring: Ring | None) -> dict[str, Any]:
-    """Return the arrays of a flexible casing in a result, empty for a rigid wall."""
+    """Return the arrays of a flexible casing in a result by name; empty arrays for a rigid wall."""
     if ring is None:
         none = np.zeros(0)
         names = ("frequency", "nodal_diameter", "angle", "thickness", "width")
@@ -228,7 +228,7 @@ def superelement_stage(case: Case) -> SuperelementStage:
     """Return the stage of a case with a superelement.
 
     Raises:
-        CaseError: the superelement cannot be reduced as the case asks for.
+        CaseError: the superelement cannot be reduced as the case demands.
     """
     table = case.bladed_disk.superelement
     assert table is not None
@@ -276,7 +276,8 @@ def superelement_stage(case: Case) -> SuperelementStage:
 
 
 def _by_velocity(reduced: ReducedSuperelement, speed: float) -> FloatArray | None:
-    """Return the matrix of damping and Coriolis forces of the file at a speed [rad/s]."""
+    """Return the matrix of the damping and the Coriolis forces that the file gives, at a speed
+    [rad/s]: [1/s], (modes, modes); None if it gives neither."""
     damping, gyroscopic = reduced.damping, reduced.gyroscopic
     if damping is None and gyroscopic is None:
         return None

@@ -1,4 +1,4 @@
-"""Natural frequencies of large sparse matrices, and their signs."""
+"""Natural frequencies of structures with large sparse matrices."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ SMALL = 600
 """Largest number of unknowns for which all eigenvalues are computed."""
 
 MASSLESS = 1e-14
-"""An inverse eigenvalue up to this fraction of the largest one belongs to a coordinate without
+"""An inverse eigenvalue up to this fraction of the largest one belongs to a motion without
 mass."""
 
 SHIFT = 1e-11
@@ -24,7 +24,8 @@ with rigid modes is positive definite."""
 def lowest_frequencies(mass: Matrix, stiffness: Matrix, count: int) -> np.ndarray[Any, Any]:
     """Return the lowest natural frequencies [Hz], (count,) or fewer, in ascending order.
 
-    Matrices may be complex and Hermitian. Negative eigenvalues give negative frequencies.
+    Matrices may be complex and Hermitian. If a squared frequency is negative, the frequency is
+    negative, minus the root of its magnitude.
 
     Args:
         mass: mass [kg], (n, n), positive semidefinite.
@@ -54,7 +55,7 @@ def lowest_frequencies(mass: Matrix, stiffness: Matrix, count: int) -> np.ndarra
 
 
 def _all_eigenvalues(mass: Any, stiffness: Any, shift: float) -> Any:
-    """Return the finite eigenvalues; coordinates without mass have none."""
+    """Return the finite eigenvalues; for coordinates without mass there are none."""
     try:
         return eigh(stiffness, mass, eigvals_only=True)
     except np.linalg.LinAlgError:  # the mass is singular

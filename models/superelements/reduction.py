@@ -7,9 +7,10 @@ all other modes at the contact nodes (MacNeal 1971),
 
     C = B K^-1 B^T - P W^-2 P^T,      u = P q + C f
 
-with the displacements u of the contact nodes, forces f on them, the modal coordinates q, the
-frequencies W and the rows P of the modes. C follows from one static solution for each contact
-displacement, so that no mode is left out.
+with the displacements u = B x of the contact nodes for the coordinates x of the superelement, the
+forces f on the contact nodes, the modal coordinates q, the diagonal matrix W of the frequencies,
+the displacements P of the contact nodes in the modes, and the residual flexibility C. C follows
+from one static solution for each contact displacement, so that it includes all other modes.
 
 ``consistent``: all modes of the Craig-Bampton model with the contact nodes as boundary. The contact
 nodes have mass, and C is zero.
@@ -60,13 +61,13 @@ class ReducedSuperelement:
     """x and y of the centre for unit modal coordinates [kg^-1/2], (2, modes); zero if there is no
     centre."""
     points: FloatArray
-    """x, y and z of the points of pictures for unit modal coordinates [kg^-1/2], (3p, modes)."""
+    """x, y and z of the points for pictures, for unit modal coordinates [kg^-1/2], (3p, modes)."""
     damping: FloatArray | None = None  #: damping matrix of the file [1/s], (modes, modes)
     gyroscopic: FloatArray | None = None
     """Matrix of the Coriolis forces of the file at 1 rad/s, (modes, modes)."""
     kept: int
-    """Number of the lowest modes with the damping of the structure; higher modes have that of the
-    boundary."""
+    """Number of the lowest modes, which have the damping ratio of the structure; higher modes have
+    that of the boundary."""
 
 
 def massless(part: Superelement, modes: int) -> ReducedSuperelement:
@@ -77,8 +78,8 @@ def massless(part: Superelement, modes: int) -> ReducedSuperelement:
         modes: number of modes.
 
     Raises:
-        SuperelementError: `modes` is not below the number of coordinates, or leaves a contact node
-            no radial residual flexibility; or a matrix is indefinite.
+        SuperelementError: `modes` is not below the number of coordinates, or is so large that a
+            contact node has no radial residual flexibility; or a matrix is indefinite.
     """
     rows = part.contact_rows
     if part.size > DENSE:
@@ -109,9 +110,9 @@ def consistent(part: Superelement, fixed_interface_modes: int, kept: int) -> Red
     """Return all modes of the Craig-Bampton model whose boundary are contact nodes and centre.
 
     Args:
-        part: superelement, supported.
+        part: superelement without rigid modes.
         fixed_interface_modes: number of fixed-interface modes.
-        kept: number of the lowest modes, which have the damping of the structure.
+        kept: number of the lowest modes, which have the damping ratio of the structure.
 
     Raises:
         SuperelementError: `fixed_interface_modes` is larger than the number of coordinates that are
@@ -239,12 +240,12 @@ def _start(size: int) -> FloatArray:
 
 
 def static_flexibility(part: Superelement, rows: sp.csr_array, rigid: FloatArray) -> FloatArray:
-    """Return B K^-1 B^T, (rows, rows) [m/N]; on the complement of the rigid modes if there are any.
+    """Return the static flexibility B K^-1 B^T [m/N], (rows, rows), without rigid modes.
 
     Args:
         part: superelement.
         rows: matrix B from the coordinates to displacements, (rows, n).
-        rigid: mass-normalised rigid modes, (n, r).
+        rigid: mass-normalised rigid modes, (n, r), to whose complement the flexibility is limited.
     """
     loads = dense(rows).T
     if rigid.size:

@@ -21,15 +21,15 @@ LARGE = 20_000
 """Number of coordinates from which the cost of a reduction is reported."""
 
 FILL, BYTES = 15.0, 24.0
-"""Entries of the triangular factor of n coordinates of a solid, divided by n^(4/3) (measured for
-blades of 6,000 to 87,000 coordinates), and bytes for each entry in both factors."""
+"""Number of entries of the triangular factor of a solid with n coordinates, divided by n^(4/3)
+(measured for blades of 6,000 to 87,000 coordinates); and bytes per entry, for both factors."""
 
 FACTOR_SECONDS, SOLVE_SECONDS = 3e-9, 2.5e-9
-"""Time of a factorisation divided by n^2, and of a solution divided by the entries of the factor
-[s]; accurate to a factor of three."""
+"""Time of a factorisation divided by n^2, and time of a solution divided by the number of entries
+of the factor [s]; accurate to a factor of three."""
 
 Progress = Callable[[int, int], None]
-"""Callback with the numbers of finished and of all solutions."""
+"""Callback; its arguments are the number of finished solutions and the number of all solutions."""
 
 
 @dataclass

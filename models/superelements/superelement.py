@@ -48,7 +48,7 @@ class Superelement:
 
     mass: Matrix  #: mass matrix [kg], (n, n), symmetric
     stiffness: Matrix  #: stiffness matrix [N/m], (n, n), symmetric
-    contact_position: FloatArray  #: undeformed contact nodes [m], (c, 3)
+    contact_position: FloatArray  #: undeformed positions of contact nodes [m], (c, 3)
     contact_dofs: IntArray
     """Numbers of the x, y and z displacement of each contact node, (c, 3); -1 for a component that
     is always zero."""
@@ -57,7 +57,7 @@ class Superelement:
     """Skew matrix of the Coriolis forces, for a speed of 1 rad/s [kg], (n, n)."""
     centre_dofs: IntArray | None = None
     """Numbers of the x and y displacement of the centre of a wheel, (2,)."""
-    points: FloatArray | None = None  #: undeformed points of pictures [m], (p, 3)
+    points: FloatArray | None = None  #: undeformed points for pictures [m], (p, 3)
     recovery: Matrix | None = None
     """Matrix from the coordinates to the x, y and z displacements of the points, (3p, n)."""
     triangles: IntArray | None = None  #: points of each surface triangle, (t, 3)
@@ -106,7 +106,7 @@ class Superelement:
     @property
     def contact_rows(self) -> sp.csr_array:
         """Matrix from the coordinates to the radial, tangential and axial displacements of the
-        contact nodes, (3c, n), a row for each displacement: first those of node 0."""
+        contact nodes, (3c, n); the first three rows belong to node 0."""
         c, s = np.cos(self.contact_angle), np.sin(self.contact_angle)
         rows, columns, values = [], [], []
         for node, (x, y, z) in enumerate(self.contact_dofs.tolist()):

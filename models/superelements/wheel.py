@@ -21,18 +21,18 @@ def massless_wheel(
 ) -> tuple[Superelement, ReducedSuperelement]:
     """Return the contact nodes of a wheel, and its reduction with a massless boundary.
 
-    Contact nodes are numbered sector by sector, counter-clockwise. Points of pictures are those of
+    Contact nodes are numbered sector by sector, counter-clockwise. Points for pictures are those of
     all sectors.
 
     Args:
         part: sector with left_dofs and right_dofs.
         sectors: number of sectors.
-        modes: number of free-interface modes for each nodal diameter, of each of the two waves if
-            there are two.
+        modes: number of free-interface modes for each nodal diameter; if it has two waves, for each
+            of them.
 
     Returns:
-        a superelement with the contact nodes and the points of the wheel, whose matrices are the
-        diagonal ones of the modes; and the reduction.
+        a superelement with the contact nodes and the points of the wheel, whose coordinates are
+        modal coordinates with diagonal matrices; and the reduction.
 
     Raises:
         SuperelementError: the sector has too many or too few coordinates, or rigid modes.
@@ -96,8 +96,8 @@ def massless_wheel(
 def whole_wheel(part: Superelement, sectors: int) -> Superelement:
     """Return the assembled wheel of a sector, with sparse matrices.
 
-    Coordinates are those of a sector without its right face, sector by sector; displacements of the
-    contact nodes are in the axes of the first sector, others in the axes of their sectors.
+    Coordinates are those of a sector without its right face, sector by sector. Displacements of
+    contact nodes are in the axes of the first sector, other displacements in those of their sector.
 
     Args:
         part: sector with left_dofs and right_dofs.

@@ -107,7 +107,7 @@ def test_modes_and_properties_are_printed(file: Path, tmp_path: Path) -> None:
 
 
 REFUSED: list[tuple[dict[str, Any], str]] = [
-    ({"casing__clearance": 1e-4}, "casing.clearance = 1e-4: expected a wall outside all"),
+    ({"casing__clearance": 1e-4}, "casing.clearance = 1e-4: expected all contact nodes"),
     ({"excitation": {"type": "casing-distortion"}}, 'or casing.type = "ring"'),
     ({"march__time_step": 1e-4, "march__record_step": 1e-4}, "less than the critical step"),
     ({"reduction": {"free_interface_modes": 54}}, "at most 53 modes of 54 coordinates"),

@@ -96,7 +96,7 @@ def test_what_only_beams_can_do_is_refused(case: bw.Case, tmp_path: Path) -> Non
     assert line.startswith("--screen: not allowed together with bladed_disk")
     line = fault(bw.run_sweep, case, {"casing.clearance": (3e-4, 1e-4)}, tmp_path / "w")
     assert "point casing.clearance = 1e-4: " in line
-    assert "a wall outside all contact" in line
+    assert "all contact nodes inside the wall" in line
     assert not any(tmp_path.iterdir())
 
 
