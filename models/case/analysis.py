@@ -42,8 +42,8 @@ class Reduction(Table):
     """Modes that a march keeps: "all"; "six", the paper's truncated space of Eqs (4)-(10), which is
     "1F:1,suspension:1,casing:1"; or names, FAMILY:k on the bladed disk and casing:FAMILY:k on the
     casing, with the nodal diameter k. A name without ":k" selects all nodal diameters; "*" is every
-    family; "casing:k" is the lowest radial mode with k. Loads and initial motion
-    are projected on the modes."""
+    family; "casing:k" is the lowest radial mode with k. Loads and initial motion are
+    projected on the modes."""
 
 
 class Damping(Table):

@@ -71,7 +71,8 @@ TableT = TypeVar("TableT", bound=Table)
 
 
 def table_of(text: str, name: str, kind: type[TableT]) -> TableT:
-    """Return one table from the text of a case, such as [casing]; the default if it is not there.
+    """Return one table from the text of a case, such as [casing]; the default table if the
+    text lacks it.
 
     Other tables are ignored, so that the files named in them need not exist on this computer.
 

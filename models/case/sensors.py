@@ -92,7 +92,7 @@ class SensorTable(Table):
 
 
 class StrainGauge(SensorTable):
-    """A strain gauge on the surface of one blade or of every blade, along the blade."""
+    """A strain gauge, aligned with the blade, on the surface of one blade or of every blade."""
 
     type: Literal["strain"]
     """Strain along the surface [m/m], relative to the state of steady rotation."""

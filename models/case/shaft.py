@@ -65,8 +65,9 @@ class Shaft(ReplacedKeys):
     damping_frame: Literal["rotating", "static"] = "rotating"
     """Frame of the dampers: "rotating", internal damping, which acts on the velocity in rotating
     axes and destabilises forward whirl above its critical speed; "static", bearing damping, which
-    acts on the velocity in static axes and stabilises forward whirl. "static" needs equal dampers
-    and rotation.effects = "full"."""
+    acts on the velocity in static axes (v + Omega z x u for the displacement u and the velocity v
+    in rotating axes) and stabilises forward whirl. "static" needs equal dampers and
+    rotation.effects = "full"."""
     clamped: StrictBool = False
     """Fix the centre instead of supporting it by springs."""
 

@@ -76,7 +76,7 @@ def grouped_lines(model: BeamModel) -> GroupedLines:
 
 
 def point_masses(mesh: GroupedLines) -> PointMasses:
-    """Return the point masses in the data of a mesh.
+    """Return the point masses that the node data of a mesh describe.
 
     Raises:
         ValueError: a mass is negative.
@@ -86,7 +86,7 @@ def point_masses(mesh: GroupedLines) -> PointMasses:
 
 
 def springs(mesh: GroupedLines) -> NodeSprings:
-    """Return the springs in the lines and the data of a mesh.
+    """Return the springs that the line data and the node data of a mesh describe.
 
     Raises:
         ValueError: a stiffness is negative.

@@ -105,11 +105,11 @@ class _Blade:
         return next(name for name, node_radius in self._radius.items() if node_radius == radius)
 
     def polar(self, radius: float, stretch: float = 1.0) -> tuple[float, float]:
-        """Return radius and angle of the point of the centre line at a radius [m, rad].
+        """Return radius [m] and angle [rad] of the point on the centre line at a given radius.
 
         Args:
             radius: radius of the point [m].
-            stretch: factor on the length of the blade.
+            stretch: length of the blade divided by that without mistuning.
         """
         return radius, self._angle(min(max((radius - self._root) / (stretch * self._span), 0), 1))
 

@@ -2,7 +2,7 @@
 
 CalculiX writes them in a step with *FREQUENCY, SOLVER=MATRIXSTORAGE. Each line of .sti and .mas has
 row, column and value of one triangle; line i of .dof has node and direction of row i, such as 17.3.
-Fixed displacements are left out; displacements that depend on others by equations are eliminated.
+Fixed displacements are left out; displacements that equations tie to others are eliminated.
 """
 
 from pathlib import Path

@@ -33,7 +33,7 @@ class ForeignPart:
     dofs: IntArray
     """Row of the x, y and z displacement of each node, from 0; -1 where it is fixed, (nodes, 3)."""
     groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> positions in `numbers`
-    surface: IntArray | None = None  #: nodes of each surface triangle, as in `groups`, (t, 3)
+    surface: IntArray | None = None  #: corners of surface triangles, positions in `numbers`, (t, 3)
 
     def nodes(self, key: str, given: str) -> IntArray:
         """Return the positions in `numbers` of the nodes of a group, or of nodes given by their

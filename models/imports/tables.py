@@ -211,8 +211,8 @@ def read_matrix(path: Path) -> sp.csr_array:
 def read_triplets(path: Path, size: int | None = None) -> sp.csr_array:
     """Read a matrix from lines of row, column and value, separated by blanks or commas.
 
-    Rows and columns begin with 1. If only one triangle has entries, they stand
-    for a symmetric matrix.
+    Rows and columns begin with 1. If only one triangle has entries, they stand for a symmetric
+    matrix.
 
     Args:
         path: path of the file.

@@ -76,7 +76,7 @@ class Table(BaseModel):
 
 
 class ReplacedKeys(Table):
-    """A table of which some keys, if they are given, replace others."""
+    """A table in which some keys replace others if they are given."""
 
     def written(self) -> Iterable[str]:
         """Return the keys to write, without those that other keys replace."""

@@ -79,7 +79,7 @@ class ReducedRotor:
     def by_harmonics(self) -> bool:
         """True if time integration treats each harmonic separately.
 
-        This needs symmetry; with few modes dense products are faster.
+        This needs symmetry, and more modes than tips; with fewer modes dense products are faster.
         """
         tips = len(self.tip_angle)
         return (

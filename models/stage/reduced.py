@@ -39,15 +39,15 @@ class ReducedDisk:
 
     names: tuple[str, ...]
     """Names of the coordinates: "tip 3 radial", "centre x", "fixed-interface 12", (size,)."""
-    mass: FloatArray  #: mass matrix, [kg] between displacements, (size, size)
-    stiffness: FloatArray  #: stiffness matrix, [N/m] between displacements, (size, size)
+    mass: FloatArray  #: mass matrix, (size, size); entries of displacements in kg
+    stiffness: FloatArray  #: stiffness matrix, (size, size); of displacements in N/m
     damping: FloatArray
-    """Damping matrix of modal damping and shaft dampers, [N s/m] between displacements,
-    (size, size). With Coriolis forces, the modal damping belongs to the modes at rest; it rotates
+    """Damping matrix of modal damping and shaft dampers, (size, size); entries of displacements in
+    N s/m. With Coriolis forces, the modal damping belongs to the modes at rest; it rotates
     with the disk and can destabilise waves above their critical speed."""
     gyroscopic: FloatArray | None
-    """Skew matrix of the Coriolis forces, [N s/m] between displacements, (size, size); None without
-    Coriolis forces."""
+    """Skew matrix of the Coriolis forces, (size, size); entries of displacements in N s/m. None
+    without Coriolis forces."""
     basis: FloatArray
     """Matrix from the coordinates to the free DoF of the finite element model, (free DoF, size).
     """
@@ -64,7 +64,7 @@ class ReducedDisk:
 
     @property
     def frequencies(self) -> FloatArray:
-        """Natural frequencies, or frequencies of waves with Coriolis forces, ascending [rad/s],
+        """Natural frequencies, with Coriolis forces those of travelling waves, ascending [rad/s],
         (size,)."""
         if self.gyroscopic is not None:
             w = gyroscopic_frequencies(self.mass, self.stiffness, self.gyroscopic)

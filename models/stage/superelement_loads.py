@@ -121,7 +121,7 @@ def static_shapes(
 
     Args:
         case: case whose table `initial` gives the motion.
-        key: part of the motion to use.
+        key: quantity of the motion that is used.
         reduced: the reduced superelement.
         blade: blade of each contact node of a copy, (nodes,).
         copies: number of copies.
