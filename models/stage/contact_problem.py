@@ -36,7 +36,9 @@ class ReducedRotor:
     tip_angle: FloatArray  #: angle of each tip from +x [rad], (tips,)
     tip_radius: float  #: radius from which the clearance is measured [m]
     tip_recess: FloatArray  #: `tip_radius` minus the radius of each tip [m], (tips,)
-    column: IntArray  #: DFT column of each mode over the tips, (modes,); -1 without symmetry
+    column: IntArray
+    """Column of the discrete Fourier transform (DFT) over the tips to which the shape of each mode
+    belongs, (modes,); -1 without symmetry."""
     dampers: FloatArray
     """Rows G of the damping matrix G^T G of point dampers [s^-1/2], (dampers, modes)."""
     anisotropy: float = 0.0
@@ -126,7 +128,9 @@ class ReducedCasing:
     each node, in the order w, dw/ds, u, du/ds [kg^-1/2], (nodes, 4, modes)."""
     clearance: FloatArray  #: clearance and its derivative by s at each node [m, 1], (nodes, 2)
     radius: float  #: radius of the ring [m]
-    column: IntArray  #: DFT column of each mode over the nodes, (modes,); -1 without symmetry
+    column: IntArray
+    """Column of the discrete Fourier transform over the nodes to which the shape of each mode
+    belongs, (modes,); -1 without symmetry."""
     dampers: FloatArray
     """Rows G of the damping matrix G^T G of point dampers [s^-1/2], (dampers, modes)."""
 
@@ -190,7 +194,7 @@ class CoatingLaw:
     thickness: float  #: thickness [m]
     young_modulus: float  #: Young's modulus [Pa]
     yield_stress: float  #: yield stress [Pa]
-    hardening: float  #: slope of the yield stress in plastic strain [Pa]
+    hardening: float  #: increase of the yield stress per plastic strain [Pa]
     limit: float  #: largest plastic strain
 
     @property

@@ -16,8 +16,8 @@ LOWEST_FREQUENCY = 1.0
 """Lowest plausible reference frequency [Hz]; lower frequencies are usually due to a wrong unit."""
 
 TIP_SHARE = 0.9
-"""A free end is reported as a possible tip from this fraction of the smallest tip radius on.
-"""
+"""A free end is reported as a possible tip if its radius is at least this fraction of the smallest
+tip radius."""
 
 
 def stage_hints(stage: Stage) -> tuple[str, ...]:
