@@ -2,16 +2,17 @@
 
 Springs of stiffness kappa per radian connect the casing and the tips of the bladed disk at every
 static angle theta = alpha + Omega t.
-The energy kappa/2 int (w - u)^2 dtheta of Eq. (8) splits into nodal diameters. With the cosine and
-sine part of the radial displacement of each mode, A_k on the casing and B_k on the bladed disk, and
-R(k Omega t), a rotation of the two parts,
+Their energy kappa/2 int (w - u)^2 dtheta, Eq. (8), splits into nodal diameters k. Let A_k (casing)
+and B_k (bladed disk) contain the cosine and the sine part of the radial displacement of each mode,
+and let R(k Omega t) be the rotation of these two parts. The equations of motion are
 
     x'' + (D + 2 Omega G) x' + (diag(omega^2) + Omega^2 S + K*(t)) x = 0,
     K*(t) = sum_k f_k kappa C_k^T C_k,    C_k = A_k - R(k Omega t) B_k,
 
-with f_0 = 2 pi and f_k = pi otherwise. G is the Coriolis matrix and S = K_G1 - M_t, both over the
-modes at rest. Stationary shaft springs of unequal stiffness add anisotropy (X^T X - Y^T Y), where X
-and Y are the displacements of the centre along the static axes.
+with f_0 = 2 pi and f_k = pi for k > 0. G is the Coriolis matrix and S = K_G1 - M_t (see
+`rotation.matrices`), both in coordinates of the modes at rest. Stationary shaft springs of unequal
+stiffness add `anisotropy` times X^T X - Y^T Y to the stiffness, where X and Y are the displacements
+of the centre along the static axes.
 
 For each turn of the rotor, exp(Omega t J) rotates the cosine-sine pairs of the casing by k turns
 more than those of the bladed disk. If A_k, B_k, D, G and S commute with J and there is no
@@ -110,7 +111,7 @@ class CoupledEquations:
             kappa: spring stiffness [N/m]; broadcasts with speed to the shape (...).
 
         Returns:
-            the matrices, (..., modes, modes) each [1/s] and [1/s^2].
+            the matrix of y' [1/s] and the matrix of y [1/s^2], (..., modes, modes) each.
 
         Raises:
             ValueError: no frame makes the equations autonomous, and the speed is not zero.
@@ -131,7 +132,7 @@ class CoupledEquations:
         return self.drag(speed) + 2.0 * omega * turn, stiffness
 
     def state_matrix(self, speed: ArrayLike, kappa: ArrayLike) -> FloatArray:
-        """Return the matrix of the first-order system for (y, y'), (..., 2 modes, 2 modes).
+        """Return the matrix of the first-order system for (y, y'), (..., 2 * modes, 2 * modes).
 
         This is the negative of A in Eq. (21), so that a positive real part means growth.
         """

@@ -33,8 +33,8 @@ class CouplingModes:
     """Modes that springs couple; each entry of the arrays is a cosine/sine pair or a single mode.
 
     The real coordinates are in the order of the entries, cosine before sine. The coordinates of
-    the paper's system are (v_c, v_s, u_c, u_s, u_co, u_so). A single mode with k > 0 is a mode of
-    the rotor with k = N/2.
+    the paper's system are (v_c, v_s, u_c, u_s, u_co, u_so), of casing, 1F and suspension. A single
+    mode with k > 0 is a mode of the rotor with k = N/2, where N is the number of sectors.
     """
 
     name: tuple[str, ...]  #: name of each entry for tables and legends

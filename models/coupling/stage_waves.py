@@ -21,7 +21,7 @@ from bladewhirl.models.modal.labels import LabelledModes
 
 
 def standing_obstacles(modal: ModalStage, *, damped: bool) -> tuple[str, ...]:
-    """Return the reasons why no frame makes a coupled stage autonomous; empty if a frame does.
+    """Return the reasons why no frame makes a coupled stage autonomous; no reasons if a frame does.
 
     The casing must be axisymmetric, stationary shaft springs must be equal, and all damping must
     be modal. If `damped`, the equations include the dampers at points.
@@ -55,7 +55,7 @@ def coupled_waves(
 
     Raises:
         ValueError: the stage does not have the modes, or the blades are not evenly spaced.
-        CaseError: `damped`, and the dampers of the shaft are stationary.
+        CaseError: `damped` is true, and the dampers of the shaft are stationary.
     """
     case, disk, casing = modal.case, modal.disk, modal.casing
     if damped and case.shaft.damping_frame == "static":

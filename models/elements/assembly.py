@@ -20,7 +20,7 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 class LineAssembler:
     """Assembler of weak forms over lines, made by `straight_beams` or `curved_beams`."""
 
-    basis: Any  #: scikit-fem basis over the flat mesh
+    basis: Any  #: scikit-fem basis over the one-dimensional mesh
     node_dofs: IntArray  #: degrees of freedom of each node, (nodes, DoF per node)
 
     @property

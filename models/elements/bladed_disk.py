@@ -40,9 +40,10 @@ def node_springs(model: BeamModel, node_dofs: IntArray) -> sp.csr_array:
 
 
 def node_expansion(model: BeamModel, node_dofs: IntArray) -> sp.csr_array:
-    """Return the matrix from the free DoF to the motion of every node, (3 nodes, free DoF).
+    """Return the matrix from the free DoF to the motion of every node, (3 * nodes, free DoF).
 
-    A rigid arm connects a led node to its leader: displacement u + theta x (p - p_leader).
+    A rigid arm connects a led node to its leader. If the leader at p_0 has the displacement u and
+    the rotation theta, the led node at p has the displacement u + theta x (p - p_0).
 
     Args:
         model: beam model with the rigid links.
@@ -92,7 +93,7 @@ class BladedDiskModel:
 
     model: BeamModel
     structure: Structure
-    expansion: sp.csr_array  #: matrix from free DoF to the motion of each node, (3 nodes, size)
+    expansion: sp.csr_array  #: matrix from free DoF to the motion of each node, (3 * nodes, size)
 
     @property
     def mesh(self) -> LineMesh:

@@ -44,7 +44,8 @@ class Support:
     mass: FloatArray  #: mass matrix for w, u, phi [kg, kg m, kg m2], (3, 3)
     weight: float  #: total mass of the support [kg]
     dampers: FloatArray
-    """Rows d of the damping matrix d^T d for w, u, phi [(N s/m)^1/2, (N s m)^1/2], (dampers, 3)."""
+    """Factor d of the damping matrix d^T d for w, u, phi, with a row for each damper, (dampers, 3);
+    in [(N s/m)^1/2] for w and u, in [(N s m)^1/2] for phi."""
 
 
 def spring(
@@ -119,7 +120,7 @@ def strut(
 
 
 def foot_rows(mesh: RingMesh, node_dofs: IntArray, angles: Iterable[float]) -> sp.csr_array:
-    """Return the matrix from a field to w, u and phi at given angles, (3 angles, size).
+    """Return the matrix from a field to w, u and phi at given angles, (3 * angles, size).
 
     Args:
         mesh: the ring.
@@ -144,7 +145,11 @@ def foot_rows(mesh: RingMesh, node_dofs: IntArray, angles: Iterable[float]) -> s
 
 
 def at_feet(matrices: Iterable[FloatArray]) -> sp.csr_array:
-    """Return the block-diagonal matrix of the matrices of all supports, (rows, 3 supports)."""
+    """Return the block-diagonal matrix of the matrices of all supports, (rows, 3 * supports).
+
+    Args:
+        matrices: matrix of each support, with columns for w, u and phi at its foot.
+    """
     blocks = [sp.csr_array(matrix) for matrix in matrices]
     return sp.csr_array(sp.block_diag(blocks)) if blocks else sp.csr_array((0, 0))
 
@@ -159,11 +164,11 @@ class CasingModel:
 
     mesh: RingMesh
     properties: WallProperties  #: mean properties of each element, (elements,)
-    curvature: Literal["exact", "shallow"]  #: bending strain, see `elements`
+    curvature: Literal["exact", "shallow"]  #: bending strain, see `forms`
     foundation: float  #: uniform elastic support [N/m per metre of circumference]
     supports: tuple[Support, ...]  #: springs and struts at angles
     structure: Structure
-    dampers: sp.csr_array  #: rows d of the damping d^T d of the supports, (dampers, size)
+    dampers: sp.csr_array  #: factor d of the damping matrix d^T d of the supports, (dampers, size)
 
     @property
     def mass(self) -> float:
@@ -195,7 +200,7 @@ def assemble_casing(
     Args:
         mesh: the ring.
         wall: section of the wall.
-        curvature: exact strains, or the shallow-arch bending strain w'' (see `elements`).
+        curvature: exact strains, or the shallow-arch bending strain w'' (see `forms`).
         support: uniform elastic support, radial and tangential [N/m per metre of circumference].
         rotation: "free" or "fixed" rigid rotation of the ring.
         supports: springs and struts at angles.

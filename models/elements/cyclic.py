@@ -1,5 +1,5 @@
-"""Cyclic symmetry: the real DFT over sectors, and the reduction of a structure to a single sector
-for each nodal diameter.
+"""Cyclic symmetry: the real discrete Fourier transform (DFT) over sectors, and the reduction of a
+structure to a single sector for each nodal diameter.
 
 These conventions hold for the whole package. The sectors n = 0..N-1 are numbered counter-clockwise,
 in the sense of rotation, at a distance of alpha = 2 pi / N. A field with nodal diameter k has
@@ -69,7 +69,7 @@ def wave_parts(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:
     least a_k^2 + b_k^2 are returned.
 
     Args:
-        field: (angles, fields).
+        field: samples of the fields, (angles, fields).
         angle: theta [rad], (angles,).
         k: nodal diameters, (harmonics,).
 
@@ -97,7 +97,7 @@ class SectorLayout:
     sector_dofs: IntArray
     """Degrees of freedom of each sector in polar axes, in the same order in every sector,
     (sectors, DoF per sector)."""
-    centre_dofs: IntArray  #: x, y, rotation of the centre node, (3,); -1 if there is none
+    centre_dofs: IntArray  #: DoF x, y, rotation of the centre, (3,); -1 for a missing DoF
     rounding: float = 0.0
     """Bound on the relative change of matrix entries between sectors by rounded coordinates."""
 

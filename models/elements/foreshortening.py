@@ -11,11 +11,12 @@ the bladed disk gives d = 0. The distance of the tip from the axis is, to second
 
     |X + u| = R + u_r - d - theta^2 rho / 2 - theta v - alpha^2 X_r / 2 + u_t^2 / (2 R)
 
-with the tip at the radius R and its displacements u_r and u_t, the radial components X_r of the
-root and rho of the chord from root to tip, the tangential displacement v of the tip relative to the
-axes of the root, and the rotation alpha that carries the root around the centre, alpha X_r = u_t of
-the root minus u_t of the centre. If the disk is rigid, the last four terms are v^2 / (2 R): the tip
-of a bent blade moves along a tangent, farther from the axis.
+for a tip at the position X and the radius R, with the displacements u_r and u_t. The position of
+the root has the radial component X_r, and the chord from root to tip the radial component rho. The
+tip has the tangential displacement v relative to the axes of the root. The rotation alpha carries
+the root around the centre: alpha X_r is u_t of the root minus u_t of the centre. If the disk is
+rigid, the last four terms are v^2 / (2 R): the tip of a bent blade moves along a tangent, farther
+from the axis.
 """
 
 import numpy as np
@@ -77,11 +78,11 @@ def drawback(
         disk: finite element model with beams at the tip.
         shapes: fields on the free DoF for unit coordinates, (size, fields).
         blade: number of the blade.
-        around: return the decrease of the distance of the tip from the axis instead of the distance
-            d along the blade.
+        around: return the decrease of the tip's distance from the axis, instead of the distance d
+            along the blade.
 
     Returns:
-        rows of y for unit coordinates [m^1/2 by coordinate], (rows, fields), and the signs s,
+        rows of y for unit coordinates [m^1/2 per coordinate], (rows, fields), and the signs s,
         (rows,).
     """
     points, tip = disk.mesh.points, disk.model.tips[blade]
@@ -115,8 +116,8 @@ def slope_form(length: float) -> FloatArray:
 def _around(
     disk: BladedDiskModel, moved: FloatArray, root: int, tip: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the matrix (4, 4) and the rows (4, fields) of theta^2 rho + 2 theta v + alpha^2 X_r -
-    u_t^2 / R."""
+    """Return the quadratic form theta^2 rho + 2 theta v + alpha^2 X_r - u_t^2 / R: its matrix,
+    (4, 4), and the rows of theta, v, alpha and u_t, (4, fields)."""
     points, centre = disk.mesh.points, disk.model.centre
     radius = float(np.linalg.norm(points[tip]))
     out = points[tip] / radius
@@ -131,7 +132,8 @@ def _around(
 
 
 def _factors(form: FloatArray, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return rows and signs that give a symmetric form of given rows."""
+    """Return rows y and signs s such that sum_i s_i y_i^2 is a quadratic form of given rows, which
+    has the symmetric matrix `form`."""
     values, vectors = np.linalg.eigh(form)
     return np.sqrt(np.abs(values))[:, None] * (vectors.T @ rows), np.sign(values)
 
@@ -139,8 +141,8 @@ def _factors(form: FloatArray, rows: FloatArray) -> tuple[FloatArray, FloatArray
 def fewest_terms(
     rows: FloatArray, signs: FloatArray, weight: FloatArray, share: float
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Return a quadratic form with the fewest terms; the neglected terms are the smallest ones if
-    all coordinates have equal energy.
+    """Return a quadratic form as the fewest terms, without its smallest terms. Terms are compared
+    for equal energies of all coordinates.
 
     Args:
         rows: rows y of the form 1/2 sum_i s_i y_i^2, (rows, coordinates).
@@ -149,8 +151,8 @@ def fewest_terms(
         share: terms below this fraction of the largest term are neglected.
 
     Returns:
-        rows (terms, coordinates) and signs (terms,), the largest first, and the mean frequency of
-        the fastest term above 1e-3 of the largest, in the unit of `weight`.
+        rows (terms, coordinates) and signs (terms,), the largest term first; and, of the terms
+        above 1e-3 of the largest, the highest mean frequency, in the unit of `weight`.
     """
     basis, triangle = np.linalg.qr((rows / weight).T)
     values, vectors = np.linalg.eigh(triangle @ (signs[:, None] * triangle.T))

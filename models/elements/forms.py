@@ -7,7 +7,8 @@ free ring then has its three rigid motions) or kappa = w'' ("shallow").
 
 Coefficients are passed by keyword, with a value for each element or quadrature point: EA [N],
 EI [N m2], rho_A [kg/m], tension [N], and for curved beams curvature = 1/R and bend [1/m], the
-factor of u' in kappa.
+factor of u' in kappa. The trial functions are u and w, the test functions du and dw. Formulas of
+energies are twice the energy per length; in them, test and trial functions are equal.
 """
 
 from typing import Any

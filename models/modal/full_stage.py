@@ -39,8 +39,8 @@ def lowest_frequencies(structure: Structure, count: int) -> Frequencies:
 
     Args:
         structure: full structure without constraints.
-        count: number of frequencies of each nodal diameter. Without symmetry, this number times
-            the number of sectors is returned.
+        count: number of frequencies of each nodal diameter. Without symmetry, the number of
+            frequencies is `count` times the number of sectors.
     """
     layout = structure.layout
     if layout is not None and structure.is_cyclic:
@@ -63,7 +63,8 @@ def lowest_frequencies(structure: Structure, count: int) -> Frequencies:
 
 
 def family_errors(modes: Modes, family: list[str], full: Frequencies) -> dict[str, float]:
-    """Return for each family the largest relative error of its frequencies that are in ``full``.
+    """Return for each family the largest relative error of its frequencies; frequencies that
+    ``full`` lacks are left out.
 
     Args:
         modes: modes of a reduced model.

@@ -163,8 +163,9 @@ def _names(
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the families of modes, and the families of the same branches at rest.
 
-    `modes` belong to equal sectors or to no sectors. Modes of a rotating structure have the rank of
-    modes at rest, because the frequencies of one nodal diameter do not cross as the speed changes.
+    The structure of the modes has equal sectors, or none. Modes of a rotating structure have the
+    rank of modes at rest, because the frequencies of one nodal diameter do not cross as the speed
+    changes.
     """
     if structure.at_rest is None:
         names = tuple(families(modes, body))

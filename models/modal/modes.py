@@ -194,7 +194,8 @@ def constrained_eigh(
     Args:
         stiffness: K, (n, n).
         mass: M, (n, n).
-        constraints: constraints v, (n, constraints), of order one; columns of zeros are ignored.
+        constraints: constraints v, (n, constraints), with entries of order one; columns of zeros
+            are ignored.
         count: number of the lowest eigenvalues; all if None.
 
     Returns:

@@ -14,7 +14,7 @@ class StageArrays:
 
     rotor_frequency: FloatArray  #: natural frequency [rad/s], (rotor modes,)
     rotor_backward_frequency: FloatArray  #: frequency of the backward wave [rad/s], (rotor modes,)
-    rotor_forward_frequency: FloatArray  #: of the forward wave, negative past its critical speed
+    rotor_forward_frequency: FloatArray  #: forward wave [rad/s]; negative past its critical speed
     rotor_nodal_diameter: IntArray  #: dominant nodal diameter, (rotor modes,)
     rotor_family: tuple[str, ...]  #: "1F", "2F", ..., "suspension", (rotor modes,)
     rotor_spring_share: FloatArray  #: share of strain energy in the shaft springs, (rotor modes,)
@@ -47,7 +47,7 @@ class StageArrays:
     casing_thickness: FloatArray  #: thickness of the element after each node [m], (casing nodes,)
     casing_width: FloatArray  #: width of the element after each node [m], (casing nodes,)
     casing_young_modulus: FloatArray  #: modulus after each node [Pa], (casing nodes,)
-    casing_curvature: str  #: bending strain of the wall, "exact" or "shallow" (see `elements`)
+    casing_curvature: str  #: bending strain of the wall, "exact" or "shallow" (see `forms`)
     casing_shape: FloatArray  #: w, dw/ds, u, du/ds of modes, (casing nodes, 4, casing modes)
     casing_foundation: float  #: uniform elastic support [N/m2]
     support_kind: NDArray[np.str_]  #: "spring" or "strut", (supports,)
@@ -62,7 +62,8 @@ class StageArrays:
 
 @dataclass(frozen=True, kw_only=True)
 class SuperelementArrays:
-    """Modes, contact nodes, points and wall; contact nodes of all copies, copy by copy."""
+    """Modes, contact nodes, points and wall. The contact nodes of all copies are listed copy by
+    copy."""
 
     modal_frequency: FloatArray  #: natural frequency [rad/s], (copies, modes)
     blade: IntArray  #: blade of each contact node, (contact nodes,)
@@ -71,8 +72,8 @@ class SuperelementArrays:
     contact_radius: FloatArray  #: [m], (contact nodes,)
     contact_axial: FloatArray  #: axial position [m], (contact nodes,)
     contact_recess: FloatArray
-    """Distance of each contact node inside the radius from which the clearance is measured [m],
-    (contact nodes,)."""
+    """Distance by which each contact node lies inside the radius from which the clearance is
+    measured [m], (contact nodes,)."""
     copy_angle: FloatArray  #: angle of each copy relative to the first one [rad], (copies,)
     point: FloatArray  #: undeformed points of the first copy [m], (points, 3)
     point_shape: FloatArray

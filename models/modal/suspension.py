@@ -15,8 +15,8 @@ KEY = "shaft.suspension_frequency"
 HALVINGS = 12  # number of times an interval of stiffnesses is halved
 
 HIDDEN = 50.0 * np.finfo(np.float64).eps
-"""If a squared frequency is below this fraction of the largest ratio of stiffness to mass, rounding
-errors of the stiffness matrix exceed 2 % of it."""
+"""Fraction of the largest ratio of stiffness to mass. Rounding errors of the stiffness matrix
+change a squared frequency below this fraction by more than 2 %."""
 
 ABOVE_ROUNDING = "a frequency above the rounding error"
 

@@ -22,8 +22,9 @@ def static_displacement(
     Args:
         matrices: matrices of the bladed disk.
         omega: speed of rotation [rad/s].
-        follows: let the load increase with the displacement, (K - Omega^2 M_t) u = Omega^2 M_t X;
-            if false, u is proportional to Omega^2, and 0.02 % smaller at the reference frequency.
+        follows: let the load increase with the displacement: (K - Omega^2 M_t) u = Omega^2 M_t X,
+            see `matrices`. If false, u is proportional to Omega^2; it is then 0.02 % smaller at the
+            reference frequency.
     """
     if not follows:
         return omega**2 * matrices.growth
@@ -88,8 +89,8 @@ class TurningDisk:
 def tip_recess(
     case: Case, disk: BladedDiskModel, turning: TurningDisk | None, omega: float | None = None
 ) -> FloatArray:
-    """Return the distance of each tip inside the radius from which the clearance is measured [m],
-    (blades,).
+    """Return the distance by which each tip lies inside the radius from which the clearance is
+    measured [m], (blades,).
 
     For a hot clearance the tip radius is the radius at rest. For a cold clearance, that is, a
     clearance measured at rest, the tip radius includes the growth at speed.

@@ -48,8 +48,8 @@ def axial_force(
 
     Args:
         model: beam model.
-        displacement: static displacements and rotation of every node in the axes of the node [m, m,
-            1], (3 nodes,).
+        displacement: static displacements and rotation of every node, in the axes of the node
+            [m, m, 1], (3 * nodes,).
         places: positions in every line, from 0 at the first end to 1 at the second, (places,).
         omega: speed of rotation [rad/s].
     """
@@ -171,7 +171,7 @@ def _arm_stiffness(model: BeamModel, carried: FloatArray) -> sp.csr_array:
 
     Args:
         model: beam model with the links.
-        carried: force and moment of every node on its link, in the axes of the node, (3 nodes,).
+        carried: force and moment of every node on its link, in the axes of the node, (3 * nodes,).
     """
     mesh, links = model.mesh, model.links
     cos, sin = np.cos(mesh.node_axes[links.led]), np.sin(mesh.node_axes[links.led])

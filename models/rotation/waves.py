@@ -1,9 +1,11 @@
 """Waves of one nodal diameter on a rotating bladed disk, as functions of the speed.
 
 For a wave exp(i (k theta + w t)) at the speed Omega, the matrix
--w^2 M + 2 i w Omega G + K + Omega^2 (K_G1 - M_t) is singular. Branches w(Omega) of one nodal
-diameter do not cross, so a branch is identified by its direction of travel at rest and its rank
-among the branches with this direction; the lowest frequency has rank 0.
+-w^2 M + 2 i w Omega G + K_Omega is singular. K_Omega = K + Omega^2 (K_G1 - M_t) contains the
+geometric stiffness K_G1 and the spin softening M_t, and G is the Coriolis matrix, each for 1 rad/s
+(see `matrices`). Branches w(Omega) of one nodal diameter do not cross, so a branch is identified by
+its direction of travel at rest and its rank among the branches with this direction; the lowest
+frequency has rank 0.
 
 Damping of the rotating structure acts on velocities relative to the structure. Where K_Omega is
 indefinite, a forward wave rotates more slowly than the disk. The damping then pulls the wave along,
@@ -130,8 +132,9 @@ class Waves:
     def meeting(self, casing_frequency: float, highest: float) -> FloatArray:
         """Return the speeds at which a backward wave has w = k Omega - omega_c [rad/s], ascending.
 
-        At such a speed the backward wave rotates together with a forward wave on the casing: Eq.
-        (14) with the rotor's frequency at speed. The eigenproblem is then quadratic in Omega.
+        At such a speed the backward wave rotates together with a forward wave on the casing, as
+        in Eq. (14) of the paper, but with the rotor's frequency at speed. The eigenproblem is then
+        quadratic in Omega.
 
         Args:
             casing_frequency: frequency omega_c of the casing [rad/s].

@@ -104,8 +104,8 @@ def directions(signed: FloatArray, omega: float) -> tuple[Direction, ...]:
 
     Args:
         signed: frequencies, positive for backward, negative for forward waves [rad/s], (modes,).
-        omega: speed of rotation [rad/s]; waves with at most `SLOW` times this frequency are
-            standing.
+        omega: speed of rotation [rad/s]; waves with a frequency of at most `SLOW` times this speed
+            are standing.
     """
     return tuple(
         "standing" if abs(w) <= SLOW * abs(omega) else ("backward" if w > 0.0 else "forward")
