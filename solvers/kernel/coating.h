@@ -21,7 +21,7 @@ typedef struct {
     Half stress, removed, dissipated, stored;  /* stress; sums over volume and strain */
 } RodSums;
 
-/* Number that closes the lanes beyond the last rod: four open lanes, then four closed ones. */
+/* Numbers for open lanes (zero) and for lanes beyond the last rod, which touch no rod (1e200). */
 static const double CLOSED_LANES[2 * HALF] = {0.0, 0.0, 0.0, 0.0, 1e200, 1e200, 1e200, 1e200};
 
 /* Return the value of a nodal Hermite field at HALF rods of an element. */

@@ -80,7 +80,8 @@ INLINED void add_some(const double *rows, const int64_t *row, int count, int64_t
     default: function(rows, row, AT_ONCE, width, __VA_ARGS__);                                     \
     }
 
-/* Compute the products of rows with a vector; rows in parallel, as each sum waits for itself. */
+/* Compute the products of rows with a vector, several rows at a time, because the additions of one
+ * sum have to wait for each other. */
 static void products(const double *rows, const int64_t *row, int64_t count, int64_t width,
                      const double *x, double *out)
 {

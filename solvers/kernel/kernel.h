@@ -82,7 +82,7 @@ typedef struct {
     int64_t shared;     /* 1 if friction and the normal force have the same distribution */
     Cube w;             /* (3, tips, tips) r c (r + mu s t)^T for s = -1, 0, 1, by column */
     Vector position;    /* (wide) angle of each tip in elements of the casing */
-    Vector recess;      /* (wide) gap of each tip at rest in addition to the clearance [m] */
+    Vector recess;      /* (wide) gap of each tip at rest minus the clearance [m] */
 } Rotor;
 
 /* Inverse of the matrix A = M / dt^2 + (D + 2 Omega G) / (2 dt) of the rotor, with its dampers
@@ -400,7 +400,7 @@ typedef struct {
     Matrix tip_radial;     /* (tips, rotor_modes) radial displacement of each tip */
     Matrix tip_tangential; /* (tips, rotor_modes) tangential displacement of each tip */
     Vector tip_angle;      /* (tips) angle of each tip from +x [rad] */
-    Vector tip_recess;     /* (tips) gap of each tip at rest in addition to the clearance [m] */
+    Vector tip_recess;     /* (tips) gap of each tip at rest minus the clearance [m] */
     Cube nodal;            /* (nodes, 4, casing_modes) w, w', u, u' by node */
     Matrix clearance;      /* (nodes, 2) clearance and its slope at each node [m, 1] */
     double tip_radius;     /* radius from which the clearance is measured [m] */

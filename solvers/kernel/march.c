@@ -12,6 +12,8 @@
  *     account   add impulses, works and losses of the step, and update the smallest gaps
  *     record    at record steps: x_n, the velocity (x_{n+1} - x_{n-1}) / (2 dt), and works up to n
  *
+ * S is the diagonal matrix of the signs of sliding.
+ *
  * Springs between the bodies, and unequal static springs of the shaft, have a stiffness K*(t) that
  * depends on the angle of the rotor; they add -K*_n x_n to f_n.
  *

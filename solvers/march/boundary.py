@@ -44,7 +44,7 @@ class BoundaryChunk(MarchRecords):
 
 
 class BoundaryMarch:
-    """Central differences with contact of many nodes, of second order without contact.
+    """Central differences with contact of many nodes. Without contact the scheme is of second order.
 
     Args:
         problem: contact problem.

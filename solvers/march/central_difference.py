@@ -34,9 +34,10 @@ class CentralDifference:
 
     The scheme is of second order without contact. The contact conditions are satisfied at the end
     of each step. An instance must not march in two threads at the same time, because its calls
-    share working arrays. The complementarity residual of a step is
-    max_j |min(g_j, W_jj lambda_j)| / max(clearance, max_j |g_p,j|), where the gaps g are computed
-    from the corrected displacements; their openings by foreshortening follow from the compliance.
+    share working arrays. With the symbols of `solvers/kernel/march.c`, the complementarity residual
+    of a step is max_j |min(g_j, W_jj lambda_j)| / max(clearance, max_j |g_p,j|), where g are the
+    gaps of the corrected displacements. The part of g due to foreshortening follows from the
+    compliance.
 
     Args:
         problem: contact problem.
@@ -84,7 +85,7 @@ class CentralDifference:
         # checking new ones takes longer.
         self._state = Struct("State", **zeros("State", self._sizes()))
         self._records = Struct("Records", **zeros("Records", self._sizes() | {"records": 0}))
-        #: whether records contain the motion of the casing; if not, these arrays have no columns
+        #: whether records contain the motion of the casing; if not, its arrays have no columns
         self.records_casing = True
 
     def init(self) -> KernelState:
@@ -249,7 +250,7 @@ def initial_gap(problem: ContactProblem, time: float = 0.0) -> FloatArray:
 
     Args:
         problem: contact problem with the initial displacements.
-        time: time from which the angle of the rotor follows [s].
+        time: time, which determines the angle of the rotor and the clearance [s].
     """
     casing, rotor, start = problem.casing, problem.rotor, problem.start
     nodes = len(casing.nodal)

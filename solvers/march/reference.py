@@ -11,9 +11,10 @@ A = M / dt^2 + D / (2 dt)
     solve     0 <= lambda  perp  g_p + W lambda >= 0     W = B_N^T c (B_N + mu B_T S)
     correct   x_{n+1} = x_p + c (B_N + mu B_T S) lambda
 
-D includes point dampers; c is the inverse of A without point dampers, because point dampers respond
-to a contact force from the next step on. Coriolis forces add Omega G / dt to A and to the factor of
-x_{n-1}. With Coriolis forces, c of the rotor includes Coriolis forces and point dampers.
+S is the diagonal matrix of the signs of sliding. D includes point dampers; c is the inverse of A
+without point dampers, because point dampers respond to a contact force from the next step on.
+Coriolis forces add Omega G / dt to A and to the factor of x_{n-1}. With Coriolis forces, c of the
+rotor includes Coriolis forces and point dampers.
 """
 
 from dataclasses import dataclass, replace
@@ -52,8 +53,8 @@ class Coated(NamedTuple):
 class Bent(NamedTuple):
     """Foreshortening in a step: openings of the gaps and their gradients.
 
-    The opening of a tip near the wall is linear in the displacements, about the motion that the
-    step and the following ones are expected to have on average. The opening of other tips is
+    The opening of a tip near the wall is linearised in the displacements for a number of steps, at
+    the displacement expected in the middle of these steps. The opening of other tips is
     extrapolated from the last check.
     """
 

@@ -41,7 +41,7 @@ def pack_casing(
         loads: modal forces of each load pattern, (modes,) each.
         dt: time step [s].
         cyclic: whether to treat harmonics separately.
-        friction: friction coefficient in `compliance`, which is empty if this is None.
+        friction: friction coefficient for the array `compliance`, which is empty if None is given.
     """
     nodes, kinds, modes = casing.nodal.shape
     if cyclic:
@@ -199,7 +199,7 @@ def _folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
 
 def nodal_response(casing: ReducedCasing, dt: float) -> FloatArray:
     """Return the change of w, w', u and u' at each node due to unit forces within a time step dt,
-    (nodes, 4, nodes, 4): force, then displacement."""
+    (nodes, 4, nodes, 4); the first two indices are those of the force."""
     nodes, kinds, modes = casing.nodal.shape
     rows = casing.nodal.reshape(nodes * kinds, modes)
     forces = rows * scheme_inverse(casing.frequency, casing.damping_ratio, dt)
@@ -216,7 +216,7 @@ def _compliance(
     Returns:
         blocks of 4 x 4 for every pair of elements, (3, elements, elements, 4, 4); for a cyclic
         casing, a block for every difference of the numbers of two elements, from -nodes to
-        nodes - 1, (3, 2 elements, 4, 4).
+        nodes - 1, (3, 2 * elements, 4, 4).
     """
     nodes, response = len(casing.nodal), response[:, :, :, :2]
     ends = np.column_stack([np.arange(nodes), np.roll(np.arange(nodes), -1)])

@@ -9,7 +9,7 @@ from bladewhirl.solvers.packing.arrangement import Arrangement, Harmonics, lengt
 from bladewhirl.solvers.packing.rotor import rotor_inverse
 
 FAR = 1e100
-"""Gap that no tip has [m]."""
+"""Gap that is larger than the gap of any tip [m]."""
 
 NEAR = 0.015625
 """A tip is near the wall if its gap without foreshortening is below this fraction of the smallest
@@ -101,7 +101,7 @@ def _waves(
     Returns:
         rows F, (tips, terms, modes); their weights by DFT column and by partner column,
         (2, terms, rows, columns); value of each column and of its partner at each tip,
-        (tips, 2 columns). Weights and values may be empty.
+        (tips, 2 * columns). Weights and values may be empty.
     """
     tips, terms, _ = rows.shape
     plain = rows, aligned((2, 0, 0, 0)), aligned((0, 0))

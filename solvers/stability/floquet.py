@@ -61,8 +61,8 @@ def floquet(
     """Integrate a periodic system over one period.
 
     Args:
-        stiffness: K at times (m,) [s], as (m, ..., n, n) [1/s^2]; additional axes belong to several
-            systems with the same period.
+        stiffness: function of times [s], (m,), that returns K [1/s^2], (m, ..., n, n); additional
+            axes belong to several systems with the same period.
         period: T [s].
         damping: D [1/s], broadcast to (..., n, n); None for an undamped system.
         tolerance: permitted relative change of the monodromy matrix when the steps are doubled.
@@ -124,7 +124,7 @@ def coupled_floquet(
 def exponents(
     modes: CouplingModes | CoupledEquations, *, speed: float, kappa: float
 ) -> ComplexArray:
-    """Return the spectrum of coupled modes, the fastest growing first, (2 modes,) [1/s].
+    """Return the spectrum of coupled modes, the fastest growing first, (2 * modes,) [1/s].
 
     The spectrum consists of eigenvalues if the speed is zero or a frame makes the equations
     autonomous, otherwise of the Floquet exponents over one turn.

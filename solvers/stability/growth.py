@@ -51,7 +51,7 @@ def eigenvalues(
         kappa: spring stiffness [N/m]; broadcasts with speed to the shape (...).
 
     Returns:
-        eigenvalues [1/s], (..., 2 modes.size). Motions are proportional to exp(eigenvalue t); Eq.
+        eigenvalues [1/s], (..., 2 * modes.size). Motions are proportional to exp(eigenvalue t); Eq.
         (21) has the opposite sign.
     """
     parts = []
@@ -170,7 +170,7 @@ def rotor_waves(rotor: CouplingModes, speed: float) -> ComplexArray:
         speed: Omega [rad/s].
 
     Returns:
-        the frequencies, (2 entries,).
+        the frequencies, (2 * entries,).
     """
     stiffness = np.diag(rotor.frequency**2) + speed**2 * rotor.over_entries(rotor.softening)
     drag = 2.0 * speed * rotor.over_entries(rotor.coriolis) + np.diag(rotor.damping_rate)

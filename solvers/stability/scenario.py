@@ -24,7 +24,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 Kind = Literal["standard", "inverted", "unsteady"]
 
 STEADY = 0.5
-"""A motion is standard or inverted from this `Scenario.steadiness` on, unsteady below it."""
+"""Least `Scenario.steadiness` of a standard or inverted motion; below it a motion is unsteady."""
 
 SMALLEST = 1e-9
 """A displacement up to this fraction of the largest amplitude counts as zero."""

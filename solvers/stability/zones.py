@@ -1,14 +1,15 @@
 """Borders of the unstable zones by root finding (Fig. 11).
 
 Without damping every real eigenvalue mu of `CoupledEquations.whirl_matrix` has a signature, the
-sign of sum_i nu_i |X_i|^2 - i Omega X^H G X, where nu is the frequency in the axes of the body. Two
-eigenvalues of opposite signature become complex, hence unstable, when they meet; two eigenvalues of
-equal signature avoid each other. As the speed grows, casing waves of positive signature pass below
-rotor waves of negative signature. Such an exchange begins where the two waves meet and ends where
-they part; the speeds between are an unstable zone. `exchanges` counts the exchanges begun and ended
-at a speed. Root finding locates every speed at which a count changes by one, so that even the
-narrowest zone is found. With rotation effects two waves may meet and part repeatedly, so the counts
-may also decrease; neighbouring speeds are then searched for increases and decreases.
+sign of sum_i nu_i |X_i|^2 - i Omega X^H G X, where X is the eigenvector and nu_i the frequency of
+entry i in the axes of its body. Two eigenvalues of opposite signature become complex, hence
+unstable, when they meet; two eigenvalues of equal signature avoid each other. As the speed grows,
+casing waves of positive signature pass below rotor waves of negative signature. Such an exchange
+begins where the two waves meet and ends where they part; the speeds between are an unstable zone.
+`exchanges` counts the exchanges begun and ended at a speed. Root finding locates every speed at
+which a count changes by one, so that even the narrowest zone is found. With rotation effects two
+waves may meet and part repeatedly, so the counts may also decrease; neighbouring speeds are then
+searched for increases and decreases.
 
 With damping, and for nodal diameters with a single mode, zones follow instead from the sign of the
 growth rate at a series of speeds, which is denser inside the zones that are unstable without
@@ -39,7 +40,7 @@ damping."""
 class UnstableZones:
     """Intervals of unstable speeds, one row for each zone at each spring stiffness.
 
-    Intervals end at the limits of the searched range; entries are those of `CouplingModes`.
+    Intervals are cut off at the limits of the searched range. Entries are those of `CouplingModes`.
     """
 
     kappa: FloatArray  #: spring stiffness [N/m], (rows,)
@@ -128,7 +129,8 @@ def exchanges(
 def _intervals(
     modes: CouplingModes, kappas: FloatArray, low: float, high: float
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return index of the stiffness, lower and upper speed of each zone of one nodal diameter."""
+    """Return, for each unstable zone of one nodal diameter, the index of its stiffness, its lower
+    speed and its upper speed."""
     undamped = replace(modes, damping_ratio=np.zeros(modes.entries)).equations
     middle = np.array(0.5 * (low + high)), np.array(kappas[0])
     if undamped.pairs and np.isrealobj(undamped.whirl_matrix(*middle)):
@@ -230,7 +232,8 @@ def _border(
 def _growing_mode(
     modes: CouplingModes, speed: FloatArray, kappa: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the growth rate (n,) and squared entries of the growing mode (n, entries)."""
+    """Return the growth rate of the fastest growing mode, (n,), and the squared amplitude of each
+    entry in this mode, (n, entries)."""
     values, vectors = np.linalg.eig(modes.equations.state_matrix(speed, kappa))
     growing = np.argmax(values.real, axis=-1)
     shape = np.take_along_axis(vectors, growing[:, None, None], axis=-1)[:, : modes.size, 0]
