@@ -44,7 +44,7 @@ class BoundaryChunk(MarchRecords):
 
 
 class BoundaryMarch:
-    """Central differences with contact of many nodes. Without contact the scheme is of second order.
+    """Central differences with contact of many nodes; without contact of second order.
 
     Args:
         problem: contact problem.

@@ -16,9 +16,9 @@ with
 
     P_N = h k max(0, -g),      P_T = -mu P_N clip(u_T+ / v_s, -1, 1)
 
-with the time step h, the penalty stiffness k and the speed v_s. Below v_s friction is smaller, so tips creep instead
-of sticking. The penalty spring returns its energy, so impacts are elastic. The time step must
-resolve the period of a tip on the penalty spring.
+with the time step h, the penalty stiffness k and the speed v_s. Below v_s friction is smaller, so
+tips creep instead of sticking. The penalty spring returns its energy, so impacts are elastic. The
+time step must resolve the period of a tip on the penalty spring.
 
 The residual of a step is max_j |min(u_N,j+ + e u_N,j-, W_jj P_j)|, divided by the largest velocity.
 """

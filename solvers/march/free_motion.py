@@ -120,6 +120,6 @@ def _nodes(problem: BoundaryProblem) -> tuple[float, Bodies]:
 
 
 def _compliance(rows: FloatArray, frequency: FloatArray) -> float:
-    """Return the largest ratio of the square of a displacement, given by one of the rows, to twice the
-    energy [m/N]."""
+    """Return the largest ratio of the square of a displacement, given by a row, to twice the energy
+    [m/N]."""
     return float(((rows / frequency) ** 2).sum(axis=1).max())

@@ -75,7 +75,7 @@ LARGEST = (
 """Columns of the speeds with the largest impulses, in the table of `interaction`."""
 
 SHOWN = 10
-"""Number of speeds in this table."""
+"""Number of speeds in the table of `interaction`."""
 
 
 def run(

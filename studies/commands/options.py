@@ -113,8 +113,8 @@ class Span:
     count: int = 2
 
     def values(self, reference: float = 1.0) -> NDArray[np.float64]:
-        """Return the values from START to STOP, (COUNT,); speeds are multiples of the reference,
-        a speed in rad/s.
+        """Return the values from START to STOP, (COUNT,); speeds are returned as multiples of the
+        speed `reference` [rad/s].
 
         Raises:
             UserError: the ends are not in order.
@@ -220,7 +220,7 @@ Scheduler = Annotated[
 
 @contextmanager
 def case_of(file: Path, overrides: list[str] | None) -> Iterator[Case]:
-    """Yield a case with changes "KEY=VALUE"; faults in the block name the file or --set.
+    """Yield a case with changes "KEY=VALUE"; errors in the ``with`` block name the file or --set.
 
     Raises:
         CaseError: all faults of the case.
@@ -246,8 +246,9 @@ def refuse_existing(target: Path | None, *, force: bool) -> None:
 def claim_output(target: Path, *, named: bool, overwrite: bool) -> None:
     """Check that a file may be written, before its content is computed.
 
-    A file that the user did not name is in a folder of the program, with a manifest. With
-    `overwrite`, an existing file may be replaced even if bladewhirl did not write it.
+    A file that the user did not name (`named` is false) goes into a folder that bladewhirl writes,
+    and is listed in the manifest of this folder. With `overwrite`, an existing file may be replaced
+    even if bladewhirl did not write it.
 
     Raises:
         UserError: the file exists, and no manifest lists it.

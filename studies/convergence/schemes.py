@@ -87,8 +87,8 @@ def schemes_document(data: xr.Dataset) -> dict[str, Any]:
 
 
 def _last_value(values: xr.DataArray) -> float | None:
-    """Return a number, the last value of a history, or the largest value of tip displacements; None
-    if the value is not finite."""
+    """Return the value of a number, the last value of a history, or the largest of the tip
+    displacements; None if the value is not finite."""
     if values.ndim:
         values = values.max() if values.name == "tip_displacement" else values.dropna("time")[-1]
     return float(values) if np.isfinite(values) else None

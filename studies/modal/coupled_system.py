@@ -96,10 +96,11 @@ class EvenSystem(System):
         """Compute the stability of the uncoupled bladed disk at a speed [rad/s].
 
         Returns:
-            Empty without rotation effects. Otherwise critical_speed (normalised), above which the
-            stiffness matrix is indefinite; rotor_growth_rate [1/s] with rotor_nodal_diameter;
-            holding_damping [N s/m], the damping of each of two static bearings that stabilises a
-            growing disk (None if bearings cannot); and waves_met, true for growth without damping.
+            an empty dictionary without rotation effects; otherwise critical_speed (normalised),
+            above which the stiffness matrix is indefinite; rotor_growth_rate [1/s] with
+            rotor_nodal_diameter; holding_damping [N s/m], the damping of each of two static
+            bearings that stabilises a growing disk (None if bearings cannot); and waves_met, true
+            for growth without damping.
         """
         if self.rotation is None:
             return {}

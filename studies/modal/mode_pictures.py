@@ -83,7 +83,7 @@ def plan_pictures(
     Args:
         stage: finite element models with their modes.
         shapes: names of the modes to draw; if None, the lowest modes.
-        animate: names of the modes to film, empty for no films; if None, 1F:1 and the suspension.
+        animate: names of the modes to film, "" for no films; if None, 1F:1 and the suspension.
         wave: wave shown by films; if None, the wave that contact amplifies.
 
     Raises:

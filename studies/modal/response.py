@@ -38,8 +38,8 @@ def response(
 
     The equations are those of the time integration: modes, damping and rotation effects of the case
     at each speed. They are solved for the complex amplitude X of X exp(i r Omega t) of each engine
-    order r; nothing is integrated in time. If the case has several excitations, those of engine
-    order count; motion of the same order adds up.
+    order r; nothing is integrated in time. If the case has several excitations, only those of
+    engine order are included; the motions of equal orders are added.
 
     Args:
         case_or_stage: a case with an excitation of the type "engine-order", or its stage.

@@ -22,7 +22,7 @@ PURE = 0.99
 
 OPERATING = (0.6, 2.0)
 CROSSINGS = (0.7, 1.3)
-"""Normalised speeds of operation, and of the paper's coincidences of the family 1F."""
+"""Normalised speeds of operation, among which are the paper's coincidences of the family 1F."""
 
 
 def modal_measures(case: Case, stage: ModalStage) -> dict[str, Any]:

@@ -32,12 +32,13 @@ def save_figures(
     overwrite: bool = False,
     formats: Sequence[str] = FORMATS,
 ) -> None:
-    """Save figures, by name of their files, with their data into a folder, and list the files in
-    the manifest of the folder; with `overwrite`, existing files that the program did not write are
-    replaced.
+    """Save figures and their data into a folder, and list the files in the manifest of the folder.
+
+    The keys of `figures` are file names without suffix. With `overwrite`, existing files that
+    bladewhirl did not write are replaced.
 
     Raises:
-        UserError: a file cannot be written, or exists and was not written by the program.
+        UserError: a file cannot be written, or exists and was not written by bladewhirl.
     """
     with writing(folder):
         files = [f"{name}.{suffix}" for name in figures for suffix in (*formats, "nc")]

@@ -69,7 +69,7 @@ def is_run(directory: Path) -> bool:
 
 
 def read_provenance(directory: Path) -> dict[str, Any]:
-    """Return the provenance of a run or a sweep; empty if unknown."""
+    """Return the provenance of a run or a sweep; an empty dictionary if it is unknown."""
     try:
         content = json.loads((directory / PROVENANCE_NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError):

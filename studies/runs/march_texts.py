@@ -57,11 +57,11 @@ def attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
 
 
 def divergence(prepared: Prepared, chunk: AnyChunk) -> str:
-    """Describe a violation of the displacement limit, at the end of the records of a chunk: blade
-    or angle, time and size; only the time if the motion of the casing is not recorded.
+    """Describe the violation of the displacement limit at the end of the last chunk of a march.
 
-    Of beams the last record is within the limit. The place of the violation is found from
-    displacements that are extrapolated by one step.
+    The text contains blade or angle, time and size, or only the time if the motion of the casing is
+    not recorded. The last record of a stage of beams is still within the limit; the place of the
+    violation is found from displacements that are extrapolated by one step.
     """
     problem, at = prepared.problem, f"at {chunk.time[-1]:.6g} s"
     limit = f"march.displacement_limit = {problem.displacement_limit:g} m"

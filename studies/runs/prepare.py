@@ -104,8 +104,9 @@ def problem_of(stage: AnyStage) -> AnyProblem:
     """Return the contact problem of a stage that can be marched.
 
     Raises:
-        CaseError: all errors that prevent time integration; of a superelement, a contact node
-            starts inside the wall, or the time step is too long for the modes or the coating.
+        CaseError: all errors that prevent time integration; with a superelement also: a contact
+            node would start beyond the wall, or the time step is too long for the modes or the
+            coating.
         UserError: the environment asks for the reference in NumPy, which superelements do not have.
     """
     if isinstance(stage, Stage):

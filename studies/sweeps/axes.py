@@ -92,7 +92,7 @@ class Grid:
 
     @property
     def over(self) -> dict[str, tuple[Value, ...]]:
-        """Values of each swept key, without random draws; empty if there is a table."""
+        """Values of each swept key, without random draws; no keys if the sweep has a table."""
         return {axis.key: axis.values for axis in self.axes if axis.key not in (DRAW, POINT)}
 
     @property

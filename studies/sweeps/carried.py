@@ -128,7 +128,7 @@ def read_state(path: Path) -> CarriedState:
 
 def carry_fault(case: Case) -> str:
     """Return the reason why the motion of a case cannot be carried from speed to speed, as a text
-    that completes "expected ..."; empty if it can."""
+    that completes "expected ..."; an empty text if it can."""
     if case.casing.coating is not None or case.casing.closure is not None:
         return "a casing without casing.coating and casing.closure, which change with time"
     return ""
@@ -166,8 +166,8 @@ class Chains:
         self._chain_of[self._chains] = np.arange(len(self._chains))[:, None]
 
     def next_points(self) -> Iterator[tuple[int, int | None] | None]:
-        """Yield points to march, each with the point whose state it starts from, or None for a new
-        start. None instead of a point means that no point can be marched before another one is
+        """Yield pairs of a point to march and the point from whose state it starts, None for a new
+        start. None in place of a pair means that no point can be marched before another one is
         finished."""
         sent = [reached - 1 for reached in self._reached]
         length = self._chains.shape[1]
@@ -183,6 +183,6 @@ class Chains:
                 yield None
 
     def take(self, number: int, end_reason: int | None) -> None:
-        """Take the end of the march of a point; None if it failed."""
+        """Store the code of the reason of the end of a point's march; None if the march failed."""
         self._goes_on[number] = end_reason == COMPLETED
         self._reached[self._chain_of[number]] += 1

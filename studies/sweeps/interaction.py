@@ -29,7 +29,7 @@ VARIABLES = {
     "turns": ("1", "revolutions until the end"),
     "unsolved_steps": ("1", "steps whose forces did not converge"),
 }
-"""Variables of each speed, with units and meanings; the second half is that of the revolutions."""
+"""Variables of each speed, with units and meanings; "second half" is that of the revolutions."""
 
 
 def interaction_map(

@@ -18,7 +18,7 @@ REACH = 10.0
 above the frequencies of the second blade family of the default stage."""
 
 MOST_LINES = 20_001
-"""Largest number of frequencies of a spectrum, which limits the range of very long marches."""
+"""Largest number of frequencies of a spectrum; limits the frequency range of very long marches."""
 
 MOST_SAMPLES = 1000
 """Largest number of samples of a decimated history."""
@@ -62,8 +62,8 @@ def march_extent(cases: Iterable[Case]) -> Extent:
 def make_layout(extent: Extent, stage: AnyStage) -> Layout:
     """Return the layout of a sweep whose first point has the given stage.
 
-    The spacing of the frequencies is 1 divided by the window of the shortest march, at which a Hann
-    window separates the periodic parts of a motion. The highest frequency is at most half of the
+    The spacing of the frequencies is 1 divided by the window of the shortest march; a Hann window
+    then separates the periodic parts of a motion. The highest frequency is at most half of the
     sampling rate of the longest record step. The real motion of a superelement has no negative
     frequencies.
     """

@@ -123,8 +123,8 @@ class SweepPlan:
         )
 
     def point(self, number: int, *, screen: bool = False, before: int | None = None) -> Point:
-        """Return a point for a worker to march, with scaled masses if it is to be screened, and
-        from the state at the end of the point `before`."""
+        """Return a point for a worker to march: with `screen` with scaled masses, with `before`
+        from the state at the end of the point of this number."""
         digits = len(str(self.grid.size - 1))
         name = f"point_{number:0{digits}d}.nc" if self.histories else None
         return Point(

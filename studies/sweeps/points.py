@@ -44,8 +44,8 @@ KEPT_STAGES = 2
 stage."""
 
 IN_MEMORY = 500_000_000
-"""Largest size of a history in the memory of a worker [bytes]; a larger history is in a file until
-it is reduced."""
+"""Largest size of a history in the memory of a worker [bytes]; a larger history is kept in a file
+until the data of the sweep have been computed from it."""
 
 _THREAD = threading.local()
 """Data of a marching thread: memory of its records, reused from point to point."""

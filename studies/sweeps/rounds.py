@@ -217,7 +217,7 @@ class Rounds:
     def _counted(
         self, outcomes: Iterable[tuple[int, Outcome | None]]
     ) -> Iterator[tuple[int, Outcome | None]]:
-        """Yield outcomes, and keep account of `waiting`."""
+        """Yield outcomes, and update the number `waiting`."""
         for number, outcome in outcomes:
             self.waiting -= int(self.waiting > 0 and self._store.state[number] == DONE)
             yield number, outcome

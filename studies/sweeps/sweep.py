@@ -118,7 +118,7 @@ def run_sweep(
             standard deviation of 5 %. More words are possible, see `draws.parse_draws`.
         seed: seed of the random draws.
         until: march no more draws of a point when the 95 % interval of the share of every regime
-            excludes one half or is narrower than this. The `state` of the other draws is
+            excludes one half or is narrower than `until`. The `state` of the other draws is
             "not-needed".
         screen: first march the draws with scaled masses of the casing and a longer time step; then
             repeat points with an uncertain outcome at the time step of the case. The variable

@@ -67,7 +67,7 @@ def march_points(
 
 
 def ready(points: Iterator[Point | None], most: int) -> list[Point]:
-    """Return the next points up to None, and at most `most`."""
+    """Return the next points before the first None, at most `most` of them."""
     chosen: list[Point] = []
     for point in islice(points, most):
         if point is None:

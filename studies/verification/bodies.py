@@ -46,8 +46,8 @@ def small_rotor(frequency: FloatArray, tips: int = 1, **rows: Any) -> ReducedRot
 
 
 def point_mass(mass: float, frequency: float = 0.0, **rows: Any) -> ReducedRotor:
-    """Return a rotor whose one tip, a mass [kg], moves radially on a spring to ground; `frequency`
-    is its frequency without contact [rad/s]."""
+    """Return a rotor with one tip: a mass [kg] that moves radially on a spring to ground. Its
+    frequency without contact is `frequency` [rad/s]."""
     return small_rotor(np.array([frequency]), tip_radial=np.array([[mass**-0.5]]), **rows)
 
 

@@ -1,5 +1,5 @@
-"""Abradable coating: closed-form solutions of a rod, lobes of prescribed motions, and an oscillator
-over an oval coating that an event-driven exact solution follows."""
+"""Abradable coating: a rod compared with closed-form solutions, lobes cut by prescribed motions,
+and an oscillator over an oval coating compared with an exact event-driven solution."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -79,8 +79,8 @@ def swinging(
     phase: float = 0.0,
     angle: float = 0.0,
 ) -> ContactProblem:
-    """Return a heavy tip that swings as amplitude * cos(frequency t + phase) in the scheme,
-    exactly."""
+    """Return a heavy tip, whose motion in the scheme is exactly amplitude * cos(frequency t +
+    phase)."""
     omega = 2.0 / dt * np.sin(frequency * dt / 2.0)
     rotor = point_mass(HEAVY, omega, tip_angle=np.array([angle]))
     # The velocity from which x_{-1} = x_0 - dt v + dt^2 a / 2 of the scheme is exact.
@@ -236,7 +236,8 @@ def lobes_of_engine_orders(pair: tuple[int, int]) -> Pair:
 @verifies()
 def rigid_limit() -> Pair:
     """Compare a nearly rigid coating (1000 GPa) with the rigid-plastic limit, in which the surface
-    yields at a constant force: a tip is driven into it by a given distance, and it stops a mass."""
+    yields at a constant force: for a tip driven into the coating by a given distance, and for a
+    mass that the coating stops."""
     dt, depth = 2e-7, 1e-3
     stiff = coating(8, young_modulus=1e12, hardening=0.0)
     motion = swinging(

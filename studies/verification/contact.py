@@ -234,8 +234,8 @@ def energies_and_gaps() -> Pairs:
 
 @verifies()
 def unbalance_orbit() -> Pair:
-    """Compare orbits under unbalance, which start on the exact orbits, with the exact orbits, at
-    speeds below and above the resonance: largest deviation in 0.1 s, divided by the radius."""
+    """Compare orbits under unbalance with the exact orbits, on which they start, at speeds below
+    and above the resonance: largest deviation in 0.1 s, divided by the radius."""
     rotor, rows = reference("jeffcott")["rotor"], reference("jeffcott")["response"]
     root, off = np.sqrt(rotor["mass"]), []
     body = small_rotor(

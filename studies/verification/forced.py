@@ -82,7 +82,8 @@ def march_with_engine_order(effects: str) -> Pair:
 @verifies()
 def bound_of_whitehead() -> Pair:
     """Compare with zero the excess of an amplitude ratio over Whitehead's bound (1 + sqrt N) / 2
-    for N blades: largest amplitude with different blades divided by that with equal blades."""
+    for N blades. The ratio is the largest amplitude with different blades divided by that with
+    equal blades."""
     speeds = np.linspace(0.4, 0.6, 101).tolist()
     mistuned, tuned = (
         float(amplitude(response(forced(2, damping=0.005, tuned=tuned), speeds=speeds)).max())
@@ -108,8 +109,8 @@ def bound_for_a_thousand_patterns() -> Pair:
 
 @verifies()
 def static_answer_of_scaled_masses() -> Pair:
-    """Compare the deflections of the wall by scaled masses with those by true masses, for the
-    paper's stage under unit forces at the nodes of the wall."""
+    """Compare the deflections of the wall with scaled masses and with true masses, for the paper's
+    stage under unit forces at the nodes of the wall."""
     problem = default_stage({})
     scaled = with_scaled_casing(problem, screening_cut(problem))
     expected, computed = (

@@ -73,9 +73,9 @@ def dense_march(
                     + (B_N + mu B_T S) l
         A = 1 / dt^2 + D / (2 dt),     0 <= l  perp  clearance + B_N x_{n+1} >= 0
 
-    in mass-normalised modes, first the rotor, then the casing. Between nodes the casing's
-    displacement is SciPy's cubic spline through values and slopes, as are clearance and closure;
-    dampers at points are left out.
+    for the mass-normalised modes of rotor and casing, in this order, with the normal contact forces
+    l and the signs of sliding S. Between nodes, displacement of the casing, clearance and closure
+    are SciPy's cubic splines through values and slopes; dampers at points are left out.
 
     Returns:
         gaps [m], normal impulses and friction impulses [N s] at every step.
@@ -99,7 +99,7 @@ def dense_march(
     )
 
     def room(n: int, angle: FloatArray) -> FloatArray:
-        """Return the gaps of tips at angles at step n, without displacements."""
+        """Return the gaps of tips at given angles at step n, without displacements."""
         lost = 0.0 if given.closure is None else given.closure.course.value(n * dt)
         return np.asarray(clearance(angle) + rotor.tip_recess - lost * closing(angle))
 

@@ -128,7 +128,8 @@ def by_ritz(thickness: Sequence[float]) -> FloatArray:
     """Return the three lowest frequencies of a tapered blade with a mass at its tip [rad/s].
 
     The trial functions are polynomials over the span. For each inner section of the taper there are
-    also powers of the distance beyond it from the third on, because the third derivative jumps.
+    also third and higher powers of the distance beyond the section, at which the third derivative
+    jumps.
     """
     stations = np.linspace(0.0, 1.0, len(thickness))
     nodes, weights = np.polynomial.legendre.leggauss(40)

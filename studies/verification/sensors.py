@@ -21,8 +21,8 @@ LENGTH, WIDTH, THICKNESS = 0.45, 0.1, 0.01  #: dimensions of a blade [m]
 YOUNG = 2e11  #: Young's modulus [Pa]
 BLADE = 2  #: number of the loaded blade
 DURATION, RECORDS = 0.2, (201, 401)  #: length of a motion [s], and its numbers of records
-FREQUENCY, AMPLITUDE = 200.0, 2e-3  #: of a vibration [rad/s], and its amplitude at a tip [m]
-ANGLE = 0.7  #: of the sensor of the wall [rad]
+FREQUENCY, AMPLITUDE = 200.0, 2e-3  #: frequency [rad/s], amplitude at a tip [m]
+ANGLE = 0.7  #: angle of the wall sensor [rad]
 
 
 @cache

@@ -34,7 +34,7 @@ COATING = {
     "footprint": 0.01,
     "elements": 1440,
 }
-"""Placeholder of an abradable coating."""
+"""Abradable coating with arbitrary values."""
 
 
 def march_of_nodes(
@@ -135,7 +135,7 @@ def rub(*, by_massless: bool, dt: float) -> BoundaryChunk:
 @verifies()
 def rubs() -> Pairs:
     """Compare the impulse on nine massless nodes with that on nodes that have mass and damping, and
-    with that of half the time step. The error of the energy balance is zero."""
+    with that at half the time step. The error of the energy balance is zero."""
     chunk, half = rub(by_massless=True, dt=STEP), rub(by_massless=True, dt=STEP / 2.0)
     reference = rub(by_massless=False, dt=STEP / 10.0)
     impulse = chunk.contact_impulse.sum()
@@ -150,8 +150,8 @@ def rubs() -> Pairs:
 
 @verifies()
 def wheel_of_sectors() -> Pair:
-    """Compare static flexibilities of the contact nodes that follow from modes and residual of a
-    sector with those of the whole wheel.
+    """Compare the static flexibilities of the contact nodes, computed from the modes and the
+    residual flexibility of a sector, with those of the whole wheel.
 
     Each sector has a root and a tip. Springs join roots to the ground, to tips and to the roots of
     the next sectors.
