@@ -92,7 +92,7 @@ def tell_cost(cost: Cost) -> None:
         CaseError: the stage needs more memory than this computer has.
     """
     if cost.memory > (most := memory()):
-        expected = f"a smaller stage: {cost}, and this computer has {most / 1e9:.3g} GB"
+        expected = f"a smaller stage: {cost}; this computer has only {most / 1e9:.3g} GB"
         raise CaseError([Fault(key="bladed_disk", expected=expected)])
     if cost.memory > LARGE_BYTES or cost.time > LARGE_SECONDS:
         logger.warning("Large stage: %s.", cost)

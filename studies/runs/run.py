@@ -111,8 +111,8 @@ def resume(
         checkpoint = read_checkpoint(state)
     except (OSError, ValueError) as error:
         raise UserError(
-            f"{state}: expected the state in which a run ended ({error});"
-            f" bladewhirl run {path} --overwrite runs it anew"
+            f"{state}: expected the state at the end of a run ({error}); to start the run again:"
+            f" bladewhirl run {path} --overwrite"
         ) from None
     if checkpoint.case != folder.march_digest(case):
         raise UserError(

@@ -290,12 +290,12 @@ def _add_draws(
         kept = "--histories" if plan.histories else "--continue"
         raise UserError(f"{either}: a sweep with {kept} cannot get more random draws")
     if count is not None and count <= draws.count:
-        raise UserError(f"{of_count}: expected more than the {draws.count} draws it has")
+        raise UserError(f"{of_count}: expected more than the {draws.count} draws that the sweep has")
     if until is not None:
         if draws.until is None:
             raise UserError(f"{of_until}: this sweep was made without {UNTIL}")
         if not 0.0 < until < draws.until:
-            raise UserError(f"{of_until}: expected less than its width {draws.until:g}")
+            raise UserError(f"{of_until}: expected less than the {draws.until:g} of the sweep")
     count = count or draws.count
     table = PointTable(values=plan.grid.listed) if plan.grid.table else None
     more = replace(draws, count=count, until=until or draws.until)

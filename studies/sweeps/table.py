@@ -51,11 +51,13 @@ def point_table(table: str | Path | Columns) -> PointTable:
     values: dict[str, tuple[Value, ...]] = {}
     for column, name in enumerate(head):
         match = _HEAD.fullmatch(name)
-        if match is None or match[1] in values:
+        if match is None:
             raise UserError(
-                f'{source} column "{name}": expected each key at most once, with its unit in'
-                " brackets if the values have one, such as casing.clearance [mm]"
+                f'{source} column "{name}": expected a key of the case, with its unit in brackets if'
+                " the values have one, such as casing.clearance [mm]"
             )
+        if match[1] in values:
+            raise UserError(f'{source} column "{name}": expected each key at most once')
         numbers = [
             _number(cell[column], match[2], f"{row} {match[1]} = {shown(cell[column])}")
             for row, cell in zip(rows, cells, strict=True)

@@ -65,7 +65,7 @@ def test_only_the_duration_may_change(whole: Path, tmp_path: Path) -> None:
     for content in (b"", b"nonsense", b"PK\x03\x04"):
         (tmp_path / "checkpoint.npz").write_bytes(content)
         with pytest.raises(
-            bw.UserError, match=r"checkpoint\.npz: expected the state in which a run"
+            bw.UserError, match=r"checkpoint\.npz: expected the state at the end of a run"
         ):
             resume(tmp_path)
 

@@ -50,7 +50,7 @@ def test_a_file_columns_and_a_frame_say_the_same(tmp_path: Path) -> None:
         ),
         (
             "march speed\n1\n",
-            'line 1, column "march speed": expected each key at most once, with its unit',
+            'line 1, column "march speed": expected a key of the case, with its unit',
         ),
         ("march.speed\n1\nfast\n", 'line 3, march.speed = "fast": expected a number'),
         ("casing.clearance [mm]\n1 m\n", '= "1 m": expected a number in mm, as line 1 says'),
