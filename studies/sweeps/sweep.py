@@ -290,7 +290,7 @@ def _add_draws(
         kept = "--histories" if plan.histories else "--continue"
         raise UserError(f"{either}: a sweep with {kept} cannot get more random draws")
     if count is not None and count <= draws.count:
-        raise UserError(f"{of_count}: expected more than the {draws.count} draws that the sweep has")
+        raise UserError(f"{of_count}: expected more than the {draws.count} draws of the sweep")
     if until is not None:
         if draws.until is None:
             raise UserError(f"{of_until}: this sweep was made without {UNTIL}")

@@ -53,8 +53,8 @@ def point_table(table: str | Path | Columns) -> PointTable:
         match = _HEAD.fullmatch(name)
         if match is None:
             raise UserError(
-                f'{source} column "{name}": expected a key of the case, with its unit in brackets if'
-                " the values have one, such as casing.clearance [mm]"
+                f'{source} column "{name}": expected a key of the case, with its unit in brackets'
+                " if the values have one, such as casing.clearance [mm]"
             )
         if match[1] in values:
             raise UserError(f'{source} column "{name}": expected each key at most once')
