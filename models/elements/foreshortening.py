@@ -49,7 +49,7 @@ def chain_of_beams(
         tip: node of the tip.
 
     Returns:
-        the beams; empty if no beam ends at the tip.
+        the beams; an array without rows if no beam ends at the tip.
     """
     node = tip
     chain: list[tuple[int, int]] = []

@@ -301,7 +301,8 @@ def suspension_pair(modes: Modes) -> IntArray:
     """Return the two modes of k = 1 with the largest share of strain energy in the shaft springs.
 
     Returns:
-        the numbers of both modes, (2,); empty if no mode strains the springs (clamped centre).
+        the numbers of both modes, (2,); an empty array if no mode strains the springs (clamped
+        centre).
     """
     candidates = np.flatnonzero(modes.nodal_diameter == 1)
     shares = modes.spring_share[candidates]

@@ -41,7 +41,7 @@ def pack_casing(
         loads: modal forces of each load pattern, (modes,) each.
         dt: time step [s].
         cyclic: whether to treat harmonics separately.
-        friction: friction coefficient for the array `compliance`, which is empty if None is given.
+        friction: friction coefficient for the array `compliance`; if None, this array is empty.
     """
     nodes, kinds, modes = casing.nodal.shape
     if cyclic:

@@ -62,7 +62,7 @@ class CarriedState:
     rotor: FloatArray
     """Displacements of the bladed disk [m, rad], (size,); of a superelement [kg^1/2 m], (copies,
     modes)."""
-    rotor_velocity: FloatArray  #: their rates in rotating axes
+    rotor_velocity: FloatArray  #: rates of `rotor` in rotating axes
     casing: FloatArray  #: modal displacements of the casing [kg^1/2 m], (casing modes,)
     casing_velocity: FloatArray  #: modal velocities of the casing [kg^1/2 m/s], (casing modes,)
 

@@ -52,14 +52,16 @@ def differing(hits: NDArray[np.float64], drawn: NDArray[np.float64]) -> Mask:
 
 
 class Judge:
-    """Decision which random draws of each point are needed.
+    """Decides which random draws of each point are needed.
 
     Args:
         count: number of draws of each point, if all are needed.
-        enough: rule by which the outcome of a point is known; its other draws are left out.
+        enough: rule for the number of draws from which the outcome of a point is known; the other
+            draws of the point are left out.
         known: true for every draw whose regime is known, (points * count,).
         regime: code of the regime of every draw as written, (points * count,).
-        halt: rule by which a point is put off: its other draws are neither marched nor left out.
+        halt: rule for the number of draws after which a point is put off; the other draws of the
+            point are neither marched nor left out.
         chosen: true for each point whose draws are marched, (points,); all points when None.
     """
 
