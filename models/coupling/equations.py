@@ -142,7 +142,7 @@ class CoupledEquations:
     def whirl_matrix(self, speed: ArrayLike, kappa: ArrayLike) -> FloatArray | ComplexArray:
         """Return the matrix of half size for cosine-sine pairs, (..., modes, modes) [rad/s].
 
-        With z = y_c + i y_s = X exp(i mu t), its eigenvalues are mu, and the first half of each
+        The eigenvalues are the mu of z = y_c + i y_s = X exp(i mu t), and the first half of each
         eigenvector is X. The matrix is real if there is no damping and the bladed disk has mirror
         symmetry.
         """

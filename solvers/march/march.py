@@ -85,8 +85,8 @@ PartT = TypeVar("PartT")
 
 
 def joined(chunks: Sequence[PartT]) -> PartT:
-    """Join consecutive records of one kind: dataclasses whose fields are arrays, such dataclasses
-    or None."""
+    """Join consecutive records of one kind, which are dataclasses. Their fields are arrays, further
+    dataclasses of this form, or None."""
     if len(chunks) == 1:
         return chunks[0]
     parts = {name: [getattr(chunk, name) for chunk in chunks] for name in vars(chunks[0])}

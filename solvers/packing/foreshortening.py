@@ -24,8 +24,8 @@ frequency of the fastest large term."""
 
 
 def near_gap(problem: ContactProblem) -> float:
-    """Return the gap without foreshortening below which a tip is near [m]; infinity if gaps can
-    also close as blades bend."""
+    """Return the gap without foreshortening below which a tip is near the wall [m]; infinity
+    if gaps can also close as blades bend."""
     shortening = problem.foreshortening
     if shortening is None or (shortening.sign < 0.0).any():
         return np.inf

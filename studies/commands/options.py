@@ -233,7 +233,8 @@ def case_of(file: Path, overrides: list[str] | None) -> Iterator[Case]:
 
 
 def folder_of(case: Path, command: str, output: Path | None, *, json: bool) -> Path | None:
-    """Return the folder of a study: CASE-COMMAND unless the user named one, None with --json."""
+    """Return the folder of a study: the folder that the user named; without it None with --json,
+    otherwise CASE-COMMAND."""
     return output if output is not None or json else Path(f"{case.stem}-{command}")
 
 

@@ -25,8 +25,8 @@ def descending(values: Mapping[str, float]) -> list[str]:
 
 
 def late_leaders(motion: Motion) -> tuple[list[str], dict[str, float]]:
-    """Return groups of modes sorted by late strain energy, the largest first, and their energies
-    [J]."""
+    """Return groups of modes sorted by strain energy late in the march, the largest first, and
+    these energies [J]."""
     energy = motion.energy(*motion.late)
     return descending({name: value for name, value in energy.items() if name != "total"}), energy
 
@@ -139,7 +139,7 @@ def clamped_centre(first: Motion, second: Motion) -> Measures:
 
 @measures(30)
 def limit_cycle(motion: Motion) -> Measures:
-    """Return mean and range of the late radius of an orbit [mm], and measures of steadiness."""
+    """Return mean and range of the orbit's radius late in a march [mm], and its steadiness."""
     mean, size = motion.radius_between(*motion.late)
     growth = motion.regime.ripple
     values: dict[str, Any] = {

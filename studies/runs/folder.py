@@ -95,8 +95,8 @@ def march_digest(case: Case) -> str:
 
 
 def portable_case(case: Case, folder: str = "") -> str:
-    """Return the text of a case that refers to a copy of the mesh file instead of the original; the
-    path of the folder with the copy is relative to the folder in which the text is written."""
+    """Return the text of a case that refers to a copy of the mesh file instead of the original;
+    `folder` is the path from the folder of the text to the folder of the copy."""
     source = _source(case)
     if source is None:
         return dumps_case(case)
@@ -127,7 +127,7 @@ def _source(case: Case) -> Source | None:
 
 
 def read_failures(directory: Path, size: float = float("inf")) -> list[dict[str, Any]]:
-    """Return the failed points of a sweep: "point", the values of the swept keys, "reason".
+    """Return the failed points of a sweep, each with "point", "reason" and swept values.
 
     Raises:
         UserError: the file is damaged, or contains points that the sweep does not have.

@@ -123,8 +123,8 @@ class SweepPlan:
         )
 
     def point(self, number: int, *, screen: bool = False, before: int | None = None) -> Point:
-        """Return a point for a worker to march: with `screen` with scaled masses, with `before`
-        from the state at the end of the point of this number."""
+        """Return a point for a worker to march. If `screen`, masses are scaled; if `before` is
+        given, the march starts from the state at the end of the point with this number."""
         digits = len(str(self.grid.size - 1))
         name = f"point_{number:0{digits}d}.nc" if self.histories else None
         return Point(
@@ -362,8 +362,8 @@ def _check_carry(case: Case, grid: Grid, coordinates: Coordinates, *, others: bo
 
 
 def _check_stages(case: Case, grid: Grid, *, screen: bool) -> None:
-    """Build the stages of some points, including the first and the last, to detect errors, also of
-    screening if points are screened.
+    """Detect errors before a sweep: build the stages of some points, including the first and the
+    last, and check that these points can be screened if `screen` is set.
 
     Raises:
         UserError: the first error, with its point.

@@ -163,7 +163,7 @@ def _reduced(result: xr.Dataset, report: Mapping[str, float], layout: Layout) ->
 
 
 def _change(work: Work, stage: AnyStage, point: Point) -> Change | None:
-    """Return the change of the contact problem of a point."""
+    """Return the function that changes the contact problem of a point; None for no change."""
     if point.screen:
         return partial(screened, stage.case)
     if point.before is None:

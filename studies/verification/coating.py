@@ -125,7 +125,8 @@ def single_rod() -> Pairs:
 
 @verifies("3/1", "5/1", "5/2", "7/3", "sqrt(7)")
 def lobes_of_prescribed_motion(ratio: str) -> Pairs:
-    """Let a tip pass 60 times with a prescribed motion, with one time step per rod."""
+    """Compare recess and number of lobes with the reference, after a tip with prescribed motion has
+    cut the coating in 60 revolutions; each time step covers one rod."""
     row = reference("abradable")["lobes"][ratio]
     rods, turns, dt = row["rods"], row["revolutions"], 1e-3
     given = coating(rods)
@@ -259,7 +260,7 @@ def rigid_limit() -> Pair:
 
 @verifies()
 def coating_ledger() -> Pair:
-    """Compare the energy of a stage that cuts its coating, minus all works, with zero."""
+    """Compare with zero the error of the energy balance of a stage that cuts its coating."""
     changes: Mapping[str, Any] = {
         "reduction.fixed_interface_modes": 22,
         "casing.elements": 22,

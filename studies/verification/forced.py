@@ -53,7 +53,8 @@ def aliased_nodal_diameter(order: int) -> Pair:
 
 @verifies()
 def response_of_full_model() -> Pair:
-    """Compare the response without damping with the dynamic stiffness of the full model."""
+    """Compare the undamped response of a stage with the response computed from the dynamic
+    stiffness of its full model."""
     case = forced(3, damping=0.0, tuned=False)
     stage = build_stage(case)
     structure, disk = stage.disk.structure, stage.disk

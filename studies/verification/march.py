@@ -160,7 +160,7 @@ def rubbing_stages(kind: str) -> Pairs:
 
 @verifies("oval casing that closes, friction 0.1")
 def closing_wall_ledger(kind: str) -> Pair:
-    """Compare the energy that a closing wall puts in, minus all works, with zero."""
+    """Compare with zero the error of the energy balance of a stage whose casing closes."""
     return 0.0, ledger_residual(marched(coarse(RUBBING[kind]), DT, STEPS))
 
 

@@ -32,7 +32,7 @@ def thrown_mass(**law: Any) -> ContactProblem:
 
 @verifies(0.0, 0.5, 1.0)
 def rebound(restitution: float) -> Pair:
-    """Compare the rebound velocity with initial speed times coefficient of restitution."""
+    """Compare the rebound velocity with initial speed times restitution coefficient."""
     given = thrown_mass(restitution=restitution)
     chunk = marched(given, 1e-6, 600, scheme="moreau-jean")
     return -restitution * SPEED, chunk.rotor_velocity[-1, 0] / MASS**0.5
@@ -40,7 +40,7 @@ def rebound(restitution: float) -> Pair:
 
 @cache
 def march_on_a_penalty() -> Chunk:
-    """March the mass against a penalty stiffness that allows 0.1 mm of penetration."""
+    """March the thrown mass against a penalty stiffness that allows 0.1 mm of penetration."""
     stiffness = MASS * (SPEED / DEPTH) ** 2
     return marched(thrown_mass(penalty_stiffness=stiffness), 1e-7, 6000, scheme="penalty")
 
