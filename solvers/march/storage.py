@@ -129,8 +129,8 @@ class CutFile(io.RawIOBase):
         """Fill the buffer with data of the file, and with zeros beyond the end of the file.
 
         Raises:
-            OSError: the data begins beyond the end of the file, or extends beyond the end and is larger
-                than `SMALL`.
+            OSError: the data begins beyond the end of the file, or extends beyond the end and is
+                larger than `SMALL`.
         """
         view = memoryview(buffer).cast("B")
         at = self._file.tell()
