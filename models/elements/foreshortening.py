@@ -141,8 +141,8 @@ def _factors(form: FloatArray, rows: FloatArray) -> tuple[FloatArray, FloatArray
 def fewest_terms(
     rows: FloatArray, signs: FloatArray, weight: FloatArray, share: float
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Return a quadratic form as the fewest terms, without its smallest terms. Terms are compared
-    for equal energies of all coordinates.
+    """Return a quadratic form with as few terms as possible; its smallest terms are neglected.
+    Terms are compared for equal energies of all coordinates.
 
     Args:
         rows: rows y of the form 1/2 sum_i s_i y_i^2, (rows, coordinates).

@@ -6,8 +6,8 @@
  *
  *     g = g_free + W (lambda + F(g)),      0 <= lambda  perp  g >= 0,
  *
- * with the gap g to the metal and the force F of the rods, which decreases with g. The equation is solved
- * by Newton's method with the slopes of F; each iteration solves the complementarity problem.
+ * with the gap g to the metal and the force F of the rods, which decreases with g. The equation is
+ * solved by Newton's method with the slopes of F; each iteration solves the complementarity problem.
  */
 #ifndef RODS_H
 #define RODS_H

@@ -44,7 +44,7 @@ class BoundaryChunk(MarchRecords):
 
 
 class BoundaryMarch:
-    """Central differences with contact of many nodes; without contact of second order.
+    """Central differences with contact of many nodes; second-order accurate without contact.
 
     Args:
         problem: contact problem.
