@@ -3,17 +3,18 @@
 Four programs are timed alternately in one process: the C kernel (with contact, energy ledger and a
 record every 100 steps), the C kernel with `rotation.effects = "full"`, the C kernel with
 `contact.foreshortening`, and the march without either in NumPy (`Reference`). The timings start
-from five states of the paper's stage. Each state is reached by a march with the same options, so
-the numbers of contacts can differ with Coriolis forces. The quadratic form of foreshortening is
-scaled down, which changes the work but not the motion, so that its numbers of contacts are equal.
-The ratios are medians of the ratios of successive timings.
+from five states of the paper's stage. Each program starts from a state that was reached by a march
+with its options, so with Coriolis forces the number of contacts can differ. The quadratic forms of
+foreshortening are multiplied by a small factor: their computing time stays the same, but the motion
+hardly changes, so the numbers of contacts are equal. The ratios are medians of the ratios of
+successive timings.
 
 * no contact: the imbalance case after 0.1 ms;
 * few contacts: the imbalance case at 0.3 s, when five blades rub;
-* half of the blades: the distortion case at 0.2 s, with a push of 150 ms. The motion diverges, and
+* half of the blades: the distortion case at 0.2 s, with a load of 150 ms. The motion diverges, and
   with the usual displacement limit the march would end earlier;
 * all blades: the casing has closed by 1.3 mm on all blades, which are strongly damped;
-* all blades, coating: the same with 4,000 rods of a coating, which the blades press.
+* all blades, coating: the same with a coating of 4,000 rods, which the blades compress.
 """
 
 import argparse
@@ -88,7 +89,8 @@ OPTIONS = ("rotation.effects=none", "rotation.effects=full", "contact.foreshorte
 
 
 def settings() -> list[list[Setting]]:
-    """Return the states of the module docstring, each with every one of `OPTIONS`."""
+    """Return the settings for the states in the module docstring: for each state one with each of
+    `OPTIONS`."""
 
     def reached(name: str, example: str, changes: list[str], steps: int) -> list[Setting]:
         made = []
@@ -130,7 +132,7 @@ def microseconds(work: Callable[[int], object], steps: int) -> float:
 
 
 def main() -> None:
-    """Time the three programs alternately, many times; print the shortest time of each."""
+    """Time the four programs alternately, many times; print the shortest times and the ratios."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--repeat", type=int, default=100, help="number of timings of each program")
     repeat = parser.parse_args().repeat

@@ -81,7 +81,7 @@ def run_pages(source: Path) -> None:
 def _run(page: Path, folder: Path, state: str, core: int) -> None:
     """Run the blocks of a page in a folder, and store their outputs beside the folder.
 
-    Commands that start a process for each core start one, as the process has one core.
+    A command that starts a process for each core starts only one, because the page has one core.
     """
     kept, text = folder.with_name(f"{folder.name}.json"), page.read_text(encoding="utf-8")
     key = hashlib.sha256((state + text).encode()).hexdigest()

@@ -77,7 +77,7 @@ class AbaqusMesh:
     sections: list[tuple[str, str, float, float]] = field(default_factory=list)
     """Set, material, width and thickness of each rectangular section."""
     materials: dict[str, dict[str, float]] = field(default_factory=dict)
-    masses: list[tuple[str, str, float]] = field(default_factory=list)  #: data, set, value
+    masses: list[tuple[str, str, float]] = field(default_factory=list)  #: type of data, set, value
     material: str = ""  #: name of the material that is being read
 
     def nodes_of(self, elements: Iterable[int]) -> list[int]:
@@ -93,7 +93,7 @@ class AbaqusMesh:
 
 
 def abaqus_mesh(path: Path) -> meshio.Mesh:
-    """Return the elements of solids of an .inp file, and its sets as sets of points.
+    """Return the solid elements of an .inp file, and its sets as sets of points.
 
     Raises:
         MeshFileError: the file is not a valid .inp file.

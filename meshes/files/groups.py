@@ -13,10 +13,10 @@ FLAT = 1e-6
 mesh."""
 
 SPRING = ("spring_radial", "spring_tangential", "spring_rotation")
-"""Names of the data of lines that are springs: their stiffnesses."""
+"""Names of line data: stiffnesses of springs. A line with such data is a spring."""
 
 RIGID = "rigid"
-"""Name of the data that are 1 for lines that are rigid links."""
+"""Name of the line data that are 1 for rigid links."""
 
 
 class MeshFileError(ValueError):

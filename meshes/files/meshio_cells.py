@@ -67,5 +67,5 @@ def line_blocks(mesh: meshio.Mesh) -> list[int]:
 
 
 def stacked(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """Concatenate arrays; empty if there are none."""
+    """Concatenate arrays; without arrays, return an empty array."""
     return np.concatenate(arrays) if len(arrays) else np.zeros(0, dtype=np.int64)

@@ -39,18 +39,19 @@ class VolumeMesh:
 def read_volume_mesh(mesh: meshio.Mesh | str | PathLike[str]) -> VolumeMesh:
     """Read a mesh of a solid with its groups.
 
-    The members of a group are the nodes of its cells of any dimension; of Gmsh, the physical groups
-    of points, curves, surfaces and volumes, of Abaqus the sets of nodes and of elements, of VTK the
-    arrays of integers on points or cells that are 1 for members and 0 elsewhere. Cells of a lower
-    dimension serve as groups only.
+    A group contains the nodes of its cells, which may have any dimension. The groups of a Gmsh file
+    are its physical groups of points, curves, surfaces and volumes; the groups of an Abaqus file
+    are its sets of nodes and of elements; the groups of a VTK file are the arrays of integers on
+    points or cells that are 1 for members and 0 elsewhere. Cells of a lower dimension serve as
+    groups only.
 
     Args:
         mesh: mesh of meshio, or path of a .msh file of Gmsh, a .vtu file, or an .inp file of Abaqus
             or CalculiX.
 
     Raises:
-        MeshFileError: the file cannot be read, or has no cells of one supported type; the text
-            completes "expected ...".
+        MeshFileError: the file cannot be read, or its solid cells do not have one supported type;
+            the text completes "expected ...".
     """
     if isinstance(mesh, meshio.Mesh):
         return _volumes(mesh, "the mesh")
@@ -81,7 +82,7 @@ def _volumes(mesh: meshio.Mesh, name: str) -> VolumeMesh:
         existing = f"found {', '.join(kinds)}" if kinds else "there are none"
         raise MeshFileError(f"cells of one of the types {', '.join(CELLS)}; {existing}")
     cells = stacked([block.data for block in solid]).astype(np.int64)
-    # Of the cells that a file of Gmsh 2.2 repeats for each of their groups, one remains.
+    # A file of Gmsh 2.2 repeats a cell for each of its groups; one occurrence remains.
     cells = cells[np.sort(np.unique(np.sort(cells, axis=1), axis=0, return_index=True)[1])]
     if not (cells.min() >= 0 and cells.max() < len(mesh.points)):
         raise MeshFileError("all nodes of the cells; some nodes are not defined")

@@ -40,7 +40,7 @@ def amplitude_growth(
         motion about the mean position of each window [J], nan where it cannot be computed.
         `local_rate`: growth rate of the amplitude from one window to the next [1/s]. `fit`: fitted
         energy [J]; `low` and `high`: `fit` with the rate changed by two standard errors; nan before
-        the windows fitted, see `growth_rates.growth_windows`. Attributes: growth rate `rate` and
+        the fitted windows, see `growth_rates.growth_windows`. Attributes: growth rate `rate` and
         standard error `error`; `end_rate`, fitted to the last five windows; `ripple_rate` and
         `ripple_error`, nan without ripple, all [1/s]; `residual`, misfit of the logarithm of the
         amplitude; `span`, the fitted time interval in words; `regime`, `reason`.
@@ -96,8 +96,8 @@ def amplitude_growth(
 
 
 def _ripple(dataset: xr.Dataset, energy: Array, middle: Array) -> Array:
-    """Return the energy of the ripple [J] at the `middle` of each window of the motion [s]; nan
-    outside the windows of the ripple."""
+    """Return the energy of the ripple [J] at the times `middle` [s], the middles of the windows of
+    the motion; nan at times outside the windows of the ripple."""
     windows = ripple_windows(dataset, energy)
     if windows is None:
         return np.full(len(middle), np.nan)

@@ -64,7 +64,7 @@ class Growth:
     error: float  #: standard error of `rate`, see `fit_growth` [1/s]
     #: true if the rate is clearly less in the second half of the fitted windows than in the first
     slows: bool
-    #: last amplitude divided by the largest one before the fitted windows; inf if none is before
+    #: last amplitude divided by the largest before the fitted windows; inf if no window is before
     rise: float
     residual: float  #: root mean square misfit of the logarithm of the amplitude: 0.1 is about 10 %
     end_rate: float  #: growth rate fitted to the last five windows only [1/s]
@@ -256,8 +256,8 @@ def _half_period(frequency: Array) -> float:
 def _fitted_slope(values: Array, step: float) -> tuple[float, float, float]:
     """Fit a straight line to equally spaced values; return slope, standard error, and a factor.
 
-    The standard error of the slope is computed as if the misfits were independent. The factor, by
-    which the error must be multiplied, corrects it for correlated misfits, see `fit_growth`.
+    The standard error of the slope is computed as if the misfits were independent. Multiplied by
+    the factor it is corrected for correlated misfits, see `fit_growth`.
     """
     position = step * (np.arange(len(values)) - (len(values) - 1) / 2)
     spread = position @ position
@@ -272,8 +272,8 @@ def _fitted_slope(values: Array, step: float) -> tuple[float, float, float]:
 def _averaged(
     time: Array, strain_energy: Array, edges: Array, length: float, *, fitted: int, is_third: bool
 ) -> Windows | None:
-    """Return windows that begin at `edges`, the last up to the last record; None if some window has
-    too few records, or a fitted window has no finite positive energy."""
+    """Return windows that begin at `edges`; the last window ends at the last record. Return None if
+    some window has too few records, or a fitted window has no finite positive energy."""
     first = np.searchsorted(time, edges - 1e-9 * length)
     counts = np.diff(first, append=len(time))
     if counts.min() < WINDOW_RECORDS:

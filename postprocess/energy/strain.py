@@ -1,8 +1,8 @@
 """Strain energy of the bladed disk by groups of modes (the paper's Figs 17b to 22).
 
-The groups are the suspension, the first blade family and all other modes, by the labels of the
-modes: family and nodal diameter. The labels are exact for a stage with equal sectors; otherwise
-they name the largest part of the motion of the mode.
+The groups are the suspension, the first blade family and all other modes. A mode belongs to a group
+by its labels, family and nodal diameter. The labels are exact for a stage with equal sectors;
+otherwise they name the largest part of the motion of the mode.
 """
 
 import numpy as np
@@ -70,10 +70,11 @@ def strain_energies(
 
 
 def group_energies(result: xr.Dataset) -> tuple[Array, IntArray]:
-    """Return the strain energy of each group of modes [J], (time, group), and the nodal diameters
-    of the first blade family, (group - 2,).
+    """Return the strain energy of each group of modes [J], (time, groups), and the nodal diameters
+    of the first blade family, (groups - 2,).
 
-    The groups are the suspension, the first blade family by nodal diameter, and all other modes.
+    The first group is the suspension, the last group all other modes. Between them the first blade
+    family has a group for each nodal diameter.
     """
     stage = result.variables
     family, diameter = stage["rotor_family"].values, stage["rotor_nodal_diameter"].values
@@ -116,8 +117,8 @@ def plot_energy(energies: xr.Dataset) -> Figure:
 
     All nodal diameters except 0 and 1 are added together, as in the paper's Figs 17(b) and 22. Long
     runs are drawn as means over a period of the reference frequency or more; the title states the
-    time. The axis begins a decade below the smallest median of all terms, at most six decades below
-    the largest energy; smaller terms are left out.
+    averaging time. The axis begins a decade below the smallest median of all terms, at most six
+    decades below the largest energy; smaller terms are left out.
     """
     terms = {name: energy.values for name, energy in energy_terms(energies).items()}
     time = energies["time"].values

@@ -30,7 +30,7 @@ class Works(TypedDict):
 
     load: float
     normal: float  #: work of the normal contact forces
-    closing: float | None  #: part of `normal` done while tips are stopped; None if unknown
+    closing: float | None  #: part of `normal` that stops tips as gaps close; None if unknown
     friction: float
     springs: float  #: work of turning the rotor against stationary springs
     damping: float  #: energy lost to damping, positive
@@ -139,7 +139,8 @@ def late_drive_power(dataset: xr.Dataset) -> float:
 
 
 def leading_source(dataset: xr.Dataset) -> str:
-    """Return the largest energy source of a run in words; empty if no source supplied energy.
+    """Return the largest energy source of a run in words; an empty text if no source supplied
+    energy.
 
     Above a critical speed some modes have negative stiffness. Their whirl grows by losing energy,
     so damping drives it.

@@ -67,7 +67,7 @@ def member_names(dataset: xr.Dataset) -> tuple[list[str], IntArray]:
 
 
 def _outward_line(points: Array, lines: IntArray, tip: int) -> int:
-    """Return the number of the beam at a tip that is closest to the radial direction."""
+    """Return the number of the beam closest to the radial direction, among the beams at a tip."""
     at_tip = np.flatnonzero(np.any(lines == tip, axis=1))
     span = points[lines[at_tip, 1]] - points[lines[at_tip, 0]]
     along = np.abs(span @ points[tip]) / np.linalg.norm(span, axis=1)

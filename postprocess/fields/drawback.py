@@ -137,9 +137,12 @@ def _shortening(place: Array, turned: Array) -> Array:
 
 
 def _around(place: Array, moved: Array, centre: Array, root: Array) -> Array:
-    """Return the decrease of the distance from the axis beyond the shortening along the blade [m],
-    (record, beam, station); its value at the root, from the motion of the centre, is subtracted
-    with a share that falls from one at the root to zero at the tip.
+    """Return the decrease of the distance from the axis in addition to the shortening along the
+    blade [m], (record, beam, station).
+
+    At the root this decrease is not zero, because the centre moves. It is made zero there: the
+    value at the root is subtracted, at each station with a factor that falls from one at the root
+    to zero at the tip.
 
     The terms are those of `models.elements.foreshortening`, for each station in place of the tip.
 

@@ -114,8 +114,8 @@ class EnlargedStage:
             self.nodes, self.line = with_recess(dataset, self.line, shift)
 
     def _draw_back(self, drawn: Array) -> None:
-        """Subtract the distances (record, rotor_line, station) [m] by which blades draw back from
-        the radial displacements of stations and nodes."""
+        """Reduce the radial displacements of stations and nodes by the distances `drawn` by which
+        the blades draw back, (record, rotor_line, station) [m]."""
         flat, nodes = self.line.reshape(-1, 2), self._dataset["rotor_point"].values
         self._moved = self._moved - drawn.reshape(len(drawn), -1, 1) * unit(flat)
         of_nodes = np.zeros(self._node.shape[:2])
@@ -186,7 +186,7 @@ class EnlargedStage:
 
 def magnify(points: Array, displacement: Array, shift: Array, factor: float) -> Array:
     """Return drawn positions (point, 2) of points moved by `factor` times their displacement.
-    `shift` (2,), the part of the displacement common to all points, is drawn along a straight line;
+    `shift` (2,), the part of the displacement common to all points, is drawn along a straight line,
     the remaining displacement in polar coordinates, see the module docstring. A point at the
     centre, where polar coordinates are undefined, is moved by the shift only.
     """

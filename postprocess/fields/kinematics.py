@@ -192,9 +192,10 @@ def _arcs(dataset: xr.Dataset) -> Array:
 
 def wall_rows(dataset: xr.Dataset, weights: Array) -> Array:
     """Return radial and tangential displacements of every casing element for unit modal
-    coordinates, (casing_node, station, 2, casing_mode), if `weights` (4, station) are from
-    `cubic_weights`. Weights from `slope_weights` or `curvature_weights` give the first or second
-    derivatives with respect to the position in the element, which goes from 0 to 1.
+    coordinates, (casing_node, station, 2, casing_mode), with `weights` (4, station) from
+    `cubic_weights`. With weights from `slope_weights` or `curvature_weights` return instead the
+    first or second derivatives of the displacements with respect to the position in the element,
+    which goes from 0 to 1.
     """
     shape = dataset["casing_shape"].values
     nodal = shape.reshape(len(shape), 2, 2, -1)  # node, (w, u), (value, slope), mode
@@ -234,9 +235,10 @@ def recess_at_rest(dataset: xr.Dataset) -> Array:
 
 
 def smallest_clearance(dataset: xr.Dataset) -> float:
-    """Return the smallest clearance plus the smallest `tip_recess` [m], which is the distance of a
-    tip inside the radius from which the clearance is measured. Vibration is not included; the
-    static growth of the tips at speed is subtracted if the case gives the clearance at rest."""
+    """Return the smallest clearance plus the smallest `tip_recess` [m]. The clearance is measured
+    from the tip radius of the stage; `tip_recess` is the distance by which a tip lies inside this
+    radius. Vibration is not included; the static growth of the tips at speed is subtracted if the
+    case gives the clearance at rest."""
     stage = dataset.variables
     return float(stage["clearance"].values.min() + stage["tip_recess"].values.min())
 
@@ -249,8 +251,8 @@ def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:
 
 
 def table_of_result(dataset: xr.Dataset, name: str, kind: type[TableT]) -> TableT:
-    """Return a table of the case of a run, such as [casing]; the default for motions that are not
-    marched, such as those of modes, whose attribute `case` is a title."""
+    """Return a table of the case of a run, such as [casing]. Return the default table for motions
+    that are not marched, such as those of modes: their attribute `case` is only a title."""
     text = str(dataset.attrs.get("case", "")) if "time_step" in dataset.attrs else ""
     return table_of(text, name, kind)
 
@@ -268,8 +270,8 @@ def clearance_change(dataset: xr.Dataset, records: IntArray, angle: Array) -> Ar
 
 
 def coating_strain_at(dataset: xr.Dataset, records: IntArray, angle: Array) -> Array:
-    """Return the plastic strain of the coating at records, at static angles [rad], (record, point).
-    It is the strain of the last profile that was stored before a record."""
+    """Return the plastic strain of the coating at static angles [rad] and at records, (record,
+    point). The strain at a record is that of the last profile stored before this record."""
     time, stored = dataset["time"].values[records], dataset["wear_time"].values
     profile = np.maximum(np.searchsorted(stored, time, side="right") - 1, 0)
     rods = dataset.sizes["rod"]

@@ -173,7 +173,7 @@ def _stored(h5: h5py.File, label: str, *, gaps: bool, cache: bool) -> xr.Dataset
             data = indexing.MemoryCachedArray(data)  # type: ignore[no-untyped-call]
         variables[name] = xr.Variable(dimensions[name], data, _attributes(array))
         coordinates.update(str(variables[name].attrs.pop("coordinates", "")).split())
-    # without indexes, which would be read at once, beyond the last complete record
+    # Indexes would read the coordinates at once, also beyond the last complete record.
     kept = {name: variables.pop(name) for name in sorted(coordinates & variables.keys())}
     return xr.Dataset(variables, xr.Coordinates(kept, indexes={}), attributes)
 
@@ -185,7 +185,8 @@ def _coordinate(array: xr.DataArray) -> tuple[Any, Any, dict[Any, Any]]:
 
 
 def _dimensions(name: str, array: h5py.Dataset, numbers: Mapping[Any, str]) -> tuple[str, ...]:
-    """Return the names of the dimensions of a variable; `numbers` has the name of each number."""
+    """Return the names of the dimensions of a variable; `numbers` maps the number of each dimension
+    to its name."""
     if "_Netcdf4Coordinates" in array.attrs:  # a dimension that has values over several dimensions
         return tuple(numbers[number] for number in array.attrs["_Netcdf4Coordinates"])
     if array.is_scale and array.ndim == 1:
@@ -210,7 +211,8 @@ def _attributes(stored: h5py.Dataset | h5py.File) -> dict[str, Any]:
 
 
 def complete_records(attributes: Mapping[str, Any]) -> int | None:
-    """Return the number of complete records that attributes of a file state; None if they do not.
+    """Return the number of complete records by the attributes of a file; None if they do not state
+    it.
 
     If a run is killed while it writes to disk, its histories may be longer than the number of
     complete records, with missing data; these must not be read.
@@ -233,7 +235,8 @@ def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
 
 
 def attribute_fault(attributes: Mapping[str, Any]) -> str:
-    """Describe the first invalid attribute; empty if all attributes are valid."""
+    """Return a text on the first invalid attribute, what is expected and what was found; an empty
+    text if all attributes are valid."""
     for name in (*POSITIVE.split(), *NUMBERS.split()):
         value = np.asarray(attributes.get(name, 1.0))
         kind = "positive" if name in POSITIVE.split() else "finite"
@@ -262,7 +265,8 @@ def check_beams(dataset: xr.Dataset) -> None:
 
 
 def expectation(values: Any, variable: Variable, nodes: int = 0) -> str:
-    """Describe valid values of a variable; empty if the values are valid."""
+    """Return a text that says which values of `variable` are valid, such as "numbers"; an empty
+    text if `values` are valid."""
     if values.dtype.kind not in {"f": "f", "i": "iu", "s": "OUT"}[variable.kind[0]]:
         return "text" if variable.kind == "str" else "numbers"
     labels = variable.labels if variable.kind == "str" else range(len(variable.labels))

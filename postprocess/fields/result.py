@@ -145,15 +145,16 @@ def _entry(variable: schema.Variable, values: Any) -> tuple[Any, Array, dict[str
 
 @contextmanager
 def opened(result: xr.Dataset | str | PathLike[str]) -> Iterator[xr.Dataset]:
-    """Yield a result: a Dataset unchanged; a file or folder opened, and closed afterwards."""
+    """Yield a result: a Dataset is yielded unchanged, a file or folder is opened and closed
+    afterwards."""
     with nullcontext(result) if isinstance(result, xr.Dataset) else open_result(result) as dataset:
         check_beams(dataset)
         yield dataset
 
 
 def result_fault(dataset: xr.Dataset) -> str:
-    """Describe what a result with at least one record would have instead of the first fault of a
-    Dataset, and what was found; empty if the Dataset is such a result."""
+    """Return a text on the first fault of a Dataset: what is expected of a result with at least one
+    record, and what was found. Return an empty text if there is no fault."""
     if fault := attribute_fault(dataset.attrs):
         return fault
     made_by = dataset.attrs.get("format", 1)

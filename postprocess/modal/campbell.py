@@ -244,8 +244,8 @@ def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLin
 
 
 def _draw_engine_orders(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
-    """Draw the lines of engine orders, in the static frame only of order 1; yield end points, name
-    and colour of each line."""
+    """Draw the lines of engine orders; in the static frame draw only order 1. Yield end points,
+    name and colour of each line."""
     k, (first, last) = data["mode_nodal_diameter"].values, data.attrs["speeds"]
     speed = np.linspace(first, last, 201)
     for order in np.unique(k[k > 0]).tolist() if frame == "rotating" else [1]:
@@ -265,7 +265,8 @@ def _mark_coincidences(axes: Axes, data: xr.Dataset, meets: FloatArray, shown: B
 
 
 def wave_colour(body: str, family: str, k: int) -> str:
-    """Return the colour of a wave, which depends on its body, on k = 1 and on the suspension."""
+    """Return the colour of a wave: one for the suspension; on each body one for k = 1, one for
+    other k."""
     if family == "suspension":
         return COLOURS["suspension"]
     if body == "bladed-disk":

@@ -122,7 +122,7 @@ def coupled_mode_motion(stage: StageModes, motion: CoupledMotion, kappa: float) 
     Args:
         stage: the coupled modes.
         motion: motion of one coupled mode, equally spaced in time.
-        kappa: stiffness of the springs that couple these modes [N/m] per radian.
+        kappa: stiffness per radian of the springs that couple these modes [N/m].
 
     Returns:
         Dataset with geometry, modes, time, modal displacements and velocities, gaps of tips,

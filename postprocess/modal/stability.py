@@ -203,7 +203,8 @@ def _name_zones(axes: Axes, data: xr.Dataset) -> None:
 
 
 def _meeting(casing: str, rotor: str, zones: int) -> str:
-    """Return the name of a zone: both waves, or only the rotor's if there are many `zones`."""
+    """Return the name of a zone: both waves or, if there are many `zones`, only the wave on the
+    rotor."""
     return panels.spaced(f"{casing} and {rotor}" if zones <= FEW else rotor)
 
 
@@ -254,7 +255,7 @@ class _Zone:
 
     casing: str
     rotor: str
-    kappa: FloatArray  #: [N/m]
+    kappa: FloatArray  #: coupling stiffness [N/m]
     lower: FloatArray  #: normalised speed at which the zone begins
     upper: FloatArray  #: normalised speed at which the zone ends
 

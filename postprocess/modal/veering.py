@@ -1,4 +1,4 @@
-"""Frequencies against nodal diameter (the paper's Fig. 7), frequencies and critical speeds against
+"""Frequencies against nodal diameter (the paper's Fig. 7); frequencies and critical speeds against
 shaft stiffness."""
 
 from typing import Any
@@ -32,7 +32,7 @@ DIAMETER_AXIS = "nodal diameter k [–]"
 
 #: largest number of families for which the frequency axis is broken into a part for each family
 FEW = 3
-#: margin above and below the frequencies in a part of a broken axis, divided by that part
+#: margin above and below the frequencies in a part of a broken axis, divided by their range
 ROOM = 0.12
 LOWEST = 0.05
 """Lowest normalised frequency drawn; at a critical speed a frequency is zero, which a logarithmic

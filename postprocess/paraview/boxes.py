@@ -27,10 +27,10 @@ from bladewhirl.postprocess.fields.strains import (
 BEAM_PIECES = 2  #: number of pieces of a beam
 ARC_POINTS = 180  #: smallest number of pieces of the casing
 SIDES = np.array([0, 1, 1, 0])  #: side of each corner of a cross-section: 0 right, 1 left
-ENDS = np.array([-0.5, -0.5, 0.5, 0.5])  #: heights of these corners, relative to the width
+ENDS = np.array([-0.5, -0.5, 0.5, 0.5])  #: axial positions of these corners, divided by the width
 
 LINE_ARC_POINTS = 360  #: smallest number of pieces of a casing drawn as lines
-LINE = np.zeros(1)  #: height of the only corner of a line
+LINE = np.zeros(1)  #: axial position of the only corner of a line
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +41,7 @@ class Boxes:
     line: Array  #: stations (element, station, 2) [m]
     #: unit normals, to the left of beams and outward on the casing (element, station, 2)
     normal: Array
-    #: distance of right and left side, or inner and outer, along `normal` (element, station, 2) [m]
+    #: positions of right and left (inner and outer) side along `normal` (element, station, 2) [m]
     offset: Array
     width: Array  #: (element, station or 1) [m]
     modulus: Array  #: (element, station or 1) [Pa]

@@ -154,8 +154,9 @@ def write_series(
     overwrite: bool,
     progress: Progress | None,
 ) -> Path:
-    """Write the grids of some parts at each instant [s], by name, and further files before them;
-    return the path of the index.
+    """Write a series: first the files `others`, then the grids of the parts at each of the `times`
+    [s]; return the path of the index. `others` maps names of files, `instants` names of parts to
+    contents.
 
     See `export_vtk` for `overwrite`, `progress` and the frames of an earlier series.
     """

@@ -12,7 +12,7 @@ from bladewhirl.files import replacing
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.pictures.offscreen import Pixels
 
-FRAME_RATE = 25  #: pictures per second; 40 ms is a multiple of the time unit of a GIF, 10 ms
+FRAME_RATE = 25  #: pictures per second, 40 ms each: a multiple of the time unit of a GIF, 10 ms
 SAMPLES = 6  #: number of pictures from which the further colours of a GIF are chosen
 
 Progress = Callable[[int, int], None]
@@ -26,8 +26,8 @@ def write_pictures(
     colours: Array,
     progress: Progress | None = None,
 ) -> Path:
-    """Write pictures into a file, and return its path: a film if it ends in .gif or .mp4, otherwise
-    the only picture as PNG.
+    """Write pictures into a file and return its path. The file is a film if the path ends in .gif
+    or .mp4, otherwise a PNG of the only picture.
 
     All pictures of a GIF have the same palette and are not dithered, so that colours do not
     flicker; the file is half as large as with a palette for each picture. MP4s have the H.264
@@ -37,8 +37,8 @@ def write_pictures(
         path: file to write.
         picture: function that draws the picture of a number from 0.
         count: number of pictures.
-        colours: colours in the palette of a GIF (colour, 3), between 0 and 1; the others are chosen
-            from samples of the pictures, such as those of smoothed edges.
+        colours: colours in the palette of a GIF (colour, 3), between 0 and 1; further colours, such
+            as those of smoothed edges, are chosen from samples of the pictures.
         progress: called after each picture of a film.
     """
 

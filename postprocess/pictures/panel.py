@@ -38,8 +38,8 @@ class Panel:
         note: additional line of text.
         trail: consecutive records, for which an inset shows the orbit of the shaft; None for no
             inset.
-        sheet: true for a picture of a sheet, which has larger blade numbers, and the length of the
-            scale bar in the panel.
+        sheet: true for a picture of a sheet: blade numbers are larger, and the panel states the
+            length of the scale bar.
     """
 
     def __init__(

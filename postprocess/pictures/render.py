@@ -236,8 +236,8 @@ def _stride(dataset: xr.Dataset) -> int:
 
 
 def _busiest(dataset: xr.Dataset, span: int) -> int:
-    """Return the first record of the interval of `span` records with the largest total contact
-    impulse; in a run without contact that of the last interval."""
+    """Return the first record of the interval of `span` records that has the largest total contact
+    impulse; in a run without contact, the first record of the last interval."""
     total = np.concatenate([[0.0], np.cumsum(_contact_impulse(dataset).sum(axis=1))])
     within = total[span:] - total[:-span]
     return int(np.argmax(within)) if total[-1] > 0 else len(within) - 1

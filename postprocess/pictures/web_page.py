@@ -134,7 +134,8 @@ def _shades(colouring: Colouring, values: Array) -> Array:
 
 
 def _instants(drawing: Drawing) -> dict[str, Any]:
-    """Return for each picture its time, the text about contact, and a 0 or 1 for each blade."""
+    """Return for each picture its time, the text about contact, and 1 for each blade in contact,
+    else 0."""
     forces = [drawing.picture(index).forces for index in range(len(drawing))]
     return {
         "times": [f"t = {1e3 * time:.1f} ms" for time in drawing.times],

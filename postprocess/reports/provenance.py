@@ -7,7 +7,7 @@ import xarray as xr
 from bladewhirl.postprocess.reports.page import PageSection, PageTable, Text
 
 Provenance = Mapping[str, object]
-"""Content of provenance.json; empty if the file does not exist."""
+"""Content of provenance.json; an empty mapping if the file does not exist."""
 
 
 def subject(dataset: xr.Dataset, provenance: Provenance, name: str) -> str:

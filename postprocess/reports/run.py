@@ -39,7 +39,7 @@ TITLES = {
     "energy": "Strain energy and stress",
     "wear": "Wear of the coating",
 }
-"""Sections with figures; a report has those with a figure."""
+"""Names and titles of the sections with figures; a report leaves out sections without a figure."""
 
 
 def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -> Page:
@@ -108,8 +108,8 @@ def _late(dataset: xr.Dataset) -> xr.Dataset:
 def _summary(
     dataset: xr.Dataset, rows_of: Callable[[Mapping[str, float]], Mapping[str, str]]
 ) -> PageTable:
-    """Return the rows of a summary, without those that are known only after the march has ended if
-    it has not. `rows_of` makes the rows from the quality measures of the march."""
+    """Return the rows of a summary. If the march has not ended, rows that are known only at its end
+    are left out. `rows_of` makes the rows from the quality measures of the march."""
     reported = {name: dataset.attrs.get(name, math.nan) for name in MARCH_REPORT}
     done = float(dataset["time"].values[-1]) / float(dataset.attrs["time_step"])
     missing = any(math.isnan(float(reported[name])) for name in MARCH_REPORT)

@@ -138,7 +138,7 @@ def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> 
 
 
 def _certainty(dataset: xr.Dataset) -> str:
-    """Return a sentence on the points with an uncertain outcome, for a sweep with random draws."""
+    """Return a sentence on the points of a sweep with random draws whose outcome is uncertain."""
     shares = in_handy_units(probability(dataset))
     interval = "the 95 % interval of the share of"
     if not shares["uncertain"].any():
@@ -167,7 +167,8 @@ def _screening(dataset: xr.Dataset) -> str:
 
 
 def _carried(dataset: xr.Dataset) -> str:
-    """Return a sentence on a sweep that carries the motion from speed to speed."""
+    """Return a sentence on the direction in which a sweep carries the motion from speed to speed;
+    an empty text for other sweeps."""
     ways = {"up": "rising", "down": "falling"}
     way = ways.get(str(dataset.attrs.get("carry")))
     return f"The motion was carried from speed to speed, with {way} speed." if way else ""

@@ -244,16 +244,16 @@ def share_limit(*shares: xr.DataArray) -> float:
 
 
 def share_label(words: str, limit: float) -> str:
-    """Return the label of a scale of shares that ends at `limit` [%]; a scale that does not end at
-    100 % is mentioned."""
+    """Return the label of a scale of shares that ends at `limit` [%]; if the scale does not end at
+    100 %, the label states its end."""
     return words if limit == 100.0 else f"{words}\nscale ends at {limit:g} %"
 
 
 def draw_share(
     axes: Axes, across: ArrayLike, up: ArrayLike, share: xr.DataArray, limit: float
 ) -> QuadMesh:
-    """Draw shares (time, row) of the time in contact in percent; `limit` [%] is darkest, see
-    `share_limit`."""
+    """Draw shares (time, row) of the time in contact in percent. The share `limit` [%] has the
+    darkest colour, see `share_limit`."""
     percent = np.ma.masked_less_equal(100.0 * np.nan_to_num(share.values.T), 0.0)
     return draw_map(axes, across, up, percent, cmap=CONTACT, vmin=0.0, vmax=limit)
 

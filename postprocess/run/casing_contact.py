@@ -129,7 +129,7 @@ def _limits(contact: xr.Dataset) -> tuple[float, float]:
 
 def _draw(axes: Axes, contact: xr.Dataset, which: str, limit: float) -> QuadMesh:
     """Draw a panel: the complete time if `which` is "", the last revolutions if it is "last_".
-    The share `limit` [%] is darkest."""
+    The share `limit` [%] has the darkest colour."""
     turns_each = _turns_each(contact)
     across = (turns_each or 1.0) * contact[f"{which}time_edge"]
     angle = np.degrees(contact[f"{which}angle_edge"].values)

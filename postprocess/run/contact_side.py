@@ -24,7 +24,7 @@ ALIKE = 1e-6
 gap) is below this fraction of the largest spread at any record."""
 
 POINTS = 1200  #: largest number of drawn points of each phase
-MOST_TURNS = 12.0  #: of a longer motion only this number of turns, the last ones, is drawn
+MOST_TURNS = 12.0  #: largest number of drawn turns; of a longer motion the last turns are drawn
 
 
 def contact_phase(
@@ -50,8 +50,8 @@ def contact_phase(
 
     Returns:
         Dataset over time: `shaft_phase` and `smallest_clearance_phase` [rad] in (-pi, pi], static
-        frame; `shaft_lead` [rad], the first minus the second phase; phases are nan where they are
-        undefined; `impulse` [N s], the impulse of all contacts since the previous record.
+        frame; `shaft_lead` [rad], `shaft_phase` minus `smallest_clearance_phase`; all are nan where
+        they are undefined; `impulse` [N s], the impulse of all contacts since the previous record.
         Attributes: `scenario` ("standard", "inverted", "unsteady" or "at rest"); `lead` [rad] and
         `steadiness`, averaged from `since` on, weighted by the impulse if a tip touched, see
         `solvers.stability.scenario`; `window`, the time from `since` on in words.

@@ -22,10 +22,11 @@ def late_motion(late: xr.Dataset, orbit: xr.Dataset) -> dict[str, Any]:
         orbit: from `orbits.shaft_orbit`, for the same time window.
 
     Returns:
-        variables of a sweep, see `solvers.march.schema`, by name. `late_contact_share` (blade,) is
-        nan for a single record, `whirl_scatter` for a single span of `whirl_history`;
-        `radius_peak` (peak,) are all maxima of the displacement [m], and `section` (revolution, 2)
-        all positions of the Poincaré map, which are the same in both frames [m].
+        values of variables of a sweep, by name; `solvers.march.schema` describes the variables.
+        `late_contact_share` (blade,) is nan if there is a single record, `whirl_scatter` is nan if
+        `whirl_history` has a single span. `radius_peak` (peak,) [m] contains all maxima of the
+        displacement, `section` (revolution, 2) [m] all positions of the Poincaré map, which are the
+        same in both frames.
     """
     scenario, lead, steadiness = contact_scenario(late, orbit)
     turning, rates = whirls(orbit), rotating_rates(orbit)

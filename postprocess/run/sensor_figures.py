@@ -57,9 +57,10 @@ def sensor_spectra(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
         result: result of the same run.
 
     Returns:
-        For each sensor NAME: the amplitude NAME (NAME_frequency,), in the unit of the signal, at
-        frequencies in Hz, and NAME_mode (NAME_line, end), the lowest and the highest frequency of
-        each line of modes [Hz], with the coordinate NAME_line of their names.
+        Dataset with two variables for each sensor NAME. NAME (NAME_frequency,) is the amplitude, in
+        the unit of the signal; the coordinate NAME_frequency is in Hz. NAME_mode (NAME_line, end)
+        [Hz] contains the lowest and the highest frequency of each group of modes; the coordinate
+        NAME_line contains the names of the groups.
 
     Raises:
         ViewError: there is no signal over time, or a signal is too short.
@@ -93,9 +94,9 @@ def sensor_orders(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
         result: result of the same run.
 
     Returns:
-        For each sensor NAME the amplitude NAME (NAME_order, NAME_time), in the unit of the signal;
-        the order is the frequency divided by that of the rotation, the time the middle of a slice
-        [s].
+        Dataset with a variable for each sensor NAME: the amplitude NAME (NAME_order, NAME_time), in
+        the unit of the signal. NAME_order is the frequency divided by the frequency of rotation,
+        NAME_time is the middle of each slice [s].
 
     Raises:
         ViewError: the rotor does not turn, there is no signal over time, or a signal is too short.
@@ -191,9 +192,10 @@ def _worst_blade(signal: xr.DataArray) -> xr.DataArray:
 
 
 def _modes(result: xr.Dataset, kind: str) -> list[tuple[str, float, float]]:
-    """Return names, lowest and highest frequencies [Hz] of groups of modes that a sensor of a type
-    sees: families of the bladed disk for strain, the lowest mode of each nodal diameter of the
-    casing for the wall, modes that move the shaft in the static frame for the centre."""
+    """Return name, lowest and highest frequency [Hz] of each group of modes that a sensor of a type
+    measures. Strain gauges measure the families of the bladed disk, wall sensors the lowest casing
+    mode of each nodal diameter, centre sensors the modes that move the shaft, in the static
+    frame."""
     if kind == "centre":
         lines = modal_lines(result, "static")
         names = [WITH_K.get(str(name), str(name)) for name in lines["mode"].values]
@@ -214,8 +216,9 @@ def _modes(result: xr.Dataset, kind: str) -> list[tuple[str, float, float]]:
 
 @styled
 def plot_sensors(signals: xr.Dataset) -> Figure:
-    """Draw the signals from `sensors` over time; if all blades are recorded, in grey the range of
-    all blades (the points of tip timing), and over it in black the blade that vibrates most."""
+    """Draw the signals from `sensors` over time, in black. If all blades are recorded, the black
+    signal is that of the blade that vibrates most; below it, the range of all blades (for tip
+    timing, the points of all blades) is grey."""
     figure, panels = _panels(signals, 0.03)
     for axes, (name, scale, _) in panels.items():
         signal, worst = signals[name], _worst_blade(signals[name])
@@ -336,8 +339,8 @@ def plot_all_blades(blades: xr.Dataset) -> Figure:
 def _panels(data: xr.Dataset, height: float) -> tuple[Figure, dict[Axes, tuple[str, float, str]]]:
     """Return a figure of the full width with a panel of a height [m] for each of the first sensors.
 
-    For each panel, with its title and label, there are the name of the sensor, the factor from the
-    SI unit to the unit that is shown, and the label with this unit.
+    The panels have titles and labels. The dictionary contains for each panel the name of the
+    sensor, the factor from the SI unit to the unit that is shown, and the label with this unit.
     """
     names = [str(name) for name, signal in data.items() if "type" in signal.attrs]
     shown = names[:MOST_PANELS]

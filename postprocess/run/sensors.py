@@ -36,9 +36,10 @@ from bladewhirl.postprocess.run.histories import COMPONENTS
 from bladewhirl.postprocess.run.tip_timing import tip_timing, too_slow
 
 WEIGHTS = (cubic_weights, slope_weights, curvature_weights)
-"""Functions of a cubic for its value, its first and its second derivative."""
+"""Functions that return the weights of a cubic: for its value, its first and its second
+derivative."""
 
-ON_SAMPLE = 1e-6  #: a sample outside the records by at most this fraction of its step is included
+ON_SAMPLE = 1e-6  #: a sample outside the records by at most this fraction of a sampling step counts
 
 SHOWN: dict[str, tuple[str, float]] = {
     "m/m": ("µm/m", 1e6),
@@ -46,7 +47,7 @@ SHOWN: dict[str, tuple[str, float]] = {
     "m/s": ("mm/s", 1e3),
     "m/s2": ("g", 1.0 / 9.80665),
 }
-"""Unit of tables and figures, and its factor, for the SI unit of a signal."""
+"""Unit in tables and figures, and its factor, by the SI unit of a signal."""
 
 
 def sensors(
@@ -126,8 +127,8 @@ def check_sensors(
 
 
 def sampling_hints(sensors: Iterable[Sensor], record_step: float) -> Iterator[str]:
-    """Yield a hint for each sensor that samples more often than there are records, whose step is
-    given [s]."""
+    """Yield a hint for each sensor that samples more often than once in `record_step` [s], the time
+    between records."""
     for sensor in sensors:
         rate = sensor.sampling_rate or 0.0
         if rate * record_step > 1.0 + ON_SAMPLE and not isinstance(sensor, TipTiming):
@@ -227,7 +228,8 @@ def _signal(
 
 
 def _timing(result: xr.Dataset, sensor: TipTiming, number: int) -> xr.Dataset:
-    """Return arrivals and deflections from tip timing with noise and with a clock that ticks."""
+    """Return arrivals and deflections from tip timing, with noise and with the sampling of the
+    clock."""
     exact = tip_timing(result, np.array(sensor.probes))
     speed, name = float(result.attrs["speed"]), sensor.label
     radius = float(result.attrs["tip_radius"]) - result["tip_recess"].values[:, None]
@@ -253,8 +255,8 @@ def _timing(result: xr.Dataset, sensor: TipTiming, number: int) -> xr.Dataset:
 
 
 def _samples(result: xr.Dataset, rate: float | None) -> tuple[IntArray, Array]:
-    """Return the numbers of the samples since the start of the run, and their times [s]: those of
-    the records when the rate [Hz] is None."""
+    """Return the numbers of the samples since the start of the run, and their times [s]. When the
+    rate [Hz] is None, the samples are the records."""
     time = result["time"].values
     if rate is None:
         first = round(time[0] / float(result.attrs["record_step"]))
@@ -302,8 +304,8 @@ def _centre(result: xr.Dataset, angle: float, at: Array, derivative: int) -> Arr
     """Return the displacement of the shaft's centre along a static angle [rad], or its derivatives,
     (at,).
 
-    With z = x + i y in rotating axes, the displacement in static axes is exp(i Omega t) z, and each
-    derivative adds i Omega.
+    With z = x + i y in rotating axes, the displacement in static axes is exp(i Omega t) z; its
+    derivative is exp(i Omega t) (z' + i Omega z).
     """
     rows = result["rotor_shape"].values[int(result["centre_node"]), :2]
     turning = 1j * float(result.attrs["speed"])

@@ -200,8 +200,8 @@ def energy_residual(dataset: xr.Dataset) -> float:
 
 
 def _whirl_figures(orbit: xr.Dataset, *, moves: bool) -> dict[str, Any]:
-    """Return the whirl and the ripple of the shaft in the last third; no frequencies and lines if
-    the motion of the shaft is only rounding."""
+    """Return the whirl and the ripple of the shaft in the last third; if `moves` is false, the
+    motion is only rounding, and frequencies and lines are left out."""
     late = late_part(orbit)
     rotating, static = (whirl(late, frame) for frame in FRAMES)
     size, about = ripple(late, "rotating")

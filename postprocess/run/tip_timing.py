@@ -85,8 +85,8 @@ def tip_timing(
 
 
 def too_slow(speed: float, step: float) -> str:
-    """Return a text with the records that tip timing needs at a speed [rad/s], and with the record
-    step [s] that it has; empty if the records suffice."""
+    """Return an empty text if the record step [s] is short enough for tip timing at a speed
+    [rad/s]; otherwise a text that states the required records and the record step."""
     if speed != 0.0 and abs(speed) * step < 0.5 * np.pi:
         return ""
     rpm = abs(speed) * 30.0 / np.pi

@@ -19,8 +19,8 @@ from bladewhirl.postprocess.plotting.titles import head
 MOST_LOBES = 60  #: largest number of lobes in the spectrum of a profile
 
 METAL_SHARE = 1e-9
-"""The metal is touched if its part of an impulse exceeds this fraction of the largest impulse;
-smaller parts are rounding errors."""
+"""A tip touches the metal under the coating if the metal's part of the impulse exceeds this
+fraction of the largest impulse; smaller parts are rounding errors."""
 
 
 def coating_of(dataset: xr.Dataset) -> Coating:
@@ -46,8 +46,8 @@ def wear(result: xr.Dataset) -> xr.Dataset:
         Dataset with `recess` [m] over (wear_time, rod), the removed depth; `lobe_share` [1] over
         lobes, the share of each harmonic in the variance of the last profile; `wear_volume` [m3],
         `wear_dissipated` [J] and `coating_energy` [J] over time. Attributes: `lobes`, the number of
-        lobes with the largest share, and `metal_time` [s], at which a tip first touches the metal,
-        nan if no tip does.
+        lobes with the largest share, and `metal_time` [s], at which a tip first touches the metal
+        wall under the coating; nan if no tip touches the metal.
 
     Raises:
         ViewError: the casing has no coating.
@@ -78,15 +78,15 @@ def wear(result: xr.Dataset) -> xr.Dataset:
 
 
 def lobe_shares(recess: Array) -> Array:
-    """Return the share of each harmonic, from 1 on, in the variance of a profile (rod,); zero for
-    an even profile."""
+    """Return the share of each harmonic, from 1 on, in the variance of a profile (rod,); zero for a
+    uniform profile."""
     waves = np.abs(np.fft.rfft(recess)[1:]) ** 2
     variance = len(recess) * float(((recess - recess.mean()) ** 2).sum()) / 2.0  # of all harmonics
     return np.asarray(waves / variance if variance > 0.0 else np.zeros(len(waves)))
 
 
 def _lobes(share: Array) -> int:
-    """Return the number of lobes with the largest share; 0 for an even profile."""
+    """Return the number of lobes with the largest share; 0 for a uniform profile."""
     return int(share.argmax()) + 1 if share.any() else 0
 
 
@@ -98,7 +98,7 @@ def _metal_time(result: xr.Dataset) -> float:
 
 
 def wear_summary(result: xr.Dataset) -> dict[str, Any]:
-    """Return the key figures of the wear for `summary.json`; empty without a coating."""
+    """Return the key figures of the wear for `summary.json`; an empty dict without a coating."""
     if "coating_strain" not in result:
         return {}
     strain = result["coating_strain"].values[-1]

@@ -20,7 +20,7 @@ from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 LONG_LINE = 5000
 """A line of more points than this is a raster image in a PDF, to limit the size of the file."""
 
-#: the clearance is not drawn if the radius of the orbit is below this fraction of it
+#: the clearance is not drawn if the radius of the orbit is below this fraction of the clearance
 TINY = 0.05
 DRAWN_TURNS = 2.0  #: number of turns of the shaft, at the end, that are drawn black
 PALE = "#B0B0B0"
@@ -46,8 +46,9 @@ def shaft_orbit(
     Returns:
         Dataset over (time, axis): `rotating` and `static`, the components of the displacement in
         the two frames [m]; `rotating_velocity` and `static_velocity`, the rates of these components
-        [m/s], so the static velocity is R (u_dot + Omega x u). Over time: `radius` [m], the length
-        of the displacement. All are zero for a clamped centre.
+        [m/s]. With the displacement u in rotating axes and the rotation R from rotating to static
+        axes the static velocity is R (u_dot + Omega x u). Over time: `radius` [m], the length of
+        the displacement. All are zero for a clamped centre.
 
     Example:
         ``shaft_orbit(result, start=1.0)["radius"].plot()``

@@ -106,7 +106,7 @@ def shaft_spectrum(
 
     Returns:
         Dataset of `amplitude` (frequency,) [m]; `frequency` [rad/s] is ascending, and positive for
-        forward motion. The attribute `resolution` is a frequency [rad/s].
+        forward motion. The attribute `resolution` is the frequency resolution [rad/s].
 
     Raises:
         ViewError: there are too few records, or the records are not equally spaced.

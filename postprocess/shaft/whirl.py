@@ -111,12 +111,12 @@ def _whirl(
     speed: float,
     lines: Callable[[], tuple[SpectralLine, ...]],
 ) -> Whirl:
-    """Return the net turns of an unwrapped angle (time,) [rad].
+    """Return the net turns of an unwrapped angle in a frame.
 
     Args:
         time: times of the records [s], (time,).
-        angle: angle in a frame.
-        lost: possible turns between records [rad].
+        angle: unwrapped angle [rad], (time,).
+        lost: angle of the turns that may be missed between records [rad].
         speed: speed of the rotating axes in this frame [rad/s].
         lines: function that returns the spectral lines in rotating axes.
     """

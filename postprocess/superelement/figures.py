@@ -13,7 +13,8 @@ from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.superelement.motion import DIRECTIONS
 
 FEW = 6
-"""Up to this number, each blade has a line; of more, the largest and the mean force are drawn."""
+"""Up to this number of blades each blade has a line; for more blades, the largest and the mean
+force are drawn."""
 
 LINES = 6
 """Largest number of nodal diameters drawn, those with the largest energy."""

@@ -31,8 +31,8 @@ def displacement(
 ) -> xr.DataArray:
     """Return the displacement of a point of a superelement over time, in rotating axes.
 
-    The points are those in the file of the superelement; their displacement follows from the
-    matrix `recovery` there. The flexible part of the displacement near contact nodes is not
+    The points are those in the file of the superelement; their displacement follows from the matrix
+    `recovery` in this file. The flexible part of the displacement near contact nodes is not
     included.
 
     Args:

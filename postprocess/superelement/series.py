@@ -17,7 +17,7 @@ from bladewhirl.postprocess.superelement.motion import (
 from bladewhirl.postprocess.superelement.ring import about_z, is_flexible, ring_mesh
 
 PARTS = ("blades", "contact")
-"""Parts of a series; a flexible casing is the part "casing"."""
+"""Parts of every series; with a flexible casing a series also has the part "casing"."""
 
 
 def export_points(
@@ -33,10 +33,11 @@ def export_points(
 ) -> Path:
     """Write a time series of the points of all copies between `start` and `end` [s].
 
-    `blades` has the points and triangles of the file, at their undeformed positions turned by the
-    rotation, with `displacement` [m] and `radial_displacement` [m]; Warp By Vector shows
-    the motion. `contact` has the contact nodes with `displacement` [m] and `force` [N], vectors.
-    `casing` is the inner face of a flexible casing, with `displacement` and `radial_displacement`.
+    The part `blades` has the points and triangles of the superelement file, `contact` the contact
+    nodes, `casing` the inner face of a flexible casing. Coordinates are undeformed positions,
+    turned with the body. The motion is in the array `displacement` [m]; the filter Warp By Vector
+    adds it to the positions. Blades and casing also have `radial_displacement` [m], contact nodes
+    the vector `force` [N].
 
     Args:
         dataset: result of a superelement with points.
@@ -69,8 +70,8 @@ def export_points(
 
 
 def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, meshio.Mesh]:
-    """Return the meshes of blades, contact nodes and a flexible casing at a record, at undeformed
-    positions."""
+    """Return the meshes of blades, contact nodes and a flexible casing at a record; points are at
+    undeformed positions, and displacements are arrays."""
     copies = dataset.sizes["copy"]
     ahead = float(dataset.attrs["speed"] * dataset["time"][record])
     turn = 0.0 if rotating else ahead

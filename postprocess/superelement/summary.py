@@ -163,9 +163,9 @@ def summarise_nodes(dataset: xr.Dataset, march_report: Mapping[str, float]) -> N
 def node_regime(dataset: xr.Dataset) -> Regime:
     """Classify the run of a superelement by `CRITERION`.
 
-    The amplitude is the root of the mean energy in windows of at least one revolution, and half a
-    period of the lowest elastic mode; the energy is that of all copies, with the kinetic energy and
-    that of a flexible casing.
+    The amplitude is the root of the mean energy in equal windows of time. A window is at least one
+    revolution and at least half a period of the lowest elastic mode long. The energy is the strain
+    and kinetic energy of all copies and of a flexible casing.
     """
     frequency = dataset["modal_frequency"].values
     elastic = frequency[frequency > RIGID * frequency.max()]
@@ -176,8 +176,8 @@ def node_regime(dataset: xr.Dataset) -> Regime:
 
 
 def smallest_node_clearance(dataset: xr.Dataset) -> float:
-    """Return the smallest clearance plus the smallest distance of a contact node inside the radius
-    from which the clearance is measured [m]."""
+    """Return the smallest clearance plus the smallest distance by which a contact node lies inside
+    the radius from which the clearance is measured [m]."""
     return float(dataset["clearance"].values.min() + dataset["contact_recess"].values.min())
 
 

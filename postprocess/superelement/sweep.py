@@ -26,7 +26,8 @@ DECADES = 3
 """Number of decades below the largest amplitude in a map."""
 
 VISIBLE = 1e-2
-"""An amplitude of at least this fraction of the largest one is within the frequency range shown."""
+"""The frequency range shown contains all amplitudes of at least this fraction of the largest
+amplitude."""
 
 ABOVE = 1.3
 """Highest frequency shown, divided by the highest frequency with an amplitude above `VISIBLE`."""

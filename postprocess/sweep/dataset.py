@@ -67,15 +67,15 @@ MODE_LINES: Mapping[str, tuple[str, str | None]] = {
 class Layout:
     """Sizes of the data of a point; all points of a sweep have the same sizes."""
 
-    frequency: Array  #: of the spectra [Hz], integer multiples of 1 / window, (frequencies,)
+    frequency: Array  #: of spectra, multiples of 1 / window [Hz], (frequencies,)
     samples: int  #: number of samples of the decimated histories
     nodal_diameters: int = 0  #: number of nodal diameters of the first blade family, from 0
     blades: int
-    superelement: bool = False  #: whether the points are those of a superelement
+    superelement: bool = False  #: true for a sweep of a superelement
 
     @property
     def tables(self) -> Tables:
-        """Variables of the points."""
+        """Tables of the variables: of a superelement or of beams."""
         return NODES if self.superelement else BEAMS
 
     @property
@@ -98,7 +98,7 @@ class Layout:
 
     @property
     def names(self) -> dict[str, tuple[str, ...]]:
-        """Names along dimensions."""
+        """Names of the elements along each dimension whose elements have names."""
         if self.superelement:
             return {DIRECTION: self.tables.names[DIRECTION].labels}
         return {GROUP: self.groups, LINE: tuple(MODE_LINES)}
@@ -130,8 +130,8 @@ def flag(variable: str, meaning: str) -> int:
 def checksum(
     variables: Mapping[str, Variable], numbers: Mapping[str, Array], coordinates: Iterable[Array]
 ) -> int:
-    """Return the CRC-32 of the arrays of a point, by name, and of the coordinates: the values of
-    every swept key, and the frequencies of the spectra."""
+    """Return the CRC-32 of the named arrays of a point and of the coordinates. Coordinates are the
+    values of every swept key, and the frequencies of the spectra."""
     crc = 0
     for values in coordinates:
         crc = crc32(np.ascontiguousarray(values, dtype="f8").tobytes(), crc)
@@ -204,7 +204,8 @@ def open_sweep(path: str | Path) -> xr.Dataset:
 
 
 def _fault(dataset: xr.Dataset) -> str:
-    """Return the reason why this version cannot read a dataset as a sweep; empty if it can."""
+    """Return the reason why this version cannot read a dataset as a sweep; an empty text if it
+    can."""
     if "over" not in dataset.attrs or "state" not in dataset:
         return "it has no states of its points"
     for name in ("title", "criterion", "window"):

@@ -124,8 +124,9 @@ def wear_numbers(dataset: xr.Dataset) -> dict[str, float]:
 
 
 def _groups(energies: Array, diameters: IntArray, layout: Layout) -> Array:
-    """Return the energies of `group_energies` by the groups of the layout, NaN for nodal diameters
-    without a mode [J], (time, groups)."""
+    """Return the energies [J], (time, groups), with a column for each group of modes in `layout`;
+    columns of nodal diameters without a mode are NaN. `energies` and `diameters` are from
+    `group_energies`."""
     if len(diameters) == layout.nodal_diameters:
         return energies
     groups = np.full((len(energies), len(layout.groups)), np.nan)

@@ -23,7 +23,7 @@ from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
 
 MOST_LINES = 8  #: largest number of lines in a figure; more lines cannot be distinguished
 MOST_ROWS = 4  #: largest number of lines in a figure with a row of panels for each line
-KEY_PARTS = 2  #: number of parts of a key, from its end, that name it: casing.clearance
+KEY_PARTS = 2  #: a key is named by this number of its last parts: casing.clearance
 
 REGIME_COLOURS: Mapping[str, str] = {
     "no-contact": COLOURS["rest"],
@@ -106,9 +106,9 @@ def open_mark(label: str) -> tuple[Line2D, str]:
 
 
 def label_figure(figure: Figure, data: xr.Dataset, *groups: Group) -> None:
-    """Complete a figure of `data` with panels one above another: axes of the swept key below and,
-    if it is the speed, in rpm above the panels, the title, and legends below the figure, the first
-    group of entries uppermost."""
+    """Complete a figure of `data` with panels one above another. Add an axis of the swept key below
+    the panels, an axis in rpm above the panels if the key is the speed, the title, and legends
+    below the figure: a legend for each group of entries, the first uppermost."""
     key_axis(figure.axes[-1], data)
     rpm_on_top(data, figure.axes[0])
     title_figure(figure, data)
@@ -147,7 +147,7 @@ def divergent_mark(data: xr.Dataset) -> Group:
 
 
 def plot_quantities(data: xr.Dataset, panels: Mapping[str, tuple[float, str]]) -> Figure:
-    """Draw quantities against the swept key, with a panel each; divergent points have open marks.
+    """Draw quantities against the swept key, one in each panel; divergent points have open marks.
 
     Args:
         data: Dataset over (line, key) with the quantities and `regime`.

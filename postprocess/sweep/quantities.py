@@ -48,8 +48,8 @@ def table_keys(data: xr.Dataset) -> list[xr.DataArray]:
 
 
 def largest_motion(dataset: xr.Dataset) -> tuple[str, str]:
-    """Return the name of the variable with the largest displacement of each march, and what moves:
-    the shaft, or a contact node of a superelement."""
+    """Return the name of the variable with the largest displacement of each march, and the name of
+    the moving part: the shaft, or a contact node of a superelement."""
     if tables_of(dataset.attrs) is NODES:
         return "displacement_max", "contact node"
     return "shaft_radius_max", "shaft"
@@ -118,9 +118,9 @@ def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
 
 
 def as_lines(data: xr.Dataset, keys: Sequence[str]) -> xr.Dataset:
-    """Combine swept keys of data from `in_order` into the dimension `line`. It has an element for
-    each combination of the values of the keys, which become coordinates along `line`; one element
-    without keys."""
+    """Combine swept keys of data from `in_order` into the dimension `line`, with an element for
+    each combination of values of the keys. The keys become coordinates along `line`. If no keys are
+    given, `line` has one element."""
     if not keys:
         return data.expand_dims(LINE)
     lines = data.stack({LINE: keys}).reset_index(LINE)
@@ -255,8 +255,9 @@ def _moves(data: xr.Dataset) -> xr.DataArray:
 
 
 def _draws_together(data: xr.Dataset, count: int) -> xr.Dataset:
-    """Return data over (line, key, section) with the sections of `count` draws in one line; the
-    draw varies fastest along the lines."""
+    """Return data over (line, key, section) in which each line has the sections of all `count`
+    draws, one draw after another. In the given data each draw is a line; the draws of a point are
+    neighbours."""
     joined = data.isel({LINE: slice(None, None, count)}).drop_vars([DRAW, *data.data_vars])
     for name, values in data.items():
         lines, places, sections = values.shape

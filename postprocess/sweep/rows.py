@@ -68,9 +68,9 @@ def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
     contact class, for the last third of each march, against a swept key (see `quantities`).
 
     Returns:
-        Dataset over (line, key): `late_contact_share` (..., blade), nan for blades that do not
-        exist at a point; numbers of blades `permanent` (in contact for 99 % of the time or more),
-        `intermittent` (less than 99 %) and `free` (never in contact).
+        Dataset over (line, key): `late_contact_share` (line, key, blade), nan for blades that do
+        not exist at a point; numbers of blades `permanent` (in contact for 99 % of the time or
+        more), `intermittent` (less than 99 %) and `free` (never in contact).
     """
     data = along(dataset, key, ["late_contact_share"])
     share = data["late_contact_share"]
@@ -140,8 +140,8 @@ def point_energies(dataset: xr.Dataset, key: str) -> xr.Dataset:
     against a swept key (see `quantities`).
 
     Returns:
-        Dataset over (line, key): `suspension`; `first_family` (..., nodal_diameter), nan for nodal
-        diameters that the stage of a point does not have; `rest`, all other modes; `total`.
+        Dataset over (line, key): `suspension`; `first_family` (line, key, nodal_diameter), nan for
+        nodal diameters that the stage of a point does not have; `rest`, all other modes; `total`.
     """
     data = along(dataset, key, ["energy_mean"])
     energy = data["energy_mean"]

@@ -32,7 +32,7 @@ WEAR = {
     "wear_strain_max": (100.0, "deepest cut [% of thickness]"),
     "wear_lobes": (1.0, "lobes"),
 }
-"""Factor and label of each panel."""
+"""Factor and label of each quantity of the wear."""
 
 
 @styled
