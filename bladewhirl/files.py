@@ -69,7 +69,8 @@ def listed(folder: Path) -> set[str]:
 
 
 def claim(folder: Path, names: Iterable[str], *, overwrite: bool = False) -> None:
-    """List files that will be written, named relative to a folder, in the manifest of the folder.
+    """Add files that will be written to the manifest of a folder; `names` are relative to the
+    folder.
 
     The folder is made if it does not exist. With `overwrite`, existing files that the manifest does
     not list are accepted.

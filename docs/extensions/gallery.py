@@ -73,7 +73,7 @@ def _page(example: Path, case: bw.Case) -> Iterator[str]:
 
 
 def _figures(case: bw.Case) -> list[FigureKind]:
-    """Return the figures in the folder of a run that its page shows."""
+    """Return the figures of a run that the page of the example shows."""
     if case.bladed_disk.superelement is None:
         return [RUN_FIGURES["orbit"]]
     names = ("contact", "tips", "wear") if case.casing.coating else ("contact", "tips")

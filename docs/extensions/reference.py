@@ -35,7 +35,7 @@ PHRASES = (
     | dict.fromkeys(TABLE_ERRORS, "a table")
     | dict.fromkeys(["tuple_type", "list_type"], "an array")
 )
-"""Description of the expected value for each type of pydantic error that does not contain one."""
+"""Description of the expected value, for types of pydantic errors that do not describe it."""
 
 
 def case_keys() -> str:

@@ -43,8 +43,8 @@ class Boxes:
     normal: Array
     #: positions of right and left (inner and outer) side along `normal` (element, station, 2) [m]
     offset: Array
-    width: Array  #: (element, station or 1) [m]
-    modulus: Array  #: (element, station or 1) [Pa]
+    width: Array  #: (element, station) or (element, 1) [m]
+    modulus: Array  #: Young's modulus, (element, station) or (element, 1) [Pa]
     rows: Array  #: displacement for unit coordinates (element, station, 2, mode)
     turn_rows: Array  #: rotation of the cross-section for unit coordinates (element, station, mode)
     strain_rows: Strains

@@ -217,7 +217,7 @@ def _modes(result: xr.Dataset, kind: str) -> list[tuple[str, float, float]]:
 @styled
 def plot_sensors(signals: xr.Dataset) -> Figure:
     """Draw the signals from `sensors` over time, in black. If all blades are recorded, the black
-    signal is that of the blade that vibrates most; below it, the range of all blades (for tip
+    signal is that of the blade that vibrates most; behind it, the range of all blades (for tip
     timing, the points of all blades) is grey."""
     figure, panels = _panels(signals, 0.03)
     for axes, (name, scale, _) in panels.items():

@@ -39,7 +39,7 @@ WEIGHTS = (cubic_weights, slope_weights, curvature_weights)
 """Functions that return the weights of a cubic: for its value, its first and its second
 derivative."""
 
-ON_SAMPLE = 1e-6  #: a sample outside the records by at most this fraction of a sampling step counts
+ON_SAMPLE = 1e-6  #: a sample up to this fraction of a sampling step outside the records is included
 
 SHOWN: dict[str, tuple[str, float]] = {
     "m/m": ("µm/m", 1e6),
@@ -70,8 +70,8 @@ def sensors(
         dimension `time` [s] or, with a sampling rate, one such as `time_20000_Hz` [s]; a strain
         [m/m] of all blades also has the dimension `blade`. Tip timing has the deflection [m] and,
         in `NAME_arrival`, the arrival times [s] over (NAME_probe [rad], blade, NAME_revolution),
-        nan after the end.
-        Attributes of each signal: units, and type, position, noise and seed of the sensor.
+        nan after the end of the window. Attributes of each signal: units, and type, position, noise
+        and seed of the sensor.
 
     Warns:
         Hint: a sensor samples more often than the run has records.

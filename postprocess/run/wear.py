@@ -43,11 +43,12 @@ def wear(result: xr.Dataset) -> xr.Dataset:
         result: result of a run whose casing has a coating.
 
     Returns:
-        Dataset with `recess` [m] over (wear_time, rod), the removed depth; `lobe_share` [1] over
-        lobes, the share of each harmonic in the variance of the last profile; `wear_volume` [m3],
-        `wear_dissipated` [J] and `coating_energy` [J] over time. Attributes: `lobes`, the number of
-        lobes with the largest share, and `metal_time` [s], at which a tip first touches the metal
-        wall under the coating; nan if no tip touches the metal.
+        Dataset with `recess` [m] over (wear_time, rod), the removed depth of the rods of the
+        coating at the times of the stored profiles; `lobe_share` [1] over lobes, the share of each
+        harmonic in the variance of the last profile; `wear_volume` [m3], `wear_dissipated` [J] and
+        `coating_energy` [J] over time. Attributes: `lobes`, the number of lobes with the largest
+        share, and `metal_time` [s], at which a tip first touches the metal wall under the coating;
+        nan if no tip touches the metal.
 
     Raises:
         ViewError: the casing has no coating.

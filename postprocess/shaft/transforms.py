@@ -23,7 +23,7 @@ Complex = NDArray[np.complex128]
 FEWEST_RECORDS = 16  #: smallest number of records for a spectrum
 MOST_LINES = 3  #: largest number of lines that are reported
 LEAST_SHARE = 0.02  #: a weaker line, by its share of the total power, is not reported
-KEPT_TRANSFORMS = 4  #: number of zoomed transforms kept for marches of the same length
+KEPT_TRANSFORMS = 4  #: number of zoomed transforms that are kept; marches of equal length share one
 LOBE = 2  #: half width of a line under the Hann window, in multiples of the resolution
 
 

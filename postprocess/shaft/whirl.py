@@ -136,8 +136,8 @@ def _whirl(
 
 def _has_line(lines: tuple[SpectralLine, ...], rate: float, error: float, length: float) -> bool:
     """Return true if the spectrum of a motion of some length [s] has a line with half of the mean
-    square or more at the rate, within the width of the line or the error of the rate; also if there
-    is no spectral line, for instance because the motion is too short.
+    square or more at the rate, within the width of the line or the error of the rate. Also return
+    true if there is no spectral line, for instance because the motion is too short.
     """
     near = max(2 * np.pi * LOBE / length, CERTAINTY * np.nan_to_num(error))
     return not lines or any(

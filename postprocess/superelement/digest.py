@@ -92,8 +92,8 @@ def _natural(dataset: xr.Dataset) -> Array:
 
 
 def _amplitudes(motion: Array, step: float, frequency: Array) -> Array:
-    """Return the amplitudes of the node that moves most, from the `motion` of all nodes (records,
-    nodes), at each `frequency` [Hz]; frequencies begin at zero."""
+    """Return the amplitudes of the node that moves most, (frequencies,). `motion` (records, nodes)
+    is the motion of all nodes; `frequency` [Hz] begins at zero."""
     node = int(np.abs(motion).max(axis=0).argmax())
     size = 2.0 * magnitudes(motion[:, node].astype(complex), step, frequency)
     return np.where(frequency == 0.0, 0.5 * size, size)

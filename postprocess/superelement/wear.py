@@ -18,9 +18,10 @@ def node_wear(result: xr.Dataset) -> xr.Dataset:
         result: result of a superelement whose wall has a coating.
 
     Returns:
-        Dataset with `recess` [m] over (track, rod), the removed depth at the end; `wear_volume`
-        [m3], `wear_dissipated` [J] and `coating_energy` [J] over time; coordinates `axial` [m] of
-        each track and `angle` [rad] of each rod.
+        Dataset with `recess` [m] over (track, rod), the removed depth at the end; a track is a ring
+        of rods at one axial position; `wear_volume` [m3], `wear_dissipated` [J] and
+        `coating_energy` [J] over time; coordinates `axial` [m] of each track and `angle` [rad] of
+        each rod.
 
     Raises:
         ViewError: the wall has no coating.

@@ -68,7 +68,7 @@ class Layout:
     """Sizes of the data of a point; all points of a sweep have the same sizes."""
 
     frequency: Array  #: of spectra, multiples of 1 / window [Hz], (frequencies,)
-    samples: int  #: number of samples of the decimated histories
+    samples: int  #: number of samples of the thinned histories
     nodal_diameters: int = 0  #: number of nodal diameters of the first blade family, from 0
     blades: int
     superelement: bool = False  #: true for a sweep of a superelement

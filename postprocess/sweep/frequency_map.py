@@ -51,15 +51,14 @@ def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
         key: swept key, as a dimension of the sweep.
 
     Returns:
-        Dataset with up to `MOST_ROWS` elements of `line`, one for each combination of the other
-        swept keys. `amplitude` (line, key, frequency) is in m. All frequencies are in the rotating
-        frame, positive for forward motion: in multiples of the reference frequency if all points
-        have the same reference frequency, otherwise in Hz. They are the coordinate `frequency`, the
-        frequencies of modes `mode_line` (line, key, mode, direction), and those of engine orders
-        `engine_order` (line, key, order). For a wave on the casing, which has one nodal diameter,
-        the frequency in the rotating frame is the signed frequency in the static frame minus the
-        speed. With more than `MOST_COLUMNS` points neighbours share a column, which has their
-        largest amplitudes.
+        Dataset over (line, key), with up to `MOST_ROWS` elements of `line`, one for each
+        combination of the other swept keys: `amplitude` (line, key, frequency) [m]; `mode_line`
+        (line, key, mode, direction), frequencies of modes; `engine_order` (line, key, order),
+        frequencies of engine orders. All frequencies are in the rotating frame, forward positive,
+        in multiples of the reference frequency if all points have the same one, otherwise in Hz.
+        For waves on the casing, which have one nodal diameter, the speed is subtracted from the
+        signed frequency in the static frame. With more than `MOST_COLUMNS` points neighbours share
+        a column, which has their largest amplitudes.
 
     Raises:
         ViewError: no point is finished, or the sweep is over a table of points.
