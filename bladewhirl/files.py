@@ -52,7 +52,7 @@ def remove_leftovers(folder: Path) -> None:
 
 
 def write_atomically(target: Path, content: str | bytes) -> None:
-    """Write a file, text in UTF-8; on failure the earlier file is unchanged."""
+    """Write a file; text is written in UTF-8. If writing fails, the earlier file is unchanged."""
     with replacing(target) as draft:
         draft.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
 

@@ -85,7 +85,7 @@ def _frozen(values: Any, kind: type) -> NDArray[Any]:
 def points_along(given: FloatArray, elements: int) -> FloatArray:
     """Return the ends of elements of equal length along a centre line, (elements + 1, 2).
 
-    Two points are connected by a straight line, more points by a cubic spline in the length of
+    Two points are connected by a straight line, more points by a cubic spline over the length of
     their chords. The first and the last point are returned without rounding.
 
     Args:

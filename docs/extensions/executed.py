@@ -2,8 +2,8 @@
 
 The blocks of pages with `executed: true` in the front matter are run before Sphinx reads the pages,
 if the page or the package changed since the last run. `<!-- generated: NAME -->` is replaced by the
-text NAME of `reference.GENERATED`, `<!-- picture: FILE | words -->` by a picture from the blocks
-with an alternative text.
+text NAME of `reference.GENERATED`, `<!-- picture: FILE | words -->` by the picture FILE that a
+block has drawn, with the words as alternative text.
 """
 
 import hashlib

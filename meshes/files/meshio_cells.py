@@ -1,4 +1,4 @@
-"""Errors and lines of meshes that are read with meshio, for all its formats."""
+"""Handling of errors and of lines in meshes that are read with meshio, for all its formats."""
 
 import io
 import warnings

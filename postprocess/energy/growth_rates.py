@@ -195,8 +195,9 @@ def fit_growth(windows: Windows) -> Growth:
     al., J. Geophys. Res. 105, 2000, without subtracting the degrees of freedom of the line. With so
     few windows r is usually underestimated: the fitted rate of an amplitude without trend exceeds
     two errors in 7 % of series of 12 independent windows, in 14 % of series of 5 independent
-    windows, and in 20 % of series of 12 windows whose true correlation is 0.5. Half of the windows
-    are too few to estimate r, so the error of their rate is not corrected to judge slowing.
+    windows, and in 20 % of series of 12 windows whose true correlation is 0.5. To judge slowing,
+    the errors of the rates in both halves of the windows are not corrected, because half of the
+    windows are too few to estimate r.
     """
     before, last = windows.amplitude[: windows.late], np.log(windows.amplitude[windows.late :])
     rate, error, factor = _fitted_slope(last, windows.length)

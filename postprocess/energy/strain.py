@@ -30,7 +30,7 @@ PLOT_POINTS = 300  #: largest number of drawn means in a curve
 
 SPANS = 300  #: largest number of time spans in the figure by families
 NONE = "0.92"  #: grey of cells without energy, or without a mode
-PLOT_DECADES = 6.0  #: decades below the largest energy that the plot shows
+PLOT_DECADES = 6.0  #: number of decades that the plot shows below the largest energy
 
 
 def strain_energies(

@@ -118,8 +118,8 @@ def _slopes(dataset: xr.Dataset, coordinates: Array, pieces: int) -> Array:
 
 def _shortening(place: Array, turned: Array) -> Array:
     """Return 1/2 int (t . e_r) (w' - theta)^2 ds from the root of a blade to each station [m],
-    (record, beam, station), with the direction t of the beams and the outward direction e_r of the
-    station.
+    (record, beam, station), with the direction t and the slope w' of the beams, the rotation theta
+    of the root and the outward direction e_r of the station.
 
     Args:
         place: stations from root to tip, (beam, station, 2) [m].

@@ -100,7 +100,8 @@ class StageSymbols:
     ) -> tuple[Symbols, ...]:
         """Return four groups of symbols: casing, springs of the shaft, dampers of the shaft, rotor.
 
-        The groups are in static axes, in the axes of the shaft springs, and in rotating axes.
+        The casing is in static axes, the springs of the shaft are in static or rotating axes, as
+        the case specifies, dampers and rotor are in rotating axes.
 
         Args:
             wall: drawn outer surface of the casing (station, 2) [m].

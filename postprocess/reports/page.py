@@ -88,7 +88,7 @@ class Instants(Explorer):
     words: Sequence[str]  #: text about the contact at each instant
     places: Sequence[Array]
     """Positions of the marker in each orbit at every instant (instant, 2), one array per frame."""
-    machine: Sequence[Mapping[str, Any]]  #: layers of outlines, with `colour` and `places` (points)
+    machine: Sequence[Mapping[str, Any]]  #: layers of the stage: `colour`, `places` (outlines)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,7 +25,7 @@ BRIGHTEST = 99.0
 """If a few peaks are much larger than this percentile of the positive forces (see `PEAK`), the
 percentile has the brightest colour."""
 
-FORCE_DECADES = 3.0  #: number of decades below the largest force that colours distinguish
+FORCE_DECADES = 3.0  #: number of decades that colours distinguish below the largest force
 SHARE_COLOURS = ["#FBEAF4", COLOURS["contact"], "#4A1238"]
 """Colours of the share of the time in contact, for shares from 0 to 1, and of contact forces."""
 

@@ -1,10 +1,11 @@
 """Signals of the sensors of a rig, from the records of a run.
 
-Between records each displacement is the cubic with the displacements and velocities of both
-records. For a vibration with the angular frequency w and the record step h, the largest errors, as
-shares of the amplitudes, are (w h)^4 / 384 of a displacement, (w h)^3 / (72 sqrt(3)) of a velocity
-(both are exact at the records) and (w h)^2 / 12 of an acceleration. A contact changes the velocity
-between two records; the cubic spreads this change over the record step.
+Between two records each displacement is interpolated by the cubic that has the displacements and
+velocities of both records. For a vibration with the angular frequency w and the record step h, the
+largest errors, divided by the amplitude of the same quantity, are (w h)^4 / 384 for a displacement,
+(w h)^3 / (72 sqrt(3)) for a velocity and (w h)^2 / 12 for an acceleration. Displacements and
+velocities are exact at the records. A contact changes the velocity between two records; the cubic
+spreads this change over the record step.
 """
 
 import tomllib

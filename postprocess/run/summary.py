@@ -69,7 +69,7 @@ class Summary:
     shaft_radius_max: float  #: largest displacement of the shaft over the records [m]
     shaft_radius_final: float  #: displacement of the shaft at the last record [m]
     whirl_frequency_rotating: float | None
-    """Net turns per second about the bearing's centre in rotating axes over the last third [Hz],
+    """Net turns per second [Hz] about the bearing's centre in rotating axes over the last third,
     forward positive; None if there is no single whirl frequency, see `whirl.whirl`."""
     whirl_frequency_static: float | None  #: whirl frequency in static axes [Hz]
     #: standard error of the whirl frequency in either frame [Hz]

@@ -36,7 +36,7 @@ PADDING, SLICE_PADDING = 4, 2
 before the transform, for smooth curves."""
 
 COARSEST = 0.45  #: coarsest frequency resolution of a figure, divided by the reference frequency
-DECADES = 4.0  #: decades below the largest amplitude that are drawn
+DECADES = 4.0  #: number of decades that are drawn below the largest amplitude
 MARGIN = 1.12  #: highest frequency drawn, divided by the highest frequency of a line of a mode
 #: names of modes in the legend with their nodal diameter
 WITH_K = {"1F": "1F, k = 1", "casing": "casing, k = 1"}

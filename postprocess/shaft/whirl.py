@@ -1,9 +1,10 @@
 """Whirl of the shaft: net turns about the bearing's centre.
 
-The rate of a whirl is the slope of the unwrapped angle of the shaft about the bearing's centre. The
-mean of x cross v divided by the mean of r^2 is a different rate, to which a small, fast component
-contributes its own rate, weighted by its squared amplitude. Rates and frequencies are positive for
-forward motion, in the sense of rotation (+theta at standstill).
+The rate of a whirl is the slope of the unwrapped angle of the shaft about the bearing's centre. It
+differs from the mean of x cross v divided by the mean of r^2: this quotient is the mean of the
+rates of all circular components of the motion, weighted by their squared amplitudes, so that a
+small, fast component changes it. Rates and frequencies are positive for forward motion, in the
+sense of rotation (+theta at standstill).
 """
 
 from collections.abc import Callable

@@ -149,8 +149,8 @@ def blade_view(
 
 
 def _aim(plotter: Any, dataset: xr.Dataset, size: float) -> None:
-    """Look at the face of a single blade from the side, where its bending is visible, and slightly
-    from its root; or at all blades along the axis."""
+    """Aim the camera: at the face of a single blade from the side, where bending is visible, and
+    slightly from the root; at several blades nearly along the axis."""
     if dataset.sizes["copy"] > 1 or len(np.unique(dataset["blade"].values)) > 1:
         plotter.view_vector((0.4, -0.3, 1.0), viewup=(0.0, 1.0, 0.0))
         plotter.reset_camera()
