@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,3 +106,71 @@ def points_along(given: FloatArray, elements: int) -> FloatArray:
     points = np.asarray(curve(np.interp(share[:, 0] * length[-1], length, fine)))
     points[0], points[-1] = given[0], given[-1]
     return points
+
+
+class Chain(NamedTuple):
+    """Lines that lead from a root to a tip, in this order."""
+
+    lines: IntArray  #: number of each line, (lines,)
+    outward: BoolArray  #: true if the second end of a line is the end towards the tip, (lines,)
+    root: int  #: first node; the tip itself if there is no line
+
+    def ends(self, lengths: FloatArray) -> FloatArray:
+        """Return the distance of the ends of the lines from the root [m], (lines + 1,).
+
+        Args:
+            lengths: length of each line of the mesh [m].
+        """
+        return np.concatenate([[0.0], np.cumsum(lengths[self.lines])])
+
+    def place(self, share: float, lengths: FloatArray) -> tuple[int, float]:
+        """Return the place at a share of the length from the root: position of the line in the
+        chain, and position along this line from 0 at its first end to 1 at its second end."""
+        ends = self.ends(lengths)
+        at = share * ends[-1]
+        number = min(int(np.searchsorted(ends, at, side="right")) - 1, len(self.lines) - 1)
+        inside = float((at - ends[number]) / (ends[number + 1] - ends[number]))
+        return number, inside if self.outward[number] else 1.0 - inside
+
+
+def chain_to(tip: int, lines: IntArray, among: BoolArray) -> Chain:
+    """Return the chain that ends at a tip and begins where its lines end or branch.
+
+    Args:
+        tip: node of the tip.
+        lines: nodes at the ends of each line, (lines, 2).
+        among: lines that can belong to the chain, (lines,).
+    """
+    left, node = among.copy(), int(tip)
+    chain: list[tuple[int, bool]] = []
+    while len(at_node := np.flatnonzero(left & (lines == node).any(axis=1))) == 1:
+        (line,) = at_node.tolist()
+        left[line] = False
+        chain.append((line, bool(lines[line, 1] == node)))
+        node = int(lines[line].sum()) - node
+    numbers, outward = np.array(chain[::-1], dtype=np.int64).reshape(-1, 2).T
+    return Chain(numbers, outward == 1, node)
+
+
+def outward_line(points: FloatArray, lines: IntArray, tip: int) -> IntArray:
+    """Return the line at a tip that points most outward, (1,), or none, (0,)."""
+    at_tip = np.flatnonzero((lines == tip).any(axis=1))
+    span = points[tip] - points[lines[at_tip].sum(axis=1) - tip]
+    cosine = span @ points[tip] / np.linalg.norm(span, axis=1)
+    return at_tip[np.argsort(-cosine, kind="stable")[:1]]
+
+
+def part_up_to(tip: int, points: FloatArray, lines: IntArray, parts: NDArray[np.str_]) -> Chain:
+    """Return the chain of a blade: of the part of the mesh whose line at the tip points most
+    outward, up to a node where this part ends or branches.
+
+    Args:
+        tip: node of the tip.
+        points: nodes, (nodes, 2) [m].
+        lines: nodes at the ends of each line, (lines, 2).
+        parts: part of the mesh of each line, (lines,).
+    """
+    first = outward_line(points, lines, tip)
+    among = np.isin(parts, parts[first]) & (lines != tip).all(axis=1)
+    among[first] = True
+    return chain_to(tip, lines, among)

@@ -20,53 +20,16 @@ from the axis.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import Chain, FloatArray, part_up_to
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.geometry.beam_model import BeamModel
 
 
-def blade_beams(model: BeamModel, tip: int) -> IntArray:
-    """Return the beams of a blade of a model, see `chain_of_beams`."""
+def blade_beams(model: BeamModel, tip: int) -> Chain:
+    """Return the beams of a blade of a model, see `part_up_to`; none if no beam ends at the tip."""
     mesh = model.mesh
-    return chain_of_beams(mesh.points, mesh.lines, np.array(mesh.line_parts), tip)
-
-
-def chain_of_beams(
-    points: FloatArray, lines: IntArray, parts: NDArray[np.str_], tip: int
-) -> IntArray:
-    """Return the beams of a blade from tip to root, each as (end at the root, end at the tip),
-    (beams, 2).
-
-    The blade begins with the beam at the tip that points most outward, and continues with beams of
-    the same part of the mesh up to a node where this part ends or branches.
-
-    Args:
-        points: nodes, (nodes, 2) [m].
-        lines: nodes at the ends of each beam, (lines, 2).
-        parts: part of the mesh of each beam, (lines,).
-        tip: node of the tip.
-
-    Returns:
-        the beams; an array without rows if no beam ends at the tip.
-    """
-    node = tip
-    chain: list[tuple[int, int]] = []
-    left = np.ones(len(lines), dtype=np.bool_)
-    while True:
-        at_node = np.flatnonzero(left & (lines == node).any(axis=1))
-        if not chain and len(at_node):
-            span = points[node] - points[lines[at_node].sum(axis=1) - node]
-            cosine = span @ points[node] / np.linalg.norm(span, axis=1)
-            at_node = at_node[[np.argmax(cosine)]]
-            left &= parts == parts[at_node[0]]
-        if len(at_node) != 1:
-            return np.array(chain, dtype=np.int64).reshape(-1, 2)
-        left[at_node] = False
-        other = int(lines[at_node[0]].sum() - node)
-        chain.append((other, node))
-        node = other
+    return part_up_to(tip, mesh.points, mesh.lines, np.array(mesh.line_parts))
 
 
 def drawback(
@@ -87,10 +50,10 @@ def drawback(
     """
     points, tip = disk.mesh.points, disk.model.tips[blade]
     chain, moved = blade_beams(disk.model, tip), disk.cartesian(shapes)
-    root, out = chain[-1, 0], points[tip] / np.linalg.norm(points[tip])
-    turned = moved[root, 2]
+    out, turned = points[tip] / np.linalg.norm(points[tip]), moved[chain.root, 2]
     rows, forms = [], []
-    for first, second in chain:
+    for line, outward in zip(chain.lines[::-1], chain.outward[::-1], strict=True):
+        first, second = disk.mesh.lines[line][:: 1 if outward else -1]
         span = points[second] - points[first]
         length = float(np.linalg.norm(span))
         along = span / length
@@ -100,7 +63,7 @@ def drawback(
         forms.append(slope_form(length) * (along @ out))
     factors = [_factors(form, np.array(row)) for form, row in zip(forms, rows, strict=True)]
     if around:
-        factors.append(_factors(*_around(disk, moved, int(root), int(tip))))
+        factors.append(_factors(*_around(disk, moved, chain.root, int(tip))))
     return np.vstack([rows for rows, _ in factors]), np.concatenate([signs for _, signs in factors])
 
 

@@ -187,7 +187,7 @@ def foreshortening_faults(stage: Stage) -> Iterator[Fault]:
     if not case.contact.foreshortening:
         return
     for blade, tip in enumerate(model.tips):
-        if not len(blade_beams(model, int(tip))):
+        if not len(blade_beams(model, int(tip)).lines):
             expected = f"false, because no beam ends at the tip of blade {blade}"
             yield case_fault(case, "contact.foreshortening", expected)
             break

@@ -7,7 +7,7 @@ the circle it has r maxima, which are at rest in the static frame.
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import Chain, ComplexArray, FloatArray, IntArray, chain_to
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault
@@ -73,49 +73,30 @@ def unit_forces(case: Case, disk: BladedDiskModel, load: EngineOrder) -> FloatAr
         return _at_nodes(disk, _one_per_blade(case, disk, load), load)
     places = [(load.position, 1.0)] if isinstance(load.position, float) else []
     forces = np.zeros((len(model.tips), COMPONENTS * len(model.mesh.points)))
-    for blade, lines in enumerate(blade_lines(case, disk, load)):
-        ends = np.concatenate([[0.0], np.cumsum(model.mesh.lengths[np.abs(lines) - 1])])
+    lengths = model.mesh.lengths
+    for blade, chain in enumerate(_blade_chains(case, disk, load)):
         if isinstance(load.position, tuple):
-            places = _gauss_points(ends, *load.position)
+            places = _gauss_points(chain.ends(lengths), *load.position)
         for share, weight in places:
-            at = share * ends[-1]
-            number = min(int(np.searchsorted(ends, at, side="right")) - 1, len(lines) - 1)
-            inside = (at - ends[number]) / (ends[number + 1] - ends[number])
-            line = int(abs(lines[number])) - 1
-            xi = inside if lines[number] > 0 else 1.0 - inside
-            nodes, values = _on_line(disk, line, xi, load)
+            number, xi = chain.place(share, lengths)
+            nodes, values = _on_line(disk, int(chain.lines[number]), xi, load)
             np.add.at(forces[blade].reshape(-1, COMPONENTS), nodes, weight * values)
     return np.asarray(forces @ disk.expansion)
 
 
-def blade_lines(case: Case, disk: BladedDiskModel, load: EngineOrder) -> list[IntArray]:
-    """Return the lines of each blade from root to tip, numbered from 1 and negative if a line runs
-    from the tip to the root.
+def _blade_chains(case: Case, disk: BladedDiskModel, load: EngineOrder) -> list[Chain]:
+    """Return the lines of each blade.
 
     Raises:
         CaseError: the blades are not chains of lines.
     """
-    mesh, chains = disk.mesh, []
-    members = mesh.line_sets.get(BLADES, np.zeros(0, dtype=np.int64))
-    joined: dict[int, list[int]] = {}
-    for line in members.tolist():
-        for node in mesh.lines[line].tolist():
-            joined.setdefault(node, []).append(line)
-    for tip in disk.model.tips.tolist():
-        chain: list[int] = []
-        node, following = tip, joined.get(tip, [])
-        while len(following) == 1:
-            (line,) = following
-            first, second = mesh.lines[line].tolist()
-            chain.append(line + 1 if second == node else -(line + 1))
-            node = first if second == node else second
-            following = [other for other in joined[node] if other != line]
-        if not chain or len(following) > 1:
-            expected = (
-                f'"tip" or a node set: the lines of "{BLADES}" do not form one chain per blade'
-            )
-            raise CaseError([case_fault(case, f"{case.key_of(load)}.position", expected)])
-        chains.append(np.array(chain[::-1]))
+    mesh = disk.mesh
+    among = np.zeros(len(mesh.lines), dtype=np.bool_)
+    among[mesh.line_sets.get(BLADES, [])] = True
+    chains = [chain_to(tip, mesh.lines, among) for tip in disk.model.tips.tolist()]
+    if any(np.count_nonzero(mesh.lines[among] == chain.root) != 1 for chain in chains):
+        expected = f'"tip" or a node set: the lines of "{BLADES}" do not form one chain per blade'
+        raise CaseError([case_fault(case, f"{case.key_of(load)}.position", expected)])
     return chains
 
 

@@ -5,6 +5,7 @@ import scipy.sparse as sp
 import xarray as xr
 from scipy.sparse.csgraph import dijkstra
 
+from bladewhirl.meshes.line_mesh import Chain, chain_to, outward_line
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 
 
@@ -18,7 +19,9 @@ def line_blades(dataset: xr.Dataset) -> IntArray:
     """
     lines, part = dataset["rotor_line"].values, dataset["rotor_part"].values.astype(str)
     tips, points = dataset["tip_node"].values, dataset["rotor_point"].values
-    blades = np.isin(part, np.unique([part[_outward_line(points, lines, tip)] for tip in tips]))
+    blades = np.isin(
+        part, [part[line] for tip in tips for line in outward_line(points, lines, tip)]
+    )
     length = np.linalg.norm(points[lines[:, 1]] - points[lines[:, 0]], axis=1)
     graph = sp.csr_array((length[blades], tuple(lines[blades].T)), shape=2 * (len(points),))
     distance, _, source = dijkstra(
@@ -33,23 +36,17 @@ def line_blades(dataset: xr.Dataset) -> IntArray:
     return np.where(blades, blade_of_node[lines[np.arange(len(lines)), far]], -1)
 
 
-def blade_chain(dataset: xr.Dataset, blade: int) -> list[tuple[int, bool]]:
-    """Return the beams of a blade from root to tip, each with true if its direction is from the
-    root to the tip.
+def blade_chain(dataset: xr.Dataset, blade: int) -> Chain:
+    """Return the beams of a blade.
 
     Raises:
         ViewError: the beams of the blade are not a chain that ends at the tip.
     """
-    lines, node = dataset["rotor_line"].values, int(dataset["tip_node"].values[blade])
-    left = {int(line): lines[line] for line in np.flatnonzero(line_blades(dataset) == blade)}
-    chain: list[tuple[int, bool]] = []
-    while len(at_node := [line for line, ends in left.items() if node in ends]) == 1:
-        first, second = left.pop(at_node[0]).tolist()
-        chain.append((at_node[0], second == node))
-        node = first if second == node else second
-    if left or not chain:
+    among = line_blades(dataset) == blade
+    chain = chain_to(dataset["tip_node"].values[blade], dataset["rotor_line"].values, among)
+    if not 0 < len(chain.lines) == np.count_nonzero(among):
         raise ViewError(f"expected beams of blade {blade} that form one chain from root to tip")
-    return chain[::-1]
+    return chain
 
 
 def member_names(dataset: xr.Dataset) -> tuple[list[str], IntArray]:
@@ -64,14 +61,6 @@ def member_names(dataset: xr.Dataset) -> tuple[list[str], IntArray]:
     for number, name in enumerate(rest, len(names)):
         member[(blade < 0) & (part == name)] = number
     return [*names, *(name or "other beams" for name in rest)], member
-
-
-def _outward_line(points: Array, lines: IntArray, tip: int) -> int:
-    """Return the number of the beam closest to the radial direction, among the beams at a tip."""
-    at_tip = np.flatnonzero(np.any(lines == tip, axis=1))
-    span = points[lines[at_tip, 1]] - points[lines[at_tip, 0]]
-    along = np.abs(span @ points[tip]) / np.linalg.norm(span, axis=1)
-    return int(at_tip[np.argmax(along)])
 
 
 def with_recess(dataset: xr.Dataset, stations: Array, recess: Array) -> tuple[Array, Array]:

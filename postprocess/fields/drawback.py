@@ -3,9 +3,9 @@
 import numpy as np
 import xarray as xr
 
-from bladewhirl.meshes.line_mesh import BoolArray
+from bladewhirl.meshes.line_mesh import BoolArray, part_up_to
 from bladewhirl.models.case.analysis import Contact
-from bladewhirl.models.elements.foreshortening import chain_of_beams, slope_form
+from bladewhirl.models.elements.foreshortening import slope_form
 from bladewhirl.postprocess.fields.blades import blade_chain
 from bladewhirl.postprocess.fields.kinematics import (
     Array,
@@ -43,12 +43,11 @@ def largest_drawback(dataset: xr.Dataset) -> float:
     for blade, tip in enumerate(dataset["tip_node"].values):
         out, drawn = points[tip] / np.linalg.norm(points[tip]), np.zeros(len(coordinates))
         chain = blade_chain(dataset, blade)
-        first, forward = chain[0]
-        root = rotation[first, 0 if forward else 1]
-        for line, forward in chain:
+        root = rotation[chain.lines[0], 0 if chain.outward[0] else 1]
+        for line, outward in zip(*chain[:2], strict=True):
             rise = local[line, 1, 1] - local[line, 0, 1] - length[line] * root
             moved = coordinates @ np.array([rise, *(rotation[line] - root)]).T
-            along = axes[line, 0] @ out * (1.0 if forward else -1.0)
+            along = axes[line, 0] @ out * (1.0 if outward else -1.0)
             form = along * slope_form(float(length[line]))
             drawn += 0.5 * np.einsum("ri,ij,rj->r", moved, form, moved)
         largest = max(largest, float(drawn.max()))
@@ -75,23 +74,21 @@ def drawn_back(dataset: xr.Dataset, records: IntArray, line: Array, moved: Array
         return None
     lines, points = dataset["rotor_line"].values, dataset["rotor_point"].values
     parts, shape = dataset["rotor_part"].values.astype(str), dataset["rotor_shape"].values
-    number = {frozenset(ends): each for each, ends in enumerate(lines.tolist())}
     coordinates = history(dataset, "rotor_displacement", records)
     slopes = _slopes(dataset, coordinates, line.shape[1] - 1)
     centre = coordinates @ shape[int(dataset["centre_node"]), :2].T
     of_stations, of_nodes = np.zeros(moved.shape[:3]), np.zeros((len(records), len(points)))
     rest = np.ones(len(lines), dtype=np.bool_)
     for tip in dataset["tip_node"].values:
-        chain = chain_of_beams(points, lines, parts, int(tip))[::-1]
-        beams = np.array([number[frozenset(ends)] for ends in chain.tolist()])
-        backward = lines[beams, 0] != chain[:, 0]
+        chain = part_up_to(tip, points, lines, parts)
+        beams, backward = chain.lines, ~chain.outward
         place = _turned_round(line[beams][None], backward)[0]
-        root = coordinates @ shape[chain[0, 0], 2]  # rotation
+        root = coordinates @ shape[chain.root, 2]  # rotation
         turned = _turned_round(slopes[:, beams], backward) - root[:, None, None]
         drawn = _shortening(place, turned)
         if contact.tip_rotation:
             drawn += _around(place, _turned_round(moved[:, beams], backward), centre, root)
-        of_nodes[:, chain[:, 1]] = drawn[:, :, -1]
+        of_nodes[:, lines[beams, 1 * chain.outward]] = drawn[:, :, -1]
         of_stations[:, beams] = _turned_round(drawn, backward)
         rest[beams] = False
     x = np.linspace(0.0, 1.0, line.shape[1])

@@ -170,18 +170,15 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> Array:
     lines, places, outwards = [], [], []
     for blade in blades:
         chain = blade_chain(dataset, blade)
-        if gauge.element is not None and gauge.element >= len(chain):
-            raise ViewError(f"expected an element from 0 to {len(chain) - 1} of blade {blade}")
+        if gauge.element is not None and gauge.element >= len(chain.lines):
+            last = len(chain.lines) - 1
+            raise ViewError(f"expected an element from 0 to {last} of blade {blade}")
         number, x = gauge.element, 0.5
         if number is None:
-            passed = np.concatenate([[0.0], np.cumsum(length[[line for line, _ in chain]])])
-            at = float(gauge.span or 0.0) * passed[-1]
-            number = min(int(np.searchsorted(passed, at, side="right")) - 1, len(chain) - 1)
-            x = (at - passed[number]) / (passed[number + 1] - passed[number])
-        line, outward = chain[number]
-        lines.append(line)
-        places.append(x if outward else 1.0 - x)
-        outwards.append(outward)
+            number, x = chain.place(float(gauge.span or 0.0), length)
+        lines.append(chain.lines[number])
+        places.append(x)
+        outwards.append(chain.outward[number])
     left = np.array(outwards) == (gauge.side == "+theta")
     return surface_strain_rows(dataset, np.array(lines), np.array(places), left)
 

@@ -25,9 +25,12 @@ def test_a_blade_reaches_from_tip_to_root(name: str, root: float, changes: list[
     model = stage.disk.model
     for tip in model.tips:
         beams = blade_beams(model, int(tip))
-        assert beams[0, 1] == tip
-        assert np.array_equal(beams[1:, 1], beams[:-1, 0])
-        assert np.hypot(*model.mesh.points[beams[-1, 0]]) == pytest.approx(root)
+        ends = model.mesh.lines[beams.lines]
+        ends[~beams.outward] = ends[~beams.outward, ::-1]
+        assert ends[-1, 1] == tip
+        assert ends[0, 0] == beams.root
+        assert np.array_equal(ends[1:, 0], ends[:-1, 1])
+        assert np.hypot(*model.mesh.points[beams.root]) == pytest.approx(root)
 
 
 def test_few_terms_give_the_form() -> None:
