@@ -3,6 +3,7 @@
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.plane import rotate
 
 TOLERANCE = 1e-6
 """A rotated node coincides with another node up to a distance of this fraction of the radius of the
@@ -75,12 +76,10 @@ def symmetric_points(points: FloatArray, sectors: IntArray) -> FloatArray:
 def _image(points: FloatArray, angle: float) -> IntArray | None:
     """Return the node to which a rotation maps each node, (nodes,); None if this is not a
     permutation of the nodes."""
-    cos, sin = np.cos(angle), np.sin(angle)
     radius = np.linalg.norm(points, axis=1).max()
-    turned = points @ np.array([[cos, sin], [-sin, cos]])
     from scipy.spatial import KDTree  # loaded only if a mesh file is used
 
-    away, image = KDTree(points).query(turned)
+    away, image = KDTree(points).query(rotate(points, angle))
     if away.max() > TOLERANCE * radius or len(np.unique(image)) != len(points):
         return None
     return np.asarray(image, dtype=np.int64)

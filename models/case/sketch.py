@@ -8,10 +8,8 @@ from itertools import chain
 from math import hypot
 from typing import Annotated, ClassVar
 
-import numpy as np
 from pydantic import StrictBool, StrictStr
 
-from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.fields import (
     Inertia,
     Length,
@@ -300,10 +298,3 @@ def _edit_faults(sketch: SketchTable) -> Faults:
         if member is not None and member.sectors is not None and edit.sector not in member.sectors:
             existing = ", ".join(map(str, member.sectors)) or "none"
             yield place, f"a sector with this part ({existing})"
-
-
-def turned(point: tuple[float, float], angle: float) -> FloatArray:
-    """Return a point rotated about the origin by an angle [rad], (2,)."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    x, y = point
-    return np.array([cos * x - sin * y, sin * x + cos * y])

@@ -6,6 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray, LineMesh
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.elements.assembly import LineAssembler, straight_beams
 from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout
 from bladewhirl.models.elements.forms import mass, straight_stiffness
@@ -143,11 +144,7 @@ class BladedDiskModel:
             shapes: fields on the free DoF, (size, fields).
         """
         local = (self.expansion @ shapes).reshape(len(self.mesh.points), COMPONENTS, -1)
-        cos, sin = np.cos(self.mesh.node_axes), np.sin(self.mesh.node_axes)
-        first, second = local[:, FIRST], local[:, SECOND]
-        x = cos[:, None] * first - sin[:, None] * second
-        y = sin[:, None] * first + cos[:, None] * second
-        return np.stack([x, y, local[:, ROTATION]], axis=1)
+        return rotate(local, self.mesh.node_axes[:, None], axis=1)
 
 
 def assemble_bladed_disk(

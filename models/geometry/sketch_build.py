@@ -8,6 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, LineMesh, points_along
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.meshes.symmetry import rotational_sectors
 from bladewhirl.models.case.sketch import (
     Part,
@@ -15,7 +16,6 @@ from bladewhirl.models.case.sketch import (
     SketchMember,
     SketchTable,
     split_reference,
-    turned,
 )
 from bladewhirl.models.geometry.beam_model import (
     GROUND,
@@ -213,7 +213,7 @@ class _Drawing:
         path = member.path if edit is None or edit.path is None else edit.path
         given = [
             self._at(*self._place(member.first, sector)),
-            *(turned(point, sector * self._alpha) for point in path),
+            *(rotate(point, sector * self._alpha) for point in path),
             self._at(*self._place(member.second, sector)),
         ]
         points = np.array(given)
@@ -228,7 +228,7 @@ class _Drawing:
         """Return the position of a named node in a sector [m], (2,)."""
         edit = self._moved.get((sector, key[0]))
         at = self._nodes[key[0]].at if edit is None or edit.at is None else edit.at
-        return turned(at, sector * self._alpha)
+        return rotate(at, sector * self._alpha)
 
     def _place(self, reference: str, sector: int) -> tuple[int, Key]:
         name, shift = split_reference(reference)

@@ -5,7 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import FloatArray, points_along
+from bladewhirl.meshes.line_mesh import points_along
+from bladewhirl.meshes.plane import directions
 from bladewhirl.models.case.bladed_disk import BladedDisk
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.inputs.errors import CaseError, Fault
@@ -55,7 +56,7 @@ def bladed_disk_sketch(given: BladedDisk, material: Material) -> Sketch:
             f"{node}+1",
             material.section(shroud),
             elements=shroud.elements,
-            path=_on_circle(shroud.radius, on_arc) if shroud.elements > 1 else (),
+            path=(shroud.radius * directions(on_arc)).tolist() if shroud.elements > 1 else (),
             part="shrouds",
             sectors=[b for b in range(given.blades) if b not in shroud.cuts],
         )
@@ -89,8 +90,7 @@ class _Blade:
 
             spans, angles = np.array(line).T
             radii = self._root + spans * self._span
-            corners = np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])
-            points = points_along(corners, FINE)
+            points = points_along(radii[:, None] * directions(angles), FINE)
             turned = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))
             reached = (np.hypot(*points.T) - self._root) / self._span
             reached[0], reached[-1] = 0.0, 1.0
@@ -200,12 +200,10 @@ def _draw_disk(sketch: Sketch, given: BladedDisk, blade: _Blade, material: Mater
     if given.disk_kind == "rim":
         sketch.spring("root", "centre", radial=given.web_radial, tangential=given.web_tangential)
     else:
-        _, angle = blade.polar(given.disk_radius)
         rings = sorted(given.disk_rings, key=lambda ring: ring.radius)
         chain = ["centre", *(f"ring {i}" for i in range(len(rings))), "root"]
         for name, ring in zip(chain[1:], rings, strict=False):
-            [at] = _on_circle(ring.radius, np.array([angle]))
-            sketch.node(name, *at)
+            sketch.node(name, *blade.point(ring.radius))
         for i, (first, second) in enumerate(pairwise(chain)):
             sketch.member(
                 f"spokes {i}" if i else "spokes", first, second, disk_section, part="spokes"
@@ -214,7 +212,3 @@ def _draw_disk(sketch: Sketch, given: BladedDisk, blade: _Blade, material: Mater
             sketch.member(f"{name} itself", name, f"{name}+1", material.section(ring), part="rings")
     if given.disk_kind != "spokes":
         sketch.member("rim", "root", "root+1", disk_section)
-
-
-def _on_circle(radius: float, angles: FloatArray) -> list[tuple[float, float]]:
-    return [(radius * float(np.cos(a)), radius * float(np.sin(a))) for a in angles]

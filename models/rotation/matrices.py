@@ -18,6 +18,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.elements.assembly import straight_beams
 from bladewhirl.models.elements.bladed_disk import (
@@ -127,10 +128,8 @@ def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:
         assembler.matrix(mass, transform, rho_A=line_mass) + sp.diags_array(weights)
     )
     turning = assembler.matrix(coriolis, transform, skew=True, rho_A=line_mass)
-    x, y = mesh.points.T
-    cos, sin = np.cos(mesh.node_axes), np.sin(mesh.node_axes)
     # Position vectors of the nodes in nodal axes; their rotation is zero.
-    places = np.column_stack([cos * x + sin * y, cos * y - sin * x, np.zeros(len(x))]).ravel()
+    places = np.pad(rotate(mesh.points, -mesh.node_axes), ((0, 0), (0, 1))).ravel()
     full_load = inertial @ places
     load = np.asarray(unknowns.T @ full_load)
     growth = np.asarray(spla.spsolve(structure.stiffness.tocsc(), load))
@@ -174,10 +173,9 @@ def _arm_stiffness(model: BeamModel, carried: FloatArray) -> sp.csr_array:
         carried: force and moment of every node on its link, in the axes of the node, (3 * nodes,).
     """
     mesh, links = model.mesh, model.links
-    cos, sin = np.cos(mesh.node_axes[links.led]), np.sin(mesh.node_axes[links.led])
-    first, second = carried.reshape(-1, COMPONENTS)[links.led, :ROTATION].T
+    force = carried.reshape(-1, COMPONENTS)[links.led, :ROTATION]
     arm = mesh.points[links.led] - mesh.points[links.leader]
-    moment = arm[:, 0] * (cos * first - sin * second) + arm[:, 1] * (sin * first + cos * second)
+    moment = np.sum(arm * rotate(force, mesh.node_axes[links.led]), axis=1)
     diagonal = np.zeros(len(carried))
     np.add.at(diagonal, COMPONENTS * links.leader + ROTATION, moment)
     return sp.csr_array(sp.diags_array(diagonal))

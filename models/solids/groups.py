@@ -7,6 +7,7 @@ from scipy.spatial import cKDTree
 
 from bladewhirl.meshes.files.volumes import VolumeMesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.solids.surface import evenly_along_chord
 
@@ -98,13 +99,11 @@ def matching_faces(
             node is clamped on one of them only.
     """
     angle = 2.0 * math.pi / copies
-    c, s = math.cos(angle), math.sin(angle)
-    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     size = float(np.ptp(points, axis=0).max())
     tree = cKDTree(points[right])
-    distance, order = tree.query(points[left] @ turn.T)
+    distance, order = tree.query(rotate(points[left], angle))
     if len(left) == len(right) and distance.max() > MATCHING * size:
-        backward = tree.query(points[left] @ turn)[0].max() <= MATCHING * size
+        backward = tree.query(rotate(points[left], -angle))[0].max() <= MATCHING * size
         reason = (
             "left and right are interchanged"
             if backward

@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.analysis import MODES
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
@@ -27,7 +28,7 @@ from bladewhirl.models.superelements.reduction import (
     rigid_limit,
 )
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
-from bladewhirl.models.superelements.wheel import massless_wheel, turned, turned_points, whole_wheel
+from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
 
 GRID = 4096
 """Number of angles at which the wall is tabulated; more if the profile has many points."""
@@ -157,9 +158,9 @@ class SuperelementStage:
         """Arrays of the stage in a result."""
         part, copies = self.part, self.copies
         turn = self.table.angle
-        points = np.zeros((0, 3)) if part.points is None else turned_points(part.points, turn)
+        points = np.zeros((0, 3)) if part.points is None else rotate(part.points, turn)
         modes = len(self.reduced.frequency)
-        shapes = turned(self.reduced.points, turn).reshape(len(points), 3, modes)
+        shapes = rotate(self.reduced.points.reshape(len(points), 3, modes), turn, axis=1)
         within = np.bincount(self.blade)[0]
         return SuperelementArrays(
             modal_frequency=np.sqrt(self.factor)[:, None] * self.reduced.frequency,

@@ -8,6 +8,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.reduction import ReducedSuperelement
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
@@ -68,14 +69,9 @@ def massless_wheel(
         for phase in (1.0, -1j) if pair else (1.0,):
             phases = [scale * phase * np.exp(1j * k * angle) for angle in spread]
             contact.append(np.vstack([(one * at_nodes).real for one in phases]))
-            points.append(
-                np.vstack(
-                    [
-                        turned((one * at_points).real, angle)
-                        for one, angle in zip(phases, spread, strict=True)
-                    ]
-                )
-            )
+            each = np.stack([(one * at_points).real for one in phases])
+            each = each.reshape(sectors, -1, 3, modes)
+            points.append(rotate(each, spread[:, None, None], axis=2).reshape(-1, modes))
             frequency.append(np.sqrt(squares))
     order = np.argsort(np.concatenate(frequency), kind="stable")
     compliance = np.block(
@@ -129,8 +125,8 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
     if part.recovery is not None:
         both = sp.kron(sp.eye_array(sectors), part.recovery @ rest)
         both = (both + sp.kron(step, part.recovery @ on)) @ turn.T
-        rows = both.toarray().reshape(sectors, -1, both.shape[1])
-        recovery = np.vstack([turned(r, angle) for r, angle in zip(rows, spread, strict=True)])
+        each = both.toarray().reshape(sectors, -1, 3, both.shape[1])
+        recovery = rotate(each, spread[:, None, None], axis=2).reshape(both.shape)
     picture = _wheel(part, spread, np.ones(1))
     offset = tie.shape[1] * np.arange(sectors)[:, None, None]
     dofs = np.where(contact == FIXED, FIXED, contact + offset).reshape(-1, 3)
@@ -157,10 +153,10 @@ def _turned_contact(contact: IntArray, size: int, angle: float) -> sp.csr_array:
 
 def _wheel(part: Superelement, spread: FloatArray, frequency: FloatArray) -> Superelement:
     """Return the nodes and points of a wheel, with diagonal matrices of its modes."""
-    positions = np.vstack([turned_points(part.contact_position, angle) for angle in spread])
+    positions = rotate(part.contact_position, spread[:, None]).reshape(-1, 3)
     changes: dict[str, Any] = {}
     if part.points is not None:
-        changes["points"] = np.vstack([turned_points(part.points, angle) for angle in spread])
+        changes["points"] = rotate(part.points, spread[:, None]).reshape(-1, 3)
         changes["recovery"] = np.zeros((3 * len(changes["points"]), len(frequency)))
         if part.triangles is not None:
             count = len(part.points)
@@ -179,16 +175,3 @@ def _wheel(part: Superelement, spread: FloatArray, frequency: FloatArray) -> Sup
         right_dofs=None,
         **changes,
     )
-
-
-def turned(vectors: FloatArray, angle: float) -> FloatArray:
-    """Return vectors turned about z, (3n, m), with x, y and z of each point in rows."""
-    c, s = np.cos(angle), np.sin(angle)
-    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    each = vectors.reshape(len(vectors) // 3, 3, vectors.shape[1])
-    return np.asarray(np.einsum("ab,pbm->pam", turn, each)).reshape(vectors.shape)
-
-
-def turned_points(points: FloatArray, angle: float) -> FloatArray:
-    """Return points turned about z, (n, 3)."""
-    return turned(points.reshape(-1, 1), angle).reshape(points.shape)

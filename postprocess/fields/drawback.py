@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.line_mesh import BoolArray, part_up_to
+from bladewhirl.meshes.plane import rotate, unit
 from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.elements.foreshortening import slope_form
 from bladewhirl.postprocess.fields.blades import blade_chain
@@ -12,10 +13,8 @@ from bladewhirl.postprocess.fields.kinematics import (
     IntArray,
     history,
     line_shapes,
-    rotate,
     slope_rows,
     table_of_result,
-    unit,
 )
 
 RECORDS = 1000

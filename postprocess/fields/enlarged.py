@@ -23,18 +23,11 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
+from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.blades import line_blades, with_recess
 from bladewhirl.postprocess.fields.drawback import drawn_back
-from bladewhirl.postprocess.fields.kinematics import (
-    Array,
-    IntArray,
-    ViewError,
-    directions,
-    history,
-    rotate,
-    unit,
-)
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
 from bladewhirl.postprocess.fields.strains import rotor_sections
 
 #: drawn clearance divided by the tip radius, if the factor is chosen automatically

@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
+from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.file import TableT, table_of
 from bladewhirl.models.inputs.errors import UserError
@@ -25,28 +26,6 @@ ROUNDING = 1e-12  #: radii with a relative difference below this are regarded as
 
 class ViewError(UserError, ValueError):
     """Invalid time window, number of frames, factor or file of a view of a result."""
-
-
-def rotate(vectors: Array, angle: Array | float) -> Array:
-    """Return plane vectors (..., 2) turned counter-clockwise by `angle` (...) [rad]; the arguments
-    are broadcast."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    x, y = vectors[..., 0], vectors[..., 1]
-    first = cos * x - sin * y
-    turned: Array = np.empty((*first.shape, 2))
-    turned[..., 0], turned[..., 1] = first, sin * x + cos * y
-    return turned
-
-
-def directions(angle: Array) -> Array:
-    """Return unit vectors (..., 2) at the angles (...) [rad], counter-clockwise from +x."""
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-
-
-def unit(vectors: Array) -> Array:
-    """Return vectors (..., 2) divided by their lengths; vectors of zero length stay zero."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.asarray(np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0))
 
 
 def turn(dataset: xr.Dataset, records: IntArray) -> Array:

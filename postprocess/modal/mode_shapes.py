@@ -8,16 +8,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.enlarged import magnify
-from bladewhirl.postprocess.fields.kinematics import (
-    casing_rows,
-    directions,
-    line_rows,
-    ring_angles,
-    rotate,
-    tip_rows,
-)
+from bladewhirl.postprocess.fields.kinematics import casing_rows, line_rows, ring_angles, tip_rows
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -73,8 +67,7 @@ class Outline:
             angle = np.append(angle, angle[0])
             self.radius = float(data.attrs["casing_radius"])
             self.rest = self.radius * directions(angle)[None]
-            polar = np.moveaxis(casing_rows(data, angle), -1, 1)
-            self._rows = np.moveaxis(rotate(polar, angle[:, None]), 1, -1)
+            self._rows = rotate(casing_rows(data, angle), angle[:, None], axis=1)
             self._shift = self._rows[:-1].mean(axis=0)
 
     def largest(self, coordinates: FloatArray) -> float:
@@ -228,7 +221,7 @@ def _mark_crests(axes: Axes, angle: float, k: int, label: str) -> None:
     radius = axes.get_xlim()[1]
     for number in range(k):
         turned = angle + 2.0 * np.pi * number / k
-        place = radius * directions(np.asarray(turned))
+        place = radius * directions(turned)
         face = "none" if number else COLOURS["contact"]
         axes.plot(*place, "D", ms=4.0, color=COLOURS["contact"], mfc=face, label=label)
     reach = OUTSIDE * radius

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.plane import directions
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
@@ -88,7 +89,7 @@ def _draw_rings(axes: Axes, data: xr.Dataset) -> None:
     contact: Mapping[str, Any] = {"linewidth": 3.0, "solid_capstyle": "round", "label": "contact"}
     axes.plot(*_arc(centre, side, ZONE), color=COLOURS["contact"], **contact)
     zone = np.linspace(-ZONE, ZONE, 5)
-    outward = side * np.stack([np.cos(zone), np.sin(zone)], axis=-1)
+    outward = side * directions(zone)
     for normal in outward:
         tip = normal + np.array([centre, 0.0])
         axes.plot(*np.stack([[shaft, 0.0], tip]).T, color=COLOURS["total"], linewidth=0.5)

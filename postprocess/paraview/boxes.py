@@ -15,8 +15,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
+from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.postprocess.fields import kinematics
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, rotate, unit
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
 from bladewhirl.postprocess.fields.strains import (
     Strains,
     casing_strain_rows,
@@ -138,7 +139,7 @@ def casing_boxes(dataset: xr.Dataset, arc_points: int = ARC_POINTS) -> Boxes:
     """Return the wall of the casing in static axes; the inner surface lies at the clearance."""
     pieces = -(-arc_points // dataset.sizes["casing_node"])
     angle = kinematics.station_angles(dataset, pieces)
-    outward = kinematics.directions(angle)
+    outward = directions(angle)
     clearance = kinematics.clearance_at(dataset, angle.ravel()).reshape(angle.shape)
     radius = float(dataset.attrs["tip_radius"]) + clearance
     wall = np.broadcast_to(dataset["casing_thickness"].values[:, None], angle.shape)
@@ -153,7 +154,7 @@ def casing_boxes(dataset: xr.Dataset, arc_points: int = ARC_POINTS) -> Boxes:
         offset=np.stack([np.zeros_like(wall), wall], axis=-1),
         width=dataset["casing_width"].values[:, None],
         modulus=dataset["casing_young_modulus"].values[:, None],
-        rows=np.moveaxis(rotate(np.moveaxis(polar, 2, -1), angle[..., None]), -1, 2),
+        rows=rotate(polar, angle[..., None], axis=2),
         turn_rows=polar[:, :, 1] / float(dataset.attrs["casing_radius"]) - slope,
         strain_rows=casing_strain_rows(dataset, pieces),
     )

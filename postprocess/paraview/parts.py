@@ -15,10 +15,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.blades import line_blades
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, rotate
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
 from bladewhirl.postprocess.paraview.boxes import (
     ARC_POINTS,
     BEAM_PIECES,
@@ -190,7 +191,7 @@ class StageParts:
         in the axes of the body [m]."""
         rest = self._rest[number]
         return meshio.Mesh(
-            points=_turned(rest, angle),
+            points=rotate(rest, angle),
             cells=[("quad" if self._bodies[number].solid else "line", self._faces[number])],
             point_data={
                 "warp": _in_space(rotate(drawn - rest[:, :2], angle)),
@@ -250,7 +251,7 @@ class StageParts:
         blades, so that arrows are visible."""
         rest, blade = self._tips_at_rest, np.arange(len(self._tips))
         return meshio.Mesh(
-            points=_turned(rest, angle),
+            points=rotate(rest, angle),
             cells=[("vertex", blade[:, None])],
             point_data={
                 "warp": _in_space(rotate(nodes[self._tips] - rest[:, :2], angle)),
@@ -298,11 +299,6 @@ class StageParts:
             },
             cell_data={"part": [first + np.repeat(np.arange(len(HOLDERS)), count)]},
         )
-
-
-def _turned(points: Array, angle: float) -> Array:
-    """Return points (point, 3) turned in the plane."""
-    return np.column_stack([rotate(points[:, :2], angle), points[:, 2]])
 
 
 def _in_space(vectors: Array) -> Array:

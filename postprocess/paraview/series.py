@@ -18,10 +18,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.files import claim, owned, replacing, write_atomically
+from bladewhirl.meshes.plane import directions
 from bladewhirl.postprocess.fields.kinematics import (
     IntArray,
     contact_forces,
-    directions,
     frame_records,
     history,
     sampling_hint,

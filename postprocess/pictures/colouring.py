@@ -14,10 +14,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import Colormap, ListedColormap, to_hex
 
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.blades import line_blades
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history, rotate
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
 from bladewhirl.postprocess.fields.strains import (
     Strains,
     casing_strain_rows,
@@ -136,8 +137,7 @@ def _magnitude(
     _, rows = kinematics.line_rows(dataset, stations.per_line)
     beams = rows.reshape(-1, 2, rows.shape[-1])
     angle = kinematics.ring_angles(dataset, stations.per_element)
-    polar = np.moveaxis(kinematics.casing_rows(dataset, angle), 1, 2)
-    ring = np.moveaxis(rotate(polar, angle[:, None]), 2, 1)
+    ring = rotate(kinematics.casing_rows(dataset, angle), angle[:, None], axis=1)
     centre = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
     speed = float(dataset.attrs["speed"])
     sizes = []

@@ -9,9 +9,10 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
+from bladewhirl.meshes.plane import rotate, unit
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT, EnlargedStage
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, rotate, unit
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.pictures.colouring import Field, Stations, colouring
 from bladewhirl.postprocess.pictures.symbols import StageSymbols, Symbols
 

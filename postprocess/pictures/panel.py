@@ -7,9 +7,10 @@ import numpy as np
 import pyvista
 import xarray as xr
 
+from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.enlarged import rounded_down
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, directions, rotate, unit
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Picture
 from bladewhirl.postprocess.pictures.scene import CIRCLE, StageScene, disc_triangles

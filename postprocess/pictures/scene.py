@@ -6,7 +6,8 @@ The graphical objects are created once; for another record their points and colo
 import numpy as np
 import pyvista
 
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, directions, rotate, unit
+from bladewhirl.meshes.plane import directions, rotate, unit
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows, widened
 from bladewhirl.postprocess.pictures.symbols import MASS, Symbols

@@ -14,7 +14,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.fields.kinematics import Array, directions, rotate, unit
+from bladewhirl.meshes.plane import directions, rotate, unit
+from bladewhirl.postprocess.fields.kinematics import Array
 
 SPRING = 0.075  #: length of a spring at rest
 ZIGZAG = 0.016  #: half of the width of a spring

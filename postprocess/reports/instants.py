@@ -6,8 +6,9 @@ import numpy as np
 import plotly.graph_objects as go
 import xarray as xr
 
+from bladewhirl.meshes.plane import directions
 from bladewhirl.postprocess.energy.strain import PLOT_DECADES, energy_terms, term_label
-from bladewhirl.postprocess.fields.kinematics import Array, directions
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.windows import span_means, span_starts
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows

@@ -8,8 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.units import handy, handy_unit
-from bladewhirl.postprocess.fields.kinematics import Array, rotate, smallest_clearance
+from bladewhirl.postprocess.fields.kinematics import Array, smallest_clearance
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window, late_part

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import ResultError, open_result, portions
@@ -78,16 +79,7 @@ def deformed_points(dataset: xr.Dataset, records: IntArray) -> FloatArray:
     moved = np.einsum(
         "rcm,pam->rcpa", dataset["modal_displacement"].isel(time=records).values, shape
     )
-    return turned_copies(dataset, moved)
-
-
-def turned_copies(dataset: xr.Dataset, vectors: FloatArray) -> FloatArray:
-    """Convert vectors (..., copies, n, 3) from the axes of each copy to the axes of the first
-    copy."""
-    angle = dataset["copy_angle"].values
-    c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    x, y, z = np.moveaxis(vectors, -1, 0)
-    return np.stack([c * x - s * y, s * x + c * y, z], axis=-1)
+    return rotate(moved, dataset["copy_angle"].values[:, None])
 
 
 def contact_nodes(result: xr.Dataset) -> xr.Dataset:

@@ -8,6 +8,7 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import ResultError
 from bladewhirl.postprocess.superelement.motion import check_superelement
@@ -76,22 +77,15 @@ def ring_mesh(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
     angle, radius = dataset["casing_angle"].values, float(dataset.attrs["casing_radius"])
     axial, half = dataset["contact_axial"].values, 0.5 * dataset["casing_width"].values
     middle, nodes = 0.5 * (axial.min() + axial.max()), len(angle)
-    c, s = np.cos(angle), np.sin(angle)
-    w, u = ring_displacement(dataset, np.array([record]))[0].T
-    moved = about_z(np.column_stack([w * c - u * s, w * s + u * c, 0.0 * w]), turn)
+    polar = np.pad(ring_displacement(dataset, np.array([record]))[0], ((0, 0), (0, 1)))
+    moved = rotate(rotate(polar, angle), turn)
     sides = [
-        np.column_stack([radius * c, radius * s, middle + sign * half]) for sign in (-1.0, 1.0)
+        np.column_stack([radius * directions(angle), middle + sign * half]) for sign in (-1.0, 1.0)
     ]
     first = np.arange(nodes)
     second = (first + 1) % nodes
     return meshio.Mesh(
-        about_z(np.vstack(sides), turn),
+        rotate(np.vstack(sides), turn),
         [("quad", np.column_stack([first, second, second + nodes, first + nodes]))],
-        {"displacement": np.vstack([moved, moved]), "radial_displacement": np.tile(w, 2)},
+        {"displacement": np.vstack([moved, moved]), "radial_displacement": np.tile(polar[:, 0], 2)},
     )
-
-
-def about_z(vectors: FloatArray, angle: float) -> FloatArray:
-    """Return vectors (n, 3) turned about z by an angle [rad]."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.asarray(vectors @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))

@@ -7,14 +7,14 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records
 from bladewhirl.postprocess.paraview.series import Progress, write_series
 from bladewhirl.postprocess.superelement.motion import (
     check_superelement,
     deformed_points,
-    turned_copies,
 )
-from bladewhirl.postprocess.superelement.ring import about_z, is_flexible, ring_mesh
+from bladewhirl.postprocess.superelement.ring import is_flexible, ring_mesh
 
 PARTS = ("blades", "contact")
 """Parts of every series; with a flexible casing a series also has the part "casing"."""
@@ -76,9 +76,9 @@ def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, 
     ahead = float(dataset.attrs["speed"] * dataset["time"][record])
     turn = 0.0 if rotating else ahead
     points = dataset["point"].values
-    placed = turned_copies(dataset, np.broadcast_to(points, (copies, *points.shape)))
+    placed = rotate(points, dataset["copy_angle"].values[:, None])
     moved = deformed_points(dataset, np.array([record]))[0]
-    flat, motion = (about_z(values.reshape(-1, 3), turn) for values in (placed, moved))
+    flat, motion = (rotate(values.reshape(-1, 3), turn) for values in (placed, moved))
     kind, cells = "vertex", np.arange(len(points))[:, None]
     if "triangle" in dataset:
         kind, cells = "triangle", dataset["triangle"].values
@@ -100,15 +100,13 @@ def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, 
 def _contact(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
     angle = dataset["contact_angle"].values + turn
     radius, axial = dataset["contact_radius"].values, dataset["contact_axial"].values
-    c, s, zero = np.cos(angle), np.sin(angle), np.zeros_like(angle)
-    axes = np.array([[c, s, zero], [-s, c, zero], [zero, zero, zero + 1.0]])
     moved, force = (
-        np.einsum("na,axn->nx", dataset[name][record].values, axes)
+        rotate(dataset[name][record].values, angle)
         for name in ("contact_displacement", "contact_force")
     )
     return meshio.Mesh(
-        np.stack([radius * c, radius * s, axial], axis=1),
-        [("vertex", np.arange(len(c))[:, None])],
+        np.column_stack([radius[:, None] * directions(angle), axial]),
+        [("vertex", np.arange(len(angle))[:, None])],
         {"displacement": moved, "force": force, "blade": dataset["blade"].values},
     )
 

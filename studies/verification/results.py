@@ -11,6 +11,7 @@ import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.postprocess.fields.result import open_result
@@ -51,8 +52,7 @@ def rows(result: xr.Dataset) -> tuple[FloatArray, FloatArray, FloatArray, FloatA
     """Return radial and tangential mode shapes at the tips, (tips, modes), and of the casing under
     the tips at every step, (steps, tips, modes)."""
     angle, tips = result["tip_angle"].values, result["tip_node"].values
-    x, y = result["rotor_shape"].values[tips, :2].transpose(1, 0, 2)
-    cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    moved = rotate(result["rotor_shape"].values[tips, :2], -angle[:, None], axis=1)
     turned = angle + result.attrs["speed"] * result["time"].values[:, None]
     shape = result["casing_shape"].values
     around = np.concatenate([shape, shape[:1]])
@@ -62,7 +62,7 @@ def rows(result: xr.Dataset) -> tuple[FloatArray, FloatArray, FloatArray, FloatA
         CubicHermiteSpline(arc, around[:, i], radius * around[:, i + 1])(np.mod(turned, 2 * np.pi))
         for i in (0, 2)
     ]
-    return x * cos + y * sin, y * cos - x * sin, casing[0], casing[1]
+    return moved[:, 0], moved[:, 1], casing[0], casing[1]
 
 
 def kicks(result: xr.Dataset, body: str) -> FloatArray:

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.modal.labels import Body
-from bladewhirl.postprocess.fields.kinematics import casing_rows, combine, rotate, turn
+from bladewhirl.postprocess.fields.kinematics import casing_rows, combine, turn
 from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
 from bladewhirl.postprocess.modal.mode_shapes import plot_mode_shapes, plot_travelling_wave
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from bladewhirl.postprocess.fields.kinematics import rotate
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.postprocess.shaft.transforms import Frame, strongest_lines
 from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, whirl
 
