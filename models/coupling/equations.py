@@ -35,6 +35,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.meshes.plane import rotate
 
 Matrix = TypeVar("Matrix", FloatArray, ComplexArray)
 
@@ -85,7 +86,8 @@ class CoupledEquations:
             kappa: stiffness of the springs between the bodies [N/m] per radian.
         """
         angle = np.asarray(angle, dtype=np.float64)
-        stretch = self.casing - _rotation(np.multiply.outer(angle, self.harmonics)) @ self.rotor
+        turn = np.multiply.outer(angle, self.harmonics)
+        stretch = self.casing - rotate(np.eye(2), -turn[..., None]) @ self.rotor
         root = np.sqrt(self.factors)
         rows = (root[:, None, None] * stretch).reshape(*angle.shape, -1, len(self.frequency))
         return np.asarray(kappa * np.swapaxes(rows, -1, -2) @ rows)
@@ -198,12 +200,6 @@ def difference_of_axes(centre: FloatArray, angle: ArrayLike) -> FloatArray:
         centre: x and y of the centre in rotating axes [kg^-1/2], (2, modes).
         angle: Omega t [rad], any shape (...).
     """
-    moved = _rotation(np.asarray(angle, dtype=np.float64)) @ centre
+    moved = rotate(np.eye(2), -np.asarray(angle, dtype=np.float64)[..., None]) @ centre
     squares = moved[..., :, None] * moved[..., None, :]
     return np.asarray(squares[..., 0, :, :] - squares[..., 1, :, :])
-
-
-def _rotation(angle: FloatArray) -> FloatArray:
-    """Return rotation matrices, (..., 2, 2)."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.stack([np.stack([cos, -sin], axis=-1), np.stack([sin, cos], axis=-1)], axis=-2)

@@ -35,7 +35,7 @@ def node_springs(model: BeamModel, node_dofs: IntArray) -> sp.csr_array:
         rows = COMPONENTS * i + np.arange(COMPONENTS)
         stretch[np.ix_(rows, node_dofs[node])] = np.eye(COMPONENTS)
         if other != GROUND:
-            stretch[np.ix_(rows, node_dofs[other])] = -_turned(axes[node] - axes[other])
+            stretch[np.ix_(rows, node_dofs[other])] = -rotate(np.eye(3), axes[node] - axes[other])
     each = sp.csr_array(stretch)
     return sp.csr_array(each.T @ sp.diags_array(springs.stiffness.ravel()) @ each)
 
@@ -66,18 +66,11 @@ def node_expansion(model: BeamModel, node_dofs: IntArray) -> sp.csr_array:
 
 def _arm(mesh: LineMesh, led: int, leader: int) -> FloatArray:
     """Return the matrix from the motion of a leader to the motion of its led node, (3, 3)."""
-    moved = _turned(mesh.node_axes[led] - mesh.node_axes[leader])
+    moved = rotate(np.eye(3), mesh.node_axes[led] - mesh.node_axes[leader])
     x, y = mesh.points[led] - mesh.points[leader]
-    cos, sin = np.cos(mesh.node_axes[led]), np.sin(mesh.node_axes[led])
     # A unit rotation moves the end of the arm by (-y, x); in the axes of the led node:
-    moved[:2, 2] = [-y * cos + x * sin, y * sin + x * cos]
+    moved[:2, 2] = rotate((-y, x), -mesh.node_axes[led])
     return moved
-
-
-def _turned(angle: float) -> FloatArray:
-    """Return the matrix that gives the components in axes turned by an angle, (3, 3)."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
 
 FIRST, SECOND, ROTATION = range(COMPONENTS)
@@ -208,11 +201,8 @@ def nodal_to_line_axes(mesh: LineMesh) -> FloatArray:
     transform = np.zeros((len(mesh.lines), 6, 6))
     for end in range(2):
         turn = mesh.line_axes - mesh.node_axes[mesh.lines[:, end]]
-        first, second, rotation = 3 * end + FIRST, 3 * end + SECOND, 3 * end + ROTATION
-        transform[:, first, first] = transform[:, second, second] = np.cos(turn)
-        transform[:, first, second] = np.sin(turn)
-        transform[:, second, first] = -np.sin(turn)
-        transform[:, rotation, rotation] = 1.0
+        block = slice(COMPONENTS * end, COMPONENTS * (end + 1))
+        transform[:, block, block] = rotate(np.eye(COMPONENTS), turn[:, None])
     return transform
 
 

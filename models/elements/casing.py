@@ -21,6 +21,7 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.elements.assembly import curved_beams
 from bladewhirl.models.elements.cyclic import SectorLayout
@@ -96,8 +97,7 @@ def strut(
         ends: "pinned" or "built-in", for both ends.
         damping: damping along the strut [N s/m].
     """
-    cos, sin = np.cos(inclination), np.sin(inclination)
-    axes = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])  # along, across, turn
+    axes = rotate(np.eye(3), inclination)  # along, across, turn
     total = section.line_mass * length
     stiffness = np.zeros((3, 3))
     stiffness[0, 0] = section.axial_stiffness / length

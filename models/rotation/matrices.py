@@ -18,7 +18,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.meshes.plane import rotate
+from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.elements.assembly import straight_beams
 from bladewhirl.models.elements.bladed_disk import (
@@ -70,7 +70,7 @@ def _load_from_first_end(model: BeamModel, places: FloatArray, omega: float) -> 
     """Return the centrifugal load of each line between its first end and each position [N], (lines,
     places)."""
     mesh, lengths = model.mesh, model.mesh.lengths
-    axes = np.column_stack([np.cos(mesh.line_axes), np.sin(mesh.line_axes)])
+    axes = directions(mesh.line_axes)
     start = np.einsum("li,li->l", mesh.points[mesh.lines[:, 0]], axes)
     within = np.outer(places, 0.5 * (1.0 + POINTS))  # (places, points)
     line_mass = model.properties.at(within.ravel()).line_mass.reshape(-1, *within.shape)

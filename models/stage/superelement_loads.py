@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import CasingDistortion, EngineOrder, Harmonic, Imbalance
 from bladewhirl.models.case.file import case_fault
@@ -69,8 +70,7 @@ def superelement_loads(
 def centre_rows(reduced: ReducedSuperelement, turned: float) -> FloatArray:
     """Return x and y of the centre of a superelement that is turned about the axis by an angle
     [rad], for unit modal coordinates [kg^-1/2], (2, modes)."""
-    c, s = np.cos(turned), np.sin(turned)
-    return np.array([[c, -s], [s, c]]) @ reduced.centre
+    return rotate(np.eye(2), -turned) @ reduced.centre
 
 
 def engine_order_forces(

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.integrate import simpson
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import case_bladed_disk
@@ -53,18 +54,16 @@ def bladed_disk() -> BladedDiskModel:
 def field(x: FloatArray, y: FloatArray, rotation: FloatArray) -> FloatArray:
     """Return the free DoF of displacements x, y and rotations of all nodes, (size, 1)."""
     disk = bladed_disk()
-    cos, sin = np.cos(disk.mesh.node_axes), np.sin(disk.mesh.node_axes)
-    local = np.stack([cos * x + sin * y, cos * y - sin * x, rotation], axis=1)
+    local = rotate(np.stack([x, y, rotation], axis=1), -disk.mesh.node_axes)
     dofs = disk.structure.node_dofs
     free = np.zeros((disk.structure.size, 1))
     free[dofs[dofs >= 0], 0] = local[dofs >= 0]
     return free
 
 
-def directions() -> tuple[FloatArray, FloatArray]:
-    """Return the radial and the tangential direction at the blade that bends, (2,) each."""
-    angle = bladed_disk().tip_angles[BLADE]
-    return np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+def directions() -> FloatArray:
+    """Return the radial and the tangential direction at the blade that bends, (2, 2)."""
+    return rotate(np.eye(2), bladed_disk().tip_angles[BLADE])
 
 
 def bent(shape: Shape) -> FloatArray:
@@ -133,8 +132,7 @@ def radius_of_a_bent_blade() -> Pair:
     for tip, rotation, centre in ((2e-4, 0.0, 0.0), (2e-4, 3e-4, 0.0), (2e-4, 3e-4, 1e-4)):
         along = LENGTH * simpson(np.cos(tip * slope), x=place) + radius - LENGTH
         across = LENGTH * simpson(np.sin(tip * slope), x=place)
-        cos, sin = np.cos(rotation), np.sin(rotation)
-        at = [cos * along - sin * across, sin * along + cos * across + centre]
+        at = np.add(rotate((along, across), rotation), (0.0, centre))
         exact.append(radius - np.hypot(*at))
         shift = field(centre * ahead[0] * ones, centre * ahead[1] * ones, 0.0 * ones)
         ours.append(opening(tip * bent(mode("first")) + rotation * turned() + shift, around=True))
