@@ -22,6 +22,6 @@ def directions(angle: ArrayLike) -> FloatArray:
 
 
 def unit(vectors: FloatArray) -> FloatArray:
-    """Return vectors (..., 2) divided by their lengths; vectors of zero length stay zero."""
+    """Return vectors (..., size) divided by their lengths; vectors of zero length stay zero."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.asarray(np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0))

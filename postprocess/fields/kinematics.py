@@ -8,7 +8,7 @@ the rate of its displacement in rotating axes, without the velocity Omega x r of
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
 from bladewhirl.meshes.plane import directions, rotate, unit
@@ -57,8 +57,18 @@ def frame_records(
     return np.unique(nearest_records(dataset, np.linspace(first, last, enough)))
 
 
-def nearest_records(dataset: xr.Dataset, instants: Array) -> IntArray:
-    """Return the index of the record nearest to each instant [s]."""
+def nearest_records(dataset: xr.Dataset, instants: ArrayLike) -> IntArray:
+    """Return the index of the record nearest to each instant [s].
+
+    Raises:
+        ViewError: an instant is outside the run.
+    """
+    first, last = dataset["time"].values[[0, -1]]
+    step = float(dataset.attrs["record_step"])  # tolerance: the run can end after its last record
+    instants = np.asarray(instants, dtype=np.float64)
+    for time in instants.tolist():
+        if not first - step <= time <= last + step:
+            raise ViewError(f"time {time:g} s lies outside the run, [{first:g}, {last:g}] s")
     return np.asarray(dataset.indexes["time"].get_indexer(instants, method="nearest"))
 
 

@@ -117,8 +117,9 @@ def export_vtk(
 def series_records(
     dataset: xr.Dataset, frames: int, start: float | None = None, end: float | None = None
 ) -> IntArray:
-    """Return the records of a series, see `frame_records`; by default from the first motion on."""
-    if start is None:
+    """Return the records of a series, see `frame_records`; those of a bladed disk of beams begin
+    with the first motion by default."""
+    if start is None and "rotor_displacement" in dataset:
         early = np.arange(min(EARLY, dataset.sizes["time"]))
         moving = np.any(
             [history(dataset, f"{body}_displacement", early).any(axis=1) for body in BODIES], axis=0

@@ -10,8 +10,8 @@ from matplotlib.colors import to_rgb
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, turn
+from bladewhirl.postprocess.pictures.choices import Frame
 from bladewhirl.postprocess.pictures.colouring import Colouring, scale_end
-from bladewhirl.postprocess.pictures.drawing import Frame
 from bladewhirl.postprocess.pictures.symbols import Symbols
 
 INK = "#20262e"

@@ -7,7 +7,7 @@ and of the wall have different values, because bending strains differ.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import cycle
-from typing import Literal, NamedTuple, get_args
+from typing import NamedTuple, get_args
 
 import matplotlib
 import numpy as np
@@ -25,18 +25,8 @@ from bladewhirl.postprocess.fields.strains import (
     rotor_sections,
     rotor_strain_rows,
 )
+from bladewhirl.postprocess.pictures.choices import Field
 from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL
-
-Field = Literal[
-    "displacement",
-    "deformation",
-    "velocity",
-    "axial-strain",
-    "bending-strain",
-    "stress",
-    "gap",
-    "part",
-]
 
 DIVERGING = "RdBu_r"  #: colour map of signed values, distinct for colour-blind readers
 PART_COLOURS = tuple(

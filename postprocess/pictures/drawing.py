@@ -4,7 +4,6 @@ Points are taken from `EnlargedStage` and transformed to the axes of the picture
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -13,10 +12,9 @@ from bladewhirl.meshes.plane import rotate, unit
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT, EnlargedStage
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
-from bladewhirl.postprocess.pictures.colouring import Field, Stations, colouring
+from bladewhirl.postprocess.pictures.choices import Field, Frame
+from bladewhirl.postprocess.pictures.colouring import Stations, colouring
 from bladewhirl.postprocess.pictures.symbols import StageSymbols, Symbols
-
-Frame = Literal["static", "rotating"]
 
 BEAM_STATIONS = 6  #: number of straight pieces of a beam
 RING_STATIONS = 720  #: smallest number of straight pieces of the casing

@@ -115,8 +115,7 @@ def render_still(
     if time is None:
         records = np.array([strongest_contact(dataset)])
     else:
-        check_inside(dataset, time)
-        records = kinematics.nearest_records(dataset, np.array([time]))
+        records = kinematics.nearest_records(dataset, [time])
     drawing = Drawing(dataset, records, **view)
     trail = _revolution_before(dataset, int(records[0])) if orbit else None
     with stage_view(dataset, drawing, size, trail=trail) as picture:
@@ -215,14 +214,6 @@ def _revolution_before(dataset: xr.Dataset, record: int) -> IntArray:
     time = dataset["time"].values
     begin = time[record] - 2 * np.pi / speed if speed else time[0]
     return np.arange(int(np.searchsorted(time, begin)), record + 1)
-
-
-def check_inside(dataset: xr.Dataset, time: float) -> None:
-    """Check that a time [s] lies in the run; raise ViewError otherwise."""
-    first, last = dataset["time"].values[[0, -1]]
-    step = float(dataset.attrs["record_step"])  # tolerance: the run can end after its last record
-    if not first - step <= time <= last + step:
-        raise ViewError(f"time {time:g} s lies outside the run, [{first:g}, {last:g}] s")
 
 
 def _stride(dataset: xr.Dataset) -> int:

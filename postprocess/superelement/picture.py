@@ -85,7 +85,7 @@ def render_blades(
     force = dataset["contact_force"].values[:, :, 0].min(axis=1)
     strongest = float(dataset["time"][int(force.argmin())])
     if suffix == ".png":
-        records = nearest_records(dataset, np.array([strongest if time is None else time]))
+        records = nearest_records(dataset, [strongest if time is None else time])
     else:
         if start is None and end is None:
             turn = 2.0 * np.pi / max(abs(float(dataset.attrs["speed"])), 1e-9)

@@ -6,9 +6,8 @@ import meshio
 import numpy as np
 import xarray as xr
 
-from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.meshes.plane import directions, rotate
-from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records
+from bladewhirl.meshes.plane import directions, rotate, unit
+from bladewhirl.postprocess.fields.kinematics import IntArray, ViewError
 from bladewhirl.postprocess.paraview.series import Progress, write_series
 from bladewhirl.postprocess.superelement.motion import (
     check_superelement,
@@ -24,14 +23,12 @@ def export_points(
     dataset: xr.Dataset,
     directory: str | Path,
     *,
-    frames: int = 300,
-    start: float | None = None,
-    end: float | None = None,
+    records: IntArray,
     rotating: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path:
-    """Write a time series of the points of all copies between `start` and `end` [s].
+    """Write a time series of the points of all copies.
 
     The part `blades` has the points and triangles of the superelement file, `contact` the contact
     nodes, `casing` the inner face of a flexible casing. Coordinates are undeformed positions,
@@ -42,8 +39,7 @@ def export_points(
     Args:
         dataset: result of a superelement with points.
         directory: folder to write.
-        frames: number of instants.
-        start, end: time window [s]; the whole run when None.
+        records: numbers of records.
         rotating: true for rotating axes, in which the blades do not turn.
         overwrite: true to replace files that the manifest of the folder does not list.
         progress: called with the numbers of finished and of all instants.
@@ -52,12 +48,11 @@ def export_points(
         the path of series.pvd.
 
     Raises:
-        ViewError: the result has no points, or the window is invalid.
+        ViewError: the result has no points.
     """
     check_superelement(dataset)
     if "point" not in dataset:
         raise ViewError("expected a superelement whose file has points and recovery")
-    records = frame_records(dataset, frames, start, end)
     return write_series(
         Path(directory),
         (*PARTS, "casing") if is_flexible(dataset) else PARTS,
@@ -89,7 +84,7 @@ def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, 
             [(kind, np.vstack([cells + n * len(points) for n in range(copies)]))],
             {
                 "displacement": motion,
-                "radial_displacement": np.sum(_outward(flat) * motion, axis=1),
+                "radial_displacement": np.sum(unit(flat * [1.0, 1.0, 0.0]) * motion, axis=1),
                 "copy": np.repeat(np.arange(copies), len(points)),
             },
         ),
@@ -109,10 +104,3 @@ def _contact(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
         [("vertex", np.arange(len(angle))[:, None])],
         {"displacement": moved, "force": force, "blade": dataset["blade"].values},
     )
-
-
-def _outward(points: FloatArray) -> FloatArray:
-    """Return the radial unit vector of each point, (n, 3); zero on the axis."""
-    flat = points * [1.0, 1.0, 0.0]
-    radius = np.linalg.norm(flat, axis=1, keepdims=True)
-    return np.asarray(np.divide(flat, radius, out=np.zeros_like(flat), where=radius > 0.0))

@@ -2,24 +2,14 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
+from bladewhirl.postprocess.pictures.choices import Field, Frame
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import progress_bar
-
-FieldOfColour = Literal[
-    "displacement",
-    "deformation",
-    "velocity",
-    "axial-strain",
-    "bending-strain",
-    "stress",
-    "gap",
-    "part",
-]
 
 
 def render(
@@ -35,8 +25,8 @@ def render(
     end: options.End = None,
     time: Annotated[list[float] | None, options.time("--time")] = None,
     exaggeration: float | None = None,
-    frame: Literal["static", "rotating"] = "static",
-    colour: FieldOfColour = "displacement",
+    frame: Frame = "static",
+    colour: Field = "displacement",
     orbit: Annotated[bool, typer.Option("--orbit")] = False,
     overwrite: options.Replace = False,
 ) -> None:
@@ -65,9 +55,8 @@ def render(
         orbit: Show the shaft's orbit in an inset.
     """
     from bladewhirl.files import check_file
-    from bladewhirl.postprocess.fields.kinematics import sampling_hint
+    from bladewhirl.postprocess.fields.kinematics import nearest_records, sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.pictures.render import check_inside
     from bladewhirl.postprocess.superelement.picture import render_blades
     from bladewhirl.solvers.march.schema import NODES, tables_of
     from bladewhirl.studies.runs.render import render as draw_stage
@@ -85,6 +74,7 @@ def render(
             with writing(path):
                 check_file(path, overwrite=overwrite)
         of_nodes = tables_of(result.attrs) is NODES
+        nearest_records(result, times)  # refuses times outside the run
         draw: Callable[..., Path] = render_blades if of_nodes else draw_stage
         if of_nodes:
             if {"sheet", "html"} & set(targets):
@@ -95,8 +85,6 @@ def render(
                 raise UserError("--frame, --colour, --orbit: not allowed for a superelement")
         else:
             look |= {"frame": frame, "colour": colour, "orbit": orbit}
-            for instant in times:
-                check_inside(result, instant)
         for path, chosen in pictures:
             with progress_bar(path.name) as update, writing(path):
                 draw(result, path, **chosen, **look, progress=update)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -170,35 +170,18 @@ def export(
 
     folder = output or (directory if directory.is_dir() else directory.parent) / VTK
     with open_result(directory) as result:
-        if tables_of(result.attrs) is NODES:
+        look: dict[str, Any] = {"surface": surface, "exaggeration": exaggeration}
+        write: Callable[..., Path] = export_vtk
+        if nodes := tables_of(result.attrs) is NODES:
             if surface or exaggeration is not None:
                 raise UserError("--surface, --exaggeration: not allowed for a superelement")
-            with writing(folder):
-                index = export_points(
-                    result,
-                    folder,
-                    frames=frames,
-                    start=start,
-                    end=end,
-                    rotating=rotating,
-                    overwrite=overwrite,
-                )
-            typer.echo(f"Wrote {index}.")
-            return
+            look, write = {}, export_points
         records = series_records(result, frames, start, end)
+        look |= {"rotating": rotating, "overwrite": overwrite}
         with progress_bar(folder.name) as update, writing(folder):
-            index = export_vtk(
-                result,
-                folder,
-                records=records,
-                rotating=rotating,
-                surface=surface,
-                exaggeration=exaggeration,
-                overwrite=overwrite,
-                progress=update,
-            )
+            index = write(result, folder, records=records, progress=update, **look)
         first, last = result["time"].values[records[[0, -1]]]
-        hint = sampling_hint(result, records)
+        hint = None if nodes else sampling_hint(result, records)
     typer.echo(f"Wrote {index}: {len(records)} instants from {first:.6g} s to {last:.6g} s.")
     if hint:
         typer.echo(f"Hint: {hint}.", err=True)

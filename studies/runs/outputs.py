@@ -157,16 +157,13 @@ def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterat
     nodes = tables_of(result.attrs) is NODES
     if window.frames == 0 or (nodes and "point" not in result):
         return
-    instants: Any = {"frames": window.frames, "start": window.start, "end": window.end}
     try:
-        if nodes:
-            export_points(result, directory, rotating=window.rotating, **instants)
-            return
-        records = series_records(result, **instants)
+        records = series_records(result, window.frames, window.start, window.end)
     except ViewError as error:  # the run ended before the window
         yield f"no ParaView series: {error}"
         return
-    export_vtk(result, directory, records=records, rotating=window.rotating)
-    hint = sampling_hint(result, records)
+    write = export_points if nodes else export_vtk
+    write(result, directory, records=records, rotating=window.rotating)
+    hint = None if nodes else sampling_hint(result, records)
     if hint:
         yield f"{directory.name}: {hint} (--from, --to, --frames)"

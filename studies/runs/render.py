@@ -7,16 +7,13 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import writing
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from bladewhirl.postprocess.pictures.colouring import Field
-    from bladewhirl.postprocess.pictures.drawing import Frame
+    from bladewhirl.postprocess.pictures.choices import Field, Frame
 
 SHEET_PICTURES = 9
 """Default number of pictures of a sheet."""
@@ -82,9 +79,7 @@ def render(
         if kind == ".png" and not windowed and not isinstance(time, Sequence):
             return pictures.render_still(dataset, target, time=time, orbit=orbit, **look)
         if isinstance(time, Sequence):
-            for instant in time:
-                pictures.check_inside(dataset, instant)
-            records = nearest_records(dataset, np.array(time))
+            records = nearest_records(dataset, time)
         else:
             records = window_records(dataset, target, frames=frames, start=start, end=end)
         if kind == ".png":

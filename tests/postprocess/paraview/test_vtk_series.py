@@ -16,7 +16,8 @@ from bladewhirl.postprocess.fields.kinematics import Array, contact_forces
 from bladewhirl.postprocess.paraview import parts as vtk_parts
 from bladewhirl.postprocess.paraview import series as vtk_series
 from bladewhirl.postprocess.paraview.series import export_vtk
-from bladewhirl.postprocess.pictures.drawing import Drawing, Frame
+from bladewhirl.postprocess.pictures.choices import Frame
+from bladewhirl.postprocess.pictures.drawing import Drawing
 
 PARTS = ("rotor", "casing", "contact", "supports")
 

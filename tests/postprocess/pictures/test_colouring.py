@@ -8,7 +8,8 @@ import synthetic_result as synthetic
 import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
-from bladewhirl.postprocess.pictures.colouring import Colouring, Field, Stations, colouring
+from bladewhirl.postprocess.pictures.choices import Field
+from bladewhirl.postprocess.pictures.colouring import Colouring, Stations, colouring
 
 STATIONS = Stations(2, 9)
 RECORDS = np.array([0, 1])

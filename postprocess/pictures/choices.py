@@ -1,0 +1,16 @@
+"""Choices for pictures of a stage: field that colours beams and wall, frame of reference."""
+
+from typing import Literal
+
+Field = Literal[
+    "displacement",
+    "deformation",
+    "velocity",
+    "axial-strain",
+    "bending-strain",
+    "stress",
+    "gap",
+    "part",
+]
+
+Frame = Literal["static", "rotating"]
