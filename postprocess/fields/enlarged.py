@@ -18,6 +18,7 @@ drawn with the same factor, r + factor (u_r - d), so that the drawn gap remains 
 gap of the march.
 """
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -97,7 +98,9 @@ class EnlargedStage:
         clearance = kinematics.clearance_at(dataset, self.angle)
         largest_clearance = float(clearance.max() + np.max(recess, initial=0.0))
         self.factor = factor or round_factor(
-            self.tip_radius, largest_clearance, self.largest_displacement
+            self.tip_radius,
+            (DRAWN_CLEARANCE, largest_clearance),
+            (DRAWN_MOTION, self.largest_displacement),
         )
         self.inner_radius = self.tip_radius + self.factor * clearance
         self._change = kinematics.clearance_change(dataset, records, self.angle)
@@ -191,17 +194,16 @@ def magnify(points: Array, displacement: Array, shift: Array, factor: float) -> 
     return np.asarray(factor * shift + (radius + factor * radial)[:, None] * rotate(outward, swing))
 
 
-def round_factor(tip_radius: float, clearance: float, largest_displacement: float) -> float:
-    """Return the largest factor, 1, 2 or 5 times a power of ten, with which the drawn clearance is
-    at most a tenth of the tip radius and the drawn displacement at most a quarter; at least 1.
+def round_factor(size: float, *drawn: tuple[float, float]) -> float:
+    """Return the largest factor, 1, 2 or 5 times a power of ten, with which no drawn length is
+    larger than its share of a size; at least 1.
+
+    Args:
+        size: size of the picture [m].
+        drawn: share of the size, and true length [m], which can be zero.
     """
-    limits = [
-        share * tip_radius / length
-        for share, length in ((DRAWN_CLEARANCE, clearance), (DRAWN_MOTION, largest_displacement))
-        if length > 0
-    ]
-    limit = min(max(1.0, min(limits, default=1.0)), MOST)
-    return rounded_down(limit)
+    limits = [share * size / length for share, length in drawn if length > 0]
+    return rounded_down(min(max(1.0, min(limits, default=1.0)), MOST))
 
 
 def rounded_down(value: float) -> float:
@@ -209,6 +211,13 @@ def rounded_down(value: float) -> float:
     decade = 10.0 ** np.floor(np.log10(value))
     # Without the tolerance 1e-9 a rounding error could turn a limit of exactly 50 into 20.
     return float(decade * max(step for step in (1, 2, 5) if step * decade <= value * (1 + 1e-9)))
+
+
+def rounded_up(value: float, steps: Sequence[float] = (1, 2, 5, 10)) -> float:
+    """Return the least number of a step times a power of ten that is not below a value."""
+    decade = 10.0 ** np.floor(np.log10(value))
+    # With the tolerance a value of 1.2000000000000002, a rounded 1.2, gives 1.2.
+    return float(decade * min(step for step in steps if step * decade >= value * (1 - 1e-9)))
 
 
 def _polar(points: Array) -> tuple[Array, Array]:

@@ -18,6 +18,7 @@ from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.blades import line_blades
+from bladewhirl.postprocess.fields.enlarged import rounded_up
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
 from bladewhirl.postprocess.fields.strains import (
     Strains,
@@ -206,9 +207,4 @@ def _on_both_sides(values: Array) -> Array:
 def scale_end(largest: float) -> float:
     """Return a round end for a colour scale that begins at 0, at least `largest`; the quarters of
     the scale are numbers with few digits."""
-    if largest == 0:
-        return 1.0
-    decade = 10.0 ** np.floor(np.log10(largest))
-    steps = (1, 1.2, 1.6, 2, 2.4, 3.2, 4, 5, 6, 8, 10)
-    # With the tolerance a value of 1.2000000000000002, a rounded 1.2, gives the end 1.2.
-    return float(decade * min(step for step in steps if step * decade >= largest * (1 - 1e-9)))
+    return rounded_up(largest, (1, 1.2, 1.6, 2, 2.4, 3.2, 4, 5, 6, 8, 10)) if largest else 1.0

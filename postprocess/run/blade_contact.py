@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from bladewhirl.meshes.line_mesh import BoolArray
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields import windows
+from bladewhirl.postprocess.fields.enlarged import rounded_up
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.plotting.axes import decades, draw_map
@@ -237,10 +238,7 @@ def share_limit(*shares: xr.DataArray) -> float:
     """Return the share of the time in contact [%] that has the darkest colour: 100 or, if all
     shares are below `FEW_PERCENT`, the least of 1, 2, 5, 10, ... that no share exceeds."""
     largest = 100.0 * max(float(share.max()) for share in shares)
-    if not 0.0 < largest < FEW_PERCENT:
-        return 100.0
-    decade = 10.0 ** np.floor(np.log10(largest))
-    return float(next(step * decade for step in (1, 2, 5, 10) if largest <= step * decade))
+    return rounded_up(largest) if 0.0 < largest < FEW_PERCENT else 100.0
 
 
 def share_label(words: str, limit: float) -> str:

@@ -11,7 +11,7 @@ import xarray as xr
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.units import handy, handy_unit
-from bladewhirl.postprocess.fields.enlarged import rounded_down
+from bladewhirl.postprocess.fields.enlarged import round_factor
 from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, nearest_records
 from bladewhirl.postprocess.pictures.films import write_pictures
 from bladewhirl.postprocess.pictures.offscreen import Pixels, off_screen_plotter, pixels_of
@@ -111,8 +111,7 @@ def blade_view(
     furthest = largest
     if is_flexible(dataset):
         furthest = max(largest, float(np.abs(ring_displacement(dataset, records)).max()))
-    automatic = rounded_down(max(1.0, LARGE * size / furthest)) if furthest > 0.0 else 1.0
-    factor = exaggeration or automatic
+    factor = exaggeration or round_factor(size, (LARGE, furthest))
     strongest = float(np.abs(dataset["contact_force"].values[:, :, 0]).max())
     unit, scale = handy_unit(largest, "m")
     words = f", {'displacement and ' if largest > 0.0 else ''}clearance x {factor:g}"

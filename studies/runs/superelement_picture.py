@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
-from bladewhirl.postprocess.fields.enlarged import rounded_down
+from bladewhirl.postprocess.fields.enlarged import round_factor
 from bladewhirl.postprocess.fields.result import result_of
 from bladewhirl.postprocess.superelement.picture import render_blades
 from bladewhirl.solvers.march.schema import NODES
@@ -33,5 +33,5 @@ def draw_superelement(stage: SuperelementStage, path: Path) -> None:
     result = result_of(stage.arrays, histories, attributes(prepared, ""))
     points, clearance = stage.arrays.point, float(np.abs(stage.wall[:, 0]).max())
     size = float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
-    factor = rounded_down(max(1.0, CLEARANCE_SHARE * size / clearance)) if clearance > 0.0 else 1.0
+    factor = round_factor(size, (CLEARANCE_SHARE, clearance))
     render_blades(result, path, time=0.0, exaggeration=factor)

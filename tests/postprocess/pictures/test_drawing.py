@@ -179,7 +179,7 @@ def test_reach_contains_all_points() -> None:
     ],
 )
 def test_automatic_factor(clearance: float, largest: float, factor: float) -> None:
-    assert round_factor(0.5, clearance, largest) == factor
+    assert round_factor(0.5, (0.1, clearance), (0.25, largest)) == factor
 
 
 def test_arrows_end_on_the_tips_and_scale_with_the_force() -> None:
