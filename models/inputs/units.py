@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cache
 from numbers import Real
-from typing import TYPE_CHECKING, Final, Literal, SupportsFloat
+from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat
+
+from bladewhirl.models.inputs.errors import UserError
 
 if TYPE_CHECKING:
     import pint
@@ -141,6 +143,21 @@ class Speed:
     def multiple(self, reference: float) -> float:
         """Return the speed as a multiple of a ``reference`` frequency [rad/s]."""
         return self.value / reference if self.kind == RAD_PER_S else self.value
+
+
+def speed_of(value: Any, label: str) -> Speed:
+    """Convert a multiple of the reference frequency, or text such as "2500 rpm", to a speed.
+
+    Raises:
+        UserError: the value is not a speed; the message begins with the label.
+    """
+    try:
+        return Speed(value)
+    except ValueError as error:
+        raise UserError(
+            f"{label}: expected multiples of the reference frequency, or text in rpm, Hz or rad/s"
+            f" ({error})"
+        ) from None
 
 
 LARGEST = 1e30

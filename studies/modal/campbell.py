@@ -9,6 +9,7 @@ import xarray as xr
 from bladewhirl.files import claim_file
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError, writing
+from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes, names_of
 from bladewhirl.models.stage.stage import Stage
@@ -16,7 +17,7 @@ from bladewhirl.postprocess.modal.campbell import Frame, drawn_part, plot_campbe
 from bladewhirl.solvers.stability.coincidence import coincidences
 from bladewhirl.studies.modal.campbell_at_speed import dataset_at_speed, disk_waves, meetings
 from bladewhirl.studies.modal.columns import Column, quantity, rows_of
-from bladewhirl.studies.modal.modes import full_stage, speed_of
+from bladewhirl.studies.modal.modes import full_stage
 from bladewhirl.studies.runs.figures_folder import save_figures
 
 Interval = tuple[float | str, float | str]

@@ -6,8 +6,6 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.inputs.units import Speed
 from bladewhirl.models.modal.full_stage import LabelledWhirlModes, ModalStage, modal_stage
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import is_first_of_pair
@@ -53,21 +51,6 @@ def full_stage(case_or_stage: Case | Stage | ModalStage) -> ModalStage:
     if isinstance(case_or_stage, ModalStage):
         return case_or_stage
     return modal_stage(case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case)
-
-
-def speed_of(value: Any, label: str) -> Speed:
-    """Convert a multiple of the reference frequency, or text such as "2500 rpm", to a speed.
-
-    Raises:
-        UserError: the value is not a speed; the message begins with the label.
-    """
-    try:
-        return Speed(value)
-    except ValueError as error:
-        raise UserError(
-            f"{label}: expected multiples of the reference frequency, or text in rpm, Hz or rad/s"
-            f" ({error})"
-        ) from None
 
 
 def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:

@@ -11,11 +11,11 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import ALL
+from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.stage.engine_order import complex_factors, unit_forces
 from bladewhirl.models.stage.stage import Stage, build_stage, rotor_at
 from bladewhirl.postprocess.modal.response import amplitude, by_nodal_diameter
 from bladewhirl.studies.modal.columns import Column, quantity
-from bladewhirl.studies.modal.modes import speed_of
 
 PEAKS = (
     Column("order", "engine order", "d"),

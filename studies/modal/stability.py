@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.motion import radial_shapes, shown_clearance
@@ -23,7 +24,7 @@ from bladewhirl.solvers.stability.growth import Progress, is_unstable
 from bladewhirl.solvers.stability.scenario import motion_scenario
 from bladewhirl.studies.modal.columns import quantity
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System, couple
-from bladewhirl.studies.modal.modes import full_stage, speed_of
+from bladewhirl.studies.modal.modes import full_stage
 from bladewhirl.studies.modal.stability_chart import GROWTH, MULTIPLES, STIFFNESS, stability_chart
 
 SPEEDS, KAPPAS = np.linspace(0.6, 3.0, 600), np.linspace(0.0, 1000.0, 300)

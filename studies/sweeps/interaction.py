@@ -10,7 +10,7 @@ import xarray as xr
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.inputs.units import Speed
+from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 from bladewhirl.postprocess.superelement.interaction import point_of_map
@@ -97,13 +97,7 @@ def interaction_map(
 
 
 def _omega(speed: float | str, reference: float) -> float:
-    try:
-        omega = Speed(speed).rad_per_s(reference)
-    except ValueError as error:
-        raise UserError(
-            "speeds: expected multiples of the lowest natural frequency, or text in rpm, Hz or"
-            f" rad/s ({error})"
-        ) from None
+    omega = speed_of(speed, "speeds").rad_per_s(reference)
     if omega == 0.0:
         raise UserError("speeds: expected speeds other than 0")
     return omega
