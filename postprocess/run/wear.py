@@ -13,6 +13,7 @@ from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.coating import Coating
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError, table_of_result
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.plotting.axes import draw_map
 from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
@@ -138,12 +139,12 @@ def plot_wear_map(data: xr.Dataset) -> Figure:
     figure = new_figure(height=0.06)
     axes = figure.subplots()
     turns = abs(float(data.attrs["speed"])) / (2 * np.pi)
-    picture = axes.pcolormesh(
+    picture = draw_map(
+        axes,
         (turns or 1.0) * data["wear_time"].values,
         np.degrees(data["angle"].values),
         1e3 * data["recess"].values.T,
         cmap="magma_r",
-        rasterized=True,
         shading="nearest",
     )
     axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=(0, 360))

@@ -5,9 +5,8 @@ from pathlib import Path
 import xarray as xr
 
 from bladewhirl.models.stage.coating import axial_tracks
-from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.run.wear import write_columns
+from bladewhirl.postprocess.run.wear import coating_of, write_columns
 from bladewhirl.postprocess.superelement.motion import check_superelement
 
 
@@ -27,9 +26,7 @@ def node_wear(result: xr.Dataset) -> xr.Dataset:
         ViewError: the wall has no coating.
     """
     check_superelement(result)
-    if "coating_strain" not in result:
-        raise ViewError("this run has no casing.coating, so nothing can be worn")
-    recess = float(result.attrs["coating_thickness"]) * result["coating_strain"].values[-1]
+    recess = coating_of(result).thickness * result["coating_strain"].values[-1]
     axial, _ = axial_tracks(result["contact_axial"].values, result["contact_radius"].values)
     return labelled(
         result,
