@@ -21,11 +21,10 @@ from matplotlib.figure import Figure
 from pictures import DOCS, EXAMPLES, bladewhirl, keep
 
 import bladewhirl as bw
-from bladewhirl.postprocess.plotting.axes import draw_map
+from bladewhirl.postprocess.plotting.axes import cell_edges, draw_map
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, INCH, styled
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.sweep.frequency_map import LINES, frequency_map
-from bladewhirl.postprocess.sweep.quantities import cell_edges
 
 CASES = {"casing_distortion": ("casing distortion", 1.5), "imbalance": ("imbalance", 3.0)}
 """Title in figures and duration of the marches [s] of each case file."""

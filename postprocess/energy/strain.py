@@ -14,7 +14,7 @@ from bladewhirl.postprocess.fields import windows
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
-from bladewhirl.postprocess.plotting.axes import decades, draw_map
+from bladewhirl.postprocess.plotting.axes import draw_decades
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
@@ -206,18 +206,16 @@ def plot_family_energies(energies: xr.Dataset) -> Figure:
     by_both = late["energy"].mean("time")
     diameters, families = energies["nodal_diameter"].values, energies["family"].values
     columns, rows = np.arange(len(diameters)), np.arange(len(families))
-    top = float(by_diameter.max()) or 1.0
-    norm = decades(top, PLOT_DECADES)
+    scale = float(by_diameter.max()) or 1.0, PLOT_DECADES
     figure = new_figure(height=0.1)
     upper, lower = figure.subplots(2, 1)
     edges = np.concatenate([[energies.attrs["begin"]], energies["time"].values])
-    place = np.arange(len(diameters) + 1) - 0.5
     positive = [np.ma.masked_less_equal(e.values, 0.0) for e in (by_diameter, by_both)]
-    drawn = draw_map(upper, edges, place, positive[0].T, norm=norm)
+    drawn = draw_decades(upper, edges, columns, positive[0].T, scale)
     upper.set_ylabel("nodal diameter k")
     upper.set_yticks(columns[::2], labels=[str(k) for k in diameters[::2]])
     time_axis(upper)
-    draw_map(lower, columns, rows, positive[1], norm=norm)
+    draw_decades(lower, columns, rows, positive[1], scale)
     lower.set(xlabel="nodal diameter k", title=f"by family, mean over {windows.window_label(late)}")
     lower.set_xticks(columns, labels=[str(k) for k in diameters])
     lower.set_yticks(rows, labels=list(families))

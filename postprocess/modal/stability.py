@@ -63,8 +63,7 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
     unstable = is_unstable(growth, speed * data.attrs["reference_frequency"])
     shown = np.ma.masked_array(growth, ~unstable)
     colours = Normalize(0.0, float(growth[unstable].max()) if unstable.any() else 1.0)
-    look = {"norm": colours, "cmap": GROWTH_COLOURS, "shading": "nearest"}
-    mesh = panels.draw_map(axes, speed, kappa, shown, **look)
+    mesh = panels.draw_map(axes, speed, kappa, shown, norm=colours, cmap=GROWTH_COLOURS)
     if unstable.any():
         figure.colorbar(mesh, ax=axes, label="growth rate [1/s]; white is stable", pad=0.02)
     else:

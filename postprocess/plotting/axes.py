@@ -51,7 +51,15 @@ def frequency_axis(axes: Axes, reference_hz: float, label: str = FREQUENCY) -> N
     axes.secondary_yaxis("right", functions=functions).set_ylabel("frequency [Hz]")
 
 
-def draw_map(axes: Axes, x: ArrayLike, y: ArrayLike, values: ArrayLike, **look: Any) -> QuadMesh:
+def draw_map(
+    axes: Axes,
+    x: ArrayLike,
+    y: ArrayLike,
+    values: ArrayLike,
+    *,
+    label: str = "",
+    **look: Any,
+) -> QuadMesh:
     """Draw values (row, column) as coloured cells without grid lines; in a PDF the cells are a
     raster image.
 
@@ -59,15 +67,47 @@ def draw_map(axes: Axes, x: ArrayLike, y: ArrayLike, values: ArrayLike, **look: 
         axes: the panel.
         x, y: borders, or middles, of the columns and of the rows.
         values: values shown as colours; masked values and nan are left out.
+        label: label of a colour bar beside the panel; none if empty.
         look: arguments of `pcolormesh`.
     """
     axes.grid(False)
-    return axes.pcolormesh(x, y, values, rasterized=True, **{"cmap": SEQUENTIAL, **look})
+    x, y = (
+        cell_edges(np.asarray(places), logarithmic=False) if np.size(places) == cells else places
+        for places, cells in zip((x, y), np.shape(values)[::-1], strict=True)
+    )
+    mesh = axes.pcolormesh(x, y, values, rasterized=True, **{"cmap": SEQUENTIAL, **look})
+    if label:
+        axes.figure.colorbar(mesh, ax=axes, label=label)
+    return mesh
 
 
-def decades(top: float, number: float) -> LogNorm:
-    """Return a logarithmic scale of colours over `number` decades below the largest value `top`."""
-    return LogNorm(top * 10**-number, top)
+def draw_decades(
+    axes: Axes,
+    x: ArrayLike,
+    y: ArrayLike,
+    values: ArrayLike,
+    scale: tuple[float, float],
+    **look: Any,
+) -> QuadMesh:
+    """Draw a map, see `draw_map`, with logarithmic colours. `scale` is the largest value and the
+    number of decades below it that colours distinguish; smaller values have the lowest colour."""
+    top, number = scale
+    low = top * 10**-number
+    return draw_map(axes, x, y, np.maximum(values, low), norm=LogNorm(low, top), **look)
+
+
+def cell_edges(values: FloatArray, *, logarithmic: bool) -> FloatArray:
+    """Return the borders of cells around ascending values, (values + 1,): the arithmetic or, if
+    `logarithmic`, the geometric means of neighbours. The cell of a single value has unit width on
+    the linear or logarithmic scale."""
+    places = np.log(values) if logarithmic else np.asarray(values, dtype=np.float64)
+    if len(places) == 1:
+        edges = places[0] + np.array([-0.5, 0.5])
+    else:
+        middle = 0.5 * (places[1:] + places[:-1])
+        first, last = 2 * places[0] - middle[0], 2 * places[-1] - middle[-1]
+        edges = np.concatenate([[first], middle, [last]])
+    return np.asarray(np.exp(edges) if logarithmic else edges)
 
 
 def spaced(name: str) -> str:

@@ -13,9 +13,8 @@ from bladewhirl.postprocess.reports.provenance import Provenance, case_section, 
 from bladewhirl.postprocess.reports.sweep_explorer import frequency_explorer, points_explorer
 from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, key_heading
 from bladewhirl.postprocess.shaft.orbits import MILLI
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_label
 from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, SCREENED, swept, swept_keys
-from bladewhirl.postprocess.sweep.drawing import line_label
+from bladewhirl.postprocess.sweep.drawing import in_handy_units, key_label, line_label
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.probability import probability

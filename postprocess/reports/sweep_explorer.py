@@ -8,14 +8,20 @@ import xarray as xr
 
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY, rate_text
 from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.plotting.axes import cell_edges
 from bladewhirl.postprocess.reports.interactive import COLOUR_SCALE, buttons, colour_bar, plot
 from bladewhirl.postprocess.reports.page import Explorer
 from bladewhirl.postprocess.shaft.orbits import MILLI
-from bladewhirl.postprocess.sweep.axes import in_handy_units, is_wide, key_label
 from bladewhirl.postprocess.sweep.dataset import POINT
-from bladewhirl.postprocess.sweep.drawing import REGIME_COLOURS, line_label
+from bladewhirl.postprocess.sweep.drawing import (
+    REGIME_COLOURS,
+    in_handy_units,
+    is_wide,
+    key_label,
+    line_label,
+)
 from bladewhirl.postprocess.sweep.frequency_map import DECADES, LINES
-from bladewhirl.postprocess.sweep.quantities import LINE, cell_edges, table_keys
+from bladewhirl.postprocess.sweep.quantities import LINE, table_keys
 
 MOST_ROWS, MOST_COLUMNS = 500, 500
 """Largest number of frequencies and largest number of points in a map. If a spectrum has more,

@@ -16,7 +16,7 @@ from bladewhirl.postprocess.fields import windows
 from bladewhirl.postprocess.fields.enlarged import rounded_up
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.plotting.axes import decades, draw_map
+from bladewhirl.postprocess.plotting.axes import draw_decades, draw_map
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
@@ -153,10 +153,10 @@ def plot_gaps(maps: xr.Dataset) -> Figure:
     unit, scale = handy_unit(float(maps["gap"].max()), "m")
     gap = np.maximum(scale * maps["gap"].values.T, 0.0)
     pale = LinearSegmentedColormap.from_list("gaps", GAP_COLOURS)
-    picture = draw_map(axes, maps["edge"], _blade_edges(maps), gap, vmin=0.0, cmap=pale)
+    picture = draw_map(axes, maps["edge"], maps["blade"], gap, vmin=0.0, cmap=pale)
     if maps["share"].any():
         limit = share_limit(maps["share"])
-        touching = draw_share(axes, maps["edge"], _blade_edges(maps), maps["share"], limit)
+        touching = draw_share(axes, maps["edge"], maps["blade"], maps["share"], limit)
         label = share_label("time in contact [%]", limit)
         figure.colorbar(touching, ax=axes, label=label, pad=0.02)
     figure.colorbar(picture, ax=axes, label=f"smallest gap [{unit}]", pad=0.02)
@@ -177,8 +177,8 @@ def plot_forces(maps: xr.Dataset) -> Figure:
     small, larger = handy_unit(span, "s")
     length = f"{larger * span:.2g} {small}"
     positive = np.ma.masked_less_equal(scale * force.T, 0.0)
-    norm = decades(scale * top, FORCE_DECADES)
-    picture = draw_map(axes, maps["edge"], _blade_edges(maps), positive, norm=norm, cmap=CONTACT)
+    levels = scale * top, FORCE_DECADES
+    picture = draw_decades(axes, maps["edge"], maps["blade"], positive, levels, cmap=CONTACT)
     figure.colorbar(picture, ax=axes, label=f"normal force [{unit}], white: none", extend="min")
     axes.set_xlim(*contact_span(maps["edge"].values, np.any(force > 0.0, axis=1)))
     time_axis(axes)
@@ -272,7 +272,3 @@ def _map_axes() -> tuple[Figure, Axes]:
     axes.set_ylabel("blade")
     axes.locator_params(axis="y", integer=True)
     return figure, axes
-
-
-def _blade_edges(maps: xr.Dataset) -> Array:
-    return np.arange(maps.sizes["blade"] + 1, dtype=np.float64) - 0.5

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import ABOUT
 from bladewhirl.postprocess.fields.windows import evenly_spaced, span_starts
-from bladewhirl.postprocess.plotting.axes import Labels, decades, draw_map
+from bladewhirl.postprocess.plotting.axes import Labels, draw_decades, draw_map
 from bladewhirl.postprocess.plotting.legends import entries_of
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -291,11 +291,9 @@ def plot_sensor_orders(orders: xr.Dataset) -> Figure:
     figure, panels = _panels(orders, 0.045)
     for axes, (name, scale, label) in panels.items():
         amplitude = scale * orders[name].values
-        top = float(amplitude.max()) or 1.0
-        shown, norm = np.maximum(amplitude, top * 10**-DECADES), decades(top, DECADES)
         order, time = (orders[f"{name}_{along}"] for along in ("order", "time"))
-        picture = draw_map(axes, time, order, shown, norm=norm, shading="nearest")
-        figure.colorbar(picture, ax=axes, label=label)
+        levels = float(amplitude.max()) or 1.0, DECADES
+        draw_decades(axes, time, order, amplitude, levels, label=label)
         axes.set_ylabel("engine order")
     time_axis(*panels)
     return figure
@@ -316,10 +314,9 @@ def plot_all_blades(blades: xr.Dataset) -> Figure:
         if signed:
             look |= {"vmin": -reach, "cmap": "RdBu_r"}
         number, blade = blades[f"{name}_turn"].values, blades["blade"].values
-        masked = np.ma.masked_invalid(moved)
-        picture = draw_map(over_turns, number, blade, masked, shading="nearest", **look)
         word = "deflection" if signed else "half of the range"
-        figure.colorbar(picture, ax=over_turns, label=f"{word} [{unit}]")
+        masked = np.ma.masked_invalid(moved)
+        draw_map(over_turns, number, blade, masked, label=f"{word} [{unit}]", **look)
         over_turns.set(ylabel="blade")
         over_turns.set_title(name, loc="left")
         low, high = (scale * blades[f"{name}_{end}"].values for end in ("low", "high"))

@@ -139,20 +139,14 @@ def plot_wear_map(data: xr.Dataset) -> Figure:
     figure = new_figure(height=0.06)
     axes = figure.subplots()
     turns = abs(float(data.attrs["speed"])) / (2 * np.pi)
-    picture = draw_map(
-        axes,
-        (turns or 1.0) * data["wear_time"].values,
-        np.degrees(data["angle"].values),
-        1e3 * data["recess"].values.T,
-        cmap="magma_r",
-        shading="nearest",
-    )
+    time, angle = (turns or 1.0) * data["wear_time"].values, np.degrees(data["angle"].values)
+    depth, label = 1e3 * data["recess"].values.T, "removed depth [mm]"
+    draw_map(axes, time, angle, depth, cmap="magma_r", label=label)
     axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=(0, 360))
     if turns:
         axes.set_xlabel("revolutions of the rotor")
     else:
         time_axis(axes)
-    figure.colorbar(picture, ax=axes, label="removed depth [mm]")
     head(figure, data)
     return figure
 

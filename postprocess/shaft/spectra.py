@@ -20,7 +20,7 @@ from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import evenly_spaced, window_label
-from bladewhirl.postprocess.plotting.axes import decades, draw_map
+from bladewhirl.postprocess.plotting.axes import draw_decades
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
@@ -247,16 +247,14 @@ def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     axes = figure.add_subplot()
     amplitude = MILLI * spectrogram["amplitude"].values
     top = amplitude.max() or 1.0
-    hertz, norm = _hertz(spectrogram["frequency"].values), decades(top, DECADES)
-    shown = np.maximum(amplitude, top * 10**-DECADES)
-    picture = draw_map(axes, spectrogram["time"], hertz, shown, norm=norm, shading="nearest")
+    hertz, scale = _hertz(spectrogram["frequency"].values), (top, DECADES)
+    draw_decades(axes, spectrogram["time"], hertz, amplitude, scale, label="amplitude [mm]")
     time_axis(axes)
     _draw_lines(axes, spectrogram["modal_line"], partial(axes.axhline, xmin=0.0, xmax=0.15))
     axes.set_ylabel("frequency [Hz]\n← backward  forward →")
     about = f"slices of {1e3 * spectrogram.attrs['slice']:.3g} ms, {_resolution(spectrogram)}"
     axes.set_xlabel(f"{axes.get_xlabel()}\n{about}")
     head(figure, spectrogram, f"{spectrogram.attrs['frame']} frame")
-    figure.colorbar(picture, ax=axes, label="amplitude [mm]")
     figure.legend(loc="outside lower center", ncols=2, handlelength=2.6)
     return figure
 

@@ -1,5 +1,7 @@
 """Figures of a run of a superelement, by name, see `plotting.registry`."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -42,11 +44,10 @@ def plot_contact_nodes(data: xr.Dataset) -> Figure:
     if len(blades) > 1:
         above.legend(loc="upper left", ncols=3)
     above.set_ylabel(f"normal force\nof a blade [{unit}]")
-    nodes = np.arange(force.shape[1] + 1) - 0.5
-    drawn = draw_map(below, _time_edges(time), nodes, scale * force.T)
+    label = f"normal force [{unit}]"
+    draw_map(below, _time_edges(time), np.arange(force.shape[1]), scale * force.T, label=label)
     for first in np.flatnonzero(np.diff(number)) + 1:
         below.axhline(float(first) - 0.5, color="white", linewidth=0.4)
-    figure.colorbar(drawn, ax=below, label=f"normal force [{unit}]")
     below.set_ylabel("contact node" if len(blades) == 1 else "contact node, blade by blade")
     below.yaxis.set_major_locator(MaxNLocator(8, integer=True))
     time_axis(above, below)
@@ -97,8 +98,8 @@ def plot_node_wear(data: xr.Dataset) -> Figure:
     middles = 0.5 * (axial[1:] + axial[:-1])
     edges = scale * np.concatenate([axial[:1] - half, middles, axial[-1:] + half])
     degrees = np.linspace(0.0, 360.0, recess.shape[1] + 1)
-    drawn = draw_map(above, degrees, edges, depth_scale * recess, cmap="magma_r")
-    figure.colorbar(drawn, ax=above, label=f"removed depth [{depth_unit}]")
+    label = f"removed depth [{depth_unit}]"
+    draw_map(above, degrees, edges, depth_scale * recess, cmap="magma_r", label=label)
     above.set(xticks=np.arange(0, 361, 45), xlabel="angle on the wall, static frame [°]")
     above.set_ylabel(f"axial position [{unit}]")
     below.plot(data["time"], 1e9 * data["wear_volume"])
@@ -122,10 +123,10 @@ def plot_ring(data: xr.Dataset) -> Figure:
     largest = float(np.abs(radial).max())
     unit, scale = handy_unit(largest, "m")
     degrees = np.degrees(data["casing_angle"].values)
-    edges = np.append(degrees, 360.0) - 0.5 * degrees[1]
-    limits = {"vmin": -scale * largest, "vmax": scale * largest} if largest > 0.0 else {}
-    drawn = draw_map(above, _time_edges(time), edges, scale * radial.T, cmap="RdBu_r", **limits)
-    figure.colorbar(drawn, ax=above, label=f"radial\ndisplacement [{unit}]")
+    look: dict[str, Any] = {"cmap": "RdBu_r", "label": f"radial\ndisplacement [{unit}]"}
+    if largest > 0.0:
+        look |= {"vmin": -scale * largest, "vmax": scale * largest}
+    draw_map(above, _time_edges(time), degrees, scale * radial.T, **look)
     above.set_ylabel("angle, static frame [°]")
     above.set_yticks(np.arange(0, 361, 90))
     energy, diameter = data["energy"].values, data["nodal_diameter"].values

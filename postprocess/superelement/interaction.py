@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
-from bladewhirl.postprocess.plotting.axes import decades, draw_map
+from bladewhirl.postprocess.plotting.axes import draw_decades
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.postprocess.superelement.motion import DIRECTIONS
@@ -79,8 +79,8 @@ def plot_interaction(data: xr.Dataset) -> Figure:
         lines = np.arange(amplitude.shape[1] + 1) - 0.5
         rows = spacing[:, None] * lines
         columns = np.broadcast_to(edges[:, None], rows.shape)
-        norm = decades(float(amplitude.max()), 3)
-        mesh = draw_map(spectra, columns, rows, amplitude, norm=norm, shading="flat")
+        levels = float(amplitude.max()), 3.0
+        mesh = draw_decades(spectra, columns, rows, amplitude, levels)
         figure.colorbar(mesh, ax=spectra, label=f"tangential amplitude [{unit}]", aspect=15)
     top = ORDERS * np.abs(rpm).max() / 60.0
     for order_number in range(1, ORDERS + 1):

@@ -1,5 +1,7 @@
 """Figures of sweeps of a superelement: contact, displacement and spectra against a swept key."""
 
+from functools import partial
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -8,19 +10,17 @@ from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import ViewError
-from bladewhirl.postprocess.plotting.axes import decades, draw_map
-from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges, rpm_on_top
+from bladewhirl.postprocess.plotting.axes import cell_edges, draw_decades
+from bladewhirl.postprocess.plotting.style import styled
 from bladewhirl.postprocess.sweep.dataset import DIRECTION
 from bladewhirl.postprocess.sweep.drawing import (
-    MOST_ROWS,
-    chosen,
-    line_values,
+    in_handy_units,
+    key_edges,
     plot_quantities,
-    title_figure,
+    plot_rows,
 )
-from bladewhirl.postprocess.sweep.frequency_map import OUTLINE
-from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges, need_a_grid
+from bladewhirl.postprocess.sweep.frequency_map import OUTLINE, spectra_height
+from bladewhirl.postprocess.sweep.quantities import along, need_a_grid
 
 DECADES = 3
 """Number of decades below the largest amplitude in a map."""
@@ -99,29 +99,26 @@ def node_spectra(dataset: xr.Dataset, key: str) -> xr.Dataset:
 def plot_node_spectra(data: xr.Dataset) -> Figure:
     """Draw the amplitude against the swept key and the frequency from `node_spectra`; dotted lines
     are engine orders, dashed lines natural frequencies."""
-    data = in_handy_units(data)
-    unit, scale = handy_unit(float(data["spectrum"].max().fillna(0.0)), "m")
-    shown, titles = chosen(data.sizes[LINE], MOST_ROWS), line_values(data)
-    figure = new_figure(width=FULL_WIDTH, height=0.1 if len(shown) == 1 else 0.065 * len(shown))
-    panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
-    top = scale * float(data["spectrum"].max().fillna(0.0)) or 1.0
-    for number, axes in zip(shown, panels, strict=True):
-        picture = _draw_spectra(axes, data.isel({LINE: number}), scale, top)
-        axes.set_title(titles[number], loc="left")
-    key_axis(panels[-1], data, share=0.9)
-    rpm_on_top(data, panels[0])
-    figure.colorbar(picture, ax=list(panels), label=f"tangential amplitude [{unit}]", pad=0.01)
-    figure.supylabel(f"frequency [{data['frequency'].attrs['units']}]", fontsize="medium")
-    title_figure(figure, data, most=MOST_ROWS)
-    return figure
+    largest = float(data["spectrum"].max().fillna(0.0))
+    unit, scale = handy_unit(largest, "m")
+    units = in_handy_units(data)["frequency"].attrs["units"]
+    draw = partial(_draw_spectra, scale=scale, top=scale * largest or 1.0)
+    return plot_rows(
+        data,
+        [draw],
+        label=f"tangential amplitude [{unit}]",
+        height=spectra_height,
+        left=f"frequency [{units}]",
+        pad=0.01,
+    )
 
 
 def _draw_spectra(axes: Axes, one: xr.Dataset, scale: float, top: float) -> QuadMesh:
-    heights = cell_edges(one["frequency"].values, logarithmic=False)
-    amplitude = np.maximum(scale * one["spectrum"].values.T, top * 10.0**-DECADES)
-    picture = draw_map(axes, key_edges(one), heights, amplitude, norm=decades(top, DECADES))
-    axes.set_ylim(0.0, float(heights[-1]))
     place = one[str(one.attrs["along"])].values
+    heights = cell_edges(one["frequency"].values, logarithmic=False)
+    amplitude = scale * one["spectrum"].values.T
+    picture = draw_decades(axes, key_edges(one), heights, amplitude, (top, DECADES))
+    axes.set_ylim(0.0, float(heights[-1]))
     hertz = 1e-3 if one["frequency"].attrs["units"] == "kHz" else 1.0
     turning = hertz * np.abs(one["rotation_speed"].values) / (2.0 * np.pi)
     for order in ORDERS:

@@ -1,29 +1,39 @@
-"""Shared parts of the figures of sweeps: styles and names of lines, colours of regimes, titles.
+"""Shared parts of the figures of sweeps: axes of swept keys, styles and names of lines, colours of
+regimes, titles.
 
 A line belongs to one combination of values of the swept keys that are not on an axis.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import matplotlib
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.plotting.legends import Group, legends_below
+from bladewhirl.postprocess.plotting.axes import SPEED, cell_edges, rpm_axis
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure
 from bladewhirl.postprocess.plotting.titles import set_title
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_words, rpm_on_top
 from bladewhirl.postprocess.sweep.dataset import POINT
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
 
 MOST_LINES = 8  #: largest number of lines in a figure; more lines cannot be distinguished
 MOST_ROWS = 4  #: largest number of lines in a figure with a row of panels for each line
 KEY_PARTS = 2  #: a key is named by this number of its last parts: casing.clearance
+
+#: the axis is logarithmic if the largest value of a key is at least this many times the smallest
+WIDE_RANGE = 50.0
+MOST_TICKS = 12
+"""Largest number of ticks at swept values on an axis as wide as a page. If there are more than
+twice as many values, matplotlib chooses the ticks."""
 
 REGIME_COLOURS: Mapping[str, str] = {
     "no-contact": COLOURS["rest"],
@@ -48,6 +58,98 @@ DASHES: Sequence[Any] = (
 )
 MARKS = ("o", "s", "D", "^", "v", "P", "X", "h")
 MARK_SIZE = 3.5  #: [points]
+
+
+def in_handy_units(data: xr.Dataset) -> xr.Dataset:
+    """Convert the values of swept keys to convenient units, and speeds to multiples of the
+    reference frequency.
+
+    Args:
+        data: Dataset with swept keys in SI units, as coordinates with a `long_name`, and the
+            attribute `reference_hz` if all points have the same reference frequency.
+    """
+    handy = {}
+    reference = 2 * np.pi * float(data.attrs.get("reference_hz", np.nan))
+    for name, values in data.coords.items():
+        if values.attrs.get("units") == "rad/s" and np.isfinite(reference):
+            ratio = values.values / reference
+            handy[str(name)] = (values.dims, ratio, {**values.attrs, "units": "1"})
+        elif "long_name" in values.attrs and values.dtype.kind == "f" and values.size:
+            size = float(np.abs(values.values).max())
+            unit, scale = handy_unit(size, str(values.attrs.get("units", "1")))
+            rounded = np.round(scale * values.values, 12)  # 0.1 mm, not 0.10000000000000002
+            handy[str(name)] = (values.dims, rounded, {**values.attrs, "units": unit})
+    return data.assign_coords(handy)
+
+
+def key_axis(
+    axes: Axes, data: xr.Dataset, *, of_y: bool = False, key: str = "", share: float = 1.0
+) -> None:
+    """Set label, limits, scale and ticks of an axis for a swept key; few values get a tick each.
+
+    The axis is logarithmic if the range of the values is wide, see `is_wide`.
+
+    Args:
+        axes: the panel.
+        data: Dataset with the key.
+        of_y: true for the vertical axis, false for the horizontal axis.
+        key: name of the key; the key of the horizontal axis by default.
+        share: width of the axis, relative to the width of a page.
+    """
+    values = data[key or str(data.attrs["along"])]
+    place, way = values.values, "y" if of_y else "x"
+    axes.set(
+        **{
+            f"{way}scale": "log" if is_wide(place) else "linear",
+            f"{way}label": key_label(values),
+            f"{way}lim": edges_of(place)[[0, -1]],
+        }
+    )
+    most = max(2, int(MOST_TICKS * share))
+    if len(place) <= 2 * most:
+        axis = axes.yaxis if of_y else axes.xaxis
+        axis.set_major_locator(FixedLocator(place.tolist(), nbins=most))
+        axis.set_minor_locator(NullLocator())
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}"))
+
+
+def rpm_on_top(data: xr.Dataset, *panels: Axes) -> None:
+    """Add an axis in rpm on top of the uppermost panels of a figure if their abscissa is the speed.
+    The drawn `data` are from `in_handy_units`."""
+    key = data[str(data.attrs["along"])]
+    if key_label(key) == SPEED and "reference_hz" in data.attrs:
+        for axes in panels:
+            rpm_axis(axes, float(data.attrs["reference_hz"]))
+
+
+def key_edges(one: xr.Dataset) -> Array:
+    """Return the borders of cells around the values of the horizontal key, (values + 1,)."""
+    return edges_of(one[str(one.attrs["along"])].values)
+
+
+def edges_of(place: Array) -> Array:
+    """Return the borders of cells around ascending values, (values + 1,), midway between the values
+    on a linear or, for a wide range, on a logarithmic scale."""
+    return cell_edges(place, logarithmic=is_wide(place))
+
+
+def is_wide(values: Array) -> bool:
+    """Return true if the values are positive and their range is wide: use a logarithmic axis."""
+    return bool(np.min(values) > 0 and np.max(values) >= WIDE_RANGE * np.min(values))
+
+
+def key_words(name: str) -> str:
+    """Return the name of a key as words: "march speed" for march.speed."""
+    return name.replace(".", " ").replace("_", " ")
+
+
+def key_label(values: xr.DataArray) -> str:
+    """Return the label of a swept key with its unit."""
+    name, units = str(values.attrs["long_name"]), str(values.attrs["units"])
+    if name == "march.speed" and units == "1":
+        return SPEED
+    words = key_words(name)
+    return words if units == "1" else f"{words} [{units}]"
 
 
 class Line(NamedTuple):
@@ -113,6 +215,51 @@ def label_figure(figure: Figure, data: xr.Dataset, *groups: Group) -> None:
     rpm_on_top(data, figure.axes[0])
     title_figure(figure, data)
     legends_below(figure, *groups)
+
+
+def plot_rows(
+    data: xr.Dataset,
+    columns: Sequence[Callable[[Axes, xr.Dataset], QuadMesh | None]],
+    *,
+    label: str,
+    height: Callable[[int], float] = lambda rows: 0.02 + 0.05 * rows,
+    left: str = "",
+    pad: float = 0.02,
+    lines: int = 0,
+) -> Figure:
+    """Draw a row of panels for each of up to `MOST_ROWS` lines: a map with a colour bar and, in two
+    columns, a plot.
+
+    Args:
+        data: Dataset over (line, key).
+        columns: functions that draw a line in a panel, one or two; that of the map returns a mesh.
+        label: label of the colour bar.
+        height: function that returns the height of the figure [m] for a number of rows.
+        left: common label of the vertical axes.
+        pad: distance of the colour bar from its panels, relative to the width of the panels.
+        lines: number of lines of the sweep; the number of lines in `data` by default.
+    """
+    data = in_handy_units(data)
+    shown, titles = chosen(data.sizes[LINE], MOST_ROWS), line_values(data)
+    figure = new_figure(width=FULL_WIDTH, height=height(len(shown)))
+    figure.set_layout_engine("constrained", wspace=0.08)
+    panels = figure.subplots(len(shown), len(columns), sharex=True, sharey="col", squeeze=False)
+    for number, row in zip(shown, panels, strict=True):
+        row[0].set_title(titles[number], loc="left")
+        drawn = [
+            draw(axes, data.isel({LINE: number})) for axes, draw in zip(row, columns, strict=True)
+        ]
+    for axes in panels[-1]:
+        key_axis(axes, data, share=0.9 if len(columns) == 1 else 0.5)
+    rpm_on_top(data, *panels[0])
+    for mesh, column in zip(drawn, panels.T, strict=True):
+        if mesh is not None:
+            figure.colorbar(mesh, ax=column.tolist(), label=label, pad=pad)
+    if left:
+        figure.supylabel(left, fontsize="medium")
+    title_figure(figure, data, most=MOST_ROWS, lines=lines)
+    legends_below(figure, Group(entries_of(*panels.flat)))
+    return figure
 
 
 def stacked(

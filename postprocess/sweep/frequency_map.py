@@ -1,6 +1,7 @@
 """Frequency map of a sweep: spectrum of the shaft against a swept key (the paper's Figs 15, 19)."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,14 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.plotting.axes import decades, draw_map, spaced
-from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.axes import cell_edges, draw_decades, spaced
+from bladewhirl.postprocess.plotting.style import COLOURS, styled
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.spectra import LINE_DASHES
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges, rpm_on_top
-from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, line_values, title_figure
-from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges, need_a_grid
+from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, key_edges, plot_rows
+from bladewhirl.postprocess.sweep.quantities import LINE, along, need_a_grid
 
 #: largest number of columns of a map; if there are more points, neighbours share a column
 MOST_COLUMNS = 1000
@@ -127,23 +126,22 @@ def plot_frequency_map(maps: xr.Dataset) -> Figure:
     """Draw maps from `frequency_map`: the amplitude against the swept key and the frequency, which
     is positive for forward motion. Dotted lines are engine orders, dashed lines are modes. Points
     without a result are left white."""
-    maps = in_handy_units(maps)
-    amplitude = MILLI * maps["amplitude"].values
-    top = np.nanmax(amplitude, initial=0.0) or 1.0
-    count, titles = maps.sizes[LINE], line_values(maps)
-    figure = new_figure(width=FULL_WIDTH, height=0.1 if count == 1 else 0.065 * count)
-    panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
-    for number, axes in enumerate(panels):
-        picture = _draw_map(axes, maps.isel({LINE: number}), top)
-        axes.set_title(titles[number], loc="left")
-    key_axis(panels[-1], maps, share=0.9)
-    rpm_on_top(maps, panels[0])
-    figure.colorbar(picture, ax=list(panels), label="amplitude of the shaft [mm]", pad=0.01)
+    top = np.nanmax(MILLI * maps["amplitude"].values, initial=0.0) or 1.0
     unit = "/ ω₁ [–]" if maps["frequency"].attrs["units"] == "1" else "[Hz]"
-    figure.supylabel(f"frequency {unit}, forward positive", fontsize="medium")
-    title_figure(figure, maps, most=MOST_ROWS, lines=int(maps.attrs["lines"]))
-    legends_below(figure, Group(entries_of(*panels)))
-    return figure
+    return plot_rows(
+        maps,
+        [partial(_draw_map, top=top)],
+        label="amplitude of the shaft [mm]",
+        height=spectra_height,
+        left=f"frequency {unit}, forward positive",
+        pad=0.01,
+        lines=int(maps.attrs["lines"]),
+    )
+
+
+def spectra_height(rows: int) -> float:
+    """Return the height of a figure with a number of maps one above another [m]."""
+    return 0.1 if rows == 1 else 0.065 * rows
 
 
 def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
@@ -151,8 +149,8 @@ def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
     key = str(one.attrs["along"])
     edges = key_edges(one)
     heights = cell_edges(one["frequency"].values, logarithmic=False)
-    amplitude = np.maximum(MILLI * one["amplitude"].values, top * 10**-DECADES).T
-    picture = draw_map(axes, edges, heights, amplitude, norm=decades(top, DECADES))
+    amplitude = MILLI * one["amplitude"].values.T
+    picture = draw_decades(axes, edges, heights, amplitude, (top, DECADES))
     limit = float(np.abs(heights).max())
     axes.set(xlim=edges[[0, -1]], ylim=(-limit, limit))
     # Points without a result are skipped, so that they do not interrupt the lines.

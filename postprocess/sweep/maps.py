@@ -17,16 +17,8 @@ from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.plotting import style
 from bladewhirl.postprocess.plotting.axes import SPEED
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
-from bladewhirl.postprocess.sweep.axes import (
-    edges_of,
-    in_handy_units,
-    key_axis,
-    key_label,
-    linear_threshold,
-    rpm_on_top,
-)
+from bladewhirl.postprocess.sweep import drawing
 from bladewhirl.postprocess.sweep.dataset import swept
-from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, line_values, title_figure
 from bladewhirl.postprocess.sweep.quantities import (
     LINE,
     as_lines,
@@ -38,6 +30,7 @@ from bladewhirl.postprocess.sweep.regimes import (
     HATCH,
     NOT_JUDGED,
     draw_regimes,
+    linear_threshold,
     regime_entries,
     regime_names,
 )
@@ -88,8 +81,8 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     Growth rates within `CERTAINTY` standard errors of zero are crossed out. If the growth rate
     cannot be judged at any point, the map of growth rates is left out.
     """
-    maps = in_handy_units(maps)
-    shown, titles = chosen(maps.sizes[LINE], MOST_ROWS), line_values(maps)
+    maps = drawing.in_handy_units(maps)
+    shown, titles = drawing.chosen(maps.sizes[LINE], drawing.MOST_ROWS), drawing.line_values(maps)
     along, across = str(maps.attrs["along"]), str(maps.attrs["across"])
     largest = maps[str(maps.attrs["largest"])]
     unit, scale = handy_unit(float(largest.max().fillna(0.0)), "m")
@@ -117,11 +110,11 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
         if len(pictures) > 1:
             crossed = np.ma.masked_where(~doubtful[number], growth[number])
             _draw_cells(row[2], maps, crossed, cmap=ListedColormap(["white"]), **CROSSED)
-        key_axis(row[0], maps, of_y=True, key=across, share=0.5)
+        drawing.key_axis(row[0], maps, of_y=True, key=across, share=0.5)
     for axes in rows[-1]:
-        key_axis(axes, maps, share=1.3 / columns)
-    rpm_on_top(maps, *rows[0])
-    of_speed = key_label(maps[along]) == SPEED
+        drawing.key_axis(axes, maps, share=1.3 / columns)
+    drawing.rpm_on_top(maps, *rows[0])
+    of_speed = drawing.key_label(maps[along]) == SPEED
     for column, (_, label, _, _) in enumerate(pictures):
         figure.colorbar(
             drawn[column],
@@ -131,7 +124,7 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
             aspect=30,
             pad=0.02 + (0.14 / len(shown) if of_speed else 0.0),  # above the axis in rpm
         )
-    title_figure(figure, maps, most=MOST_ROWS)
+    drawing.title_figure(figure, maps, most=drawing.MOST_ROWS)
     entries = regime_entries(regime_names(maps))
     if doubtful[shown].any():
         entries.append((Patch(facecolor="white", **CROSSED), DOUBTFUL))
@@ -143,7 +136,7 @@ def _draw_cells(axes: Axes, maps: xr.Dataset, values: Array, **look: Any) -> Col
     """Draw values (rows, columns); cells without a result are hatched."""
     axes.grid(False)
     axes.patch.set(hatch=HATCH, edgecolor=style.COLOURS["rest"])
-    x, y = (edges_of(maps[str(maps.attrs[name])].values) for name in ("along", "across"))
+    x, y = (drawing.edges_of(maps[str(maps.attrs[name])].values) for name in ("along", "across"))
     return axes.pcolor(x, y, values, **look)
 
 

@@ -7,12 +7,12 @@ from matplotlib.figure import Figure
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.legends import Group, entries_of
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.sweep.axes import in_handy_units
 from bladewhirl.postprocess.sweep.dataset import DRAW
 from bladewhirl.postprocess.sweep.drawing import (
     MARK_SIZE,
     REGIME_COLOURS,
     REGIME_MARKS,
+    in_handy_units,
     label_figure,
     lines_of,
 )

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, swept, swept_keys
 from bladewhirl.solvers.march.schema import NODES, SWEEP_FORMAT, tables_of
 
@@ -230,20 +230,6 @@ def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
     return data.assign(section_radius=radius).assign_attrs(
         title="bifurcation diagram: the shaft in the last third of each march"
     )
-
-
-def cell_edges(values: Array, *, logarithmic: bool) -> Array:
-    """Return the borders of cells around ascending values, (values + 1,): the arithmetic or, if
-    `logarithmic`, the geometric means of neighbours. The cell of a single value has unit width on
-    the linear or logarithmic scale."""
-    places = np.log(values) if logarithmic else np.asarray(values, dtype=np.float64)
-    if len(places) == 1:
-        edges = places[0] + np.array([-0.5, 0.5])
-    else:
-        middle = 0.5 * (places[1:] + places[:-1])
-        first, last = 2 * places[0] - middle[0], 2 * places[-1] - middle[-1]
-        edges = np.concatenate([[first], middle, [last]])
-    return np.asarray(np.exp(edges) if logarithmic else edges)
 
 
 _MOVING = ["late_radius", "smallest_clearance"]

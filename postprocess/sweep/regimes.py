@@ -17,7 +17,6 @@ from bladewhirl.postprocess.plotting.axes import draw_map
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.sweep import drawing
-from bladewhirl.postprocess.sweep.axes import edges_of, in_handy_units, linear_threshold
 
 NOT_JUDGED = "The marches are too short to judge growth; sustained means contact up to the end."
 
@@ -36,7 +35,7 @@ def plot_regimes(data: xr.Dataset) -> Figure:
 
     Error bars show `CERTAINTY` standard errors. Points without a result are hatched.
     """
-    data, judged = in_handy_units(data), bool(np.isfinite(data["growth_rate"].values).any())
+    data, judged = drawing.in_handy_units(data), bool(np.isfinite(data["growth_rate"].values).any())
     lines = drawing.lines_of(data)
     strips = 0.005 * len(lines) + 0.005
     groups = [Group(regime_entries(regime_names(data)), "" if judged else NOT_JUDGED)]
@@ -77,8 +76,8 @@ def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
     axes.patch.set(hatch=HATCH, edgecolor=COLOURS["rest"])
     draw_map(
         axes,
-        edges_of(x),
-        edges_of(y),
+        drawing.edges_of(x),
+        drawing.edges_of(y),
         np.ma.masked_less(codes, 0),
         cmap=ListedColormap(list(drawing.REGIME_COLOURS.values())),
         vmin=-0.5,
@@ -86,7 +85,9 @@ def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
     )
     if (regime == LEFT_OUT).any():
         white = np.ma.masked_equal(regime != LEFT_OUT, True)
-        draw_map(axes, edges_of(x), edges_of(y), white, cmap=ListedColormap(["white"]))
+        draw_map(
+            axes, drawing.edges_of(x), drawing.edges_of(y), white, cmap=ListedColormap(["white"])
+        )
     if max(regime.shape) > MOST_MARKED:
         return
     for name, mark in drawing.REGIME_MARKS.items():
@@ -112,6 +113,19 @@ def regime_entries(regime: Names) -> list[tuple[Patch | tuple[Patch, Line2D], st
         hatched = Patch(fc="white", ec=COLOURS["rest"], hatch=HATCH)
         entries.append((hatched, f"no result: {rest}"))
     return entries
+
+
+def linear_threshold(rate: Array, error: Array) -> float | None:
+    """Return the power of ten [1/s] up to which an axis of growth rates is linear, and logarithmic
+    above; None if the entire axis is linear.
+
+    The returned rate exceeds the medians of rates and uncertainties, so that noise is in the linear
+    part of the axis. `rate` contains growth rates [1/s], NaN for points without a growth rate, and
+    `error` the standard error of each rate [1/s].
+    """
+    usual = max(np.nanmedian(np.abs(rate)), CERTAINTY * np.nanmedian(error), 1e-12)
+    threshold = float(10.0 ** np.ceil(np.log10(usual)))
+    return threshold if np.nanmax(np.abs(rate)) > threshold else None
 
 
 def _draw_strips(axes: Axes, lines: list[drawing.Line]) -> None:

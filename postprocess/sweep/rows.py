@@ -3,7 +3,6 @@
 A line is one combination of values of the swept keys that are not on the horizontal axis.
 """
 
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -14,53 +13,15 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.energy import strain
-from bladewhirl.postprocess.plotting.axes import decades, draw_map
-from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.axes import draw_decades, draw_map
+from bladewhirl.postprocess.plotting.style import COLOURS, styled
 from bladewhirl.postprocess.run import blade_contact
 from bladewhirl.postprocess.sweep import drawing
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges, rpm_on_top
 from bladewhirl.postprocess.sweep.dataset import GROUP
-from bladewhirl.postprocess.sweep.quantities import LINE, along
+from bladewhirl.postprocess.sweep.quantities import along
 from bladewhirl.postprocess.sweep.regimes import HATCH
 
 DIAMETER = "nodal_diameter"
-
-
-def two_columns(
-    data: xr.Dataset,
-    draw_map_of: Callable[[Axes, xr.Dataset], QuadMesh],
-    plot: Callable[[Axes, xr.Dataset], None],
-    *,
-    coloured: int,
-    label: str,
-) -> Figure:
-    """Draw a row of two panels for each line: a map with a colour scale, and a plot with a legend.
-
-    Args:
-        data: Dataset over (line, key).
-        draw_map_of: function that draws the map of a line and returns its mesh.
-        plot: function that draws the plot of a line.
-        coloured: column of the maps, 0 for left or 1 for right.
-        label: label of the colour scale.
-    """
-    data = in_handy_units(data)
-    titles, shown = drawing.line_values(data), drawing.chosen(data.sizes[LINE], drawing.MOST_ROWS)
-    figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(shown))
-    figure.set_layout_engine("constrained", wspace=0.08)
-    rows = figure.subplots(len(shown), 2, sharex=True, sharey="col", squeeze=False)
-    for number, row in zip(shown, rows, strict=True):
-        one = data.isel({LINE: number})
-        plot(row[1 - coloured], one)
-        picture = draw_map_of(row[coloured], one)
-        row[0].set_title(titles[number], loc="left")
-    for axes in rows[-1]:
-        key_axis(axes, data, share=0.5)
-    figure.colorbar(picture, ax=rows[:, coloured].tolist(), label=label, pad=0.02)
-    rpm_on_top(data, *rows[0])
-    drawing.title_figure(figure, data, most=drawing.MOST_ROWS)
-    legends_below(figure, Group(entries_of(rows[0, 1 - coloured])))
-    return figure
 
 
 def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
@@ -95,12 +56,11 @@ def plot_blade_contacts(data: xr.Dataset) -> Figure:
     limit = blade_contact.share_limit(data["late_contact_share"])
     label = blade_contact.share_label("time in contact [%], white: none", limit)
     shares = partial(_draw_shares, limit=limit)
-    return two_columns(data, shares, _draw_counts, coloured=0, label=label)
+    return drawing.plot_rows(data, [shares, _draw_counts], label=label)
 
 
 def _draw_shares(axes: Axes, one: xr.Dataset, limit: float) -> QuadMesh:
-    edges = key_edges(one)
-    blades = np.arange(one.sizes["blade"] + 1) - 0.5
+    edges, blades = drawing.key_edges(one), np.arange(one.sizes["blade"])
     axes.set(ylabel="blade, by its number")
     axes.locator_params(axis="y", integer=True)
     free = np.ma.masked_not_equal(one["late_contact_share"].values.T, 0.0)
@@ -113,7 +73,7 @@ def _draw_shares(axes: Axes, one: xr.Dataset, limit: float) -> QuadMesh:
 def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
     """Draw stacked bars: how many blades are in each contact class at each point. A point without
     a result has no bar."""
-    edges = key_edges(one)
+    edges = drawing.key_edges(one)
     below = np.zeros(len(edges) - 1)
     for name, colour in blade_contact.CLASS_COLOURS.items():
         count = one[name].fillna(0.0).values
@@ -173,7 +133,7 @@ def plot_point_energies(data: xr.Dataset) -> Figure:
     the first family by nodal diameter, from `point_energies`."""
     top = float(data["total"].max()) or 1.0
     diameters, lines = partial(_draw_diameters, top=top), partial(_draw_lines, top=top)
-    return two_columns(data, diameters, lines, coloured=1, label=f"{strain.FIRST_FAMILY} [J]")
+    return drawing.plot_rows(data, [lines, diameters], label=f"{strain.FIRST_FAMILY} [J]")
 
 
 def _draw_lines(axes: Axes, one: xr.Dataset, top: float) -> None:
@@ -196,9 +156,7 @@ def _draw_lines(axes: Axes, one: xr.Dataset, top: float) -> None:
 
 
 def _draw_diameters(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
-    diameters = one[DIAMETER].values
     axes.set(ylabel="nodal diameter k")
     axes.locator_params(axis="y", integer=True)
-    rows = np.append(diameters, len(diameters)) - 0.5
-    energy = np.maximum(one["first_family"].values.T, top * 10**-strain.PLOT_DECADES)
-    return draw_map(axes, key_edges(one), rows, energy, norm=decades(top, strain.PLOT_DECADES))
+    energy, scale = one["first_family"].values.T, (top, strain.PLOT_DECADES)
+    return draw_decades(axes, drawing.key_edges(one), one[DIAMETER].values, energy, scale)

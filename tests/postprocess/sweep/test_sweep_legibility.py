@@ -12,9 +12,8 @@ from matplotlib.collections import PolyQuadMesh
 from synthetic_sweep import synthetic_sweep
 
 from bladewhirl.postprocess.plotting.style import new_figure
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
 from bladewhirl.postprocess.sweep.dataset import open_sweep
-from bladewhirl.postprocess.sweep.drawing import lines_of
+from bladewhirl.postprocess.sweep.drawing import in_handy_units, key_axis, lines_of
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map, plot_frequency_map
 from bladewhirl.postprocess.sweep.maps import DOUBTFUL, plot_sweep_maps, sweep_maps
