@@ -184,9 +184,10 @@ def family_energies(
     )
 
 
-def mean_energies(energies: xr.Dataset) -> xr.Dataset:
-    """Compute mean energies from `family_energies` over up to `SPANS` equal spans of time; `time`
-    becomes the end of each span. Up to `SPANS` records are not averaged."""
+def mean_energies(result: xr.Dataset) -> xr.Dataset:
+    """Compute the means of `family_energies` over up to `SPANS` equal spans of time; `time` is the
+    end of each span. Up to `SPANS` records are not averaged."""
+    energies = family_energies(result)
     time = energies["time"].values
     starts = windows.span_starts(time, SPANS)
     means = windows.span_means(energies["energy"].values, starts)

@@ -36,7 +36,8 @@ class Figures:
             raise ViewError(f"figure {name!r}: expected one of {', '.join(self.kinds)}")
         kind = self.kinds[name]
         if ":" in kind.data:
-            data = resolve_name(f"{POSTPROCESS}.{kind.data}")(*self._source)
+            source = [getattr(self, argument) for argument in kind.arguments] or self._source
+            data = resolve_name(f"{POSTPROCESS}.{kind.data}")(*source, **kind.options)
         else:
             data = getattr(self, kind.data)
             data = data(**kind.options) if callable(data) else data

@@ -6,9 +6,10 @@ figure. The entry only names the functions, so this module imports nothing but t
 """
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
+from typing import Any
 
 BEAMS, SUPERELEMENT = "beams", "superelement"
 """Kinds of models."""
@@ -27,7 +28,8 @@ class FigureKind:
     wide: bool = False  #: true for the width of the page of a report, false for half of it
     data: str  #: "module:function" that computes the dataset, or an attribute of `RunFigures`
     plot: str  #: "module:function" in postprocess that draws the dataset
-    options: Mapping[str, str] = field(default_factory=dict)  #: keyword arguments of `data`
+    arguments: Sequence[str] = ()  #: attributes of `RunFigures`: arguments of the function `data`
+    options: Mapping[str, Any] = field(default_factory=dict)  #: keyword arguments of `data`
 
     @property
     def caption(self) -> str:

@@ -2,8 +2,6 @@
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
@@ -83,10 +81,11 @@ def casing_contact(
     )
 
 
-def with_last_turns(contact: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
-    """Return the contact from `casing_contact` with the contact in the last revolutions of the same
-    result added: `last_share` (last_time, last_sector), with the limits `last_time_edge` and
-    `last_angle_edge`. Nothing is added for a short run."""
+def all_and_last_turns(result: xr.Dataset) -> xr.Dataset:
+    """Return the contact from `casing_contact` with the contact in the last revolutions added:
+    `last_share` (last_time, last_sector), with the limits `last_time_edge` and `last_angle_edge`.
+    Nothing is added for a short run."""
+    contact = casing_contact(result)
     end = float(contact["time_edge"][-1])
     speed = abs(float(contact.attrs["speed"]))
     begin, last_drawn = _limits(contact)
@@ -100,7 +99,7 @@ def with_last_turns(contact: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
 @styled
 def plot_casing_contact(contact: xr.Dataset) -> Figure:
     """Draw the share of the time in contact by casing angle and revolution, from
-    `with_last_turns`.
+    `all_and_last_turns`.
 
     The figure of a long run has a second panel with the last revolutions. If contact is brief, the
     upper panel only shows the time of contact.
@@ -110,13 +109,17 @@ def plot_casing_contact(contact: xr.Dataset) -> Figure:
     panels = figure.subplots(1 + both, squeeze=False)[:, 0]
     parts = ("", "last_")[: len(panels)]
     limit = share_limit(*(contact[f"{which}share"] for which in parts))
+    turns = abs(float(contact.attrs["speed"])) / (2 * np.pi)  # revolutions per second
     for axes, which in zip(panels, parts, strict=True):
-        picture = _draw(axes, contact, which, limit)
-    turning = float(contact.attrs["speed"]) != 0
-    words = "passes in contact [%]" if turning else "time in contact [%]"
+        across = (turns or 1.0) * contact[f"{which}time_edge"]
+        angle = np.degrees(contact[f"{which}angle_edge"].values)
+        picture = draw_share(axes, across, angle, contact[f"{which}share"], limit)
+        axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=angle[[0, -1]])
+        axes.set_xlabel("revolutions of the rotor")
+    words = "passes in contact [%]" if turns else "time in contact [%]"
     figure.colorbar(picture, ax=[*panels], label=share_label(words, limit))
-    panels[0].set_xlim(*((_turns_each(contact) or 1.0) * limit for limit in _limits(contact)))
-    if not turning:
+    panels[0].set_xlim(*((turns or 1.0) * limit for limit in _limits(contact)))
+    if not turns:
         time_axis(panels[0])
     head(figure, contact)
     return figure
@@ -125,21 +128,3 @@ def plot_casing_contact(contact: xr.Dataset) -> Figure:
 def _limits(contact: xr.Dataset) -> tuple[float, float]:
     """Return the limits of the time axis of the upper panel [s], see `contact_span`."""
     return contact_span(contact["time_edge"].values, (contact["share"] > 0).any("sector").values)
-
-
-def _draw(axes: Axes, contact: xr.Dataset, which: str, limit: float) -> QuadMesh:
-    """Draw a panel: the complete time if `which` is "", the last revolutions if it is "last_".
-    The share `limit` [%] has the darkest colour."""
-    turns_each = _turns_each(contact)
-    across = (turns_each or 1.0) * contact[f"{which}time_edge"]
-    angle = np.degrees(contact[f"{which}angle_edge"].values)
-    picture = draw_share(axes, across, angle, contact[f"{which}share"], limit)
-    axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=angle[[0, -1]])
-    if turns_each:
-        axes.set_xlabel("revolutions of the rotor")
-    return picture
-
-
-def _turns_each(contact: xr.Dataset) -> float:
-    """Return the number of revolutions of the rotor per second."""
-    return abs(float(contact.attrs["speed"])) / (2 * np.pi)

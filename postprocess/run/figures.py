@@ -5,27 +5,23 @@ from functools import cached_property
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.energy.growth import amplitude_growth
-from bladewhirl.postprocess.energy.strain import family_energies, mean_energies, strain_energies
+from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.windows import late_part, select_window, window_label
 from bladewhirl.postprocess.plotting.figures import Figures
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.run.blade_contact import contact_classes, contact_maps
-from bladewhirl.postprocess.run.casing_contact import casing_contact, with_last_turns
 from bladewhirl.postprocess.run.contact_side import contact_phase
-from bladewhirl.postprocess.run.sensor_figures import all_blades, sensor_orders, sensor_spectra
+from bladewhirl.postprocess.run.sensor_figures import sensor_spectra
 from bladewhirl.postprocess.run.sensors import sensors_of, signals
 from bladewhirl.postprocess.run.stresses import stress_history
 from bladewhirl.postprocess.shaft import spectra
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
-from bladewhirl.postprocess.shaft.poincare import state_space
 from bladewhirl.postprocess.shaft.transforms import Frame
 from bladewhirl.postprocess.shaft.whirl_history import PERIODS, whirl_history
 
 FEWEST_SPANS = 4  #: smallest number of time spans in the figure of the whirl over time
 AT_REST = {"gaps"}  #: names of figures that are also available for a stage at rest
-FORCE_COLUMNS = 200  #: number of time intervals of the force map; an interval is as wide as a line
 
 
 class RunFigures(Figures):
@@ -82,25 +78,10 @@ class RunFigures(Figures):
             spectra.shaft_spectrogram(self.orbit, frame), spectra.modal_lines(self.result, frame)
         )
 
-    @property
-    def states(self) -> xr.Dataset:
-        """State space and Poincaré map of the shaft."""
-        return state_space(self.orbit)
-
     @cached_property
     def energies(self) -> xr.Dataset:
         """Strain energy over time by groups of modes."""
         return strain_energies(self.result)
-
-    @property
-    def families(self) -> xr.Dataset:
-        """Strain energy over time by family and nodal diameter, averaged over time intervals."""
-        return mean_energies(family_energies(self.result))
-
-    @property
-    def growth(self) -> xr.Dataset:
-        """Amplitude and its growth rate."""
-        return amplitude_growth(self.result, self.energies)
 
     @cached_property
     def stresses(self) -> xr.Dataset:
@@ -113,26 +94,15 @@ class RunFigures(Figures):
         return contact_maps(self.result)
 
     @property
-    def forces(self) -> xr.Dataset:
-        """Mean contact forces of all blades in at most `FORCE_COLUMNS` time intervals, fewer than
-        in `contact`."""
-        return contact_maps(self._with_contact, FORCE_COLUMNS)
-
-    @property
-    def casing_contact(self) -> xr.Dataset:
-        """Contact by angle of the casing, in all revolutions and in the last ones."""
-        return with_last_turns(casing_contact(self._with_contact), self.result)
-
-    @property
     def classes(self) -> xr.Dataset:
         """Contact classes of the blades in the last third or the time window."""
-        return contact_classes(self._late(self._with_contact))
+        return contact_classes(self._late(self.with_contact))
 
     @property
     def phases(self) -> xr.Dataset:
         """Directions of shaft and contact, and the scenario in the last third or time window."""
         since = float(self._late(self.result)["time"][0])
-        return contact_phase(self._with_contact, self.orbit, since=since)
+        return contact_phase(self.with_contact, self.orbit, since=since)
 
     @cached_property
     def sensors(self) -> xr.Dataset:
@@ -145,21 +115,12 @@ class RunFigures(Figures):
         late = self._late(self.result)
         return sensor_spectra(signals(late, sensors_of(late)), self.result)
 
-    @property
-    def sensor_orders(self) -> xr.Dataset:
-        """Amplitudes of the signals against engine order and time."""
-        return sensor_orders(self.sensors, self.result)
-
-    @property
-    def all_blades(self) -> xr.Dataset:
-        """Vibration of all blades in each revolution."""
-        return all_blades(self.sensors)
-
     def _late(self, dataset: xr.Dataset) -> xr.Dataset:
         return late_part(dataset) if self._is_run else dataset
 
     @property
-    def _with_contact(self) -> xr.Dataset:
+    def with_contact(self) -> xr.Dataset:
+        """The result, if a blade tip touches the casing."""
         if not self.result["contact_steps"].isel(time=slice(1, None)).any():
             window = window_label(self.result)
             raise ViewError(f"no blade tip touches the casing in the time window from {window}")

@@ -16,9 +16,9 @@ from bladewhirl.postprocess.run.blade_contact import (
     share_limit,
 )
 from bladewhirl.postprocess.run.casing_contact import (
+    all_and_last_turns,
     casing_contact,
     plot_casing_contact,
-    with_last_turns,
 )
 from bladewhirl.postprocess.run.contact_side import contact_phase, plot_contact_phase
 from bladewhirl.postprocess.run.figures import RunFigures
@@ -192,7 +192,7 @@ def test_at_rest_a_blade_rubs_its_own_sector() -> None:
 
 def test_the_last_revolutions_of_a_long_run_are_drawn_apart() -> None:
     long = synthetic.synthetic_result(speed=200.0, records=601)  # 19 revolutions
-    contact = with_last_turns(casing_contact(long), long)
+    contact = all_and_last_turns(long)
     turned = 200.0 * np.ptp(contact["last_time_edge"].values) / (2 * np.pi)
     assert turned == pytest.approx(8.0, abs=0.05)
     assert len(plot_casing_contact(contact).axes) == 3

@@ -48,7 +48,7 @@ def test_a_spectrum_has_the_amplitude_and_the_frequency_of_a_vibration(result: x
 
 
 def test_order_tracking_is_over_the_speed(result: xr.Dataset) -> None:
-    orders = RunFigures(result).sensor_orders["gauge"]
+    orders = RunFigures(result).draw("order-tracking")[1]["gauge"]
     strongest = orders["gauge_order"].values[orders.values.argmax(axis=0)]
     np.testing.assert_allclose(strongest, 75.0 / synthetic.SPEED, atol=0.1)
     with pytest.raises(bw.ViewError, match="a rotor that turns"):
@@ -57,7 +57,7 @@ def test_order_tracking_is_over_the_speed(result: xr.Dataset) -> None:
 
 def test_all_blades_vibrate_as_their_wave(result: xr.Dataset) -> None:
     """The wave has the same amplitude on every blade; it is nearly a whole turn in a revolution."""
-    blades = RunFigures(result).all_blades
+    _, blades = RunFigures(result).draw("all-blades")
     length = synthetic.TIP_RADIUS - synthetic.DISK_RADIUS
     amplitude = 0.005 * 3.0 * 0.6 / length**2 * 0.3e-3
     assert blades["gauge"].shape == (22, 25)
