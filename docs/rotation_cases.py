@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from pictures import DOCS, EXAMPLES, bladewhirl, keep
 
 import bladewhirl as bw
-from bladewhirl.postprocess.plotting.axes import cell_edges, draw_map
+from bladewhirl.postprocess.plotting.axes import draw_map
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, INCH, styled
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.sweep.frequency_map import LINES, frequency_map
@@ -151,9 +151,8 @@ def plot_maps(sweeps: dict[tuple[str, str], xr.Dataset]) -> Figure:
 
 def _map(axes: Axes, one: xr.Dataset) -> Any:
     speed, frequency = one["march_speed"].values, one["frequency"].values
-    borders = (cell_edges(values, logarithmic=False) for values in (speed, frequency))
     amplitude = np.maximum(1e3 * one["amplitude"].values, FLOOR).T
-    picture = draw_map(axes, *borders, amplitude, norm=LogNorm(FLOOR, TOP))
+    picture = draw_map(axes, speed, frequency, amplitude, norm=LogNorm(FLOOR, TOP))
     for name, (colour, dashes, _) in LINES.items():
         for way in ("backward", "forward"):
             line = one["mode_line"].sel(mode=name, direction=way)

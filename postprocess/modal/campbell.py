@@ -11,9 +11,8 @@ from matplotlib.figure import Figure
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.postprocess.plotting.axes import AROUND, Labels, frequency_axis, speed_axis
-from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
+from bladewhirl.postprocess.plotting.legends import complete
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.plotting.titles import set_title
 
 Frame = Literal["rotating", "static"]
 
@@ -163,9 +162,8 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     _mark_coincidences(axes, data, meets, shown)
     speed_axis(axes, reference)
     frequency_axis(axes, reference, f"frequency / ω₁, {frame} frame [–]")
-    set_title(figure, data.attrs["case"], f"Campbell diagram, {frame} frame")
     note = f"{np.count_nonzero(shown)} of {count} coincidences at these speeds are shown."
-    legends_below(figure, Group(entries_of(axes), note))
+    complete(figure, data, f"Campbell diagram, {frame} frame", note)
     labels = Labels(axes)
     labels.keep_free(data["normalised_speed"].values[shown], meets[shown])
     for k, speed, frequency in zip(

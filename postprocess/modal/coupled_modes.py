@@ -14,8 +14,8 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.modal.scenarios import broken
 from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon
 from bladewhirl.postprocess.plotting import style
-from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
-from bladewhirl.postprocess.plotting.titles import set_title, speed_label
+from bladewhirl.postprocess.plotting.legends import complete
+from bladewhirl.postprocess.plotting.titles import speed_label
 
 MILLI = 1e3
 
@@ -45,8 +45,7 @@ def plot_phases(data: xr.Dataset) -> Figure:
     for axes in panels:
         axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), xlim=(time[0], time[-1]))
     panels[-1].set_xlabel("time [ms]")
-    _title(figure, "Phases of a growing coupled mode", data)
-    legends_below(figure, Group(entries_of(panels[0])))
+    complete(figure, data, f"Phases of a growing coupled mode\n{_at_speed(data)}")
     return figure
 
 
@@ -78,15 +77,15 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
         axes.set_axis_off()
         axes.set_title(f"{MILLI * picture.time:.4g} ms")
     figure.colorbar(shown, ax=panels, label="displacement [mm]", shrink=0.7)
-    _title(figure, "Growing coupled mode, exaggerated; static frame, rotation ↺", dataset)
-    legends_below(figure, Group(entries_of(panels[0])))
+    words = "Growing coupled mode, exaggerated; static frame, rotation ↺"
+    complete(figure, dataset, f"{words}\n{_at_speed(dataset)}")
     return figure
 
 
-def _title(figure: Figure, shown: str, data: xr.Dataset) -> None:
-    """Set the title of a figure: the case, the quantity, the speed and the coupling stiffness."""
+def _at_speed(data: xr.Dataset) -> str:
+    """Return the speed and the coupling stiffness as text for the title."""
     kappa = f", κ = {handy(data.attrs['kappa'], 'N/m', 4)}" if "kappa" in data.attrs else ""
-    set_title(figure, data.attrs.get("case", ""), f"{shown}\n{speed_label(data)}{kappa}")
+    return f"{speed_label(data)}{kappa}"
 
 
 def _draw_ribbon(axes: Axes, ribbon: Ribbon, norm: Normalize) -> PolyCollection:

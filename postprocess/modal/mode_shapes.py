@@ -12,7 +12,7 @@ from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.enlarged import magnify
 from bladewhirl.postprocess.fields.kinematics import casing_rows, line_rows, ring_angles, tip_rows
-from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
+from bladewhirl.postprocess.plotting.legends import complete
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     FULL_WIDTH,
@@ -20,7 +20,6 @@ from bladewhirl.postprocess.plotting.style import (
     new_figure,
     styled,
 )
-from bladewhirl.postprocess.plotting.titles import set_title
 
 DRAWN = 0.2  #: largest displacement in a picture, divided by the radius
 BEAM_PIECES = 8  #: largest number of straight pieces by which the Hermite curve of a beam is drawn
@@ -181,9 +180,8 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
         ticks=[0.0, 0.5, 1.0],
     )
     names = {"bladed-disk": "the bladed disk, rotating frame", "casing": "the casing"}
-    set_title(figure, data.attrs["case"], f"Modes of {names[body]}; {TURNS}")
     note = "Exaggerated. Centre: % of the largest displacement. k: % of the kinetic energy."
-    legends_below(figure, Group(entries_of(panels[0]), note))
+    complete(figure, data, f"Modes of {names[body]}; {TURNS}", note)
     return figure
 
 
@@ -210,9 +208,7 @@ def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
     frame = "rotating frame" if body == "bladed-disk" else "static frame"
     hertz = _frequency(data, float(data[f"{prefix}_frequency"].values[0]))
     name = str(data.attrs["title"])
-    title = f"{name[:1].upper()}{name[1:]}, {hertz}, {frame}; {TURNS}"
-    set_title(figure, data.attrs["case"], title)
-    legends_below(figure, Group(entries_of(panels[0])))
+    complete(figure, data, f"{name[:1].upper()}{name[1:]}, {hertz}, {frame}; {TURNS}")
     return figure
 
 

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.plotting import axes as panels
-from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
+from bladewhirl.postprocess.plotting.legends import Group, complete, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, is_unstable
@@ -73,8 +73,7 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
         _draw_coincidences(axes, data)
     if point is not None:
         axes.plot(*point, "o", color=COLOURS["contact"], markerfacecolor="none", label="point")
-    set_title(figure, data.attrs["case"], _words("Growth of coupled modes", data))
-    legends_below(figure, Group(entries_of(axes)))
+    complete(figure, data, _words("Growth of coupled modes", data))
     if "zone" in data.dims:
         _name_zones(axes, data)
     return figure
@@ -164,8 +163,7 @@ def plot_truncation(data: xr.Dataset) -> Figure:
                 label=f"zones of all modes, {name}",
             )
     _draw_borders(axes, data.isel(zone=~whole), "zones of six modes")
-    set_title(figure, data.attrs["case"], "Unstable zones that the six modes hide")
-    legends_below(figure, Group(entries_of(axes)))
+    complete(figure, data, "Unstable zones that the six modes hide")
     _name_zones(axes, data.isel(zone=whole))
     return figure
 

@@ -18,7 +18,7 @@ from bladewhirl.postprocess.plotting.axes import (
     frequency_axis,
     name_ends,
 )
-from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
+from bladewhirl.postprocess.plotting.legends import complete
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     COLUMN_WIDTH,
@@ -26,7 +26,7 @@ from bladewhirl.postprocess.plotting.style import (
     new_figure,
     styled,
 )
-from bladewhirl.postprocess.plotting.titles import set_title, speed_label
+from bladewhirl.postprocess.plotting.titles import speed_label
 
 DIAMETER_AXIS = "nodal diameter k [–]"
 
@@ -98,8 +98,7 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
     panels[-1].set_xlabel(DIAMETER_AXIS)
     ticks = np.asarray(MaxNLocator(integer=True).tick_values(0, last))
     panels[-1].set_xticks(ticks[ticks <= last])
-    set_title(figure, data.attrs["case"], f"Frequencies by nodal diameter{_at_speed(data)}")
-    legends_below(figure, Group(entries_of(*panels)))
+    complete(figure, data, f"Frequencies by nodal diameter{_at_speed(data)}")
     for axes, shown in zip(panels, [[name] for name in names] if broken else [names], strict=True):
         _name_families(axes, data, shown)
     return figure
@@ -132,20 +131,19 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     }
     axes.axvline(data.attrs["case_stiffness"], **at_case, **look)
     for branch, way in enumerate(ways):
-        lines = coloured_line(axes, stiffness, frequency[:, branch], share[:, branch])
-        lines.set_linewidth(0.7 if way == "forward" else 1.4)
+        width = 0.7 if way == "forward" else 1.4
+        lines = coloured_line(axes, stiffness, frequency[:, branch], share[:, branch], width)
     for level in data["normalised_clamped_frequency"].values:
         label = "clamped centre, grey names"
         axes.axhline(level, color=COLOURS["rest"], linestyle="--", label=label, **look)
     figure.colorbar(
         lines, ax=axes, label="share of energy in the springs [–]", location="top", aspect=30
     )
-    set_title(figure, data.attrs["case"], f"Modes with k = 1{_at_speed(data)}")
     if turns:
         for name, width in (("backward", 1.4), ("forward", 0.7)):
             label = f"{name} waves on stiff springs"
             axes.plot([], [], color=COLOURS["total"], linewidth=width, label=label)
-    legends_below(figure, Group(entries_of(axes)))
+    complete(figure, data, f"Modes with k = 1{_at_speed(data)}")
     labels = Labels(axes)
     case = np.clip(data.attrs["case_stiffness"], stiffness[0], stiffness[-1])
     near = np.argsort(np.abs(np.log(stiffness / case)), kind="stable")
@@ -187,13 +185,11 @@ def plot_critical_speeds(data: xr.Dataset) -> Figure:
                 data[name].sel(line).values for name in ("critical_speed", "spring_share")
             )
             if np.isfinite(speed).sum() > 1:
-                lines = coloured_line(axes, stiffness, speed, share)
-                lines.set_linewidth(width)
+                lines = coloured_line(axes, stiffness, speed, share, width)
     figure.colorbar(
         lines, ax=axes, label="share of energy in the shaft springs [–]", location="top", aspect=30
     )
-    set_title(figure, data.attrs["case"], "Critical speeds against shaft stiffness")
-    legends_below(figure, Group(entries_of(axes)))
+    complete(figure, data, "Critical speeds against shaft stiffness")
     return figure
 
 
@@ -227,17 +223,12 @@ def _draw_family(axes: Axes, data: xr.Dataset, family: str) -> None:
     for way in _ways(data):
         of_way, thin = ("", 1.0) if way == "both" else (f", {way}", 0.6)
         k, frequency = _chosen(data, "free", family, way)
+        x = k + ASIDE.get(way, 0.0)
         if way != "standing":  # only k = 0 and k = half the blades are standing: no line between
-            x = k + ASIDE.get(way, 0.0)
             axes.plot(x, frequency, "-", color=COLOURS["rest"], linewidth=0.6, zorder=1)
-        axes.plot(
-            k + ASIDE.get(way, 0.0),
-            frequency,
-            "s" if suspension and way == "both" else WAYS[way],
-            color=COLOURS["suspension" if suspension else "total"],
-            markersize=FREE[way],
-            label="suspension" if suspension else f"free{of_way}",
-        )
+        mark = "s" if suspension and way == "both" else WAYS[way]
+        colour, label = ("suspension", family) if suspension else ("total", f"free{of_way}")
+        axes.plot(x, frequency, mark, color=COLOURS[colour], markersize=FREE[way], label=label)
         if not suspension:
             k, frequency = _chosen(data, "clamped", family, way)
             axes.plot(

@@ -230,14 +230,16 @@ class Labels:
         return False
 
 
-def coloured_line(axes: Axes, x: FloatArray, y: FloatArray, value: FloatArray) -> LineCollection:
-    """Draw a line whose colour along the line shows values between 0 and 1."""
+def coloured_line(
+    axes: Axes, x: FloatArray, y: FloatArray, value: FloatArray, width: float
+) -> LineCollection:
+    """Draw a line whose colour along the line shows values between 0 and 1; `width` in points."""
     points = np.column_stack([x, y])
     lines = LineCollection(
         [*np.stack([points[:-1], points[1:]], axis=1)],
         cmap=SEQUENTIAL,
         norm=Normalize(0.0, 1.0),
-        linewidth=1.4,
+        linewidth=width,
         capstyle="round",
     )
     lines.set_array(0.5 * (value[1:] + value[:-1]))

@@ -1,15 +1,18 @@
-"""Legends below a figure."""
+"""Legends below a figure, and the title above it."""
 
 import textwrap
 from collections.abc import Sequence
 from typing import NamedTuple, cast
 
 import numpy as np
+import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend_handler import HandlerTuple
+
+from bladewhirl.postprocess.plotting.titles import set_title
 
 #: height that a figure reserves for its legends [inch]; the figure grows if legends are higher
 HEIGHT = 0.45
@@ -31,6 +34,13 @@ def entries_of(*panels: Axes) -> list[tuple[Artist, str]]:
     for handle, label in (entry for panel in pairs for entry in panel):
         named.setdefault(label, handle)
     return [(handle, label) for label, handle in named.items()]
+
+
+def complete(figure: Figure, data: xr.Dataset, shown: str, note: str = "") -> None:
+    """Set the title of a figure, see `set_title`, and add a legend of all labelled artists, with a
+    `note` as its title. The case is an attribute of the drawn `data`."""
+    set_title(figure, str(data.attrs.get("case", "")), shown)
+    legends_below(figure, Group(entries_of(*figure.axes), note))
 
 
 def legends_below(figure: Figure, *groups: Group) -> None:

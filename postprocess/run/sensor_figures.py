@@ -13,13 +13,7 @@ from bladewhirl.postprocess.fields.labelled import ABOUT
 from bladewhirl.postprocess.fields.windows import evenly_spaced, span_starts
 from bladewhirl.postprocess.plotting.axes import Labels, draw_decades, draw_map
 from bladewhirl.postprocess.plotting.legends import entries_of
-from bladewhirl.postprocess.plotting.style import (
-    COLOURS,
-    FULL_WIDTH,
-    new_figure,
-    styled,
-    time_axis,
-)
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.run.sensors import shown_unit
 from bladewhirl.postprocess.shaft.spectra import (
@@ -132,8 +126,8 @@ def all_blades(signals: xr.Dataset) -> xr.Dataset:
         ViewError: no sensor records all blades, or the rotor does not turn.
     """
     turns = abs(float(signals.attrs["speed"])) / (2.0 * np.pi)
-    chosen = [name for name, signal in signals.items() if "type" in signal.attrs]
-    chosen = [name for name in chosen if "blade" in signals[name].dims][:MOST_PANELS]
+    named = {str(name): signal for name, signal in signals.items() if "type" in signal.attrs}
+    chosen = [name for name, signal in named.items() if "blade" in signal.dims][:MOST_PANELS]
     if turns == 0.0:
         raise ViewError("all blades: expected a rotor that turns")
     if not chosen:
@@ -151,7 +145,7 @@ def all_blades(signals: xr.Dataset) -> xr.Dataset:
             complete = count > WHOLE * count.max()  # the first and the last may be cut
             number, moved = number[complete], moved[:, complete]
         rest = [dimension for dimension in signal.dims if dimension != "blade"]
-        blades[str(name)] = (("blade", f"{name}_turn"), moved, signal.attrs)
+        blades[name] = (("blade", f"{name}_turn"), moved, signal.attrs)
         blades.coords[f"{name}_turn"] = (f"{name}_turn", number)
         blades[f"{name}_low"] = ("blade", signal.min(rest).values, signal.attrs)
         blades[f"{name}_high"] = ("blade", signal.max(rest).values, signal.attrs)
@@ -166,11 +160,8 @@ def _over_time(signals: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, float]]
     Raises:
         ViewError: no sensor samples in time, or a signal is too short.
     """
-    names = [
-        str(name)
-        for name, signal in signals.items()
-        if signal.attrs.get("type", "tip-timing") != "tip-timing"
-    ]
+    kinds = {str(name): signal.attrs.get("type") for name, signal in signals.items()}
+    names = [name for name, kind in kinds.items() if kind not in (None, "tip-timing")]
     if not names:
         raise ViewError("expected a sensor with a signal over time; tip timing has none")
     for name in names[:MOST_PANELS]:
@@ -257,14 +248,9 @@ def plot_sensor_spectra(spectra: xr.Dataset) -> Figure:
         axes.set(xlim=(0.0, edge), ylim=(floor, 30.0 * top))
         axes.grid(axis="x", visible=False)
         for low, high in spectra[f"{name}_mode"].values:
-            least = 0.5 * max(high - low, 2e-3 * edge)
-            middle = 0.5 * (low + high)
-            look: dict[str, Any] = {
-                "color": COLOURS["casing"],
-                "alpha": 0.5,
-                "label": "frequencies of modes",
-            }
-            axes.axvspan(middle - least, middle + least, **look)
+            middle, half = 0.5 * (low + high), 0.5 * max(high - low, 2e-3 * edge)
+            look: dict[str, Any] = {"color": COLOURS["casing"], "label": "frequencies of modes"}
+            axes.axvspan(middle - half, middle + half, alpha=0.5, **look)
         for order in np.arange(1.0, edge / turns) if turns else []:
             look = {"color": COLOURS["rest"], "linestyle": ":", "label": "engine orders"}
             axes.axvline(order * turns, linewidth=0.8, **look)

@@ -242,7 +242,6 @@ def plot_stress(history: xr.Dataset) -> Figure:
 
 
 LINES = (
-    (COLOURS["rotor"], "-"),
     (COLOURS["k = 1"], "--"),
     (COLOURS["suspension"], "-."),
     (COLOURS["k = 0"], ":"),
@@ -260,7 +259,7 @@ def _draw_time(axes: Axes, history: xr.Dataset, size: Array, blades: int) -> Non
     at = time[np.append(starts[1:], len(time)) - 1]
     names = history["member"].values.astype(str)[blades:]
     for number, name in enumerate(names[:-1]):
-        colour, dashes = LINES[1 + number % (len(LINES) - 1)]
+        colour, dashes = LINES[number % len(LINES)]
         axes.plot(at, shown[:, blades + number], color=colour, linestyle=dashes, label=name)
     axes.plot(at, shown[:, -1], color=COLOURS["casing"], label="casing")
     axes.plot(at, shown[:, :blades].max(axis=1), color=COLOURS["rotor"], label="blades")

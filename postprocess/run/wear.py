@@ -143,9 +143,8 @@ def plot_wear_map(data: xr.Dataset) -> Figure:
     depth, label = 1e3 * data["recess"].values.T, "removed depth [mm]"
     draw_map(axes, time, angle, depth, cmap="magma_r", label=label)
     axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=(0, 360))
-    if turns:
-        axes.set_xlabel("revolutions of the rotor")
-    else:
+    axes.set_xlabel("revolutions of the rotor")
+    if not turns:
         time_axis(axes)
     head(figure, data)
     return figure

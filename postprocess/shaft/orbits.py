@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
@@ -31,6 +30,7 @@ CLEARANCE_LINE: dict[str, Any] = {
     "linewidth": 1.2,
     "zorder": 3,  # above the path, which covers it in a growing motion
 }
+END_MARK: dict[str, Any] = {"color": COLOURS["rotor"], "linestyle": "none", "markersize": 4}
 MILLI = 1e3
 
 
@@ -114,7 +114,10 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
         axes.yaxis.set_major_locator(axes.xaxis.get_major_locator())
         if not tiny:
             axes.add_patch(Circle((0, 0), scale * clearance, fill=False, **CLEARANCE_LINE))
-        _draw_path(axes, scale * orbit[frame].values)
+        path, long = scale * orbit[frame].values, orbit.sizes["time"] > LONG_LINE
+        axes.plot(*path.T, color=PALE, linewidth=0.4, label="whole motion", rasterized=long)
+        axes.plot(*path[:1].T, marker="o", markerfacecolor="white", label="start", **END_MARK)
+        axes.plot(*path[-1:].T, marker="s", label="end", **END_MARK)
         long = len(turn) > LONG_LINE
         axes.plot(*turn.T, color=COLOURS["rotor"], label=f"last {drawn}", rasterized=long)
         axes.set_title(f"{frame} frame\n{whirl(late_part(orbit), frame).text}")
@@ -145,12 +148,3 @@ def last_turns(orbit: xr.Dataset) -> xr.Dataset:
     rates = [abs(turn.rate) for frame in FRAMES if (turn := whirl(late, frame)).goes_round]
     length = DRAWN_TURNS * 2 * np.pi / max(rates, default=orbit.attrs["reference_frequency"])
     return late.sel(time=slice(late["time"].values[-1] - length, None))
-
-
-def _draw_path(axes: Axes, place: Array) -> None:
-    """Draw a path (record, 2), with marks at its start and at its end."""
-    long = len(place) > LONG_LINE
-    axes.plot(*place.T, color=PALE, linewidth=0.4, label="whole motion", rasterized=long)
-    ends: dict[str, Any] = {"color": COLOURS["rotor"], "linestyle": "none", "markersize": 4}
-    axes.plot(*place[:1].T, marker="o", markerfacecolor="white", label="start", **ends)
-    axes.plot(*place[-1:].T, marker="s", label="end", **ends)

@@ -1,5 +1,6 @@
 """Figures of sweeps of a superelement: contact, displacement and spectra against a swept key."""
 
+from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
@@ -12,15 +13,12 @@ from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.axes import cell_edges, draw_decades
 from bladewhirl.postprocess.plotting.style import styled
+from bladewhirl.postprocess.superelement.motion import DIRECTIONS
 from bladewhirl.postprocess.sweep.dataset import DIRECTION
-from bladewhirl.postprocess.sweep.drawing import (
-    in_handy_units,
-    key_edges,
-    plot_quantities,
-    plot_rows,
-)
-from bladewhirl.postprocess.sweep.frequency_map import OUTLINE, spectra_height
+from bladewhirl.postprocess.sweep.drawing import in_handy_units, key_edges, plot_quantities
+from bladewhirl.postprocess.sweep.frequency_map import OUTLINE
 from bladewhirl.postprocess.sweep.quantities import along, need_a_grid
+from bladewhirl.postprocess.sweep.rows import plot_rows
 
 DECADES = 3
 """Number of decades below the largest amplitude in a map."""
@@ -34,6 +32,13 @@ ABOVE = 1.3
 
 ORDERS = range(1, 13)
 """Engine orders that are drawn as lines."""
+
+CONTACT: Mapping[str, tuple[float | None, str]] = {
+    "impulse_per_revolution": (1.0, "impulse per\nrevolution [N s]"),
+    "contact_force_max": (None, "largest normal\nforce"),
+    **{name: (None, f"{name}\ndisplacement") for name in DIRECTIONS},
+}
+"""Factor and label of each panel, see `plot_quantities`."""
 
 
 def contact_quantities(dataset: xr.Dataset, key: str) -> xr.Dataset:
@@ -58,15 +63,7 @@ def contact_quantities(dataset: xr.Dataset, key: str) -> xr.Dataset:
 @styled
 def plot_contact_quantities(data: xr.Dataset) -> Figure:
     """Draw impulse, force and displacements from `contact_quantities`."""
-    force, by_force = handy_unit(float(data["contact_force_max"].max().fillna(0.0)), "N")
-    panels = {
-        "impulse_per_revolution": (1.0, "impulse per\nrevolution [N s]"),
-        "contact_force_max": (by_force, f"largest normal\nforce [{force}]"),
-    }
-    for name in ("radial", "tangential", "axial"):
-        unit, scale = handy_unit(float(data[name].max().fillna(0.0)), "m")
-        panels[name] = (scale, f"{name}\ndisplacement [{unit}]")
-    return plot_quantities(data, panels)
+    return plot_quantities(data, CONTACT)
 
 
 def node_spectra(dataset: xr.Dataset, key: str) -> xr.Dataset:
@@ -107,9 +104,7 @@ def plot_node_spectra(data: xr.Dataset) -> Figure:
         data,
         [draw],
         label=f"tangential amplitude [{unit}]",
-        height=spectra_height,
         left=f"frequency [{units}]",
-        pad=0.01,
     )
 
 

@@ -4,14 +4,13 @@ regimes, titles.
 A line belongs to one combination of values of the swept keys that are not on an axis.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import matplotlib
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
@@ -19,7 +18,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.axes import SPEED, cell_edges, rpm_axis
-from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
+from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure
 from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.postprocess.sweep.dataset import POINT
@@ -213,53 +212,7 @@ def label_figure(figure: Figure, data: xr.Dataset, *groups: Group) -> None:
     below the figure: a legend for each group of entries, the first uppermost."""
     key_axis(figure.axes[-1], data)
     rpm_on_top(data, figure.axes[0])
-    title_figure(figure, data)
-    legends_below(figure, *groups)
-
-
-def plot_rows(
-    data: xr.Dataset,
-    columns: Sequence[Callable[[Axes, xr.Dataset], QuadMesh | None]],
-    *,
-    label: str,
-    height: Callable[[int], float] = lambda rows: 0.02 + 0.05 * rows,
-    left: str = "",
-    pad: float = 0.02,
-    lines: int = 0,
-) -> Figure:
-    """Draw a row of panels for each of up to `MOST_ROWS` lines: a map with a colour bar and, in two
-    columns, a plot.
-
-    Args:
-        data: Dataset over (line, key).
-        columns: functions that draw a line in a panel, one or two; that of the map returns a mesh.
-        label: label of the colour bar.
-        height: function that returns the height of the figure [m] for a number of rows.
-        left: common label of the vertical axes.
-        pad: distance of the colour bar from its panels, relative to the width of the panels.
-        lines: number of lines of the sweep; the number of lines in `data` by default.
-    """
-    data = in_handy_units(data)
-    shown, titles = chosen(data.sizes[LINE], MOST_ROWS), line_values(data)
-    figure = new_figure(width=FULL_WIDTH, height=height(len(shown)))
-    figure.set_layout_engine("constrained", wspace=0.08)
-    panels = figure.subplots(len(shown), len(columns), sharex=True, sharey="col", squeeze=False)
-    for number, row in zip(shown, panels, strict=True):
-        row[0].set_title(titles[number], loc="left")
-        drawn = [
-            draw(axes, data.isel({LINE: number})) for axes, draw in zip(row, columns, strict=True)
-        ]
-    for axes in panels[-1]:
-        key_axis(axes, data, share=0.9 if len(columns) == 1 else 0.5)
-    rpm_on_top(data, *panels[0])
-    for mesh, column in zip(drawn, panels.T, strict=True):
-        if mesh is not None:
-            figure.colorbar(mesh, ax=column.tolist(), label=label, pad=pad)
-    if left:
-        figure.supylabel(left, fontsize="medium")
-    title_figure(figure, data, most=MOST_ROWS, lines=lines)
-    legends_below(figure, Group(entries_of(*panels.flat)))
-    return figure
+    title_figure(figure, data, *groups)
 
 
 def stacked(
@@ -293,15 +246,20 @@ def divergent_mark(data: xr.Dataset) -> Group:
     return Group([open_mark("divergent (open marks)")] if divergent else [])
 
 
-def plot_quantities(data: xr.Dataset, panels: Mapping[str, tuple[float, str]]) -> Figure:
+def plot_quantities(data: xr.Dataset, panels: Mapping[str, tuple[float | None, str]]) -> Figure:
     """Draw quantities against the swept key, one in each panel; divergent points have open marks.
 
     Args:
         data: Dataset over (line, key) with the quantities and `regime`.
-        panels: factor and label of each quantity.
+        panels: factor and label of each quantity; with None the label is followed by a convenient
+            unit.
     """
     data, lines, figure, axes_of = stacked(data, len(panels), 0.02 + 0.04 * len(panels))
     for axes, (name, (scale, label)) in zip(axes_of, panels.items(), strict=True):
+        if scale is None:
+            largest = float(data[name].max().fillna(0.0))
+            unit, scale = handy_unit(largest, str(data[name].attrs["units"]))
+            label = f"{label} [{unit}]"
         draw_quantity(axes, lines, name, scale)
         axes.margins(y=0.1)
         axes.set_ylim(bottom=0.0)
@@ -311,13 +269,15 @@ def plot_quantities(data: xr.Dataset, panels: Mapping[str, tuple[float, str]]) -
 
 
 def title_figure(
-    figure: Figure, data: xr.Dataset, *, most: int = MOST_LINES, lines: int = 0
+    figure: Figure, data: xr.Dataset, *groups: Group, most: int = MOST_LINES, lines: int = 0
 ) -> None:
-    """Set the title of a figure: case, quantity, and names of the keys that distinguish its lines.
+    """Set the title of a figure: case, quantity, and names of the keys that distinguish its lines;
+    and add legends below the figure, the first group of entries uppermost.
 
     Args:
         figure: the figure.
         data: the drawn Dataset.
+        groups: entries of the legends.
         most: largest number of lines in the figure.
         lines: number of lines of the sweep; the number of lines in `data` by default.
     """
@@ -329,6 +289,7 @@ def title_figure(
     left_out = f" ({most} of {count} lines, all lines are in the data)" if count > most else ""
     of_keys = f"\nlines: {keys}{left_out}" if keys else ""
     set_title(figure, data.attrs["case"], f"{data.attrs['title']}{of_keys}")
+    legends_below(figure, *groups)
 
 
 def chosen(count: int, most: int) -> list[int]:

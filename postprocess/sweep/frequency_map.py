@@ -16,8 +16,9 @@ from bladewhirl.postprocess.plotting.axes import cell_edges, draw_decades, space
 from bladewhirl.postprocess.plotting.style import COLOURS, styled
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.spectra import LINE_DASHES
-from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, key_edges, plot_rows
+from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, key_edges
 from bladewhirl.postprocess.sweep.quantities import LINE, along, need_a_grid
+from bladewhirl.postprocess.sweep.rows import plot_rows
 
 #: largest number of columns of a map; if there are more points, neighbours share a column
 MOST_COLUMNS = 1000
@@ -68,7 +69,9 @@ def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
     with_points = np.flatnonzero((points["state"] == "done").any(key).values)
     drawn = with_points[chosen(len(with_points), MOST_ROWS)]
     points = points.isel({LINE: drawn})
-    unit, units = _unit(points)
+    reference = points["reference_frequency"].values / (2 * np.pi)
+    known = reference[np.isfinite(reference)]
+    unit, units = (float(known[0]), "1") if np.all(known == known[0]) else (1.0, "Hz")
     lines = _mode_lines(points)
     reach = _reach(lines, float(dataset["frequency"][-1]))
     inside = dataset.sel(frequency=slice(-reach, np.nextafter(reach, np.inf)))
@@ -93,14 +96,6 @@ def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
             points_per_column=group,
         )
     )
-
-
-def _unit(points: xr.Dataset) -> tuple[float, str]:
-    """Return the frequency [Hz] by which the frequencies of a map are divided, and the unit of the
-    quotient: "1" for multiples of the reference frequency, or "Hz"."""
-    reference = points["reference_frequency"].values / (2 * np.pi)
-    known = reference[np.isfinite(reference)]
-    return (float(known[0]), "1") if np.all(known == known[0]) else (1.0, "Hz")
 
 
 def _mode_lines(points: xr.Dataset) -> xr.DataArray:
@@ -132,16 +127,9 @@ def plot_frequency_map(maps: xr.Dataset) -> Figure:
         maps,
         [partial(_draw_map, top=top)],
         label="amplitude of the shaft [mm]",
-        height=spectra_height,
         left=f"frequency {unit}, forward positive",
-        pad=0.01,
         lines=int(maps.attrs["lines"]),
     )
-
-
-def spectra_height(rows: int) -> float:
-    """Return the height of a figure with a number of maps one above another [m]."""
-    return 0.1 if rows == 1 else 0.065 * rows
 
 
 def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:

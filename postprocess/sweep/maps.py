@@ -16,7 +16,7 @@ from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.plotting import style
 from bladewhirl.postprocess.plotting.axes import SPEED
-from bladewhirl.postprocess.plotting.legends import Group, legends_below
+from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.sweep import drawing
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.quantities import (
@@ -124,11 +124,11 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
             aspect=30,
             pad=0.02 + (0.14 / len(shown) if of_speed else 0.0),  # above the axis in rpm
         )
-    drawing.title_figure(figure, maps, most=drawing.MOST_ROWS)
     entries = regime_entries(regime_names(maps))
     if doubtful[shown].any():
         entries.append((Patch(facecolor="white", **CROSSED), DOUBTFUL))
-    legends_below(figure, Group(entries, "" if len(pictures) > 1 else NOT_JUDGED))
+    group = Group(entries, "" if len(pictures) > 1 else NOT_JUDGED)
+    drawing.title_figure(figure, maps, group, most=drawing.MOST_ROWS)
     return figure
 
 

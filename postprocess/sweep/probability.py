@@ -7,15 +7,8 @@ from matplotlib.figure import Figure
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.legends import Group, entries_of
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.sweep import drawing
 from bladewhirl.postprocess.sweep.dataset import DRAW
-from bladewhirl.postprocess.sweep.drawing import (
-    MARK_SIZE,
-    REGIME_COLOURS,
-    REGIME_MARKS,
-    in_handy_units,
-    label_figure,
-    lines_of,
-)
 from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key
 from bladewhirl.postprocess.sweep.shares import settled, wilson
 
@@ -44,8 +37,8 @@ def probability(dataset: xr.Dataset, key: str | None = None) -> xr.Dataset:
     count = dataset.sizes[DRAW]
     regime = drawn["regime"].values.reshape(-1, count, drawn.sizes[main])
     data = drawn.isel({LINE: slice(None, None, count)}).drop_vars([DRAW, "regime", "state"])
-    finished = np.isin(regime, list(REGIME_COLOURS)).sum(axis=1).astype(np.float64)
-    hits = np.stack([(regime == name).sum(axis=1) for name in REGIME_COLOURS], axis=-1)
+    finished = np.isin(regime, list(drawing.REGIME_COLOURS)).sum(axis=1).astype(np.float64)
+    hits = np.stack([(regime == name).sum(axis=1) for name in drawing.REGIME_COLOURS], axis=-1)
     low, high = wilson(hits.astype(np.float64), finished[..., None])
     with np.errstate(invalid="ignore"):
         share = hits / finished[..., None]
@@ -58,7 +51,7 @@ def probability(dataset: xr.Dataset, key: str | None = None) -> xr.Dataset:
             draws=(over[:-1], finished, {"units": "1"}),
             uncertain=(over[:-1], ~settled(low, high)),
         )
-        .assign_coords(regime=("regime", list(REGIME_COLOURS)))
+        .assign_coords(regime=("regime", list(drawing.REGIME_COLOURS)))
         .assign_attrs(title=f"shares of the regimes in {count} random draws")
     )
 
@@ -67,19 +60,19 @@ def probability(dataset: xr.Dataset, key: str | None = None) -> xr.Dataset:
 def plot_probability(data: xr.Dataset) -> Figure:
     """Plot the share of each regime from `probability`, with 95 % intervals, in a panel for each
     line of the data."""
-    data = in_handy_units(data)
-    lines = lines_of(data)
+    data = drawing.in_handy_units(data)
+    lines = drawing.lines_of(data)
     figure = new_figure(width=FULL_WIDTH, height=0.03 + 0.045 * len(lines))
     panels = figure.subplots(len(lines), sharex=True, squeeze=False)[:, 0]
     for axes, line in zip(panels, lines, strict=True):
-        for name, colour in REGIME_COLOURS.items():
+        for name, colour in drawing.REGIME_COLOURS.items():
             one = line.data.sel(regime=name)
             if not (one["share"] > 0.0).any():
                 continue
             axes.fill_between(line.place, one["low"], one["high"], color=colour, alpha=0.2, lw=0)
-            mark = REGIME_MARKS[name]
-            axes.plot(line.place, one["share"], color=colour, marker=mark, ms=MARK_SIZE, label=name)
+            mark, size = drawing.REGIME_MARKS[name], drawing.MARK_SIZE
+            axes.plot(line.place, one["share"], color=colour, marker=mark, ms=size, label=name)
         axes.set(ylim=(-0.02, 1.02), ylabel="share of random draws [–]", title=line.label)
         axes.axhline(0.5, color="black", linewidth=0.5, linestyle=":")
-    label_figure(figure, data, Group(entries_of(*panels), "Bands are 95 % intervals."))
+    drawing.label_figure(figure, data, Group(entries_of(*panels), "Bands are 95 % intervals."))
     return figure

@@ -42,7 +42,10 @@ def plot_regimes(data: xr.Dataset) -> Figure:
     figure = new_figure(width=FULL_WIDTH, height=strips + (0.08 if judged else 0.035))
     heights = (strips, 0.05) if judged else (1.0,)
     panels = figure.subplots(len(heights), sharex=True, height_ratios=heights, squeeze=False)[:, 0]
-    _draw_strips(panels[0], lines)
+    at = np.arange(len(lines), dtype=np.float64)
+    draw_regimes(panels[0], lines[0].place, at, np.array([regime_names(one.data) for one in lines]))
+    panels[0].set(ylim=(len(lines) - 0.5, -0.5), yticks=at)
+    panels[0].set_yticklabels([line.label or "regime" for line in lines])
     if judged:
         rate, error = data["growth_rate"].values, data["growth_error"].values
         for line in lines:
@@ -126,14 +129,6 @@ def linear_threshold(rate: Array, error: Array) -> float | None:
     usual = max(np.nanmedian(np.abs(rate)), CERTAINTY * np.nanmedian(error), 1e-12)
     threshold = float(10.0 ** np.ceil(np.log10(usual)))
     return threshold if np.nanmax(np.abs(rate)) > threshold else None
-
-
-def _draw_strips(axes: Axes, lines: list[drawing.Line]) -> None:
-    rows = np.array([regime_names(line.data) for line in lines])
-    at = np.arange(len(lines), dtype=np.float64)
-    draw_regimes(axes, lines[0].place, at, rows)
-    axes.set(ylim=(len(lines) - 0.5, -0.5), yticks=at)
-    axes.set_yticklabels([line.label or "regime" for line in lines])
 
 
 def _scale_change(axes: Axes, threshold: float) -> tuple[Patch, str]:

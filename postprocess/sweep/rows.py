@@ -1,8 +1,9 @@
-"""Figures of sweeps with a row of two panels for each line: contact of the blades, strain energies.
+"""Figures of sweeps with a row of panels for each line: contact of the blades, strain energies.
 
 A line is one combination of values of the swept keys that are not on the horizontal axis.
 """
 
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -14,14 +15,59 @@ from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.energy import strain
 from bladewhirl.postprocess.plotting.axes import draw_decades, draw_map
-from bladewhirl.postprocess.plotting.style import COLOURS, styled
+from bladewhirl.postprocess.plotting.legends import Group, entries_of
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.run import blade_contact
 from bladewhirl.postprocess.sweep import drawing
 from bladewhirl.postprocess.sweep.dataset import GROUP
-from bladewhirl.postprocess.sweep.quantities import along
+from bladewhirl.postprocess.sweep.quantities import LINE, along
 from bladewhirl.postprocess.sweep.regimes import HATCH
 
 DIAMETER = "nodal_diameter"
+
+
+def plot_rows(
+    data: xr.Dataset,
+    columns: Sequence[Callable[[Axes, xr.Dataset], QuadMesh | None]],
+    *,
+    label: str,
+    left: str = "",
+    lines: int = 0,
+) -> Figure:
+    """Draw a row of panels for each of up to `MOST_ROWS` lines: a map with a colour bar and, in two
+    columns, a plot.
+
+    Args:
+        data: Dataset over (line, key).
+        columns: functions that draw a line in a panel, one or two; that of the map returns a mesh.
+        label: label of the colour bar.
+        left: common label of the vertical axes.
+        lines: number of lines of the sweep; the number of lines in `data` by default.
+    """
+    data = drawing.in_handy_units(data)
+    shown, titles = drawing.chosen(data.sizes[LINE], drawing.MOST_ROWS), drawing.line_values(data)
+    height, share, pad = 0.02 + 0.05 * len(shown), 0.5, 0.02
+    if len(columns) == 1:
+        height, share, pad = max(0.1, 0.065 * len(shown)), 0.9, 0.01
+    figure: Figure = new_figure(width=FULL_WIDTH, height=height)
+    figure.set_layout_engine("constrained", wspace=0.08)
+    panels = figure.subplots(len(shown), len(columns), sharex=True, sharey="col", squeeze=False)
+    for number, row in zip(shown, panels, strict=True):
+        row[0].set_title(titles[number], loc="left")
+        drawn = [
+            draw(axes, data.isel({LINE: number})) for axes, draw in zip(row, columns, strict=True)
+        ]
+    for axes in panels[-1]:
+        drawing.key_axis(axes, data, share=share)
+    drawing.rpm_on_top(data, *panels[0])
+    for mesh, column in zip(drawn, panels.T, strict=True):
+        if mesh is not None:
+            figure.colorbar(mesh, ax=column.tolist(), label=label, pad=pad)
+    if left:
+        figure.supylabel(left, fontsize="medium")
+    entries = Group(entries_of(*panels.flat))
+    drawing.title_figure(figure, data, entries, most=drawing.MOST_ROWS, lines=lines)
+    return figure
 
 
 def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
@@ -56,7 +102,7 @@ def plot_blade_contacts(data: xr.Dataset) -> Figure:
     limit = blade_contact.share_limit(data["late_contact_share"])
     label = blade_contact.share_label("time in contact [%], white: none", limit)
     shares = partial(_draw_shares, limit=limit)
-    return drawing.plot_rows(data, [shares, _draw_counts], label=label)
+    return plot_rows(data, [shares, _draw_counts], label=label)
 
 
 def _draw_shares(axes: Axes, one: xr.Dataset, limit: float) -> QuadMesh:
@@ -133,7 +179,7 @@ def plot_point_energies(data: xr.Dataset) -> Figure:
     the first family by nodal diameter, from `point_energies`."""
     top = float(data["total"].max()) or 1.0
     diameters, lines = partial(_draw_diameters, top=top), partial(_draw_lines, top=top)
-    return drawing.plot_rows(data, [lines, diameters], label=f"{strain.FIRST_FAMILY} [J]")
+    return plot_rows(data, [lines, diameters], label=f"{strain.FIRST_FAMILY} [J]")
 
 
 def _draw_lines(axes: Axes, one: xr.Dataset, top: float) -> None:
