@@ -1,5 +1,7 @@
 """Amplitude of a run over time, with its growth rate and the uncertainty of the growth rate."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -116,15 +118,9 @@ def plot_growth(growth: xr.Dataset) -> Figure:
     figure = new_figure(height=0.085)
     axes, misfits = figure.subplots(2, 1, sharex=True, height_ratios=(2.6, 1.0))
     time = growth["time"].values
-    axes.plot(
-        time,
-        growth["energy"],
-        "o-",
-        color=COLOURS["rotor"],
-        markersize=2.5,
-        linewidth=0.6,
-        label=f"means over {1e3 * growth.attrs['window']:.3g} ms",
-    )
+    means: dict[str, Any] = {"color": COLOURS["rotor"], "markersize": 2.5, "linewidth": 0.6}
+    label = f"means over {1e3 * growth.attrs['window']:.3g} ms"
+    axes.plot(time, growth["energy"], "o-", label=label, **means)
     axes.plot(time, growth["fit"], color=COLOURS["k = 1"], label=f"fit, {growth.attrs['span']}")
     shown = [growth["energy"].values, growth["ripple"].values]
     if np.isfinite(shown[1]).any():
@@ -147,7 +143,7 @@ def plot_growth(growth: xr.Dataset) -> Figure:
         linewidth=0,
         label=f"± {CERTAINTY:g} standard errors of the rate",
     )
-    misfits.plot(time, misfit, "o-", color=COLOURS["rotor"], markersize=2.5, linewidth=0.6)
+    misfits.plot(time, misfit, "o-", **means)
     misfits.axhline(0.0, color=COLOURS["k = 1"])
     reach = 1.2 * max(float(abs(line).max()) for line in (misfit, low, high)) or 1.0
     misfits.set(ylabel="misfit of\namplitude [%]", ylim=(-reach, reach))

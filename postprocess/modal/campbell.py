@@ -19,7 +19,14 @@ Frame = Literal["rotating", "static"]
 #: families of the bladed disk that are drawn even if they have no coincidence
 DRAWN_FAMILIES = ("1F", "suspension")
 #: mark of a coincidence
-RING: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4.0, "mfc": "white"}
+RING: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 4.0,
+    "mfc": "white",
+    "clip_on": False,
+    "zorder": 5,
+}
 #: mark of a critical speed
 CROSS: dict[str, Any] = {"linestyle": "none", "marker": "X", "markersize": 6.0, "mec": "white"}
 FINE = 2001  #: number of speeds at which the frequency of a wave is computed
@@ -154,25 +161,24 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     axes.set_ylim(*frequency_limits(data, frame))
     named = [*_draw_waves(axes, data, frame), *_draw_engine_orders(axes, data, frame)]
     if "branch" in data.dims and data["critical_speed"].size:
-        speeds, k = data["critical_speed"].values, data["critical_nodal_diameter"].values
-        height = speeds * k if frame == "static" else np.zeros(len(speeds))
-        label = f"critical speed, {', '.join(f'{speed:.4g}' for speed in speeds)} ω₁"
+        critical, k = data["critical_speed"].values, data["critical_nodal_diameter"].values
+        height = critical * k if frame == "static" else np.zeros(len(critical))
+        label = f"critical speed, {', '.join(f'{speed:.4g}' for speed in critical)} ω₁"
         colour = COLOURS["contact"]
-        axes.plot(speeds, height, clip_on=False, zorder=6, color=colour, label=label, **CROSS)
-    _mark_coincidences(axes, data, meets, shown)
+        axes.plot(critical, height, clip_on=False, zorder=6, color=colour, label=label, **CROSS)
+    speeds, k = data["normalised_speed"].values, data["nodal_diameter"].values
+    for here, colour in ((shown & (k != 1), "other k"), (shown & (k == 1), "k = 1")):
+        if here.any():  # an empty line that is not clipped would stretch the layout
+            label = "coincidence of waves with k"
+            axes.plot(speeds[here], meets[here], color=COLOURS[colour], label=label, **RING)
     speed_axis(axes, reference)
     frequency_axis(axes, reference, f"frequency / ω₁, {frame} frame [–]")
     note = f"{np.count_nonzero(shown)} of {count} coincidences at these speeds are shown."
     complete(figure, data, f"Campbell diagram, {frame} frame", note)
     labels = Labels(axes)
-    labels.keep_free(data["normalised_speed"].values[shown], meets[shown])
-    for k, speed, frequency in zip(
-        data["nodal_diameter"].values[shown],
-        data["normalised_speed"].values[shown],
-        meets[shown],
-        strict=True,
-    ):
-        labels.add(speed, frequency, str(k), COLOURS["total"], AROUND)
+    labels.keep_free(speeds[shown], meets[shown])
+    for number, speed, frequency in zip(k[shown], speeds[shown], meets[shown], strict=True):
+        labels.add(speed, frequency, str(number), COLOURS["total"], AROUND)
     for x, y, name, colour in named:
         labels.add(x[::-1], y[::-1], name, colour)
     return figure
@@ -251,15 +257,6 @@ def _draw_engine_orders(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[
         axes.plot(speed, y, ":", color="#777777", linewidth=0.6, zorder=1, label="engine orders")
         end = y > ENDS * axes.get_ylim()[1] if frame == "rotating" else speed > ENDS * last
         yield speed[end], y[end], f"{order}Ω" if order > 1 else "Ω", "#555555"
-
-
-def _mark_coincidences(axes: Axes, data: xr.Dataset, meets: FloatArray, shown: BoolArray) -> None:
-    speeds, k = data["normalised_speed"].values, data["nodal_diameter"].values
-    look: dict[str, Any] = {**RING, "clip_on": False, "zorder": 5}
-    for here, colour in ((shown & (k != 1), "other k"), (shown & (k == 1), "k = 1")):
-        if here.any():  # an empty line that is not clipped would stretch the layout
-            label = "coincidence of waves with k"
-            axes.plot(speeds[here], meets[here], color=COLOURS[colour], label=label, **look)
 
 
 def wave_colour(body: str, family: str, k: int) -> str:

@@ -70,7 +70,14 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
         axes.text(0.5, 0.5, "stable everywhere", transform=axes.transAxes, ha="center")
     if "zone" in data.dims:
         _draw_borders(axes, data)
-        _draw_coincidences(axes, data)
+        low, high = data.attrs["speed_range"]
+        met, k = data["coincidence"].values, data["coincidence_nodal_diameter"].values
+        inside = (met >= low) & (met <= high)
+        for here, name in ((inside & (k == 1), "k = 1"), (inside & (k != 1), "other k")):
+            if here.any():
+                base = np.full(np.count_nonzero(here), data.attrs["kappa_range"][0])
+                label = f"coincidence, {name}"
+                axes.plot(met[here], base, color=COLOURS[name], label=label, **MARK)
     if point is not None:
         axes.plot(*point, "o", color=COLOURS["contact"], markerfacecolor="none", label="point")
     complete(figure, data, _words("Growth of coupled modes", data))
@@ -270,18 +277,6 @@ def _zones(data: xr.Dataset) -> list[_Zone]:
                 zone[name] = np.insert(zone[name], 0, value)
         zones.append(_Zone(casing=str(pair[0]), rotor=str(pair[1]), **zone))
     return zones
-
-
-def _draw_coincidences(axes: Axes, data: xr.Dataset) -> None:
-    low, high = data.attrs["speed_range"]
-    inside = (data["coincidence"] >= low) & (data["coincidence"] <= high)
-    seen = data.isel(pair=np.flatnonzero(inside))
-    first = (seen["coincidence_nodal_diameter"] == 1).values
-    for here, name in ((first, "k = 1"), (~first, "other k")):
-        if here.any():
-            speeds = seen["coincidence"].values[here]
-            base = np.full(len(speeds), data.attrs["kappa_range"][0])
-            axes.plot(speeds, base, color=COLOURS[name], label=f"coincidence, {name}", **MARK)
 
 
 def _widened(here: BoolArray) -> BoolArray:

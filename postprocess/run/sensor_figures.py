@@ -211,7 +211,7 @@ def plot_sensors(signals: xr.Dataset) -> Figure:
     signal is that of the blade that vibrates most; behind it, the range of all blades (for tip
     timing, the points of all blades) is grey."""
     figure, panels = _panels(signals, 0.03)
-    for axes, (name, scale, _) in panels.items():
+    for axes, (name, scale) in panels.items():
         signal, worst = signals[name], _worst_blade(signals[name])
         if signal.attrs["type"] == "tip-timing":
             arrival = signals[f"{name}_arrival"]
@@ -238,8 +238,8 @@ def plot_sensor_spectra(spectra: xr.Dataset) -> Figure:
     turns = abs(float(spectra.attrs["speed"])) / (2.0 * np.pi)
     figure, panels = _panels(spectra, 0.034)
     first = next(iter(panels))
-    edge = max(float(spectra[f"{name}_frequency"][-1]) for name, _, _ in panels.values())
-    for axes, (name, scale, _) in panels.items():
+    edge = max(float(spectra[f"{name}_frequency"][-1]) for name, _ in panels.values())
+    for axes, (name, scale) in panels.items():
         amplitude = scale * spectra[name].values
         top = float(amplitude.max()) or 1.0
         floor = top * 10**-DECADES
@@ -262,7 +262,7 @@ def plot_sensor_spectra(spectra: xr.Dataset) -> Figure:
     if entries := entries_of(*panels):
         figure.legend(*zip(*entries, strict=True), loc="outside lower center", ncols=2)
     figure.align_ylabels([*panels])
-    for axes, (name, _, _) in panels.items():
+    for axes, (name, _) in panels.items():
         labels = Labels(axes, laid_out=axes is not first)
         heights = float(axes.get_ylim()[1]) / np.array([2.5, 15.0, 90.0])
         modes = spectra[f"{name}_line"].values
@@ -275,11 +275,11 @@ def plot_sensor_spectra(spectra: xr.Dataset) -> Figure:
 def plot_sensor_orders(orders: xr.Dataset) -> Figure:
     """Draw amplitudes against engine order and time from `sensor_orders`, with log colours."""
     figure, panels = _panels(orders, 0.045)
-    for axes, (name, scale, label) in panels.items():
+    for axes, (name, scale) in panels.items():
         amplitude = scale * orders[name].values
         order, time = (orders[f"{name}_{along}"] for along in ("order", "time"))
         levels = float(amplitude.max()) or 1.0, DECADES
-        draw_decades(axes, time, order, amplitude, levels, label=label)
+        draw_decades(axes, time, order, amplitude, levels, label=axes.get_ylabel())
         axes.set_ylabel("engine order")
     time_axis(*panels)
     return figure
@@ -319,11 +319,11 @@ def plot_all_blades(blades: xr.Dataset) -> Figure:
     return figure
 
 
-def _panels(data: xr.Dataset, height: float) -> tuple[Figure, dict[Axes, tuple[str, float, str]]]:
+def _panels(data: xr.Dataset, height: float) -> tuple[Figure, dict[Axes, tuple[str, float]]]:
     """Return a figure of the full width with a panel of a height [m] for each of the first sensors.
 
     The panels have titles and labels. The dictionary contains for each panel the name of the
-    sensor, the factor from the SI unit to the unit that is shown, and the label with this unit.
+    sensor, and the factor from the SI unit to the unit that is shown.
     """
     names = [str(name) for name, signal in data.items() if "type" in signal.attrs]
     shown = names[:MOST_PANELS]
@@ -335,10 +335,9 @@ def _panels(data: xr.Dataset, height: float) -> tuple[Figure, dict[Axes, tuple[s
         signal = _worst_blade(data[name])
         timing, blade = signal.attrs["type"] == "tip-timing", signal.attrs.get("blade", "all")
         unit, scale = shown_unit(signal)
-        label = f"{'deflection' if timing else WORDS[signal.attrs['units']]} [{unit}]"
         axes.set_title(name if blade == "all" else f"{name}, blade {blade}", loc="left")
-        axes.set_ylabel(label)
-        panels[axes] = name, scale, label
+        axes.set_ylabel(f"{'deflection' if timing else WORDS[signal.attrs['units']]} [{unit}]")
+        panels[axes] = name, scale
     return figure, panels
 
 

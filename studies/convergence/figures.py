@@ -1,5 +1,6 @@
 """Figures of convergence in the time step and the modes, and of contact schemes."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -33,24 +34,22 @@ SCHEME_LINES: tuple[tuple[str, Any], ...] = (
 def plot_time_steps(data: xr.Dataset) -> Figure:
     """Draw the changes from each time step to the next finer time step, with observed orders, from
     a Dataset of `time_step_convergence`."""
-    figure = new_figure(height=0.078)
-    axes = figure.add_subplot()
     step = data["time_step"].values
-    lines = (
-        ("free_step_distance", "free_order", "orbit to first contact", COLOURS["k = 0"]),
-        ("step_distance", "displacement_order", "orbit", COLOURS["rotor"]),
-        ("step_impulse_error", "impulse_order", "contact impulse", COLOURS["contact"]),
-    )
-    for name, order, label, colour in lines:
-        value = float(data.attrs[order])
-        text = f"{label}, order {value:.2g}" if np.isfinite(value) else label
-        _draw(axes, step, data[name].values, data["regime"].values, text, colour)
-    _reference_slopes(axes, step)
+
+    def with_order(label: str, name: str) -> str:
+        order = float(data.attrs[name])
+        return f"{label}, order {order:.2g}" if np.isfinite(order) else label
+
+    lines = {
+        "free_step_distance": (with_order("orbit to first contact", "free_order"), "k = 0"),
+        "step_distance": (with_order("orbit", "displacement_order"), "rotor"),
+        "step_impulse_error": (with_order("contact impulse", "impulse_order"), "contact"),
+    }
+    figure, axes = _plot_errors(data, step, lines, slopes=True)
     axes.set_xscale("log")
     axes.set_xticks(step, [f"{1e6 * size:.3g}" for size in step])
     axes.minorticks_off()
     axes.set(xlabel="time step [µs]", ylabel="change to the next finer step [%]")
-    _finish(figure, axes, data)
     return figure
 
 
@@ -58,30 +57,42 @@ def plot_time_steps(data: xr.Dataset) -> Figure:
 def plot_modes(data: xr.Dataset) -> Figure:
     """Draw differences from the march with the most modes, and the error of the frequencies, from a
     Dataset of `mode_convergence`."""
-    figure = new_figure(height=0.078)
-    axes = figure.add_subplot()
-    kept, regime = data["kept"].values, data["regime"].values
-    lines = (
-        ("distance", "orbit, against most modes", COLOURS["rotor"]),
-        ("impulse_error", "contact impulse, against most modes", COLOURS["contact"]),
-        ("frequency_error", "frequencies 1F to 5F", COLOURS["k = 0"]),
-    )
-    for name, label, colour in lines:
-        _draw(axes, kept, data[name].values, regime, label, colour)
-    axes.set_xticks(kept)
+    lines = {
+        "distance": ("orbit, against most modes", "rotor"),
+        "impulse_error": ("contact impulse, against most modes", "contact"),
+        "frequency_error": ("frequencies 1F to 5F", "k = 0"),
+    }
+    figure, axes = _plot_errors(data, data["kept"].values, lines)
+    axes.set_xticks(data["kept"].values)
     axes.set(xlabel="fixed-interface modes η", ylabel="relative error [%]")
-    _finish(figure, axes, data)
     return figure
 
 
-def _draw(axes: Axes, x: Array, error: Array, regime: Array, label: str, colour: str) -> None:
-    """Draw a line through the errors above zero; markers show the regime."""
-    positive = error > 0.0  # False for NaN
-    if not positive.any():
-        return
-    axes.plot(x[positive], PERCENT * error[positive], color=colour, label=label)
-    for place, value, name in zip(x[positive], error[positive], regime[positive], strict=True):
-        axes.plot(place, PERCENT * value, REGIME_MARKERS[name], color=colour, markersize=4)
+def _plot_errors(
+    data: xr.Dataset, x: Array, lines: Mapping[str, tuple[str, str]], *, slopes: bool = False
+) -> tuple[Figure, Axes]:
+    """Draw lines through the errors above zero, with markers for the regimes, in a new figure.
+    `lines` contains the label and the colour of each error; with `slopes` reference slopes are
+    drawn."""
+    figure = new_figure(height=0.078)
+    axes, regime = figure.add_subplot(), data["regime"].values
+    for name, (label, key) in lines.items():
+        colour, error = COLOURS[key], PERCENT * data[name].values
+        positive = error > 0.0  # False for NaN
+        if positive.any():
+            axes.plot(x[positive], error[positive], color=colour, label=label)
+        for place, value, kind in zip(x[positive], error[positive], regime[positive], strict=True):
+            axes.plot(place, value, REGIME_MARKERS[kind], color=colour, markersize=4)
+    if slopes:
+        _reference_slopes(axes, x)
+    if axes.lines:
+        axes.set_yscale("log")
+    for kind in dict.fromkeys(regime):
+        axes.plot([], [], REGIME_MARKERS[kind], color=COLOURS["rest"], markersize=4, label=kind)
+    head(figure, data, f"{MILLI * data.attrs['end']:.4g} ms")
+    # one column, because labels are long
+    figure.legend(loc="outside lower center", ncols=1)
+    return figure, axes
 
 
 def _reference_slopes(axes: Axes, step: Array) -> None:
@@ -94,16 +105,6 @@ def _reference_slopes(axes: Axes, step: Array) -> None:
         slope = middle * (step / np.sqrt(step[0] * step[-1])) ** order
         label = f"slope of order {order}"
         axes.plot(step, slope, color=COLOURS["rest"], linewidth=0.8, linestyle=dashes, label=label)
-
-
-def _finish(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
-    if axes.lines:
-        axes.set_yscale("log")
-    for name in dict.fromkeys(data["regime"].values):
-        axes.plot([], [], REGIME_MARKERS[name], color=COLOURS["rest"], markersize=4, label=name)
-    head(figure, data, f"{MILLI * data.attrs['end']:.4g} ms")
-    # one column, because labels are long
-    figure.legend(loc="outside lower center", ncols=1)
 
 
 @styled
