@@ -78,8 +78,18 @@ def test_help_loads_nothing_heavy() -> None:
     assert modules.isdisjoint({"numpy", "scipy", "pint", "_cffi_backend", "xarray", "pyvista"})
     own = {name.removeprefix("bladewhirl.") for name in modules if name.startswith("bladewhirl.")}
     # Figures are listed by `plot --help`; errors take the standard library only.
-    small = {"postprocess.plotting.registry", "models.inputs.errors"}
-    rooms = {"postprocess", "postprocess.plotting", "models", "models.inputs"}
+    small = {
+        "postprocess.plotting.registry",
+        "postprocess.pictures.choices",
+        "models.inputs.errors",
+    }
+    rooms = {
+        "postprocess",
+        "postprocess.plotting",
+        "postprocess.pictures",
+        "models",
+        "models.inputs",
+    }
     assert all(name.startswith("studies") for name in own - small - rooms)
 
 
