@@ -5,14 +5,17 @@ A manifest in a folder lists the files that the program wrote there; no other fi
 removed.
 """
 
+import csv
 import errno
 import json
 import os
 import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 MANIFEST_NAME = "manifest.json"
 FILES = "files written by bladewhirl"
@@ -57,14 +60,32 @@ def write_atomically(target: Path, content: str | bytes) -> None:
         draft.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
 
 
+def json_text(document: Any) -> str:
+    """Return a document as JSON with floats at full precision; nan and infinity, which JSON cannot
+    represent, are null."""
+    finite = json.loads(json.dumps(document), parse_constant=lambda constant: None)
+    return json.dumps(finite, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def read_object(path: Path) -> dict[str, Any]:
+    """Return the object in a JSON file; empty if the file is missing or contains no object."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return content if isinstance(content, dict) else {}
+
+
+def packaged_rows(package: str, name: str) -> list[dict[str, str]]:
+    """Return the rows of a CSV file in a package, by the headings in its first line."""
+    text = resources.files(package).joinpath(name).read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))
+
+
 def listed(folder: Path) -> set[str]:
     """Return the names in the manifest of a folder, such as ``vtk/series.pvd``; an empty set if
     there is no manifest."""
-    try:
-        content = json.loads((folder / MANIFEST_NAME).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return set()
-    names = content.get(FILES) if isinstance(content, dict) else None
+    names = read_object(folder / MANIFEST_NAME).get(FILES)
     return {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
 
 

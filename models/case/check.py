@@ -13,10 +13,7 @@ from bladewhirl.models.case.excitation import EXCITATIONS, ONE, SEVERAL
 from bladewhirl.models.case.sensors import SENSORS, Sensor, SensorList, sensor_faults
 from bladewhirl.models.inputs.errors import CaseError, Fault, toml_key
 from bladewhirl.models.inputs.fields import EXPECTED
-from bladewhirl.models.inputs.table import INCONSISTENT, Table
-
-Path = tuple[str | int, ...]
-"""Keys and row numbers from the root of the case to a value."""
+from bladewhirl.models.inputs.table import INCONSISTENT, Path, Table, value_at
 
 TAG_ERRORS = ("union_tag_not_found", "union_tag_invalid")
 """pydantic's errors about the type of the excitation or of a sensor."""
@@ -121,17 +118,6 @@ def _place_of_type(location: Path) -> int:
     at = 1 + len([part for part in location[1:2] if isinstance(part, int)])
     tagged = len(location) > at and location[at] in KINDS.get(str(location[0]), ())
     return at if tagged else 0
-
-
-def value_at(tables: Mapping[str, Any], path: Path, default: object = None) -> Any:
-    """Return the value at a path, or a default."""
-    value: Any = tables
-    for part in path:
-        try:
-            value = value[part]
-        except (KeyError, IndexError, TypeError):
-            return default
-    return value
 
 
 def dotted(path: Path) -> str:

@@ -13,10 +13,10 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from, dotted, faults_of, value_at
+from bladewhirl.models.case.check import case_from, dotted, faults_of
 from bladewhirl.models.case.excitation import EXCITATIONS
 from bladewhirl.models.inputs.errors import CaseError, Fault
-from bladewhirl.models.inputs.table import Table, path_of
+from bladewhirl.models.inputs.table import Table, path_of, value_at
 
 MOST_LETTERS = 2**24
 """Largest length of a case file [characters]; a longer file cannot be a case."""

@@ -1,6 +1,6 @@
 """Base class of the tables of a case: immutable, without unknown keys, checked for consistency."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple, Self
 
 from pydantic import (
@@ -14,6 +14,9 @@ from pydantic import (
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from bladewhirl.models.inputs.errors import demand
+
+Path = tuple[str | int, ...]
+"""Keys and row numbers from a table to a value."""
 
 INCONSISTENT = "inconsistent"
 """Type of the errors raised here; their context contains the fields of an `Inconsistency`."""
@@ -29,15 +32,30 @@ class Inconsistency(NamedTuple):
     place: str = ""  #: name of a part of the table that has no key, shown in place of a key
 
     @property
-    def path(self) -> tuple[str | int, ...]:
+    def path(self) -> Path:
         """Names and row numbers of which `key` consists."""
         return path_of(self.key)
 
 
-def path_of(key: str) -> tuple[str | int, ...]:
+def path_of(key: str) -> Path:
     """Return the names and the row numbers of which a dotted key consists."""
     parts = key.split(".") if key else []
     return tuple(int(part) if part.isdigit() else part for part in parts)
+
+
+def value_at(tables: object, path: Path, default: object = None) -> Any:
+    """Return the value at a path in a `Table`, or in the mappings and lists of a case file; the
+    default if there is none."""
+    value: Any = tables
+    for part in path:
+        try:
+            if isinstance(value, Table):
+                value = getattr(value, str(part))
+            else:
+                value = value[str(part) if isinstance(value, Mapping) else part]
+        except (AttributeError, KeyError, IndexError, TypeError):
+            return default
+    return value
 
 
 class Table(BaseModel):
@@ -66,7 +84,7 @@ class Table(BaseModel):
                     INCONSISTENT, "{demand}", fault._asdict() | {"demand": demand(fault.expected)}
                 ),
                 loc=fault.path,
-                input=self if fault.value or fault.place else _value_at(self, fault.path),
+                input=self if fault.value or fault.place else value_at(self, fault.path),
             )
             for fault in self.inconsistencies()
         ]
@@ -94,10 +112,3 @@ class ReplacedKeys(Table):
             for name, field in type(self).model_fields.items()
             if name not in kept and getattr(self, name) != field.default
         ]
-
-
-def _value_at(table: Table, path: tuple[str | int, ...]) -> Any:
-    value: Any = table
-    for part in path:
-        value = value[part] if isinstance(part, int) else getattr(value, part)
-    return value

@@ -12,8 +12,13 @@ from bladewhirl.postprocess.plotting.titles import speed_label
 from bladewhirl.postprocess.reports.figures import figures_of_run
 from bladewhirl.postprocess.reports.instants import instants
 from bladewhirl.postprocess.reports.page import Page, PageSection, PageTable, report_figures
-from bladewhirl.postprocess.reports.provenance import Provenance, case_section, subject
-from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table
+from bladewhirl.postprocess.reports.parts import (
+    REGIMES,
+    Provenance,
+    case_section,
+    criterion_table,
+    subject,
+)
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.figures import RunFigures

@@ -9,9 +9,15 @@ import xarray as xr
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY, rate_text
 from bladewhirl.postprocess.plotting.axes import SPEED
 from bladewhirl.postprocess.reports import page
-from bladewhirl.postprocess.reports.provenance import Provenance, case_section, subject
+from bladewhirl.postprocess.reports.parts import (
+    REGIMES,
+    Provenance,
+    case_section,
+    criterion_table,
+    key_heading,
+    subject,
+)
 from bladewhirl.postprocess.reports.sweep_explorer import frequency_explorer, points_explorer
-from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, key_heading
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, SCREENED, swept, swept_keys
 from bladewhirl.postprocess.sweep.drawing import in_handy_units, key_label, line_label

@@ -1,15 +1,15 @@
 """Summary of a run: `summary.json`."""
 
-import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any, TypedDict
 
 import numpy as np
 import xarray as xr
 
+from bladewhirl.files import json_text
 from bladewhirl.postprocess.energy import strain
-from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, RegimeName, classify
+from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, Regime, RegimeName, classify
 from bladewhirl.postprocess.energy.works import Works, late_drive_power, works
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.result import reduce_modes
@@ -53,7 +53,31 @@ ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class Summary:
+class MarchQuality:
+    """Quality and cost of a march and the wear of a coating: the last entries of a summary."""
+
+    energy_residual: float  #: error of the energy balance, relative to its largest term
+    complementarity_residual: float  #: largest residual of any step, relative to the gap's scale
+    unsolved_steps: int
+    """Number of steps whose contact problem no exact method solved; for a superelement, steps whose
+    forces or sliding directions did not converge."""
+    dt_over_critical: float  #: ratio of the time step to the critical time step
+    steps: int
+    wall_time: float  #: [s]
+    us_per_step: float  #: [µs]
+    wear: dict[str, Any] = field(default_factory=dict)
+    """Wear of the coating, see `wear_summary`; its entries are keys of `summary.json`."""
+
+    def to_json(self) -> str:
+        """Return the summary as a JSON document with full precision."""
+        entries = asdict(self)
+        last = {each.name: entries.pop(each.name) for each in fields(MarchQuality)}
+        wear = last.pop("wear")
+        return json_text(entries | last | wear)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Summary(MarchQuality):
     """Key figures of a run; the fields are the keys of `summary.json`."""
 
     regime: RegimeName
@@ -93,21 +117,6 @@ class Summary:
     yield_strength: float | None  #: lowest of the yield strengths given in the case [Pa]
     contact_share: list[float]  #: share of the time steps in contact, for each blade
     gap_violation_max: float  #: deepest penetration at any step [m]
-    energy_residual: float  #: error of the energy balance, relative to its largest term
-    complementarity_residual: float  #: largest residual of any step, relative to the gap's scale
-    unsolved_steps: int  #: number of steps whose contact problem no exact method solved
-    dt_over_critical: float  #: ratio of the time step to the critical time step
-    steps: int
-    wall_time: float  #: [s]
-    us_per_step: float  #: [µs]
-    wear: dict[str, Any] = field(default_factory=dict)
-    """Wear of the coating, see `wear_summary`; its entries are keys of `summary.json`."""
-
-    def to_json(self) -> str:
-        """Return the summary as a JSON document with full precision."""
-        entries = asdict(self)
-        entries |= entries.pop("wear")
-        return json.dumps(entries, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
 def summarise(
@@ -132,29 +141,19 @@ def summarise(
     Raises:
         ValueError: an entry of the report is missing.
     """
-    missing = [key for key in MARCH_REPORT if key not in march_report]
-    if missing:
-        raise ValueError(f"march report: expected {', '.join(MARCH_REPORT)}; lacks {missing}")
     energies = strain.strain_energies(dataset) if energies is None else energies
     orbit = shaft_orbit(dataset) if orbit is None else orbit
     radius = orbit["radius"].values
     regime = classify(dataset, energies["total"].values)
     power, speed = late_drive_power(dataset), float(dataset.attrs["speed"])
-    report: dict[str, Any] = {key: kind(march_report[key]) for key, kind in MARCH_REPORT.items()}
     casing = dataset["casing_frequency"].values * dataset["casing_displacement"][-1].values
-    contact_steps = dataset["contact_steps"].sum("time").values
     tips = _largest_tip_displacement(dataset)
     return Summary(
-        regime=regime.name,
-        regime_criterion=f"{CRITERION_TEXT}. Here: {regime.reason}.",
-        growth_rate=regime.growth.rate if regime.growth else None,
-        growth_rate_error=regime.growth.error if regime.growth else None,
+        **common_figures(dataset, regime, march_report),
         growth_rate_end=regime.growth.end_rate if regime.growth else None,
         growth_residual=regime.growth.residual if regime.growth else None,
         ripple_growth_rate=regime.ripple.rate if regime.ripple else None,
         ripple_growth_rate_error=regime.ripple.error if regime.ripple else None,
-        end_reason=str(dataset.attrs["end_reason"]),
-        end_time=float(dataset["time"][-1]),
         shaft_radius_max=float(radius.max()),
         shaft_radius_final=float(radius[-1]),
         **_whirl_figures(orbit, moves=bool(radius.max() > ROUNDING * tips)),
@@ -168,15 +167,38 @@ def summarise(
         drive_torque=_finite(power / speed) if speed else None,
         casing_displacement_max=extremes.casing_peaks(dataset),
         contact_force_max=extremes.largest_force(dataset),
-        contact_impulse=float(dataset["contact_impulse"].sum()),
         stress_max=extremes.stress_peaks(peak_stresses(dataset) if stresses is None else stresses),
         yield_strength=dataset.attrs.get("yield_strength"),
-        contact_share=(contact_steps / max(report["steps"], 1)).tolist(),
         gap_violation_max=max(0.0, -float(dataset["gap"].min())),
-        energy_residual=energy_residual(dataset),
-        wear=wear_summary(dataset),
-        **report,
     )
+
+
+def common_figures(
+    dataset: xr.Dataset, regime: Regime, march_report: Mapping[str, float]
+) -> dict[str, Any]:
+    """Return the fields that summaries of beams and of superelements have in common, by name.
+
+    Raises:
+        ValueError: an entry of the report is missing.
+    """
+    missing = [key for key in MARCH_REPORT if key not in march_report]
+    if missing:
+        raise ValueError(f"march report: expected {', '.join(MARCH_REPORT)}; lacks {missing}")
+    report = {key: kind(march_report[key]) for key, kind in MARCH_REPORT.items()}
+    contact_steps = dataset["contact_steps"].sum("time").values
+    return {
+        "regime": regime.name,
+        "regime_criterion": f"{CRITERION_TEXT}. Here: {regime.reason}.",
+        "growth_rate": regime.growth.rate if regime.growth else None,
+        "growth_rate_error": regime.growth.error if regime.growth else None,
+        "end_reason": str(dataset.attrs["end_reason"]),
+        "end_time": float(dataset["time"][-1]),
+        "contact_impulse": float(dataset["contact_impulse"].sum()),
+        "contact_share": (contact_steps / max(report["steps"], 1)).tolist(),
+        "energy_residual": energy_residual(dataset),
+        "wear": wear_summary(dataset),
+        **report,
+    }
 
 
 def energy_residual(dataset: xr.Dataset) -> float:
@@ -189,6 +211,7 @@ def energy_residual(dataset: xr.Dataset) -> float:
     works = {
         name: dataset.variables[f"{name}_work"].values
         for name in ("external", "normal", "friction", "coupling", "damping")
+        if f"{name}_work" in dataset  # a superelement has no coupling
     }
     energy = dataset.variables["energy"].values
     since: dict[str, Array] = {name: work - work[0] for name, work in works.items()}

@@ -1,11 +1,9 @@
-"""Summary of a run as rows of text and as a table on screen; hint about large displacements."""
+"""Summary of a run as rows of text; hint about large displacements."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from rich.table import Table
 
 from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.inputs.units import handy
@@ -146,16 +144,6 @@ def _contact(shares: list[float]) -> str:
     numbers = ", ".join(map(str, blades))
     share = f"{touched.min():.3g} to {touched.max():.3g} % of the steps"
     return f"{len(blades)} of {len(shares)}: {numbers}; {share}"
-
-
-def rows_table(rows: Mapping[str, str]) -> Table:
-    """Return rows of a summary as a table for the screen."""
-    table = Table(show_header=False, box=None, pad_edge=False)
-    table.add_column(style="cyan", no_wrap=True)
-    table.add_column(overflow="fold")
-    for name, value in rows.items():
-        table.add_row(name, f"[bold]{value}[/]" if name == "regime" else value)
-    return table
 
 
 def displacement_hints(summary: Summary, result: xr.Dataset) -> tuple[str, ...]:

@@ -1,8 +1,7 @@
-"""Summary and regime of the run of a superelement."""
+"""Summary and regime of the run of a superelement, and its reduction to the data of a sweep."""
 
-import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,24 +9,31 @@ import xarray as xr
 
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.growth_rates import RIGID, windowed_amplitude
-from bladewhirl.postprocess.energy.regimes import (
-    CRITERION_TEXT,
-    Regime,
-    RegimeName,
-    classify_windows,
-)
+from bladewhirl.postprocess.energy.regimes import Regime, RegimeName, classify_windows
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.result import portions
-from bladewhirl.postprocess.run.summary import MARCH_REPORT, energy_residual
-from bladewhirl.postprocess.run.wear import wear_summary
+from bladewhirl.postprocess.fields.windows import late_part
+from bladewhirl.postprocess.run.summary import MarchQuality, common_figures
 from bladewhirl.postprocess.superelement.motion import DIRECTIONS, check_superelement
 from bladewhirl.postprocess.superelement.ring import is_flexible, ring_displacement
+from bladewhirl.postprocess.sweep.dataset import NATURAL, WINDOW_SHARE, Layout
+from bladewhirl.postprocess.sweep.digest import (
+    Digest,
+    coded,
+    magnitudes,
+    padded,
+    span_starts,
+    wear_numbers,
+)
+
+TANGENTIAL = DIRECTIONS.index("tangential")
 
 LATE = 10
 """The impulse per revolution is averaged over up to this many complete revolutions at the end."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class NodeSummary:
+class NodeSummary(MarchQuality):
     """Key figures of the run of a superelement."""
 
     end_reason: str  #: "completed", "divergent" or "interrupted"
@@ -53,22 +59,7 @@ class NodeSummary:
     """Largest radial displacement of a node of a flexible casing [m]; None for a rigid wall."""
     gap_min: float  #: smallest gap at any step [m]
     work: dict[str, float]  #: works of "load", "normal", "friction", "damping" [J]
-    wear: dict[str, Any]
-    """Wear of the coating, with the keys of `wear_summary`; empty without a coating."""
     energy_final: float  #: energy at the end [J]
-    energy_residual: float  #: error of the energy balance, relative to its largest term
-    complementarity_residual: float  #: largest residual of any step, relative to the gap's scale
-    unsolved_steps: int  #: steps whose forces or sliding directions did not converge
-    dt_over_critical: float  #: ratio of the time step to the critical time step
-    steps: int
-    wall_time: float  #: [s]
-    us_per_step: float  #: [µs]
-
-    def to_json(self) -> str:
-        """Return the summary as a JSON document with full precision."""
-        values = asdict(self)
-        values |= values.pop("wear")
-        return json.dumps(values, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
     def rows(self) -> dict[str, str]:
         """Return the rows of the summary, with rounded values in convenient units."""
@@ -114,7 +105,6 @@ def summarise_nodes(dataset: xr.Dataset, march_report: Mapping[str, float]) -> N
         march_report: quality measures of the march, see `postprocess.run.summary.summarise`.
     """
     check_superelement(dataset)
-    report: dict[str, Any] = {key: kind(march_report[key]) for key, kind in MARCH_REPORT.items()}
     time, impulse = dataset["time"].values, dataset["contact_impulse"].values
     speed, blade = abs(float(dataset.attrs["speed"])), dataset["blade"].values
     spacing = np.diff(time, prepend=-np.inf)
@@ -122,17 +112,10 @@ def summarise_nodes(dataset: xr.Dataset, march_report: Mapping[str, float]) -> N
     record, node = np.unravel_index(int(force.argmax()), force.shape)
     moved = np.abs(dataset["contact_displacement"].values).max(axis=(0, 1))
     names = {"load": "external", "normal": "normal", "friction": "friction", "damping": "damping"}
-    regime = node_regime(dataset)
     turns = speed * float(time[-1]) / (2.0 * np.pi)
     return NodeSummary(
-        end_reason=str(dataset.attrs["end_reason"]),
-        end_time=float(time[-1]),
+        **common_figures(dataset, node_regime(dataset), march_report),
         revolutions=turns,
-        regime=regime.name,
-        regime_criterion=f"{CRITERION_TEXT}. Here: {regime.reason}.",
-        growth_rate=regime.growth.rate if regime.growth else None,
-        growth_rate_error=regime.growth.error if regime.growth else None,
-        contact_impulse=float(impulse.sum()),
         contact_impulse_by_blade=np.bincount(blade, impulse.sum(axis=0)).tolist(),
         impulse_per_revolution=_late_impulse(time, impulse.sum(axis=1), speed),
         contact_force_max={
@@ -141,9 +124,6 @@ def summarise_nodes(dataset: xr.Dataset, march_report: Mapping[str, float]) -> N
             "node": int(dataset["node"].values[node]),
             "time": float(time[record]),
         },
-        contact_share=(
-            dataset["contact_steps"].values.sum(axis=0) / max(report["steps"], 1)
-        ).tolist(),
         contact_displacement_max=dict(zip(DIRECTIONS, moved.tolist(), strict=True)),
         casing_displacement_max=_largest_of_ring(dataset),
         gap_min=float(dataset["gap"].values[1:].min(initial=np.inf))
@@ -153,10 +133,7 @@ def summarise_nodes(dataset: xr.Dataset, march_report: Mapping[str, float]) -> N
             name: float(dataset[f"{key}_work"][-1]) * (-1.0 if name == "damping" else 1.0)
             for name, key in names.items()
         },
-        wear=wear_summary(dataset),
         energy_final=float(dataset["energy"][-1]),
-        energy_residual=energy_residual(dataset.assign(coupling_work=0.0 * dataset["energy"])),
-        **report,
     )
 
 
@@ -211,3 +188,80 @@ def _late_impulse(time: np.ndarray[Any, Any], total: Any, speed: float) -> float
         return None
     sums = np.interp([time[-1] - whole * turn, time[-1]], time, np.cumsum(total))
     return float((sums[1] - sums[0]) / whole)
+
+
+def node_digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> Digest:
+    """Reduce the result of a superelement to the data of a sweep.
+
+    Args:
+        dataset: the result.
+        report: quality measures of the march, as for `summarise_nodes`.
+        layout: sizes of the arrays; elements without a value are NaN.
+    """
+    summary, late = summarise_nodes(dataset, report), late_part(dataset)
+    time, energy = dataset["time"].values, dataset["energy"].values
+    step = float(dataset.attrs["record_step"])
+    first = len(time) - max(1, round(min(layout.window, WINDOW_SHARE * np.ptp(time)) / step))
+    starts = span_starts(len(time), layout.samples)
+    counts = np.diff(starts, append=len(time))
+    moved = dataset["contact_displacement"].values
+    radial = np.abs(moved[:, :, 0]).max(axis=1)
+    late_steps = np.ptp(late["time"].values) / float(dataset.attrs["time_step"])
+    share = late["contact_steps"].values[1:].sum(axis=0) / max(late_steps, 1.0)
+    blade = dataset["blade"].values
+    values = {
+        "regime": summary.regime,
+        "end_reason": summary.end_reason,
+        "end_time": summary.end_time,
+        "steps": summary.steps,
+        "unsolved_steps": summary.unsolved_steps,
+        "rotation_speed": dataset.attrs["speed"],
+        "reference_frequency": dataset.attrs["reference_frequency"],
+        "growth_rate": _number(summary.growth_rate),
+        "growth_error": _number(summary.growth_rate_error),
+        "smallest_clearance": smallest_node_clearance(dataset),
+        "impulse_per_revolution": _number(summary.impulse_per_revolution),
+        "contact_force_max": summary.contact_force_max["force"],
+        "contact_share": padded(_by_blade(blade, np.array(summary.contact_share)), layout.blades),
+        "late_contact_share": padded(_by_blade(blade, share), layout.blades),
+        "displacement_max": max(summary.contact_displacement_max.values()),
+        "late_displacement": np.abs(late["contact_displacement"].values).max(axis=(0, 1)),
+        "casing_displacement_max": _number(summary.casing_displacement_max),
+        **wear_numbers(dataset),
+        "gap_violation_max": max(0.0, -summary.gap_min),
+        "energy_residual": summary.energy_residual,
+        "complementarity_residual": summary.complementarity_residual,
+        "dt_over_critical": summary.dt_over_critical,
+        "window_start": time[first],
+        "natural_frequency": padded(_natural(dataset), NATURAL),
+        "spectrum": _amplitudes(moved[first:, :, TANGENTIAL], step, layout.frequency),
+        "energy_max": energy.max(),
+        "history_time": padded(time[starts], layout.samples),
+        "radial_history": padded(np.maximum.reduceat(radial, starts), layout.samples),
+        "energy_history": padded(np.add.reduceat(energy, starts) / counts, layout.samples),
+    }
+    return coded(values, layout)
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else value
+
+
+def _by_blade(blade: IntArray, share: Array) -> Array:
+    """Return for each blade the largest share of time in contact among its contact nodes."""
+    largest = np.zeros(int(blade.max()) + 1)
+    np.maximum.at(largest, blade, share)
+    return largest
+
+
+def _natural(dataset: xr.Dataset) -> Array:
+    """Return up to `NATURAL` of the lowest natural frequencies of the first copy [Hz]."""
+    return np.asarray(np.sort(dataset["modal_frequency"].values[0])[:NATURAL] / (2.0 * np.pi))
+
+
+def _amplitudes(motion: Array, step: float, frequency: Array) -> Array:
+    """Return the amplitudes of the node that moves most, (frequencies,). `motion` (records, nodes)
+    is the motion of all nodes; `frequency` [Hz] begins at zero."""
+    node = int(np.abs(motion).max(axis=0).argmax())
+    size = 2.0 * magnitudes(motion[:, node].astype(complex), step, frequency)
+    return np.where(frequency == 0.0, 0.5 * size, size)

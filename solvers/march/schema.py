@@ -4,13 +4,13 @@ The schema is the table schema.csv in the folder of this module. The schema dete
 that are written and read; `schema_table` returns it as text.
 """
 
-import csv
 from collections.abc import Iterator, Mapping
-from importlib import resources
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from bladewhirl.files import packaged_rows
 
 RESULT_NAME = "result.nc"
 """Name of the result file in the folder of a run."""
@@ -55,7 +55,6 @@ class Variable(NamedTuple):
 
 
 def _read(table: str) -> dict[str, Variable]:
-    text = resources.files(__package__).joinpath("schema.csv").read_text(encoding="utf-8")
     return {
         row["name"]: Variable(
             dimensions=tuple(row["dimensions"].split()),
@@ -67,7 +66,7 @@ def _read(table: str) -> dict[str, Variable]:
             values=row["values"],
             labels=tuple(row["labels"].split()),
         )
-        for row in csv.DictReader(text.splitlines())
+        for row in packaged_rows(__package__, "schema.csv")
         if table in row["table"].split()
     }
 

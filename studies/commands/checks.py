@@ -7,7 +7,7 @@ import typer
 
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import emit, interruptible, progress_bar, table
-from bladewhirl.studies.modal.columns import Column
+from bladewhirl.studies.runs.columns import Column
 
 FAILED = 1
 """Exit code if the error of a case exceeds its tolerance."""

@@ -14,12 +14,11 @@ from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import (
     INTERRUPTED,
     emit,
-    facts,
     progress_bar,
     reduction_bar,
     table,
 )
-from bladewhirl.studies.modal.columns import Column, rows_of
+from bladewhirl.studies.runs.columns import Column, facts, rows_of
 
 if TYPE_CHECKING:
     from bladewhirl.studies.runs.recorded_march import Activity

@@ -9,8 +9,8 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.terminal import emit, facts, progress_bar, reduction_bar, table
-from bladewhirl.studies.modal.columns import Column, texts
+from bladewhirl.studies.commands.terminal import emit, progress_bar, reduction_bar, table
+from bladewhirl.studies.runs.columns import Column, facts, texts
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -71,7 +71,7 @@ def modes(
     from bladewhirl.models.modal.full_stage import modal_stage
     from bladewhirl.studies.modal import modes as study
     from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
-    from bladewhirl.studies.modal.superelement import superelement_modes
+    from bladewhirl.studies.runs.properties import superelement_modes
 
     for name, value in {"--shapes": shapes, "--animate": animate, "--wave": wave}.items():
         if output is None and value is not None:

@@ -12,8 +12,8 @@ import typer
 
 from bladewhirl.models.inputs.errors import CaseError, UserError, writing
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.terminal import emit, facts, reduction_bar, table
-from bladewhirl.studies.modal.columns import Column, texts
+from bladewhirl.studies.commands.terminal import emit, reduction_bar, table
+from bladewhirl.studies.runs.columns import Column, facts, texts
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -147,7 +147,7 @@ def show(
 def _of_superelement(case: Case) -> Shown:
     from bladewhirl.models.stage.hints import superelement_hints
     from bladewhirl.models.stage.superelement_stage import superelement_stage
-    from bladewhirl.studies.modal.superelement import superelement_properties
+    from bladewhirl.studies.runs.properties import superelement_properties
     from bladewhirl.studies.runs.superelement_picture import draw_superelement
 
     with reduction_bar():

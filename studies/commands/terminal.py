@@ -20,7 +20,7 @@ import typer
 from typer.core import TyperGroup
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.studies.modal.columns import Column
+from bladewhirl.studies.runs.columns import Column
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -66,37 +66,24 @@ def table(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], title: s
     return printed
 
 
-def facts(values: Mapping[str, str]) -> Table:
-    """Return a table of names and values without headings."""
-    from rich.markup import escape
-    from rich.table import Table
-
-    printed = Table(show_header=False, box=None, pad_edge=False)
-    printed.add_column(style="cyan", no_wrap=True)
-    printed.add_column(overflow="fold")
-    for name, value in values.items():
-        printed.add_row(escape(name), escape(value))
-    return printed
-
-
 def emit(
     document: Any, *parts: Table | str, json: bool, written: Sequence[Path | None] = ()
 ) -> None:
     """Print one JSON document, or tables and lines; then the names of written files.
 
     Args:
-        document: document printed with --json. It must not contain NaN.
+        document: document printed with --json; NaN is null.
         parts: tables and lines printed without --json.
         json: whether --json is set.
         written: written files and folders, or None; with --json the names are printed on standard
             error.
     """
-    from json import dumps
-
     from rich.console import Console
 
+    from bladewhirl.files import json_text
+
     if json:
-        typer.echo(dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
+        typer.echo(json_text(document), nl=False)
         parts = ()
     for part in parts:
         if isinstance(part, str):

@@ -74,7 +74,7 @@ def compare_schemes(
 
 
 def schemes_document(data: xr.Dataset) -> dict[str, Any]:
-    """Return the numbers of each scheme, and the last value of each history; null if missing."""
+    """Return the numbers of each scheme, and the last value of each history."""
     return {
         "title": data.attrs["title"],
         "speed": data.attrs["speed"],
@@ -86,12 +86,12 @@ def schemes_document(data: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _last_value(values: xr.DataArray) -> float | None:
+def _last_value(values: xr.DataArray) -> float:
     """Return the value of a number, the last value of a history, or the largest of the tip
-    displacements; None if the value is not finite."""
+    displacements."""
     if values.ndim:
         values = values.max() if values.name == "tip_displacement" else values.dropna("time")[-1]
-    return float(values) if np.isfinite(values) else None
+    return float(values)
 
 
 def _marched(prepared: Prepared, number: int, progress: Progress | None) -> xr.Dataset:

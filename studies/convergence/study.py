@@ -5,7 +5,6 @@ march: by the distance of the shaft's orbits (root mean square in rotating axes,
 radius of the finest orbit), the total normal impulse and the regime.
 """
 
-import json
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import minimize_scalar
 
-from bladewhirl.files import write_atomically
+from bladewhirl.files import json_text, write_atomically
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
@@ -53,8 +52,8 @@ class Convergence:
     modes: xr.Dataset  #: from `mode_convergence`
 
     def as_json(self) -> dict[str, Any]:
-        """Return both datasets as a JSON document; missing numbers are null."""
-        return {name: _plain(getattr(self, name)) for name in ("time_steps", "modes")}
+        """Return both datasets as a document, for `files.json_text`."""
+        return {"time_steps": _document(self.time_steps), "modes": _document(self.modes)}
 
 
 def convergence(
@@ -111,8 +110,7 @@ def convergence(
     with writing(folder):
         save_figure(plot_time_steps(study.time_steps), folder / "time-step", study.time_steps)
         save_figure(plot_modes(study.modes), folder / "modes", study.modes)
-        text = json.dumps(study.as_json(), indent=2, allow_nan=False, ensure_ascii=False)
-        write_atomically(folder / "convergence.json", text + "\n")
+        write_atomically(folder / "convergence.json", json_text(study.as_json()))
     return study
 
 
@@ -308,10 +306,6 @@ def _relative(difference: FloatArray, reference: float) -> FloatArray:
     return np.abs(difference) / reference if reference else np.full(len(difference), np.nan)
 
 
-def _plain(data: xr.Dataset) -> dict[str, Any]:
-    """Return a dataset as a JSON document; numbers that are not finite are null."""
+def _document(data: xr.Dataset) -> dict[str, Any]:
     columns = {str(name): data[name].values.tolist() for name in [*data.coords, *data.data_vars]}
-    document: dict[str, Any] = json.loads(
-        json.dumps(columns | data.attrs), parse_constant=lambda constant: None
-    )
-    return document
+    return columns | data.attrs

@@ -16,8 +16,8 @@ from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.campbell import Frame, drawn_part, plot_campbell
 from bladewhirl.solvers.stability.coincidence import coincidences
 from bladewhirl.studies.modal.campbell_at_speed import dataset_at_speed, disk_waves, meetings
-from bladewhirl.studies.modal.columns import Column, quantity, rows_of
 from bladewhirl.studies.modal.modes import full_stage
+from bladewhirl.studies.runs.columns import Column, quantity, rows_of
 from bladewhirl.studies.runs.figures_folder import save_figures
 
 Interval = tuple[float | str, float | str]

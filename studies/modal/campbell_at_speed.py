@@ -18,7 +18,7 @@ from bladewhirl.models.modal.labels import LabelledModes, families_at_speed
 from bladewhirl.models.rotation.at_speed import TurningDisk, speed_of_growth
 from bladewhirl.models.rotation.waves import REAL, Waves, waves
 from bladewhirl.solvers.stability.coincidence import Coincidences
-from bladewhirl.studies.modal.columns import quantity
+from bladewhirl.studies.runs.columns import quantity
 
 LINE_SPEEDS = 61
 """Number of speeds at which the frequencies of a branch are computed."""

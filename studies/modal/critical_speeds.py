@@ -12,9 +12,9 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.stage.stage import Stage
-from bladewhirl.studies.modal.columns import Column, quantity, rows_of
 from bladewhirl.studies.modal.modes import full_stage
 from bladewhirl.studies.modal.veering import spring_stiffnesses
+from bladewhirl.studies.runs.columns import Column, quantity, rows_of
 
 ORDERS = {"forward": 0, "backward": 2}
 """Ratio of the frequency in the rotating frame to the speed of rotation, for forward and backward

@@ -11,7 +11,7 @@ from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import is_first_of_pair
 from bladewhirl.models.rotation.whirl_modes import Direction, WhirlModes, directions
 from bladewhirl.models.stage.stage import Stage
-from bladewhirl.studies.modal.columns import Column, quantity, rows_of
+from bladewhirl.studies.runs.columns import Column, quantity, rows_of
 
 LEVELS = {
     "body": "bladed-disk or casing",

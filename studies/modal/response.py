@@ -15,7 +15,7 @@ from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.stage.engine_order import complex_factors, unit_forces
 from bladewhirl.models.stage.stage import Stage, build_stage, rotor_at
 from bladewhirl.postprocess.modal.response import amplitude, by_nodal_diameter
-from bladewhirl.studies.modal.columns import Column, quantity
+from bladewhirl.studies.runs.columns import Column, quantity
 
 PEAKS = (
     Column("order", "engine order", "d"),

@@ -19,7 +19,7 @@ from bladewhirl.solvers.stability.scenario import (
     motion_scenario,
     smallest_clearance_angle,
 )
-from bladewhirl.studies.modal.columns import quantity
+from bladewhirl.studies.runs.columns import quantity
 
 TIMES, ANGLES = 97, 1440
 """Number of instants in one turn, and of angles around the casing."""

@@ -22,10 +22,10 @@ from bladewhirl.solvers.stability.coupled_modes import (
 from bladewhirl.solvers.stability.floquet import coupled_floquet
 from bladewhirl.solvers.stability.growth import Progress, is_unstable
 from bladewhirl.solvers.stability.scenario import motion_scenario
-from bladewhirl.studies.modal.columns import quantity
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System, couple
 from bladewhirl.studies.modal.modes import full_stage
 from bladewhirl.studies.modal.stability_chart import GROWTH, MULTIPLES, STIFFNESS, stability_chart
+from bladewhirl.studies.runs.columns import quantity
 
 SPEEDS, KAPPAS = np.linspace(0.6, 3.0, 600), np.linspace(0.0, 1000.0, 300)
 """Default speeds (multiples of the reference frequency) and stiffnesses [N/m] of a chart."""

@@ -11,8 +11,8 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.solvers.stability.growth import Progress, coincidence_speeds, eigenvalues, track
 from bladewhirl.solvers.stability.zones import UnstableZones, unstable_zones
-from bladewhirl.studies.modal.columns import quantity
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System
+from bladewhirl.studies.runs.columns import quantity
 
 StringArray = NDArray[np.str_]
 

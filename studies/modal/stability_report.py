@@ -10,7 +10,6 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum, plot_truncation
 from bladewhirl.solvers.stability.growth import Progress, is_unstable
-from bladewhirl.studies.modal.columns import Column, rows_of
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System
 from bladewhirl.studies.modal.stability import stability_point
 from bladewhirl.studies.modal.stability_chart import (
@@ -19,6 +18,7 @@ from bladewhirl.studies.modal.stability_chart import (
     truncation,
     zones,
 )
+from bladewhirl.studies.runs.columns import Column, rows_of
 from bladewhirl.studies.runs.figures_folder import save_figures
 
 BORDERS = (

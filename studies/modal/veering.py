@@ -14,8 +14,8 @@ from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
 from bladewhirl.solvers.stability.veering import ShaftVeering, shaft_veering, whirl_veering
-from bladewhirl.studies.modal.columns import Column, quantity, rows_of
 from bladewhirl.studies.modal.modes import full_stage, modes
+from bladewhirl.studies.runs.columns import Column, quantity, rows_of
 from bladewhirl.studies.runs.figures_folder import save_figures
 
 STIFFNESSES, DECADES = 241, 3

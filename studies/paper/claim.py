@@ -12,8 +12,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
+from bladewhirl.files import packaged_rows
 from bladewhirl.postprocess.fields.kinematics import ViewError
-from bladewhirl.studies.paper.trials import Evidence, NotTestableError, table
+from bladewhirl.studies.paper.trials import Evidence, NotTestableError
 
 Verdict = Literal["holds", "partly", "does not hold", "not testable"]
 
@@ -137,8 +138,8 @@ CLAIMS: dict[int, Claim] = {}
 """All claims by number, filled by the modules claims_*."""
 
 
-ROWS = {int(row["number"]): row for row in table("claims")}
-CHECKS = table("checks")
+ROWS = {int(row["number"]): row for row in packaged_rows(__package__, "claims.csv")}
+CHECKS = packaged_rows(__package__, "checks.csv")
 
 
 def measures(*numbers: int) -> Callable[[Measure], Measure]:

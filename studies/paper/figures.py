@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bladewhirl.files import packaged_rows
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum
 from bladewhirl.postprocess.plotting.style import save_figure
@@ -23,7 +24,7 @@ from bladewhirl.studies.modal.stability import fastest_mode
 from bladewhirl.studies.modal.stability_chart import spectrum_along, stability_chart
 from bladewhirl.studies.modal.veering import draw_veering, veering
 from bladewhirl.studies.paper.claims_modal import EXAMPLE, RANGE
-from bladewhirl.studies.paper.trials import Evidence, NotTestableError, table
+from bladewhirl.studies.paper.trials import Evidence, NotTestableError
 
 CHART_SPEEDS, CHART_KAPPAS = np.linspace(*RANGE, 241), np.linspace(0.0, 1000.0, 101)
 """Normalised speeds and stiffnesses [N/m] of the chart."""
@@ -154,6 +155,8 @@ def _panel(row: Mapping[str, str]) -> FigurePart:
 
 PAPER_FIGURES: Mapping[str, PaperFigure] = {
     number: PaperFigure(caption=title, panels=tuple(map(_panel, rows)))
-    for (number, title), rows in groupby(table("figures"), itemgetter("figure", "title"))
+    for (number, title), rows in groupby(
+        packaged_rows(__package__, "figures.csv"), itemgetter("figure", "title")
+    )
 }
 """Figures in figures.csv by their number in the paper."""

@@ -1,6 +1,5 @@
 """Scorecard: verdicts of claims from all repeats, with numbers, as JSON, a table and a page."""
 
-import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from rich import box
 from rich import table as rich_table
 from rich.markup import escape
 
+from bladewhirl.files import json_text
 from bladewhirl.postprocess.reports.page import Page, PageSection, PageTable, ReportFigure
 from bladewhirl.studies.paper.claim import VERDICTS, Claim, Finding, Verdict
 
@@ -80,12 +80,8 @@ class Scorecard:
 
     def to_json(self) -> str:
         """Return the scorecard as a JSON document."""
-        document = {
-            "conditions": self.conditions,
-            "counts": self.counts,
-            "claims": [_entry(score) for score in self.scores],
-        }
-        return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+        claims = [_entry(score) for score in self.scores]
+        return json_text({"conditions": self.conditions, "counts": self.counts, "claims": claims})
 
 
 def _entry(score: Score) -> dict[str, Any]:

@@ -1,17 +1,16 @@
 """Modal measures, marches and sweeps by which claims are judged; each is computed once."""
 
-import csv
 import math
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib import resources
 from pathlib import Path
 from typing import Any, Literal, cast
 
 import xarray as xr
 
+from bladewhirl.files import packaged_rows
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.case.file import override_values, with_values
@@ -113,12 +112,6 @@ class Trial:
     repeated: bool  #: whether each repeat of a claim has its own march, with a perturbed force
 
 
-def table(name: str) -> list[dict[str, str]]:
-    """Return the rows of a CSV file in the folder of this module."""
-    text = resources.files(__package__).joinpath(f"{name}.csv").read_text(encoding="utf-8")
-    return list(csv.DictReader(text.splitlines()))
-
-
 TRIALS: Mapping[str, Trial] = {
     row["name"]: Trial(
         load=cast(Load, row["load"]),
@@ -126,7 +119,7 @@ TRIALS: Mapping[str, Trial] = {
         length=float(row["length"]),
         repeated=row["repeated"] == "yes",
     )
-    for row in table("trials")
+    for row in packaged_rows(__package__, "trials.csv")
 }
 """Marches in trials.csv by name: a load of the paper, with changes of the case as by --set."""
 
@@ -140,7 +133,7 @@ SURVEYS: Mapping[str, Survey] = {
         changes=override_values([row["changes"]] if row["changes"] else []),
         over={"coupling.stiffness": KAPPAS} if row["over stiffness"] else {},
     )
-    for row in table("surveys")
+    for row in packaged_rows(__package__, "surveys.csv")
 }
 """Sweeps in surveys.csv by name: over speed, some of them also over `KAPPAS`."""
 

@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 from platform import platform
 from typing import Any, NamedTuple
 
-from bladewhirl.files import listed, write_atomically
+from bladewhirl.files import json_text, listed, read_object, write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.sensors import Sensor
 from bladewhirl.models.case.template import dumps_case
@@ -70,11 +70,7 @@ def is_run(directory: Path) -> bool:
 
 def read_provenance(directory: Path) -> dict[str, Any]:
     """Return the provenance of a run or a sweep; an empty dictionary if it is unknown."""
-    try:
-        content = json.loads((directory / PROVENANCE_NAME).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return content if isinstance(content, dict) else {}
+    return read_object(directory / PROVENANCE_NAME)
 
 
 def case_files(case: Case) -> dict[str, bytes]:
@@ -160,8 +156,7 @@ def write_provenance(directory: Path, case: Case) -> None:
     if source is not None:
         digest = sha256((directory / source.copy).read_bytes()).hexdigest()
         provenance[source.key] = {"file": source.file, "sha256": digest}
-    text = json.dumps(provenance, indent=2, ensure_ascii=False) + "\n"
-    write_atomically(directory / PROVENANCE_NAME, text)
+    write_atomically(directory / PROVENANCE_NAME, json_text(provenance))
 
 
 def version() -> str:

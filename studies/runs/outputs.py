@@ -63,14 +63,15 @@ class Run:
         from rich.text import Text
 
         from bladewhirl.postprocess.run.summary import Summary
-        from bladewhirl.postprocess.run.summary_table import rows_table, summary_rows
+        from bladewhirl.postprocess.run.summary_table import summary_rows
+        from bladewhirl.studies.runs.columns import facts
 
         names = ", ".join(sorted(path.name for path in self.directory.iterdir()))
         files = Text(f"{self.directory}: {names}")
         other: Any = self.summary
         if not isinstance(other, Summary):
-            return Group(rows_table(other.rows()), files)
-        return Group(rows_table(summary_rows(self.summary)), Text(self.symmetry), files)
+            return Group(facts(other.rows()), files)
+        return Group(facts(summary_rows(self.summary)), Text(self.symmetry), files)
 
     def __repr__(self) -> str:
         """Return the table as plain text, with the reason for an early end, and hints."""

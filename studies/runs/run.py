@@ -1,11 +1,15 @@
 """Runs: from a case to a folder with result, summary, figures and series."""
 
+import os
+import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import BinaryIO
 
-from bladewhirl.files import claim, remove_leftovers, write_atomically
+from bladewhirl.files import claim, owned, remove_leftovers, write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import Hint, UserError, writing
@@ -15,9 +19,15 @@ from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME, Checkpoint, rea
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs import folder, recorded_march
 from bladewhirl.studies.runs.outputs import Run, Window, write_outputs
-from bladewhirl.studies.runs.place import locked, taking_place
 from bladewhirl.studies.runs.prepare import Prepared, prepare
 from bladewhirl.studies.runs.sensor_files import check_gauges
+
+LOCK_NAME = ".lock"
+"""Name of the file locked by the process that writes a folder; the system releases the lock when
+the process ends, even if it is killed."""
+
+NEW, OLD = ".new", ".old"
+"""Suffixes of the temporary folders of a new run, and of the run that it replaces."""
 
 
 def run(
@@ -154,3 +164,94 @@ def _hints(prepared: Prepared) -> tuple[str, ...]:
     """Return the warnings for a stage."""
     stage = prepared.stage
     return stage_hints(stage) if isinstance(stage, Stage) else (*superelement_hints(stage),)
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Lock a folder for this process; make the folder if it does not exist.
+
+    Raises:
+        UserError: another process has locked the folder.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / LOCK_NAME
+    with path.open("ab") as file:
+        try:
+            _lock(file)
+        except OSError:
+            raise UserError(
+                f"{folder}: is in use; another process is writing a run there"
+            ) from None
+        try:
+            yield
+        finally:
+            # The path can be another folder now, if this folder was moved and another took its
+            # place.
+            with suppress(OSError):
+                if os.path.samestat(path.stat(), os.fstat(file.fileno())):
+                    path.unlink()
+
+
+def _lock(file: BinaryIO) -> None:
+    if sys.platform == "win32":
+        import msvcrt
+
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+    else:
+        import fcntl
+
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+@contextmanager
+def taking_place(directory: Path) -> Iterator[Path]:
+    """Yield the folder to write a run into; at the end this folder replaces ``directory``.
+
+    If there is no earlier run, the folder is ``directory`` itself. Files listed in the manifests of
+    the earlier run are removed, other files are moved into the new folder. If another file has the
+    name of a file of the new run, it is kept in a folder with the suffix ``.old``.
+
+    Raises:
+        UserError: another process writes there, or the files of an interrupted earlier call are in
+            the way.
+    """
+    if not directory.exists() or not any(directory.iterdir()):
+        with locked(directory):
+            yield directory
+        return
+    directory = directory.resolve()
+    new, old = (directory.with_name(directory.name + suffix) for suffix in (NEW, OLD))
+    if old.exists():
+        raise UserError(f"{old}: this folder exists and has files of an earlier run; move it away")
+    with locked(directory), locked(new):
+        for path in [*owned(new)]:
+            path.unlink()
+        _drop_empty_folders(new)
+        yield new
+        directory.rename(old)
+        new.rename(directory)
+        (directory / LOCK_NAME).unlink(missing_ok=True)
+        _bring_over(old, directory)
+
+
+def _bring_over(old: Path, directory: Path) -> None:
+    for path in [*owned(old), old / LOCK_NAME]:
+        path.unlink(missing_ok=True)
+    for place, folders, names in [*os.walk(old)]:
+        links = [name for name in folders if (Path(place) / name).is_symlink()]
+        for path in (Path(place) / name for name in (*names, *links)):
+            target = directory / path.relative_to(old)
+            with suppress(FileExistsError, NotADirectoryError):
+                target.parent.mkdir(parents=True, exist_ok=True)
+                if not os.path.lexists(target):
+                    path.rename(target)
+    _drop_empty_folders(old)
+    with suppress(OSError):
+        old.rmdir()
+
+
+def _drop_empty_folders(folder: Path) -> None:
+    for place, folders, _ in os.walk(folder, topdown=False):
+        for name in folders:
+            with suppress(OSError):
+                (Path(place) / name).rmdir()

@@ -16,7 +16,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError, shown
-from bladewhirl.models.inputs.table import Table
+from bladewhirl.models.inputs.table import Table, path_of, value_at
 from bladewhirl.models.inputs.units import Speed
 from bladewhirl.postprocess.sweep.dataset import DRAW, POINT
 from bladewhirl.studies.sweeps.draws import PERTURB, Draws
@@ -214,9 +214,8 @@ def _nominal(case: Case, key: str, over: Mapping[str, Sequence[Value]]) -> tuple
         UserError: the key does not take a number, or is a speed with a unit.
     """
     check_key(case, key)
-    values = [value_at(with_values(case, {key: value}), key) for value in over.get(key, ())] or [
-        value_at(case, key)
-    ]
+    cases = [with_values(case, {key: value}) for value in over.get(key, ())] or [case]
+    values = [value_at(each, path_of(key)) for each in cases]
     if any(isinstance(value, Speed) and value.kind != "normalised" for value in values):
         raise UserError(
             f"{PERTURB} {key}: expected the speed in the case and in {OVER} as a multiple of the"
@@ -277,17 +276,6 @@ def coordinate(case_values: Sequence[Any]) -> tuple[FloatArray, str]:
     numbers = [value.value if isinstance(value, Speed) else float(value) for value in case_values]
     unit = {"normalised": "1"}.get(*kinds, *kinds) if kinds else ""
     return np.array(numbers), unit
-
-
-def value_at(case: Case, key: str) -> Any:
-    """Return the value at a dotted key of a case."""
-    value: Any = case
-    for part in key.split("."):
-        if isinstance(value, tuple):
-            value = value[int(part)]
-        else:
-            value = value[part] if isinstance(value, Mapping) else getattr(value, part)
-    return value
 
 
 def check_key(case: Case, key: str, place: str = OVER) -> None:

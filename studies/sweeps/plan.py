@@ -9,26 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from bladewhirl.files import write_atomically
+from bladewhirl.files import json_text, write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.table import path_of, value_at
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, Layout
 from bladewhirl.solvers.march.free_motion import RULE, STOPS, FreeMotion, StopWhen
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.runs.prepare import problem_of, screened
-from bladewhirl.studies.sweeps.axes import (
-    OVER,
-    Grid,
-    PointTable,
-    coordinate,
-    make_grid,
-    unit_of,
-    value_at,
-)
+from bladewhirl.studies.sweeps.axes import OVER, Grid, PointTable, coordinate, make_grid, unit_of
 from bladewhirl.studies.sweeps.carried import (
     CARRIES,
     CARRY_RULE,
@@ -260,10 +253,9 @@ def write_plan(plan: SweepPlan, directory: Path) -> None:
         document["carry"] = plan.carry
     if plan.grid.draws is not None:
         document["draws"] = _described(plan.grid.draws)
-    text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
     for name, content in files.items():
         write_atomically(directory / name, content)
-    write_atomically(directory / PLAN_NAME, text)
+    write_atomically(directory / PLAN_NAME, json_text(document))
 
 
 def read_plan(directory: Path) -> SweepPlan:
@@ -325,7 +317,7 @@ def _coordinates(case: Case, grid: Grid) -> Coordinates:
             with_values(case, {**grid.values(each * number), axis.key: value})
             for number, value in enumerate(axis.values)
         )
-        values, unit = coordinate([value_at(each, axis.key) for each in along])
+        values, unit = coordinate([value_at(each, path_of(axis.key)) for each in along])
         coordinates[axis.key] = (values, unit or unit_of(case, axis.key))
     return coordinates
 

@@ -21,7 +21,7 @@ from bladewhirl.models.case.excitation import NoExcitation
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import open_result
-from bladewhirl.postprocess.superelement.digest import node_digest
+from bladewhirl.postprocess.superelement.summary import node_digest
 from bladewhirl.postprocess.sweep.dataset import Layout
 from bladewhirl.postprocess.sweep.digest import Digest, digest
 from bladewhirl.solvers.march.free_motion import FreeMotion, StopWhen

@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from bladewhirl.files import replacing, write_atomically
+from bladewhirl.files import json_text, replacing, write_atomically
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT
@@ -247,7 +247,7 @@ class Store(AbstractContextManager["Store"]):
             path.unlink(missing_ok=True)
             return
         rows = self._grid.failed(self.failures)
-        write_atomically(path, json.dumps(rows, indent=2, ensure_ascii=False) + "\n")
+        write_atomically(path, json_text(rows))
 
 
 def _reserve(

@@ -12,7 +12,6 @@ reported. If one function computes several cases, the rows name the function, wh
 for each case.
 """
 
-import csv
 import json
 import time
 from collections.abc import Callable, Hashable, Mapping
@@ -23,6 +22,8 @@ from typing import Any, Literal, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from bladewhirl.files import packaged_rows
 
 Pair = tuple[ArrayLike, ArrayLike]
 """Reference value and computed value."""
@@ -118,8 +119,7 @@ def reference(name: str) -> Any:
 @cache
 def rows() -> dict[str, dict[str, str]]:
     """Return the rows of data/cases.csv by name, "rings.nafems_ring"."""
-    text = (FOLDER / "cases.csv").read_text(encoding="utf-8")
-    return {row["case"]: row for row in csv.DictReader(text.splitlines())}
+    return {row["case"]: row for row in packaged_rows(__package__, "data/cases.csv")}
 
 
 def verifies(*values: Hashable) -> Callable[[Function], Function]:

@@ -1,10 +1,10 @@
 """Table of verification cases: computation, and output as text, JSON, Markdown or a page."""
 
-import json
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from importlib import import_module, metadata
 
+from bladewhirl.files import json_text
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.reports.page import Page, PageSection, PageTable
 from bladewhirl.studies.verification.case import CASES, Outcome, VerificationCase, rows
@@ -66,12 +66,8 @@ class Verification:
     def to_json(self) -> str:
         """Return a JSON document; non-finite values are null."""
         rows = [asdict(outcome) | {"passed": outcome.passed} for outcome in self.outcomes]
-        document = {
-            "version": metadata.version("bladewhirl"),
-            "passed": self.passed,
-            "cases": json.loads(json.dumps(rows), parse_constant=lambda constant: None),
-        }
-        return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+        version = metadata.version("bladewhirl")
+        return json_text({"version": version, "passed": self.passed, "cases": rows})
 
     def to_markdown(self) -> str:
         """Return a table for each subject; times are left out, so that only rounding errors differ

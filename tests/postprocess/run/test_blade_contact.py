@@ -22,8 +22,8 @@ from bladewhirl.postprocess.run.casing_contact import (
 )
 from bladewhirl.postprocess.run.contact_side import contact_phase, plot_contact_phase
 from bladewhirl.postprocess.run.figures import RunFigures
-from bladewhirl.postprocess.run.late_motion import late_motion
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.sweep.digest import late_motion
 
 STEPS = 1000  # a record, of the synthetic result
 

@@ -12,9 +12,9 @@ from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.works import late_drive_power, leading_source, works
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.extremes import casing_peaks, largest_force, stress_peaks
-from bladewhirl.postprocess.run.late_motion import late_motion, radius_peaks
 from bladewhirl.postprocess.run.stresses import peak_stresses, stress_history
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.sweep.digest import late_motion, radius_peaks
 
 
 @pytest.fixture

@@ -24,8 +24,9 @@ from bladewhirl.postprocess.energy.regimes import Regime, classify
 from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.summary import Summary, energy_residual, summarise
-from bladewhirl.postprocess.run.summary_table import displacement_hints, rows_table, summary_rows
+from bladewhirl.postprocess.run.summary_table import displacement_hints, summary_rows
 from bladewhirl.postprocess.run.wear import wear_summary
+from bladewhirl.studies.runs.columns import facts
 
 Array = NDArray[np.float64]
 
@@ -413,7 +414,7 @@ class TestWriting:
     def test_the_table_reads_in_handy_units(self, result: xr.Dataset) -> None:
         text = io.StringIO()
         summary = summarise(result, REPORT)
-        Console(file=text, width=100).print(rows_table(summary_rows(summary)))
+        Console(file=text, width=100).print(facts(summary_rows(summary)))
         shown = text.getvalue()
         for line in ("0.8 mm", "of 22", "1F, k = 1", summary.regime, "4.38 µs a step"):
             assert line in shown

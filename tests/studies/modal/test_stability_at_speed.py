@@ -25,10 +25,10 @@ from bladewhirl.solvers.stability.growth import (
     rotor_waves,
 )
 from bladewhirl.solvers.stability.zones import unstable_zones
-from bladewhirl.studies.modal.columns import rows_of
 from bladewhirl.studies.modal.coupled_system import EvenSystem, couple
 from bladewhirl.studies.modal.stability_chart import stability_chart
 from bladewhirl.studies.modal.stability_report import ZONES
+from bladewhirl.studies.runs.columns import rows_of
 
 
 @cache

@@ -25,9 +25,9 @@ from bladewhirl.postprocess.superelement.picture import render_blades
 from bladewhirl.postprocess.superelement.ring import ring_motion, wall_at
 from bladewhirl.postprocess.superelement.wear import node_wear
 from bladewhirl.solvers.march.boundary import BoundaryMarch
-from bladewhirl.studies.modal.superelement import superelement_properties
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.properties import superelement_properties
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.runs.run import resume
 from bladewhirl.studies.runs.superelement_picture import draw_superelement

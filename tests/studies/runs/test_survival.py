@@ -15,8 +15,7 @@ import bladewhirl as bw
 from bladewhirl.solvers.march.schema import BEAMS, RESULT_NAME
 from bladewhirl.solvers.march.scheme import KERNEL
 from bladewhirl.studies.runs.folder import check_free
-from bladewhirl.studies.runs.place import locked
-from bladewhirl.studies.runs.run import resume
+from bladewhirl.studies.runs.run import locked, resume
 
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
 

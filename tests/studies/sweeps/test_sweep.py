@@ -16,8 +16,8 @@ from synthetic_sweep import LAYOUT
 import bladewhirl as bw
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
-from bladewhirl.postprocess.run.late_motion import late_motion
 from bladewhirl.postprocess.run.summary import summarise
+from bladewhirl.postprocess.sweep.digest import late_motion
 from bladewhirl.postprocess.sweep.figures import LEFT_BY_A_SWEEP
 from bladewhirl.studies.runs import folder as run_folder
 from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import xarray as xr
+    from rich.table import Table
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,20 @@ def texts(document: Mapping[str, Any], columns: Sequence[Column]) -> dict[str, s
     """Return the texts of values by heading; values that the document lacks are left out."""
     present = [column for column in columns if column.value(document) is not None]
     return {column.heading: column.text(document) for column in present}
+
+
+def facts(values: Mapping[str, str]) -> Table:
+    """Return a table of names and values without headings, in which the regime is bold."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    printed = Table(show_header=False, box=None, pad_edge=False)
+    printed.add_column(style="cyan", no_wrap=True)
+    printed.add_column(overflow="fold")
+    for name, value in values.items():
+        text = escape(value)
+        printed.add_row(escape(name), f"[bold]{text}[/]" if name == "regime" else text)
+    return printed
 
 
 def rows_of(data: xr.Dataset, columns: Sequence[Column], prefix: str = "") -> list[dict[str, Any]]:
