@@ -64,7 +64,8 @@ def nearest_records(dataset: xr.Dataset, instants: ArrayLike) -> IntArray:
         ViewError: an instant is outside the run.
     """
     first, last = dataset["time"].values[[0, -1]]
-    step = float(dataset.attrs["record_step"])  # tolerance: the run can end after its last record
+    # Tolerance, as a run can end after its last record; a period of a mode has no record step.
+    step = float(dataset.attrs.get("record_step", 0.0))
     instants = np.asarray(instants, dtype=np.float64)
     for time in instants.tolist():
         if not first - step <= time <= last + step:
