@@ -53,7 +53,8 @@ class Waves:
     def frequencies(self, omega: float) -> ComplexArray:
         """Return w at a speed omega, in descending order [rad/s], (2 n,).
 
-        The first n are the branches that travel backward at rest, the last n travel forward.
+        The first n are the branches of waves that travel backward when the disk is at rest, the
+        last n those of waves that travel forward.
         """
         stiffness = self.stiffness + omega**2 * self.softening
         return gyroscopic_frequencies(self.mass, stiffness, 2.0 * omega * self.coriolis)

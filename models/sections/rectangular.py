@@ -128,7 +128,8 @@ class Section(Rectangle[float]):
         young_modulus: Young's modulus [Pa].
         density: density [kg/m3].
         material: material with Young's modulus and density, in place of these two arguments;
-            `Material()` is steel. The material must have no yield strength; give it to the case.
+            `Material()` is steel. The material must have no yield strength, which is given in the
+            case.
 
     Raises:
         CaseError: a value is not positive, has a wrong unit, is missing or is given twice, or the

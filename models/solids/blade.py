@@ -190,7 +190,8 @@ def _scaled(mesh: Any, unit: str, axis: str) -> VolumeMesh:
 
 
 def _numbers(nodes: int, fixed: IntArray) -> IntArray:
-    """Return the number of each displacement among those that are free, (nodes, 3)."""
+    """Return the index of each displacement among the free ones, (nodes, 3); `FIXED` for those that
+    are fixed."""
     free = np.ones((nodes, 3), dtype=np.bool_)
     free[fixed] = False
     return np.where(free, np.cumsum(free).reshape(-1, 3) - 1, FIXED)

@@ -320,7 +320,8 @@ def plot_all_blades(blades: xr.Dataset) -> Figure:
 
 
 def _panels(data: xr.Dataset, height: float) -> tuple[Figure, dict[Axes, tuple[str, float]]]:
-    """Return a figure of the full width with a panel of a height [m] for each of the first sensors.
+    """Return a figure of full width with a panel, `height` [m] high, for each of the first
+    `MOST_PANELS` sensors.
 
     The panels have titles and labels. The dictionary contains for each panel the name of the
     sensor, and the factor from the SI unit to the unit that is shown.

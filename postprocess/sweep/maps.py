@@ -78,8 +78,8 @@ def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
 def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     """Draw maps from `sweep_maps`, with a row of panels for each line of the Dataset.
 
-    Growth rates within `CERTAINTY` standard errors of zero are crossed out. If the growth rate
-    cannot be judged at any point, the map of growth rates is left out.
+    Growth rates within `CERTAINTY` standard errors of zero are crossed out. If the growth rate can
+    be judged at no point, the map of growth rates is left out.
     """
     maps = drawing.in_handy_units(maps)
     shown, titles = drawing.chosen(maps.sizes[LINE], drawing.MOST_ROWS), drawing.line_values(maps)

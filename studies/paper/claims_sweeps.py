@@ -169,7 +169,8 @@ def truncated_space_under_imbalance(motion: Motion, sweep: xr.Dataset) -> Measur
 
 @measures(40)
 def sustained_radius(sweep: xr.Dataset) -> Measures:
-    """Return mean radii of sustained motions late in the march, divided by the clearance."""
+    """Return the median of the mean radii of sustained motions in the last third of the march,
+    divided by the clearance, the number of speeds, and the share of radii from 0.5 to 2."""
     clearance = loads(sweep.attrs["case"]).casing.clearance
     sweep = done_points(sweep)
     sustained = sweep["regime"].values == "sustained"

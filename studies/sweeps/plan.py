@@ -185,7 +185,7 @@ def plan_sweep(
         try:
             FreeMotion.of(problem_of(stage), case.march.timing.time_step)
         except ValueError as error:
-            expected = "expected that motion without contact decays"
+            expected = "expected a motion that decays without contact"
             raise UserError(f"{STOP_WHEN} {stop_when}: {expected}, but {error}") from None
     return SweepPlan(
         case=case,
