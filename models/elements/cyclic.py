@@ -114,9 +114,9 @@ class SectorLayout:
     def basis(self, k: int) -> sp.csc_array:
         """Return the orthonormal complex basis of nodal diameter k, (size, DoF of the block).
 
-        The centre's translation along (1, i)/sqrt(2) belongs to k = 1: a turn of the structure by
-        one sector multiplies this translation, like the sector values exp(i n alpha) of k = 1, by
-        exp(-i alpha).
+        The centre's translation along (1, i)/sqrt(2) belongs to k = 1: if the structure is turned
+        by one sector, this translation is multiplied by exp(-i alpha), and so are the sector values
+        exp(i n alpha) of k = 1.
         """
         count, per_sector = self.sector_dofs.shape
         wave = np.exp(2j * np.pi * k * np.arange(count) / count) / np.sqrt(count)

@@ -1,4 +1,4 @@
-"""Superelements of blades and sectors from meshes of solids: `bladewhirl.mesh3d`."""
+"""Superelements of blades and sectors from meshes of solids, by `bladewhirl.mesh3d`."""
 
 from dataclasses import replace
 from os import PathLike

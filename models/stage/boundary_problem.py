@@ -15,7 +15,8 @@ from bladewhirl.models.stage.contact_problem import (
 )
 
 RIGID = 1e-6
-"""A direction counts as rigid up to this fraction of the largest residual flexibility."""
+"""An eigenvector of the residual flexibility counts as rigid if its eigenvalue is at most this
+fraction of the largest."""
 
 
 @dataclass(frozen=True, kw_only=True)

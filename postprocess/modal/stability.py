@@ -213,7 +213,7 @@ def _meeting(casing: str, rotor: str, zones: int) -> str:
 
 
 def _name_meetings(axes: Axes, data: xr.Dataset, heights: FloatArray) -> None:
-    """Name the growing parts of a spectrum by the waves that coincide, the fastest growth first.
+    """Label each zone of growth in a spectrum with the waves that coincide, the fastest first.
 
     Args:
         axes: the panel.

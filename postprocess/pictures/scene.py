@@ -132,7 +132,8 @@ class StageScene:
         self.plotter.reset_camera_clipping_range()
 
     def place(self, across: float, up: float) -> Array:
-        """Return the point of the drawing plane [m] at a position in the window, from 0 to 1."""
+        """Return the point of the drawing plane [m] at a position in the window;
+        `across` and `up` are from 0 to 1."""
         width, height = self.plotter.window_size
         half = self._half_height * width / height
         middle = (1 - look.SQUARE) * half

@@ -152,7 +152,7 @@ def plot_wear_map(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_wear_profile(data: xr.Dataset) -> Figure:
-    """Draw the last profile of the coating, polar and against the casing angle, from `wear`."""
+    """Draw the last profile of the coating from `wear`, polar and against the casing angle."""
     figure = new_figure(height=0.11)
     around = figure.add_subplot(2, 1, 1, projection="polar")
     unrolled = figure.add_subplot(2, 1, 2)

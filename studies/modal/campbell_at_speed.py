@@ -70,8 +70,8 @@ def meetings(
     """Compute coincidences with rotation effects up to the speed `highest` [rad/s]; return also the
     frequencies [rad/s] and the families of the coincident waves of the bladed disk.
 
-    Waves and names (families at rest) of the bladed disk are given by nodal diameter; `rotor` has
-    one mode of each pair.
+    `disk` has the waves of the bladed disk for each nodal diameter, and `names` the names of their
+    families at rest; `rotor` has one mode of each pair.
     """
     rows: list[tuple[float, int, int, int, float, str]] = []
     at_rest = rotor.at_rest or rotor.family
@@ -103,8 +103,8 @@ def dataset_at_speed(
     """Compute branches, critical speeds, engine orders and growth at normalised speeds, see
     `campbell`.
 
-    Waves and names (families at rest, the lowest first) of the bladed disk are given by nodal
-    diameter; only branches of the chosen families are included.
+    `disk` has the waves of the bladed disk for each nodal diameter, and `names` the names of their
+    families at rest, the lowest first. Only branches of the chosen families are included.
     """
     reference = stage.reference_frequency
     line = np.linspace(*speeds, LINE_SPEEDS)

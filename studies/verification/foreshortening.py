@@ -123,8 +123,8 @@ def rotation_without_drawback() -> Pair:
 
 @verifies()
 def radius_of_a_bent_blade() -> Pair:
-    """Compare the distance of a tip from the axis with that of an inextensible curve on a rigid
-    disk which turns and moves."""
+    """Compare the distance of a tip from the axis with that of the end of an inextensible curve
+    on a rigid disk which turns and moves."""
     exact, ours = [], []
     place, ahead = np.linspace(0.0, 1.0, 20_001), directions()[1]
     slope, ones = mode("first")[1](place) / LENGTH, np.ones(len(bladed_disk().mesh.points))
