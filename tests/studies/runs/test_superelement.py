@@ -139,7 +139,8 @@ def test_cases_that_cannot_be_marched_are_refused(
 
 def test_a_slow_closure_is_marched(file: Path) -> None:
     closure = {"amount": 5e-4, "time_constant": 1e9}
-    prepare(bw.case_from(tables(file, casing__closure=closure)))
+    problem = prepare(bw.case_from(tables(file, casing__closure=closure))).problem
+    assert problem.closure.course.largest_loss == pytest.approx(5e-4)
 
 
 @pytest.mark.parametrize(
