@@ -53,8 +53,9 @@ class Shaft(ReplacedKeys):
     """Frame in which unequal springs are fixed: "rotating", in the bladed disk, like a shaft that
     is not round, with constant matrices; "static", in space, like unequal bearings. In rotating
     axes a static stiffness varies twice per revolution about the mean of both springs; modes are
-    computed with the mean. With rotation.effects = "full" the response is that of a symmetric rotor
-    on unequal bearings. Without Coriolis and centrifugal terms the variation excites the suspension
+    computed with the mean, critical speeds and Campbell diagrams with both springs. With
+    rotation.effects = "full" the response is that of a symmetric rotor on unequal bearings. Without
+    Coriolis and centrifugal terms the variation excites the suspension
     at speeds near its frequency, which is an artefact."""
     damping: DampingOrZero = 0.0
     """Damping parallel to each spring [N s/m]; only to the spring along x if damping_y is given.

@@ -14,7 +14,7 @@ at the centre and takes energy from any whirl.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -49,6 +49,14 @@ class Waves:
     coriolis: ComplexArray  #: Coriolis matrix G; zero without Coriolis forces
     softening: ComplexArray  #: K_G1 - M_t
     springs: ComplexArray  #: part of K due to the shaft springs
+    frame: int = 0
+    """Nodal diameter k' of a frame in which frequencies are w - k' Omega: 0 in the rotating frame,
+    `nodal_diameter` in the static frame."""
+
+    def on_springs(self, ratio: float) -> "Waves":
+        """Return the waves with shaft springs of `ratio` times their stiffness."""
+        stiffness = self.stiffness + (ratio - 1.0) * self.springs
+        return replace(self, stiffness=stiffness, springs=ratio * self.springs)
 
     def frequencies(self, omega: float) -> ComplexArray:
         """Return w at a speed omega, in descending order [rad/s], (2 n,).
@@ -63,9 +71,9 @@ class Waves:
         """Return for each wave at a speed omega [rad/s] the share of its strain energy that is in
         the shaft springs, in the order of `frequencies`, (2 n,)."""
         stiffness = self.stiffness + omega**2 * self.softening
-        return self._shares(gyroscopic_eigen(self.mass, stiffness, 2.0 * omega * self.coriolis)[1])
+        return self.shares(gyroscopic_eigen(self.mass, stiffness, 2.0 * omega * self.coriolis)[1])
 
-    def _shares(self, fields: ComplexArray) -> FloatArray:
+    def shares(self, fields: ComplexArray) -> FloatArray:
         """Return for each field the share of its strain energy that is in the shaft springs,
         (fields,)."""
         in_springs, strain = (
@@ -84,9 +92,13 @@ class Waves:
         Returns:
             the rank, and true if the branch travels backward at rest.
         """
-        nearest = int(np.abs(self.frequencies(omega) - frequency).argmin())
+        nearest = int(self._distances(omega, frequency).argmin())
         size = len(self.mass)
         return (size - 1 - nearest, True) if nearest < size else (nearest - size, False)
+
+    def _distances(self, omega: float, frequency: float) -> FloatArray:
+        """Return the distance of each branch from a frequency at the speed omega, (2 n,)."""
+        return np.abs(self.frequencies(omega) - frequency)
 
     def synchronous(self, order: int) -> tuple[FloatArray, FloatArray]:
         """Return the speeds at which a wave has w = m Omega, where m is the order.
@@ -103,7 +115,7 @@ class Waves:
         """
         pulled = order**2 * self.mass - 2j * order * self.coriolis - self.softening
         speeds, fields = positive_speeds(self.stiffness, pulled)
-        return speeds, self._shares(fields)
+        return speeds, self.shares(fields)
 
     def growth(
         self,
@@ -141,7 +153,7 @@ class Waves:
             casing_frequency: frequency omega_c of the casing [rad/s].
             highest: upper bound of the speeds [rad/s].
         """
-        k, size = self.nodal_diameter, len(self.mass)
+        k, size = self.nodal_diameter - self.frame, len(self.mass)
         twice = 2j * self.coriolis
         second = k * twice - k**2 * self.mass + self.softening
         first = casing_frequency * (2.0 * k * self.mass - twice)
@@ -159,7 +171,8 @@ class Waves:
         sure = np.abs(over) > np.finfo(np.float64).eps * np.abs(under)
         meetings = highest * under[sure] / over[sure]
         speeds = np.sort(meetings[np.abs(meetings.imag) <= REAL * np.abs(meetings)].real)
-        met = (speeds > 0.0) & (speeds <= highest) & (k * speeds > casing_frequency)
+        met = (speeds > 0.0) & (speeds <= highest)
+        met &= self.nodal_diameter * speeds > casing_frequency
         return np.asarray(speeds[met])
 
 

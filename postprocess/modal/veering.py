@@ -54,8 +54,8 @@ centre."""
 WAYS = {"both": "o", "standing": "o", "backward": "<", "forward": ">"}
 """Marks of waves, by their direction in the rotating frame."""
 
-WIDTHS = {"forward": 1.6, "backward": 0.7}
-"""Widths of the lines of forward and of backward critical speeds [points]."""
+WIDTHS = {"forward": 1.6, "backward": 0.7, "elliptic": 1.6}
+"""Widths of the lines of critical speeds, by their direction [points]."""
 
 
 @styled
@@ -177,7 +177,8 @@ def plot_critical_speeds(data: xr.Dataset) -> Figure:
     axes.axvline(data.attrs["case_stiffness"], label="stiffness and speed of the case", **grey)
     if data.attrs["case_speed"] > 0.0:
         axes.axhline(data.attrs["case_speed"], **grey)
-    for direction, width in WIDTHS.items():
+    for direction in data["direction"].values:
+        width = WIDTHS[str(direction)]
         axes.plot([], [], color=COLOURS["total"], linewidth=width, label=direction)
         for branch in data["branch"].values:
             line = {"direction": direction, "branch": branch}

@@ -202,8 +202,9 @@ def critical_speeds(
     """Draw the map of critical speeds against the stiffness of the shaft.
 
     At a critical speed the shaft whirls at the speed of rotation: forward, as an imbalance drives
-    it, or backward. The table lists the critical speeds with the stiffness of the case. The case
-    needs rotation.effects = "full". With --json and no -o nothing is written.
+    it, or backward; on unequal bearings it whirls in an ellipse. The table lists the critical
+    speeds with the stiffness of the case. The case needs rotation.effects = "full". With --json and
+    no -o nothing is written.
 
     Args:
         branches: Number of branches in each direction of whirl.
@@ -224,7 +225,8 @@ def critical_speeds(
         figures = {"critical-speeds": (plot_critical_speeds(speeds), speeds)}
         save_figures(folder, figures, overwrite=overwrite)
     document = {"stiffness": at, "critical_speeds": rows}
-    title = f"Critical speeds with shaft springs of {at:.4g} N/m"
+    springs_text = " and ".join(dict.fromkeys(f"{each:.4g}" for each in stage.case.shaft.springs))
+    title = f"Critical speeds with shaft springs of {springs_text} N/m"
     emit(document, table(rows, study.AT_THE_CASE, title), json=json, written=[folder])
 
 

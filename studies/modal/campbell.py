@@ -15,7 +15,12 @@ from bladewhirl.models.modal.labels import LabelledModes, names_of
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.campbell import Frame, drawn_part, plot_campbell
 from bladewhirl.solvers.stability.coincidence import coincidences
-from bladewhirl.studies.modal.campbell_at_speed import dataset_at_speed, disk_waves, meetings
+from bladewhirl.studies.modal.campbell_at_speed import (
+    dataset_at_speed,
+    disk_waves,
+    meetings,
+    refuse_unequal_bearings,
+)
 from bladewhirl.studies.modal.modes import full_stage
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of
 from bladewhirl.studies.runs.figures_folder import save_figures
@@ -79,6 +84,7 @@ def campbell(
         UserError: a range does not consist of two speeds in ascending order.
     """
     stage = full_stage(case_or_stage)
+    refuse_unequal_bearings("campbell", stage.case, allowed="full")
     reference = stage.reference_frequency
     shown = _multiples("speeds", speeds, reference)
     operated = _multiples("operating", operating, reference)
@@ -102,7 +108,7 @@ def campbell(
         }
     )
     if stage.turning is not None:
-        waves, names = disk_waves(stage, stage.turning), names_of(stage.disk_modes)
+        waves, names = disk_waves(stage.case, stage.turning), names_of(stage.disk_modes)
         met, rotor_frequency, renamed = meetings(waves, rotor, casing, names, shown[1] * reference)
         family = np.array(renamed, dtype=object)
         at_rest = np.array(rotor.at_rest or rotor.family, dtype=object)[met.rotor]

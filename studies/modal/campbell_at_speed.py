@@ -11,11 +11,13 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes, families_at_speed
 from bladewhirl.models.rotation.at_speed import TurningDisk, speed_of_growth
+from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
 from bladewhirl.models.rotation.waves import REAL, Waves, waves
 from bladewhirl.solvers.stability.coincidence import Coincidences
 from bladewhirl.studies.runs.columns import quantity
@@ -24,20 +26,36 @@ LINE_SPEEDS = 61
 """Number of speeds at which the frequencies of a branch are computed."""
 
 
-def disk_waves(stage: ModalStage, turning: TurningDisk) -> dict[int, Waves]:
-    """Return the waves of each nodal diameter of the bladed disk.
+def disk_waves(case: Case, turning: TurningDisk) -> dict[int, Waves]:
+    """Return the waves of each nodal diameter of the bladed disk of a case.
 
     Raises:
         UserError: the sectors of the bladed disk differ.
     """
-    structure = turning.matrices.structure
+    matrices, structure = turning.matrices, turning.matrices.structure
     if not structure.is_cyclic or structure.layout is None:
         raise UserError(
-            "campbell: expected equal sectors on equal shaft springs if the case has rotation"
-            " effects; each wave then has one nodal diameter"
+            "expected equal sectors, without bladed_disk.mistuning, on equal shaft"
+            ' springs or on springs with shaft.frame = "static"; each wave then has one nodal'
+            " diameter"
         )
-    effects, sectors = stage.case.rotation.effects, structure.layout.sectors
-    return {k: waves(turning.matrices, k, effects) for k in nodal_diameters(sectors)}
+    effects, sectors = case.rotation.effects, structure.layout.sectors
+    disk = {k: waves(matrices, k, effects) for k in nodal_diameters(sectors)}
+    if case.shaft.anisotropy and turning.disk.centre.size:
+        along_x = structure.layout.basis(1).conj().T[:, turning.disk.centre[:1]].toarray()
+        disk[1] = on_unequal_bearings(disk[1], along_x.ravel(), case.shaft.anisotropy)
+    return disk
+
+
+def refuse_unequal_bearings(name: str, case: Case, *, allowed: str | None = None) -> None:
+    """Raise a UserError if stationary shaft springs differ, unless the effects are `allowed`."""
+    shaft, effects = case.shaft, case.rotation.effects
+    if shaft.anisotropy and not shaft.clamped and effects != allowed:
+        or_full = ', or rotation.effects = "full"' if allowed else ""
+        raise UserError(
+            f"{name}: expected equal shaft springs (shaft.stiffness_y is not shaft.stiffness, and"
+            f' shaft.frame = "static"){or_full}'
+        )
 
 
 def names_at(disk: Waves, names: list[str], omega: float, frequency: float) -> tuple[str, str]:

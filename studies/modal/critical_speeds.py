@@ -1,6 +1,5 @@
 """Map of critical speeds against the stiffness of the shaft: Dataset, JSON document, figure."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +9,9 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.rotation.waves import waves
+from bladewhirl.models.rotation.unequal_bearings import EllipticWaves
 from bladewhirl.models.stage.stage import Stage
+from bladewhirl.studies.modal.campbell_at_speed import disk_waves
 from bladewhirl.studies.modal.modes import full_stage
 from bladewhirl.studies.modal.veering import spring_stiffnesses
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of
@@ -39,7 +39,8 @@ def critical_speeds(
     """Compute the critical speeds of the bladed disk for many stiffnesses of the shaft.
 
     At a critical speed the shaft whirls at the speed of rotation: forward, as an imbalance drives
-    it, or backward. The speeds follow directly from an eigenproblem at each stiffness, without a
+    it, or backward; on unequal stationary bearings it whirls in an ellipse, which an imbalance
+    drives in any case. The speeds follow directly from an eigenproblem at each stiffness, without a
     search along the speed, and include all rotation effects. The casing is not included.
 
     Over `stiffness` of each shaft spring [N/m], `direction` and `branch`: critical_speed [rpm],
@@ -52,8 +53,10 @@ def critical_speeds(
     Args:
         case_or_stage: a case with rotation.effects = "full", or its stage.
         stiffnesses: stiffnesses of each shaft spring [N/m], ascending, (stiffness,); by default
-            from a thousandth to a thousand times that of the case.
-        branches: number of branches in each direction, from the lowest.
+            from a thousandth to a thousand times that of the case. With shaft.stiffness_y they are
+            stiffnesses along x, and both springs are scaled alike.
+        branches: number of branches in each direction, from the lowest; twice as many elliptic
+            ones.
 
     Raises:
         UserError: the case has no Coriolis forces, or the sectors of the bladed disk differ.
@@ -64,24 +67,16 @@ def critical_speeds(
             'critical speeds: expected rotation.effects = "full" (--set rotation.effects=full),'
             f" got {stage.case.rotation.effects}"
         )
-    matrices = stage.at_speed[0].matrices
-    if not matrices.structure.is_cyclic:
-        raise UserError(
-            "critical speeds: expected equal sectors on equal shaft springs, without"
-            " bladed_disk.mistuning and shaft.stiffness_y"
-        )
-    nominal, at = waves(matrices, 1, "full"), stage.case.shaft.stiffness
+    nominal, at = disk_waves(stage.case, stage.at_speed[0])[1], stage.case.shaft.stiffness
+    orders, count = ORDERS, branches
+    if isinstance(nominal, EllipticWaves):
+        orders, count = {"elliptic": 0}, 2 * branches
     springs = spring_stiffnesses(stage.case, None) if stiffnesses is None else stiffnesses
-    speed = np.full((len(springs), len(ORDERS), branches), np.nan)
+    speed = np.full((len(springs), len(orders), count), np.nan)
     share = np.full_like(speed, np.nan)
-    for i, stiffness in enumerate(np.asarray(springs) / at):
-        other = replace(
-            nominal,
-            stiffness=nominal.stiffness + (stiffness - 1.0) * nominal.springs,
-            springs=stiffness * nominal.springs,
-        )
-        for j, order in enumerate(ORDERS.values()):
-            omegas, shares = (each[:branches] for each in other.synchronous(order))
+    for i, ratio in enumerate(np.asarray(springs) / at):
+        for j, order in enumerate(orders.values()):
+            omegas, shares = (a[:count] for a in nominal.on_springs(ratio).synchronous(order))
             speed[i, j, : len(omegas)] = omegas * 30.0 / np.pi
             share[i, j, : len(shares)] = shares
     over = ("stiffness", "direction", "branch")
@@ -93,8 +88,8 @@ def critical_speeds(
         },
         coords={
             "stiffness": quantity("stiffness", springs, "N/m", "stiffness of each shaft spring"),
-            "direction": ("direction", list(ORDERS)),
-            "branch": ("branch", np.arange(1, branches + 1)),
+            "direction": ("direction", list(orders)),
+            "branch": ("branch", np.arange(1, count + 1)),
         },
         attrs={
             "title": "critical speeds against shaft stiffness",

@@ -19,6 +19,7 @@ from bladewhirl.solvers.stability.scenario import (
     motion_scenario,
     smallest_clearance_angle,
 )
+from bladewhirl.studies.modal.campbell_at_speed import refuse_unequal_bearings
 from bladewhirl.studies.runs.columns import quantity
 
 TIMES, ANGLES = 97, 1440
@@ -106,8 +107,9 @@ def _backward_wave(
     field is at angle 0.
 
     Raises:
-        UserError: there is no coincidence speed.
+        UserError: there is no coincidence speed, or the bearings are unequal.
     """
+    refuse_unequal_bearings(family, stage.case)
     disk_waves = waves(turning.matrices, SHAFT, "full")
     branch, modes = stage.disk_modes.one_a_pair(), stage.disk_modes
     pairs = [i for i in branch if modes.nodal_diameter[i] == SHAFT]

@@ -165,7 +165,7 @@ def test_merged_waves_grow() -> None:
 
 def test_unlike_sectors_are_refused() -> None:
     unlike = {**SMALL, "bladed_disk.mistuning": {"stiffness": [1.0] * 7 + [1.01]}}
-    with pytest.raises(bw.UserError, match="campbell: expected equal sectors"):
+    with pytest.raises(bw.UserError, match="expected equal sectors, without"):
         campbell(bw.with_values(stage_case("centrifugal"), unlike))
 
 
@@ -233,3 +233,46 @@ def test_the_figure_has_a_line_a_branch() -> None:
     axes = plot_critical_speeds(critical_speeds(FEW, stiffnesses=springs)).axes[0]
     assert len(axes.collections) == 4
     assert axes.get_xlim() == (1e6, 1e9)
+
+
+def rigid_rotor(stiffness: float, stiffness_y: float, effects: str = "full") -> bw.Case:
+    """A rotor that does not bend, on stationary bearings."""
+    return bw.case_from(
+        {
+            "material": {"young_modulus": 1e13},
+            "bladed_disk": {
+                "blades": 8,
+                "elements_per_blade": 3,
+                "tip_radius": 0.2,
+                "disk_kind": "rigid",
+                "point_masses": [{"radius": 0, "mass": 50.0}],
+            },
+            "shaft": {"stiffness": stiffness, "stiffness_y": stiffness_y, "frame": "static"},
+            "rotation": {"effects": effects},
+            "casing": {"elements": 16},
+            "march": {"speed": 0.5},
+        }
+    )
+
+
+def test_unequal_bearings_have_a_critical_speed_each() -> None:
+    """The closed form sqrt(k / m) for x and for y; the mean stiffness gives neither."""
+    case = rigid_rotor(2e6, 7e6)
+    mass = modal_stage(case).disk.model.mass
+    expected = np.sqrt(np.array([2e6, 7e6]) / mass) * 30.0 / np.pi
+    result = critical_speeds(case, stiffnesses=np.array([2e6, 4e6]))
+    np.testing.assert_array_equal(result["direction"], ["elliptic"])
+    computed = result["critical_speed"].values[:, 0, :2]
+    np.testing.assert_allclose(computed[0], expected, rtol=1e-4)
+    np.testing.assert_allclose(computed[1], np.sqrt(2.0) * expected, rtol=1e-4)
+    diagram = campbell(case, families=1, speeds=("0 rpm", "9000 rpm"))
+    np.testing.assert_allclose(diagram["critical_rpm"][:2], expected, rtol=1e-4)
+    first = diagram["critical_family"].values[:2].tolist()
+    assert first == ["suspension", "suspension"]
+    assert plot_critical_speeds(result).axes[0].get_legend_handles_labels()[1][1:] == ["elliptic"]
+
+
+@pytest.mark.parametrize("effects", ["none", "centrifugal"])
+def test_unequal_bearings_need_coriolis_forces(effects: str) -> None:
+    with pytest.raises(bw.UserError, match="campbell: expected equal shaft springs"):
+        campbell(rigid_rotor(2e6, 7e6, effects))
