@@ -79,7 +79,7 @@ class EllipticWaves(Waves):
         ranking = np.lexsort((np.arange(2 * size) % 2, -share))
         backward, forward = np.sort(ranking[:size])[::-1], np.sort(ranking[size:])
         w = np.concatenate([rates[backward], -rates[forward].conj()]) + omega
-        return w, fields[:, np.append(backward, forward)]
+        return np.asarray(w, dtype=np.complex128), fields[:, np.append(backward, forward)]
 
 
 def on_unequal_bearings(waves: Waves, centre: ComplexArray, difference: float) -> EllipticWaves:

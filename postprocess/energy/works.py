@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.models.case.casing import Casing
+from bladewhirl.postprocess.fields.kinematics import Array, table_of_result
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
@@ -23,9 +24,8 @@ SOURCES = {
 class Works(TypedDict):
     """Works since the start [J]; work that adds energy to the motion is positive.
 
-    The sum of load, normal, friction and springs, minus damping, is the rise of the energy of the
-    motion. The drive keeps the speed constant: its torque balances the contact forces, and its work
-    is the sum of normal work, friction work and the heat of rubbing.
+    The sum of load, normal, friction, springs and damping is the rise of the energy of the motion.
+    The drive keeps the speed constant against the torque of the contact forces, see `drive_work`.
     """
 
     load: float
@@ -33,8 +33,8 @@ class Works(TypedDict):
     closing: float | None  #: part of `normal` that stops tips as gaps close; None if unknown
     friction: float
     springs: float  #: work of turning the rotor against stationary springs
-    damping: float  #: energy lost to damping, positive
-    drive: float
+    damping: float
+    drive: float | None  #: None if `closing` is unknown
     heat: float  #: energy lost as heat of rubbing
 
 
@@ -45,16 +45,16 @@ def works(dataset: xr.Dataset) -> Works:
         return float(dataset.variables[f"{name}_work"][-1].values)
 
     normal, friction, closing = last("normal"), last("friction"), last("closing")
-    drive = float(drive_work(dataset)[-1])
+    drive, heat = float(drive_work(dataset)[-1]), float(friction_supply(dataset)[-1]) - friction
     return Works(
         load=last("external"),
         normal=normal,
         closing=None if np.isnan(closing) else closing,
         friction=friction,
         springs=last("coupling"),
-        damping=last("damping"),
-        drive=drive,
-        heat=drive - normal - friction,
+        damping=-last("damping"),
+        drive=None if np.isnan(drive) else drive,
+        heat=heat,
     )
 
 
@@ -116,16 +116,41 @@ def plot_work(histories: xr.Dataset) -> Figure:
 
 
 def drive_work(dataset: xr.Dataset) -> Array:
-    """Return the work of the drive against the contact forces since the start [J], (time,).
+    """Return the work of the drive against the contact forces since the start [J], (time,); nan if
+    the work of closing tips is unknown.
 
-    The torque of friction is the friction force times the tip radius. Normal forces dissipate
-    nothing: the work that they do on rotor and casing, as the wall turns past the tips, comes from
-    the drive.
+    The torque of friction is the friction force times the tip radius. The torque of normal forces
+    is due to the slope of the wall: its work is the part of the work of normal forces that neither
+    stops closing tips nor compresses the coating nor comes from the closure of the wall. With a
+    coating it has an error of first order in the time step, as the law of the coating has.
     """
     histories = dataset.variables
-    dragged = np.cumsum(histories["friction_impulse"].values.sum(axis=1))
-    reach = float(dataset.attrs["speed"]) * float(dataset.attrs["tip_radius"])
-    return np.asarray(histories["normal_work"].values + reach * dragged)
+    if float(dataset.attrs["speed"]) == 0.0:
+        return np.zeros(dataset.sizes["time"])
+    passing = histories["normal_work"].values - histories["closing_work"].values
+    if "coating_energy" in histories:
+        passing += histories["wear_dissipated"].values + histories["coating_energy"].values
+    return np.asarray(passing - _closure_work(dataset) + friction_supply(dataset))
+
+
+def friction_supply(dataset: xr.Dataset) -> Array:
+    """Return the work of the drive against the torque of friction since the start [J], (time,): it
+    moves the bodies or becomes heat."""
+    dragged = np.cumsum(dataset.variables["friction_impulse"].values.sum(axis=1))
+    return np.asarray(float(dataset.attrs["speed"]) * float(dataset.attrs["tip_radius"]) * dragged)
+
+
+def _closure_work(dataset: xr.Dataset) -> Array:
+    """Return the work that the closure of the wall does through normal forces [J], (time,)."""
+    closure = table_of_result(dataset, "casing", Casing).closure
+    work = np.zeros(dataset.sizes["time"])
+    if closure is not None:
+        time, impulse = dataset["time"].values, dataset["contact_impulse"].values[1:]
+        middle = 0.5 * (time[1:] + time[:-1])
+        angle = dataset["tip_angle"].values + float(dataset.attrs["speed"]) * middle[:, None]
+        rate = np.diff(closure.value(time)) / np.diff(time)
+        work[1:] = np.cumsum(rate * np.sum(impulse * closure.around.value(angle), axis=1))
+    return work
 
 
 def late_drive_power(dataset: xr.Dataset) -> float:
@@ -149,7 +174,7 @@ def leading_source(dataset: xr.Dataset) -> str:
     supplied = {name: float(balance[name]) for name in SOURCES}  # type: ignore[literal-required]
     name = max(supplied, key=lambda source: supplied[source])
     energy = float(dataset.variables["energy"][-1].values)
-    lost, most = balance["damping"], supplied[name]
+    lost, most = -balance["damping"], supplied[name]
     softest = dataset.variables["rotor_frequency"].values.min()
     if softest < 0.0 and energy < 0.0 and lost > 2.0 * most:
         return (

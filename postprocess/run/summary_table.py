@@ -46,7 +46,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         "casing's strain energy, final": _text(summary.strain_energy_casing_final, "J"),
         "work of": f"load {_text(work['load'], 'J')}, {_normal(work)},"
         f" friction {_text(work['friction'], 'J')}, springs {_text(work['springs'], 'J')}, damping"
-        f" {_text(-work['damping'], 'J')}",
+        f" {_text(work['damping'], 'J')}",
         "work of the drive": f"{_text(work['drive'], 'J')}, of it friction heat"
         f" {_text(work['heat'], 'J')}",
         "drive over the last third": f"{_text(summary.drive_power, 'W')},"

@@ -1,5 +1,6 @@
 """Works, drive, largest values and late motion of a run, against motions in closed form."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,8 +9,15 @@ import synthetic_result as synthetic
 import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
+import bladewhirl as bw
 from bladewhirl.postprocess.energy.regimes import classify
-from bladewhirl.postprocess.energy.works import late_drive_power, leading_source, works
+from bladewhirl.postprocess.energy.works import (
+    drive_work,
+    late_drive_power,
+    leading_source,
+    works,
+)
+from bladewhirl.postprocess.fields.kinematics import clearance_at
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.extremes import casing_peaks, largest_force, stress_peaks
 from bladewhirl.postprocess.run.stresses import peak_stresses, stress_history
@@ -30,7 +38,7 @@ def test_the_drive_gives_what_contact_does_and_what_is_rubbed_away(result: xr.Da
     assert actual["heat"] == pytest.approx(dragged - actual["friction"])
     risen = float(result["energy"][-1] - result["energy"][0])
     fed = actual["load"] + actual["normal"] + actual["friction"] + actual["springs"]
-    assert risen == pytest.approx(fed - actual["damping"])
+    assert risen == pytest.approx(fed + actual["damping"])
     assert late_drive_power(result) == pytest.approx(dragged, rel=0.2)  # in one second
 
 
@@ -129,3 +137,56 @@ def test_a_shaft_at_rest_has_no_whirl(records: int) -> None:
     assert actual["whirl_rotating"] == "none"
     assert actual["scenario"] == "at-rest"
     assert len(actual["section"]) == len(actual["radius_peak"]) == 0
+
+
+WALLS: dict[str, dict[str, Any]] = {
+    "bare": {},
+    "closing": {"closure": {"amount": "1 mm", "time_constant": "0.02 s"}},
+    "coated": {
+        "coating": {"thickness": "0.3 mm", "young_modulus": "2 GPa", "yield_stress": "5 MPa"}
+    },
+}
+
+
+def rub(folder: Path, wall: dict[str, Any], speed: float, **load: object) -> xr.Dataset:
+    """Six blades that rub without friction."""
+    case = bw.case_from(
+        {
+            "bladed_disk": {"blades": 6, "elements_per_blade": 3},
+            "casing": {"elements": 16, "support": 8e6, "clearance": "0.5 mm", **wall},
+            "contact": {"friction": 0.0},
+            "reduction": {"fixed_interface_modes": 20},
+            "excitation": load or {"type": "casing-distortion"},
+            "march": {"speed": speed, "duration": "50 ms", "record_step": "10 us"},
+        }
+    )
+    with bw.run(case, folder, frames=0, overwrite=True).open() as result:
+        return result.load()
+
+
+@pytest.mark.parametrize("wall", WALLS)
+def test_works_add_up_and_a_drive_at_rest_does_none(tmp_path: Path, wall: str) -> None:
+    result = rub(tmp_path / "run", WALLS[wall], speed=0.0)
+    actual = works(result)
+    sources = ("load", "normal", "friction", "springs", "damping")
+    rise = float(result["energy"][-1] - result["energy"][0])
+    assert sum(actual[name] for name in sources) == pytest.approx(rise, rel=1e-9)  # type: ignore[literal-required]
+    assert actual["damping"] < 0.0
+    assert actual["drive"] == late_drive_power(result) == 0.0
+    assert abs(actual["normal"]) > 5.0
+    # The same terms without the rule for a speed of zero.
+    balance = drive_work(result.assign_attrs(speed=1e-12))[-1]
+    assert abs(balance) < (1e-3 if wall != "coated" else 0.3) * abs(actual["normal"])
+
+
+def test_the_drive_works_against_the_slope_of_the_wall(tmp_path: Path) -> None:
+    """The torque of normal forces on a rigid wall, from its forces and its slope."""
+    wall = {"clearance_lobes": [{"lobes": 3, "amplitude": "0.49 mm"}], "support": 1e12}
+    result = rub(tmp_path / "run", wall, 1.05, type="imbalance", unbalance="5 kg m", ramp="10 ms")
+    omega, time = float(result.attrs["speed"]), result["time"].values
+    angle = result["tip_angle"].values + omega * (time - 0.5 * np.diff(time, prepend=0.0))[:, None]
+    node = np.linspace(0.0, 2.0 * np.pi, 3601)
+    slope = np.interp(angle, node, np.gradient(clearance_at(result, node), node), period=2 * np.pi)
+    passed = -omega * np.sum(result["contact_impulse"].values * slope)
+    assert passed > 1.0
+    assert works(result)["drive"] == pytest.approx(passed, rel=0.05)
