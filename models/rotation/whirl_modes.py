@@ -43,7 +43,8 @@ class WhirlModes:
     nodal_diameter: IntArray  #: dominant nodal diameter, (modes,); -1 without sectors
     purity: FloatArray  #: share of the dominant nodal diameter in the mode, (modes,)
     spring_share: FloatArray  #: share of the strain energy in the springs, (modes,)
-    direction: tuple[Direction, ...]  #: direction of travel in the rotating frame, (modes,)
+    direction: tuple[Direction, ...]
+    """Direction of travel in the rotating frame, "forward" towards +theta, (modes,)."""
     rank: IntArray
     """Rank of each mode, from 0, by frequency among the branches that have the same nodal diameter
     and direction of travel at rest, (modes,). These branches do not cross. -1 without symmetry."""
@@ -93,10 +94,13 @@ class WhirlModes:
         moved = sign * self.frequency - self.nodal_diameter * omega
         return np.where(sign == 0.0, self.frequency, moved)
 
-    def static_direction(self, omega: float) -> tuple[Direction, ...]:
-        """Return the direction of each mode in the static frame at a speed of rotation [rad/s]."""
-        standing = np.array([way == "standing" for way in self.direction])
-        return directions(np.where(standing, 0.0, self.static_frequency(omega)), omega)
+    def named_directions(self, omega: float) -> tuple[tuple[Direction, ...], tuple[Direction, ...]]:
+        """Return the direction of each mode in the rotating and in the static frame at a speed of
+        rotation [rad/s]; forward is the sense of rotation, also for a negative speed."""
+        names = np.array(self.direction)
+        signed = self.static_frequency(omega)
+        static = directions(np.where(names == "standing", 0.0, signed), omega)
+        return in_sense_of_rotation(self.direction, omega), in_sense_of_rotation(static, omega)
 
 
 def directions(signed: FloatArray, omega: float) -> tuple[Direction, ...]:
@@ -111,6 +115,12 @@ def directions(signed: FloatArray, omega: float) -> tuple[Direction, ...]:
         "standing" if abs(w) <= SLOW * abs(omega) else ("backward" if w > 0.0 else "forward")
         for w in signed
     )
+
+
+def in_sense_of_rotation(ways: Sequence[Direction], omega: float) -> tuple[Direction, ...]:
+    """Return directions towards +theta or -theta as directions with or against the rotation."""
+    opposite: dict[Direction, Direction] = {"forward": "backward", "backward": "forward"}
+    return tuple(opposite.get(way, way) if omega < 0.0 else way for way in ways)
 
 
 def whirl_modes(structure: Structure, count: int | None = None) -> WhirlModes:

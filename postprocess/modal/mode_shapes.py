@@ -35,7 +35,6 @@ PURE = 0.9995
 """If the purity of a mode exceeds this value, only its nodal diameter is printed. The purity is the
 share of the kinetic energy of the mode in its nodal diameter."""
 
-TURNS = "rotation is counter-clockwise"  #: note in pictures of modes and waves
 MIXED = 0.5  #: a mode with a lower purity is named "mixed k" instead of by its nodal diameter
 OUTSIDE = 1.1  #: radius at which crests are marked, relative to the largest drawn radius
 #: half the width of a picture divided by the largest distance of a drawn point from its middle
@@ -181,7 +180,7 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
     )
     names = {"bladed-disk": "the bladed disk, rotating frame", "casing": "the casing"}
     note = "Exaggerated. Centre: % of the largest displacement. k: % of the kinetic energy."
-    complete(figure, data, f"Modes of {names[body]}; {TURNS}", note)
+    complete(figure, data, f"Modes of {names[body]}; {_sense(data)}", note)
     return figure
 
 
@@ -208,8 +207,12 @@ def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
     frame = "rotating frame" if body == "bladed-disk" else "static frame"
     hertz = _frequency(data, float(data[f"{prefix}_frequency"].values[0]))
     name = str(data.attrs["title"])
-    complete(figure, data, f"{name[:1].upper()}{name[1:]}, {hertz}, {frame}; {TURNS}")
+    complete(figure, data, f"{name[:1].upper()}{name[1:]}, {hertz}, {frame}; {_sense(data)}")
     return figure
+
+
+def _sense(data: xr.Dataset) -> str:
+    return f"rotation is {data.attrs['rotation']}"
 
 
 def _mark_crests(axes: Axes, angle: float, k: int, label: str) -> None:

@@ -6,7 +6,7 @@ times cos(omega t) plus the sine mode times sin(omega t) travels forward; the co
 cos(omega t) minus the sine mode times sin(omega t) travels backward.
 """
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -17,11 +17,12 @@ from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.rotation.whirl_modes import Direction, in_sense_of_rotation
 from bladewhirl.postprocess.fields.kinematics import casing_rows, clearance_at, line_rows, tip_rows
 from bladewhirl.postprocess.fields.result import stage_dataset
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShapes
 
-Wave = Literal["standing", "forward", "backward"]
+Wave = Direction
 
 PICTURES = 48  #: number of records in one period of a mode
 #: largest displacement of a motion, divided by the tip radius, if the clearance is zero
@@ -63,7 +64,8 @@ def mode_motion(
     time = 2.0 * np.pi / frequency * np.arange(PICTURES) / PICTURES
     whirls = on_disk and stage.disk_whirl is not None
     # The two fields of a whirling mode are one motion, whose direction does not depend on `wave`.
-    fields, played = (2, "forward") if whirls else (len(numbers), wave)
+    (towards,) = in_sense_of_rotation((wave,), stage.speed)
+    fields, played = (2, "forward") if whirls else (len(numbers), towards)
     shift, rate = _coordinates(frequency * time, fields, played)
     scale = shown_clearance(stage) / _largest(fixed, body, shift)
     displacement, velocity = scale * shift, scale * frequency * rate
@@ -98,10 +100,11 @@ def shapes_dataset(stage: ModalStage, body: Body, numbers: IntArray) -> xr.Datas
     if stage.disk_whirl is None:
         return data.assign(rotor_purity=("rotor_mode", stage.disk_modes.purity[numbers]))
     whirl = stage.disk_whirl.modes.take(numbers)
+    rotating, static = whirl.named_directions(stage.speed)
     return data.isel(rotor_mode=slice(None, None, 2)).assign(
         rotor_purity=("rotor_mode", whirl.purity),
-        rotor_direction=("rotor_mode", list(whirl.direction)),
-        rotor_direction_static=("rotor_mode", list(whirl.static_direction(stage.speed))),
+        rotor_direction=("rotor_mode", list(rotating)),
+        rotor_direction_static=("rotor_mode", list(static)),
     )
 
 
@@ -194,6 +197,7 @@ def _attributes(stage: ModalStage) -> dict[str, Any]:
         "casing_radius": stage.casing.mesh.radius,
         "tip_radius": given.tip_radius,
         "clamped": int(given.shaft.clamped),
+        "rotation": "clockwise" if stage.speed < 0.0 else "counter-clockwise",
     }
 
 

@@ -143,7 +143,8 @@ def _wave(stage: ModalStage, mode: ChosenMode, wave: str | None) -> Wave:
     """
     waves = {*get_args(Wave)} if len(mode.numbers) == 2 else {"standing"}
     if mode.body == "bladed-disk" and stage.disk_whirl is not None:
-        waves = {stage.disk_whirl.modes.direction[number] for number in mode.numbers}
+        named, _ = stage.disk_whirl.modes.named_directions(stage.speed)
+        waves = {named[number] for number in mode.numbers}
     amplified = FED[mode.body]
     if wave is None:
         return amplified if amplified in waves else cast(Wave, min(waves))
@@ -198,7 +199,7 @@ def _film(
     if mode.body == "casing":
         title = f"casing {title}"
     elif stage.disk_whirl is not None:
-        direction = stage.disk_whirl.modes.direction
+        direction, _ = stage.disk_whirl.modes.named_directions(stage.speed)
         numbers = np.array([number for number in numbers if direction[number] == wave][:1])
     motion = mode_motion(stage, mode.body, numbers, wave=wave, title=title)
     stem = mode.stem

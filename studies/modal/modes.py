@@ -67,10 +67,11 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
 
     If all blades are equal, this selects two frequencies: of the cosine and the sine mode of a
     pair. `pattern` is cosine, sine or single. `direction` and `direction_static` are the directions
-    of waves in the rotating and in the static frame at the speed of the case: backward, forward or
-    standing. With Coriolis forces the two waves of a pair differ in frequency, and `pattern` is
-    wave or single. With rotation effects, the branch with most of its strain energy in the shaft
-    springs is the suspension, and `family_at_rest` is the name of the same branch at rest.
+    of waves in the rotating and in the static frame at the speed of the case: standing, or forward
+    and backward with respect to the rotation. With Coriolis forces the two waves of a pair differ
+    in frequency, and `pattern` is wave or single. With rotation effects, the branch with most of
+    its strain energy in the shaft springs is the suspension, and `family_at_rest` is the name of
+    the same branch at rest.
     `modes.reset_index("mode")` can be saved to a file.
 
     Args:
@@ -106,10 +107,10 @@ def _modes_of(
     modes = source.modes if isinstance(source, LabelledWhirlModes) else source
     if isinstance(modes, WhirlModes):
         pattern = ["single" if way == "standing" else "wave" for way in modes.direction]
-        rotating, static = modes.direction, modes.static_direction(stage.speed)
+        rotating, static = modes.named_directions(stage.speed)
     else:
         pattern = [_pattern(modes, number) for number in range(modes.count)]
-        rotating, static = _directions_of_pairs(modes, pattern, body, stage.speed)
+        rotating, static = _directions_of_pairs(modes, pattern, body, abs(stage.speed))
     reference = stage.reference_frequency
     texts = {
         "body": [body] * modes.count,

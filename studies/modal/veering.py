@@ -214,7 +214,8 @@ def _over_shaft(stage: ModalStage, springs: FloatArray) -> ShaftVeering:
     basis = layout.basis(1)
 
     def block(matrix: sp.csr_array) -> ComplexArray:
-        return np.asarray((basis.conj().T @ matrix @ basis).toarray())
+        values = np.asarray((basis.conj().T @ matrix @ basis).toarray())
+        return values.conj() if stage.speed < 0.0 else values  # waves towards -theta lead
 
     mass, stiffness = block(structure.mass), block(structure.stiffness - structure.springs)
     centre = np.zeros(len(mass), dtype=np.complex128)
