@@ -11,6 +11,10 @@ from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import ALL_FAILED, emit, interruptible, progress_bar
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from bladewhirl.models.case.case import Case
+    from bladewhirl.studies.sweeps.axes import Grid
     from bladewhirl.studies.sweeps.plan import SweepPlan
     from bladewhirl.studies.sweeps.sweep import Sweep
 
@@ -32,6 +36,7 @@ def sweep(
     draws: int | None = None,
     perturb: Annotated[list[str] | None, typer.Option(metavar="KEY=SIZE")] = None,
     seed: int = 0,
+    draw: int | None = None,
     until: Annotated[float | None, typer.Option(metavar="WIDTH")] = None,
     screen: Annotated[bool, typer.Option("--screen")] = False,
     carry: Annotated[Literal["up", "down"] | None, typer.Option("--continue")] = None,
@@ -62,6 +67,8 @@ def sweep(
             distribution with a standard deviation of 5 %. A following "absolute" means SI units,
             "uniform" a uniform distribution.
         seed: Seed of the random draws.
+        draw: March nothing; write the case of this random draw at each point into the output
+            folder, to run it on its own.
         until: March no more random draws of a point when the 95 % interval of the share of every
             regime excludes one half or is narrower than WIDTH, such as 0.2.
         screen: First march the random draws with scaled masses of the casing and longer time steps;
@@ -73,69 +80,99 @@ def sweep(
         yes: Allow more than 100,000 points or long marches.
     """
     from bladewhirl.models.case.file import read_case
-    from bladewhirl.studies.sweeps.axes import parse_over
-    from bladewhirl.studies.sweeps.sweep import Watch, resume_sweep, run_sweep
+    from bladewhirl.studies.sweeps.axes import make_grid, parse_over
+    from bladewhirl.studies.sweeps.draws import parse_draws
+    from bladewhirl.studies.sweeps.plan import read_plan
+    from bladewhirl.studies.sweeps.sweep import SweepFailed, Watch, resume_sweep, run_sweep
     from bladewhirl.studies.sweeps.table import point_table
 
     options.refuse_both(scheduler, workers)
     remedy = f"bladewhirl sweep --resume {resume or output} finishes it"
-    with progress_bar("sweeping", lines="points") as update, interruptible(remedy):
+    try:
+        with progress_bar("sweeping", lines="points") as update, interruptible(remedy):
 
-        def progress(done: int, failed: int, points: int) -> None:
-            update(done + failed, points, text=f"{done} of {points} done", failed=failed)
+            def progress(done: int, failed: int, points: int) -> None:
+                update(done + failed, points, text=f"{done} of {points} done", failed=failed)
 
-        watch = Watch(planned=_print_plan, progress=progress)
-        if resume is not None:
-            new_sweep: dict[str, object] = {"CASE": case, "--over": over, "--output": output}
-            new_sweep |= {"--table": table}
-            new_sweep |= {"--perturb": perturb, "--seed": seed}
-            new_sweep |= {"--set": overrides, "--histories": histories, "--stop-when": stop_when}
-            new_sweep |= {"--screen": screen, "--continue": carry}
-            unused = ", ".join(name for name, value in new_sweep.items() if value)
-            if unused:
-                stored = f"{resume}/sweep.json contains the input of this sweep"
-                raise UserError(f"--resume {resume}: omit {unused}, because {stored}")
-            result = resume_sweep(
-                resume,
-                scheduler=scheduler,
-                workers=workers,
-                draws=draws,
-                until=until,
-                watch=watch,
-            )
-        elif case is None or not (over or table) or output is None:
-            raise UserError(
-                "sweep: expected either CASE, --over KEY=VALUES and -o DIR, or --resume DIR"
-            )
-        else:
-            values = parse_over(over or [])
-            keys = values if table is None else point_table(table).values
-            option = "--over" if table is None else "--table"
-            for override in overrides or []:
-                key = override.partition("=")[0].strip()
-                if key in keys:
-                    raise UserError(f"--set {override}: omit it, because {option} sets {key}")
-            result = run_sweep(
-                read_case(case, overrides or []),
-                values,
-                output,
-                table=table,
-                scheduler=scheduler,
-                workers=workers,
-                histories=histories,
-                large=yes,
-                stop_when=stop_when,
-                draws=draws,
-                perturb=perturb or (),
-                seed=seed,
-                until=until,
-                screen=screen,
-                carry=carry,
-                watch=watch,
-            )
+            watch = Watch(planned=_print_plan, progress=progress)
+            if resume is not None:
+                new_sweep: dict[str, object] = {"CASE": case, "--over": over}
+                new_sweep |= {} if draw is not None else {"--output": output}
+                new_sweep |= {"--table": table}
+                new_sweep |= {"--perturb": perturb, "--seed": seed}
+                new_sweep |= {
+                    "--set": overrides,
+                    "--histories": histories,
+                    "--stop-when": stop_when,
+                }
+                new_sweep |= {"--screen": screen, "--continue": carry}
+                unused = ", ".join(name for name, value in new_sweep.items() if value)
+                if unused:
+                    stored = f"{resume}/sweep.json contains the input of this sweep"
+                    raise UserError(f"--resume {resume}: omit {unused}, because {stored}")
+                if draw is not None:
+                    plan = read_plan(resume)
+                    _write_draw(plan.case, plan.grid, draw, output)
+                    return
+                result = resume_sweep(
+                    resume,
+                    scheduler=scheduler,
+                    workers=workers,
+                    draws=draws,
+                    until=until,
+                    watch=watch,
+                )
+            elif case is None or not (over or table) or output is None:
+                raise UserError(
+                    "sweep: expected either CASE, --over KEY=VALUES and -o DIR, or --resume DIR"
+                )
+            else:
+                values = parse_over(over or [])
+                keys = values if table is None else point_table(table).values
+                option = "--over" if table is None else "--table"
+                for override in overrides or []:
+                    key = override.partition("=")[0].strip()
+                    if key in keys:
+                        raise UserError(f"--set {override}: omit it, because {option} sets {key}")
+                varied = read_case(case, overrides or [])
+                if draw is not None:
+                    random = parse_draws(draws, perturb or (), seed, until)
+                    points = None if table is None else point_table(table)
+                    grid = make_grid(varied, values, large=yes, draws=random, table=points)
+                    _write_draw(varied, grid, draw, output)
+                    return
+                result = run_sweep(
+                    varied,
+                    values,
+                    output,
+                    table=table,
+                    scheduler=scheduler,
+                    workers=workers,
+                    histories=histories,
+                    large=yes,
+                    stop_when=stop_when,
+                    draws=draws,
+                    perturb=perturb or (),
+                    seed=seed,
+                    until=until,
+                    screen=screen,
+                    carry=carry,
+                    watch=watch,
+                )
+    except SweepFailed as error:
+        result = error.sweep
     _report(result, json=json)
     if not result.done:
         raise typer.Exit(ALL_FAILED)
+
+
+def _write_draw(case: Case, grid: Grid, draw: int, output: Path | None) -> None:
+    """Write the cases of a random draw, and print their names and values."""
+    from bladewhirl.studies.sweeps.drawn import write_drawn_cases
+
+    if output is None:
+        raise UserError(f"--draw {draw}: needs -o DIR, a new folder for the cases")
+    typer.echo("\n".join(write_drawn_cases(case, grid, draw, output)))
 
 
 def _report(result: Sweep, *, json: bool) -> None:

@@ -52,14 +52,20 @@ class Axis:
 
     @property
     def unit(self) -> str:
-        """Unit of the values; empty for plain numbers."""
-        first = self.values[0]
-        return first.partition(" ")[2] if isinstance(first, str) else ""
+        """Common unit of the values; empty for plain numbers and for values of several units."""
+        units = {unit for _, unit in self._parts}
+        return units.pop() if len(units) == 1 else ""
 
     @property
     def numbers(self) -> FloatArray:
         """Values as numbers, without the unit."""
-        return np.array([float(str(value).partition(" ")[0]) for value in self.values])
+        return np.array([number for number, _ in self._parts])
+
+    @property
+    def _parts(self) -> list[tuple[float, str]]:
+        """Number and unit of each value."""
+        matches = (NUMBER.fullmatch(str(value)) for value in self.values)
+        return [(float(match[1]), match[2] or "") for match in matches if match is not None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,6 +105,12 @@ class Grid:
     def listed(self) -> dict[str, tuple[Value, ...]]:
         """Values of each key of the table."""
         return {axis.key: axis.values for axis in self.table}
+
+    @property
+    def drawn(self) -> dict[str, str]:
+        """Name of the variable with the drawn values of each perturbed key."""
+        changes = () if self.draws is None else self.draws.perturbations
+        return {each.key: f"drawn_{each.key.replace('.', '_')}" for each in changes}
 
     @property
     def size(self) -> int:

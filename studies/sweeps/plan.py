@@ -258,6 +258,18 @@ def write_plan(plan: SweepPlan, directory: Path) -> None:
     write_atomically(directory / PLAN_NAME, json_text(document))
 
 
+def require_new(directory: Path) -> None:
+    """Check that a folder for results does not exist or is empty.
+
+    Raises:
+        UserError: it is not; the message says whether a sweep in it can be resumed.
+    """
+    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
+        resumable = (directory / PLAN_NAME).exists()
+        hint = "; --resume finishes the sweep in it" if resumable else ""
+        raise UserError(f"{directory}: expected a new or an empty folder{hint}")
+
+
 def read_plan(directory: Path) -> SweepPlan:
     """Return the plan of an existing sweep.
 
@@ -319,6 +331,9 @@ def _coordinates(case: Case, grid: Grid) -> Coordinates:
         )
         values, unit = coordinate([value_at(each, path_of(axis.key)) for each in along])
         coordinates[axis.key] = (values, unit or unit_of(case, axis.key))
+    for key, name in grid.drawn.items():
+        _, unit = coordinate([value_at(case, path_of(key))])
+        coordinates[name] = np.array(grid.nominal[key]), unit or unit_of(case, key)
     return coordinates
 
 

@@ -35,7 +35,8 @@ from bladewhirl.studies.sweeps.axes import Grid
 from bladewhirl.studies.sweeps.points import Failure, Outcome
 
 Coordinates = Mapping[str, tuple[FloatArray, str]]
-"""Values of each swept key, with their unit."""
+"""Values of each swept key, with their unit; of perturbed keys the unperturbed values, by the name
+of the variable with the drawn values."""
 
 
 def create(
@@ -86,6 +87,9 @@ def create(
             if labels:
                 made.attrs["flag_values"] = np.arange(len(labels), dtype="i1")
                 made.attrs["flag_meanings"] = " ".join(labels)
+        for key, name in grid.drawn.items():
+            made = _reserve(h5, file, name, np.dtype("f8"), sizes)
+            made.attrs.update({"units": coordinates[name][1], "long_name": f"drawn value of {key}"})
         file.attrs["coordinates"] = " ".join(as_given)
         file.attrs["over"] = json.dumps(grid.over)
         if grid.table:
@@ -151,6 +155,7 @@ class Store(AbstractContextManager["Store"]):
         # The variables are kept, because a lookup by name takes a third of the time of writing a
         # point.
         self._variables = {name: self._h5[name] for name in self._table}
+        self._drawn = {key: self._h5[name] for key, name in grid.drawn.items()}
         #: state of every point as written, (points,)
         self.state = np.asarray(self._h5["state"][()], dtype=np.int8).ravel()
         self._screened = self._h5.get(dataset.SCREENED)
@@ -211,6 +216,9 @@ class Store(AbstractContextManager["Store"]):
             self._write_state(point, dataset.MISSING)
         if self._screened is not None:
             self._screened[index] = screened
+        drawn = self._grid.values(point) if self._drawn else {}
+        for key, variable in self._drawn.items():
+            variable[index] = drawn[key]
         if isinstance(outcome, Failure):
             self.failures[point] = outcome.reason
         else:
@@ -230,7 +238,7 @@ class Store(AbstractContextManager["Store"]):
         if self._screened is not None and self.state[point] != dataset.MISSING:
             index = np.unravel_index(point, self._grid.shape)
             self._write_state(point, dataset.MISSING)
-            for variable in self._variables.values():
+            for variable in (*self._variables.values(), *self._drawn.values()):
                 variable[index] = _empty(variable.dtype)
             self._screened[index] = False
         self._write_state(point, dataset.NOT_NEEDED)

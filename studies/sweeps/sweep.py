@@ -26,7 +26,7 @@ from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import OVER, TABLE, Grid, PointTable, Value, make_grid
 from bladewhirl.studies.sweeps.carried import STATES_NAME, Carry
 from bladewhirl.studies.sweeps.draws import UNTIL, parse_draws
-from bladewhirl.studies.sweeps.plan import PLAN_NAME, SweepPlan, plan_sweep, read_plan, write_plan
+from bladewhirl.studies.sweeps.plan import SweepPlan, plan_sweep, read_plan, require_new, write_plan
 from bladewhirl.studies.sweeps.points import Work
 from bladewhirl.studies.sweeps.rounds import Rounds
 from bladewhirl.studies.sweeps.store import Store, create
@@ -69,6 +69,18 @@ class Sweep:
         return len(self.failures)
 
 
+class SweepFailed(UserError):
+    """All points of a sweep failed; its `sweep` contains the reasons, as failures.json does."""
+
+    def __init__(self, sweep: Sweep) -> None:
+        point, reason = min(sweep.failures.items())
+        super().__init__(
+            f"{sweep.directory}: all {sweep.failed} points failed, first"
+            f" {sweep.grid.label(point)}: {reason}"
+        )
+        self.sweep = sweep
+
+
 def run_sweep(
     case: Case,
     over: Mapping[str, Sequence[Value]] | None = None,
@@ -94,9 +106,6 @@ def run_sweep(
     The folder then contains sweep.json (the plan), provenance.json, sweep.nc (open it with
     `open_sweep`), failures.json if points failed, figures, and histories/ if requested.
     `resume_sweep` finishes a sweep that was interrupted or killed.
-
-    Local workers are fresh Python processes, which import the main module: scripts need the usual
-    ``if __name__ == "__main__":``.
 
     Args:
         case: case that the sweep varies.
@@ -132,14 +141,11 @@ def run_sweep(
 
     Raises:
         UserError: as for `make_grid`, `point_table` and `plan_sweep`; both or none of `over` and
-            `table` are given; the folder exists or cannot be written; or the scheduler does not
-            answer.
+            `table` are given; the folder exists or cannot be written; the scheduler does not
+            answer; or all points fail (`SweepFailed`).
     """
     directory = Path(directory)
-    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
-        resumable = (directory / PLAN_NAME).exists()
-        hint = "; --resume finishes the sweep in it" if resumable else ""
-        raise UserError(f"{directory}: expected a new or an empty folder{hint}")
+    require_new(directory)
     if over and table is not None:
         raise UserError(f"{OVER}, {TABLE}: omit one of them")
     grid = make_grid(
@@ -263,7 +269,10 @@ def _carry_out(
         )
     if swept.done == swept.points:
         shutil.rmtree(states, ignore_errors=True)
-    return replace(swept, left_out=leave_figures(directory))
+    swept = replace(swept, left_out=leave_figures(directory))
+    if swept.failures and not swept.done:
+        raise SweepFailed(swept)
+    return swept
 
 
 def _add_draws(

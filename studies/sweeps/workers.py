@@ -7,12 +7,14 @@ sweep.
 
 import multiprocessing
 import os
+import sys
 import threading
 from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from itertools import chain, islice
+from types import ModuleType
 
 from bladewhirl.studies.runs.interrupts import held_back
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
@@ -127,13 +129,16 @@ def _processes(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 @contextmanager
 def _starting() -> Iterator[None]:
-    """Let workers that start in the ``with`` block ignore Ctrl-C and use one thread each."""
+    """Let workers that start in the ``with`` block ignore Ctrl-C, use one thread each, and not
+    import the main module: they need nothing of it, and a script would start its sweep again."""
     missing = [name for name in ONE_THREAD if name not in os.environ]
     os.environ.update(dict.fromkeys(missing, "1"))
+    main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
     try:
         with held_back():
             yield
     finally:
+        sys.modules["__main__"] = main
         for name in missing:
             del os.environ[name]
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from command_line import answer
 from small_run import small
 
 import bladewhirl as bw
@@ -100,3 +101,43 @@ def test_a_sweep_has_a_dimension_of_draws(tmp_path: Path) -> None:
 def test_a_sweep_without_draws_has_no_probability() -> None:
     with pytest.raises(bw.ViewError, match="expected a sweep with random draws"):
         probability(toy(0.5, 2, 0).isel(draw=0, drop=True))
+
+
+@pytest.mark.usefixtures("process")
+def test_drawn_values_are_stored_and_a_draw_can_be_repeated(tmp_path: Path) -> None:
+    perturb = ["contact.friction = 0.1", "march.speed = 0.02", "casing.clearance = 1e-5 absolute"]
+    folder = tmp_path / "swept"
+    done = bw.run_sweep(CASE, OVER, folder, draws=3, perturb=perturb, seed=4)
+    with bw.open_sweep(folder) as sweep:
+        sweep.load()
+    for point in range(6):
+        at = divmod(point, 3)
+        values = done.grid.values(point)
+        assert sweep["drawn_contact_friction"].values[at] == values["contact.friction"]
+        assert sweep["drawn_march_speed"].values[at] == values["march.speed"]
+        assert sweep["drawn_casing_clearance"].values[at] == values["casing.clearance"]
+    units = [sweep[f"drawn_{n}"].attrs["units"] for n in ("march_speed", "casing_clearance")]
+    assert units == ["1", "m"]
+    case = bw.drawn_case(folder, 2, march_speed=1.5)
+    ran = bw.run(case, tmp_path / "run", frames=0)
+    point = sweep.sel(march_speed=1.5, draw=2)
+    assert ran.summary.shaft_radius_max == float(point["shaft_radius_max"])
+    assert case.contact.friction == float(point["drawn_contact_friction"])
+    for wrong, speed in ((3, 1.5), (0, 1.4)):
+        with pytest.raises(bw.UserError, match="expected"):
+            bw.drawn_case(folder, wrong, march_speed=speed)
+
+
+def test_the_command_writes_the_cases_of_a_draw(tmp_path: Path) -> None:
+    file, folder = tmp_path / "case.toml", tmp_path / "drawn"
+    file.write_text(bw.dumps_case(CASE), encoding="utf-8")
+    words = ["--over", "march.speed=1:1.5:0.5", "--draws", "3", "--seed", "4"]
+    words += ["--perturb", "contact.friction = 0.1", "--draw", "1", "-o", str(folder)]
+    printed = answer("sweep", file, *words).stdout
+    over = {"march.speed": [1, 1.5]}
+    grid = make_grid(CASE, over, large=False, draws=parse_draws(3, ["contact.friction=0.1"], 4))
+    for point in (0, 1):
+        drawn = bw.read_case(folder / f"point_{point}_draw_1.toml")
+        assert drawn == bw.with_values(CASE, grid.values(3 * point + 1))
+        assert f"point_{point}_draw_1.toml: {grid.label(3 * point + 1)}" in printed
+    assert not (folder / "sweep.nc").exists()

@@ -1,13 +1,16 @@
 """Sweeps: points, folders, refusals and resumption, marched in this process."""
 
 import json
+import os
 import subprocess
 import sys
+from multiprocessing.spawn import get_preparation_data
 from pathlib import Path
 
 import dask
 import numpy as np
 import pytest
+import sweep_work
 import xarray as xr
 from command_line import answer
 from sweep_work import CASE, OVER, InProcess, Killed, same_bits
@@ -25,9 +28,10 @@ from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
 from bladewhirl.studies.sweeps import plan as sweep_plan
+from bladewhirl.studies.sweeps import workers
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, plan_sweep, read_plan, write_plan
-from bladewhirl.studies.sweeps.points import Point, Work
+from bladewhirl.studies.sweeps.points import Failure, Point, Work
 from bladewhirl.studies.sweeps.sweep import HISTORIES_NAME, resume_sweep, run_sweep
 from bladewhirl.studies.sweeps.workers import march_points
 
@@ -217,3 +221,44 @@ def test_implausible_values_of_a_key_are_hinted_at(tmp_path: Path) -> None:
     grid = make_grid(CASE, {"contact.friction": [0.1, 0.2, 30.0]}, large=True)
     (hint,) = plan_sweep(CASE, grid, histories=False).hints
     assert hint.startswith("unusual contact.friction = 30.0")
+
+
+SCRIPT = """
+import bladewhirl as bw
+from sweep_work import CASE, OVER
+print("started")
+done = bw.run_sweep(CASE, OVER, {folder!r}, workers=2)
+print(done.done, done.failed)
+"""
+
+
+def test_workers_do_not_import_the_main_module() -> None:
+    main = sys.modules["__main__"]
+    with workers._starting():
+        handed_over = get_preparation_data("worker")
+    assert not [key for key in handed_over if key.startswith("init_main")]
+    assert sys.modules["__main__"] is main
+
+
+@pytest.mark.slow
+def test_a_script_without_a_guard_sweeps_once(swept: Path, tmp_path: Path) -> None:
+    script, folder = tmp_path / "script.py", tmp_path / "unguarded"
+    script.write_text(SCRIPT.format(folder=str(folder)), encoding="utf-8")
+    support = str(Path(sweep_work.__file__).parent)
+    done = subprocess.run(
+        [sys.executable, script],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": support},
+    )
+    assert done.stdout.split() == ["started", "6", "0"]
+    assert same_bits(swept, folder)
+
+
+def test_a_sweep_whose_points_all_fail_raises(process: InProcess, tmp_path: Path) -> None:
+    process.outcome = lambda work, point: Failure(reason=f"no luck at {point.number}")
+    with pytest.raises(bw.UserError, match=r"all 6 points failed, first .*: no luck at 0"):
+        bw.run_sweep(CASE, OVER, tmp_path / "failed")
+    with pytest.raises(bw.UserError, match="all 6 points failed"):
+        bw.resume_sweep(tmp_path / "failed")

@@ -7,7 +7,7 @@ from faults import fault
 from bladewhirl.models.case.analysis import March
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.studies.sweeps.axes import Value, coordinate, make_grid, parse_over
+from bladewhirl.studies.sweeps.axes import Axis, Value, coordinate, make_grid, parse_over
 from bladewhirl.studies.sweeps.plan import plan_sweep
 
 
@@ -103,3 +103,18 @@ def test_speeds_of_two_kinds_share_no_axis() -> None:
     speeds = [March(speed=given).speed for given in (1.0, "60 rpm")]
     with pytest.raises(UserError, match="all speeds as numbers"):
         coordinate(speeds)
+
+
+def test_values_of_several_units_have_no_coordinate_in_one_of_them() -> None:
+    for values, unit in (
+        (("2500 rpm", "40 Hz"), ""),
+        (("1 mm", "0.2 cm"), ""),
+        (("1 mm", 2e-3), ""),
+        (("2500 rpm", "2600rpm"), "rpm"),
+        (("40 Hz", "50 Hz"), "Hz"),
+        ((1.0, 2.0), ""),
+    ):
+        assert Axis(key="march.speed", values=values).unit == unit
+    np.testing.assert_array_equal(
+        Axis(key="k", values=("2500 rpm", "26e2rpm")).numbers, [2500, 2600]
+    )
