@@ -112,17 +112,17 @@ def test_drawn_values_are_stored_and_a_draw_can_be_repeated(tmp_path: Path) -> N
         sweep.load()
     for point in range(6):
         at = divmod(point, 3)
-        values = done.grid.values(point)
-        assert sweep["drawn_contact_friction"].values[at] == values["contact.friction"]
-        assert sweep["drawn_march_speed"].values[at] == values["march.speed"]
-        assert sweep["drawn_casing_clearance"].values[at] == values["casing.clearance"]
+        expected = done.grid.values(point)
+        assert sweep["drawn_contact_friction"].values[at] == expected["contact.friction"]
+        assert sweep["drawn_march_speed"].values[at] == expected["march.speed"]
+        assert sweep["drawn_casing_clearance"].values[at] == expected["casing.clearance"]
     units = [sweep[f"drawn_{n}"].attrs["units"] for n in ("march_speed", "casing_clearance")]
     assert units == ["1", "m"]
     case = bw.drawn_case(folder, 2, march_speed=1.5)
     ran = bw.run(case, tmp_path / "run", frames=0)
-    point = sweep.sel(march_speed=1.5, draw=2)
-    assert ran.summary.shaft_radius_max == float(point["shaft_radius_max"])
-    assert case.contact.friction == float(point["drawn_contact_friction"])
+    one = sweep.sel(march_speed=1.5, draw=2)
+    assert ran.summary.shaft_radius_max == float(one["shaft_radius_max"])
+    assert case.contact.friction == float(one["drawn_contact_friction"])
     for wrong, speed in ((3, 1.5), (0, 1.4)):
         with pytest.raises(bw.UserError, match="expected"):
             bw.drawn_case(folder, wrong, march_speed=speed)
