@@ -87,10 +87,8 @@ class SuperelementStage:
 
     @property
     def casing_radius(self) -> float:
-        """Radius of a flexible casing, or largest radius of a contact node in a rigid wall [m]."""
-        if self.ring is None:
-            return float(self.part.contact_radius.max())
-        return self.ring.reduced_casing.radius
+        """Radius of the wall [m]: that from which the clearance is measured, plus the clearance."""
+        return self.case.tip_radius + self.case.casing.clearance
 
     @property
     def recess(self) -> FloatArray:

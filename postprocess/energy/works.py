@@ -34,7 +34,7 @@ class Works(TypedDict):
     friction: float
     springs: float  #: work of turning the rotor against stationary springs
     damping: float
-    drive: float | None  #: None if `closing` is unknown
+    drive: float | None  #: None if unknown
     heat: float  #: energy lost as heat of rubbing
 
 
@@ -117,19 +117,19 @@ def plot_work(histories: xr.Dataset) -> Figure:
 
 def drive_work(dataset: xr.Dataset) -> Array:
     """Return the work of the drive against the contact forces since the start [J], (time,); nan if
-    the work of closing tips is unknown.
+    it is unknown.
 
     The torque of friction is the friction force times the tip radius. The torque of normal forces
     is due to the slope of the wall: its work is the part of the work of normal forces that neither
-    stops closing tips nor compresses the coating nor comes from the closure of the wall. With a
-    coating it has an error of first order in the time step, as the law of the coating has.
+    stops closing tips nor comes from the closure of the wall. It is unknown for results without
+    the work of closing tips, and with a coating, whose rods lose energy when a tip leaves them.
     """
     histories = dataset.variables
     if float(dataset.attrs["speed"]) == 0.0:
         return np.zeros(dataset.sizes["time"])
+    if "coating_work" in histories:
+        return np.full(dataset.sizes["time"], np.nan)
     passing = histories["normal_work"].values - histories["closing_work"].values
-    if "coating_energy" in histories:
-        passing += histories["wear_dissipated"].values + histories["coating_energy"].values
     return np.asarray(passing - _closure_work(dataset) + friction_supply(dataset))
 
 

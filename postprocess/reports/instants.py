@@ -91,7 +91,7 @@ def _marked(dataset: xr.Dataset, orbit: xr.Dataset) -> tuple[int, str]:
     impulse = dataset["contact_impulse"].values.max(axis=1)
     if impulse.any():
         return int(impulse.argmax()), "largest contact force"
-    return int(orbit["radius"].values.argmax()), "largest displacement of the shaft"
+    return int(orbit["radius"].values.argmax()), "largest recorded displacement of the shaft"
 
 
 def _machine(drawing: Drawing, pictures: list[Picture]) -> list[dict[str, Any]]:

@@ -154,7 +154,7 @@ def _node_glance(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
     return [
         ("contact nodes that touched", f"{touched} of {dataset.sizes['contact_node']}", ""),
         *(
-            (f"largest {name} displacement", handy(float(value), "m", 4), "")
+            (f"largest recorded {name} displacement", handy(float(value), "m", 4), "")
             for name, value in zip(dataset["direction"].values, moved, strict=True)
         ),
     ]
@@ -176,7 +176,7 @@ def _beam_glance(dataset: xr.Dataset, orbit: xr.Dataset) -> list[tuple[str, str,
     whirls = {frame: whirl(late_orbit, frame).text.partition(", ") for frame in FRAMES}
     return [
         (
-            "largest shaft displacement",
+            "largest recorded shaft displacement",
             f"{radius:.4g} mm",
             f"{radius / clearance:.3g} times the clearance" if clearance else "",
         ),

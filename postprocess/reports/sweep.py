@@ -266,7 +266,7 @@ def _point_table(points: xr.Dataset) -> page.PageTable:
         head=(
             *map(key_heading, (key, *listed, *others)),
             "regime",
-            f"largest displacement of the {points.attrs['moving']} [mm]",
+            f"largest recorded displacement of the {points.attrs['moving']} [mm]",
             "growth rate [1/s]",
             "blades that touched",
             "end [s]",

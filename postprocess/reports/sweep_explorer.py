@@ -102,7 +102,7 @@ def points_explorer(points: xr.Dataset) -> Explorer:
         traces,
         xaxis=_key_axis(key),
         yaxis={
-            "title_text": f"largest displacement of the {points.attrs['moving']} [mm]",
+            "title_text": f"largest recorded displacement of the {points.attrs['moving']} [mm]",
             "type": "log" if wide else "linear",
             "rangemode": "normal" if wide else "tozero",
         },
@@ -210,7 +210,7 @@ def _texts(points: xr.Dataset) -> Any:
             rate, error = float(point["growth_rate"]), float(point["growth_error"])
             growth = f"{rate_text(rate, error)} 1/s" if np.isfinite(rate) else "not determined"
             lines += [
-                f"largest displacement of the {points.attrs['moving']}"
+                f"largest recorded displacement of the {points.attrs['moving']}"
                 f" {MILLI * float(point['largest_displacement']):.4g} mm",
                 f"growth rate {growth}",
                 f"blades that touched {int(point['touched'])}",

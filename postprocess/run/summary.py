@@ -61,6 +61,7 @@ class MarchQuality:
     unsolved_steps: int
     """Number of steps whose contact problem no exact method solved; for a superelement, steps whose
     forces or sliding directions did not converge."""
+    record_step: float  #: time between the records, of which largest values are [s]
     dt_over_critical: float  #: ratio of the time step to the critical time step
     steps: int
     wall_time: float  #: [s]
@@ -195,6 +196,7 @@ def common_figures(
         "end_time": float(dataset["time"][-1]),
         "contact_impulse": float(dataset["contact_impulse"].sum()),
         "contact_share": (contact_steps / max(report["steps"], 1)).tolist(),
+        "record_step": float(dataset.attrs["record_step"]),
         "energy_residual": energy_residual(dataset),
         "wear": wear_summary(dataset),
         **report,

@@ -13,7 +13,8 @@ from bladewhirl.postprocess.fields.drawback import largest_drawback
 from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT
 from bladewhirl.postprocess.fields.kinematics import ViewError, table_of_result
 from bladewhirl.postprocess.run.extremes import StressPeak
-from bladewhirl.postprocess.run.summary import EnergyHolders, LineOfWhirl, Summary
+from bladewhirl.postprocess.run.summary import EnergyHolders, LineOfWhirl, MarchQuality, Summary
+from bladewhirl.postprocess.run.wear import lobes_text
 from bladewhirl.postprocess.shaft.transforms import Frame
 
 
@@ -29,6 +30,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         "regime": summary.regime,
         "because": summary.regime_criterion.rpartition("Here: ")[2],
         "end time": f"{summary.end_time:.6g} s, {summary.end_reason}",
+        "records": records_text(summary),
         "shaft radius, largest": f"{_text(summary.shaft_radius_max, 'm')},"
         f" {_text(summary.shaft_radius_final, 'm')} at the end",
         "whirl, rotating frame": _whirl(
@@ -75,12 +77,10 @@ def _wear(wear: dict[str, Any]) -> dict[str, str]:
     if not wear:
         return {}
     metal = wear["metal_time"]
-    count = "1 lobe has" if wear["lobes"] == 1 else f"{wear['lobes']} lobes have"
-    lobes = f"{count} {wear['lobes_share']:.0%} of the profile's variance"
     return {
         "wear of the coating": f"{1e9 * wear['wear_volume']:.4g} mm³, strain at most"
         f" {wear['wear_strain_max']:.3g}, mean {wear['wear_strain_mean']:.3g};"
-        f" {lobes if wear['lobes'] else 'no lobes'}",
+        f" {lobes_text(wear)}",
         "energy dissipated in the coating": _text(wear["wear_dissipated"], "J"),
         "first contact with the metal": "none" if metal is None else _text(metal, "s"),
     }
@@ -93,6 +93,12 @@ def _normal(work: Works) -> str:
         return f"normal forces {_text(work['normal'], 'J')}"
     passing = _text(work["normal"] - closing, "J")
     return f"closing tips {_text(closing, 'J')}, passing wall {passing}"
+
+
+def records_text(summary: MarchQuality) -> str:
+    """Return the time between records, and which largest values are only those of the records."""
+    step = handy(summary.record_step, "s", 4)
+    return f"every {step}; largest displacements, energies and stresses are those of the records"
 
 
 def _text(value: float | None, unit: str) -> str:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from bladewhirl.files import write_atomically
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.coating import Coating
+from bladewhirl.models.stage.coating import axial_tracks
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError, table_of_result
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.plotting.axes import draw_map
@@ -45,23 +46,27 @@ def wear(result: xr.Dataset) -> xr.Dataset:
 
     Returns:
         Dataset with `recess` [m] over (wear_time, rod), the removed depth of the rods of the
-        coating at the times of the stored profiles; `lobe_share` [1] over lobes, the share of each
-        harmonic in the variance of the last profile; `wear_volume` [m3], `wear_dissipated` [J] and
-        `coating_energy` [J] over time. Attributes: `lobes`, the number of lobes with the largest
-        share, and `metal_time` [s], at which a tip first touches the metal wall under the coating;
-        nan if no tip touches the metal.
+        coating at the times of the stored profiles; for a superelement over (wear_time, track,
+        rod), with the coordinate `axial` [m] of each track, and lobes of the mean of all tracks.
+        `lobe_share` [1] over lobes is the share of each harmonic in the variance of the last
+        profile that the shape of the wall does not explain, see `lobes_of`; `wear_volume` [m3],
+        `wear_dissipated` [J] and `coating_energy` [J] are over time. Attributes: `shape_share`, the
+        share of the variance that the shape of the wall explains; `lobes`, the number of lobes with
+        the largest `lobe_share`; and `metal_time` [s], at which a tip first touches the metal wall
+        under the coating; nan if no tip touches the metal.
 
     Raises:
         ViewError: the casing has no coating.
     """
     coating = coating_of(result)
     recess = coating.thickness * result["coating_strain"].values
-    share = lobe_shares(recess[-1])
-    return labelled(
+    rods = recess.shape[-1]
+    shape, share = lobes_of(result, recess[-1].reshape(-1, rods).mean(axis=0))
+    worn = labelled(
         result,
         "wear of the coating",
         {
-            "recess": (("wear_time", "rod"), recess, "m"),
+            "recess": (tuple(map(str, result["coating_strain"].dims)), recess, "m"),
             "lobe_share": ("lobes", share[:MOST_LOBES], "1"),
             **{
                 name: ("time", result[name].values, result[name].attrs["units"])
@@ -73,10 +78,15 @@ def wear(result: xr.Dataset) -> xr.Dataset:
             "wear_time": result["wear_time"].values,
             "lobes": np.arange(1, len(share) + 1)[:MOST_LOBES],
         },
+        shape_share=shape,
         lobes=_lobes(share),
         metal_time=_metal_time(result),
         thickness=coating.thickness,
     ).assign_coords(angle=("rod", result["rod_angle"].values, {"units": "rad"}))
+    if "track" not in worn.dims:
+        return worn
+    axial, _ = axial_tracks(result["contact_axial"].values, result["contact_radius"].values)
+    return worn.assign_coords(axial=("track", axial, {"units": "m"}))
 
 
 def lobe_shares(recess: Array) -> Array:
@@ -85,6 +95,36 @@ def lobe_shares(recess: Array) -> Array:
     waves = np.abs(np.fft.rfft(recess)[1:]) ** 2
     variance = len(recess) * float(((recess - recess.mean()) ** 2).sum()) / 2.0  # of all harmonics
     return np.asarray(waves / variance if variance > 0.0 else np.zeros(len(waves)))
+
+
+def lobes_of(result: xr.Dataset, recess: Array) -> tuple[float, Array]:
+    """Return the share of the variance of a profile (rod,) that the shape of the wall explains, and
+    the share of each harmonic, from 1 on, in the rest of the variance.
+
+    A wall that is not round is cut deeper where its clearance is smaller, even if no blade
+    vibrates: a tip on a circle removes max(d - c, 0), where c is the clearance above its smallest
+    value, and d is such that the volume is that of the profile. The shape explains this cut, or the
+    part of it that leaves the smallest rest.
+    """
+    angle = result["rod_angle"].values
+    place = "wall_angle" if "wall_angle" in result else "casing_angle"
+    node, height = result[place].values, result["clearance"].values
+    height = np.interp(angle, node, height, period=2 * np.pi)
+    closure = table_of_result(result, "casing", Casing).closure
+    if closure is not None:
+        height -= float(closure.value(result["time"].values[-1])) * closure.around.value(angle)
+    height -= height.min()
+    ascending = np.sort(height)
+    below = np.cumsum(ascending) - ascending
+    mean = (np.arange(len(ascending)) * ascending - below) / len(ascending)  # cut to each height
+    depth = np.interp(recess.mean(), mean, ascending) + max(0.0, recess.mean() - mean[-1])
+    cut, worn = np.maximum(depth - height, 0.0), recess - recess.mean()
+    cut -= cut.mean()
+    variance = float(worn @ worn)
+    if np.ptp(height) == 0.0 or not variance > 0.0 or not (cut @ cut) > 0.0:
+        return 0.0, lobe_shares(recess)
+    rest = worn - float(np.clip((worn @ cut) / (cut @ cut), 0.0, 1.0)) * cut
+    return 1.0 - float(rest @ rest) / variance, lobe_shares(rest)
 
 
 def _lobes(share: Array) -> int:
@@ -105,7 +145,7 @@ def wear_summary(result: xr.Dataset) -> dict[str, Any]:
         return {}
     strain = result["coating_strain"].values[-1]
     tracks = strain.reshape(-1, strain.shape[-1])  # one, or those under a superelement
-    share = lobe_shares(tracks.mean(axis=0))
+    shape, share = lobes_of(result, coating_of(result).thickness * tracks.mean(axis=0))
     lobes = _lobes(share)
     metal = _metal_time(result)
     return {
@@ -114,16 +154,36 @@ def wear_summary(result: xr.Dataset) -> dict[str, Any]:
         "wear_strain_mean": float(strain.mean()),
         "wear_dissipated": float(result["wear_dissipated"][-1]),
         "coating_impulse": result["coating_impulse"].sum("time").values.tolist(),
+        "shape_share": shape,
         "lobes": lobes,
         "lobes_share": float(share[lobes - 1]) if lobes else 0.0,
         "metal_time": metal if np.isfinite(metal) else None,
     }
 
 
+def lobes_text(wear: Mapping[str, Any]) -> str:
+    """Return the lobes in the key figures of the wear as text."""
+    shape = wear["shape_share"]
+    lobes = "no lobes"
+    if wear["lobes"]:
+        count = "1 lobe has" if wear["lobes"] == 1 else f"{wear['lobes']} lobes have"
+        of_what = "the rest" if shape else "the profile's variance"
+        lobes = f"{count} {wear['lobes_share']:.0%} of {of_what}"
+    return (
+        f"{shape:.0%} of the profile's variance follow the wall's shape, {lobes}"
+        if shape
+        else lobes
+    )
+
+
 def write_profile(result: xr.Dataset, path: Path) -> None:
     """Write the last profile of the coating as a CSV file, which `casing.coating.profile` reads."""
-    recess = coating_of(result).thickness * result["coating_strain"].values[-1]
-    write_columns(path, {"angle [rad]": result["rod_angle"].values, "recess [m]": recess})
+    last = wear(result).isel(wear_time=-1)
+    columns = {"recess [m]": last["recess"].values}
+    if "track" in last.dims:
+        tracks = zip(last["axial"].values.tolist(), last["recess"].values, strict=True)
+        columns = {f"recess at {axial!r} m [m]": depth for axial, depth in tracks}
+    write_columns(path, {"angle [rad]": last["angle"].values, **columns})
 
 
 def write_columns(path: Path, columns: Mapping[str, Array]) -> None:
@@ -169,11 +229,14 @@ def plot_wear_profile(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_wear_lobes(data: xr.Dataset) -> Figure:
-    """Draw the share of each number of lobes in the variance of the last profile, from `wear`."""
+    """Draw the share of each number of lobes in the variance of the last profile that the shape of
+    the wall does not explain, from `wear`."""
     figure = new_figure(height=0.05)
     axes = figure.subplots()
     axes.bar(data["lobes"].values, 100 * data["lobe_share"].values)
     axes.set(xlabel="lobes", ylabel="share of the variance [%]", ylim=(0, 100))
+    if shape := float(data.attrs["shape_share"]):
+        axes.set_title(f"beside the {shape:.0%} of the variance that follow the wall's shape")
     head(figure, data)
     return figure
 

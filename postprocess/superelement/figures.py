@@ -88,10 +88,10 @@ def plot_tip_orbits(data: xr.Dataset) -> Figure:
 @styled
 def plot_node_wear(data: xr.Dataset) -> Figure:
     """Draw the removed depth on the unrolled wall, and the removed volume over time, from
-    `node_wear`."""
+    `wear`."""
     figure = new_figure(width=FULL_WIDTH, height=0.1)
     above, below = figure.subplots(2, 1, height_ratios=[1.3, 1.0])
-    recess, axial = data["recess"].values, data["axial"].values
+    recess, axial = data["recess"].values[-1], data["axial"].values
     unit, scale = handy_unit(float(np.abs(axial).max()), "m")
     depth_unit, depth_scale = handy_unit(float(recess.max()), "m")
     half = 0.5 * (np.diff(axial).mean() if len(axial) > 1 else 1e-3)

@@ -14,6 +14,8 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.summary import MarchQuality, common_figures
+from bladewhirl.postprocess.run.summary_table import records_text
+from bladewhirl.postprocess.run.wear import lobes_text
 from bladewhirl.postprocess.superelement.motion import DIRECTIONS, check_superelement
 from bladewhirl.postprocess.superelement.ring import is_flexible, ring_displacement
 from bladewhirl.postprocess.sweep.dataset import NATURAL, WINDOW_SHARE, Layout
@@ -77,6 +79,7 @@ class NodeSummary(MarchQuality):
             f" node {force['node']:g} at {handy(force['time'], 's', 4)}"
             if force["force"]
             else "none",
+            "records": records_text(self),
             "contact node displacement, largest": ", ".join(
                 f"{name} {handy(value, 'm', 4)}" for name, value in moved.items()
             ),
@@ -164,7 +167,7 @@ def _wear_text(wear: Mapping[str, Any]) -> str:
     touched = "not touched" if metal is None else f"touched at {handy(metal, 's', 4)}"
     return (
         f"{volume:.4g} mm³, at most {100.0 * wear['wear_strain_max']:.3g} % of its thickness,"
-        f" {handy(dissipated, 'J', 4)}; metal {touched}"
+        f" {handy(dissipated, 'J', 4)}; {lobes_text(wear)}; metal {touched}"
     )
 
 

@@ -89,9 +89,8 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     radius = scale * largest.values
     growth, error = maps["growth_rate"].values, maps["growth_error"].values
     doubtful = np.abs(growth) <= CERTAINTY * error
-    pictures = [
-        (radius, f"largest displacement [{unit}]", style.SEQUENTIAL, _of_magnitudes(radius))
-    ]
+    label = f"largest recorded displacement [{unit}]"
+    pictures = [(radius, label, style.SEQUENTIAL, _of_magnitudes(radius))]
     if np.isfinite(growth).any():
         top = float(np.nanmax(np.abs(growth))) or 1.0
         threshold = linear_threshold(growth, error)

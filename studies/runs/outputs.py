@@ -111,18 +111,14 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     from bladewhirl.postprocess.run.wear import write_profile
     from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
     from bladewhirl.postprocess.superelement.summary import summarise_nodes
-    from bladewhirl.postprocess.superelement.wear import write_tracks
     from bladewhirl.studies.runs.sensor_files import write_sensors
 
     summary: Any
     hints: list[str] = []
-    worn = directory / folder.WEAR_NAME
     with open_result(directory) as result:
         if tables_of(result.attrs) is NODES:
             summary, figures = summarise_nodes(result, report), figures_of_run(result)
             drawn = {f"{name}.png": figures.draw(name) for name in figures.names}
-            if "wear" in figures.names:
-                write_tracks(drawn["wear.png"][1], worn)
         else:
             orbit, energies = shaft_orbit(result), strain_energies(result)
             summary = summarise(result, report, orbit=orbit, energies=energies)
@@ -130,10 +126,10 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
                 folder.ORBIT_NAME: (plot_orbit(orbit), orbit),
                 folder.ENERGY_NAME: (plot_energy(energies), energies),
             }
-            if "coating_strain" in result:
-                write_profile(result, worn)
             hints += displacement_hints(summary, result)
             hints += write_sensors(result, directory)
+        if "coating_strain" in result:
+            write_profile(result, directory / folder.WEAR_NAME)
         write_atomically(directory / folder.SUMMARY_NAME, summary.to_json())
         for name, (figure, data) in drawn.items():
             save_figure(figure, directory / name, data, ["png"])

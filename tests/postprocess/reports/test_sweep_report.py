@@ -55,7 +55,7 @@ def test_points_and_maps_are_those_of_the_sweep(page: Parsed) -> None:
     shown = {trace["name"]: trace for trace in points["data"]}
     assert set(shown) == {"no-contact (1)", "sustained (2)"}
     assert shown["sustained (2)"]["text"][0].startswith("<b>sustained</b><br>march.speed = 1.2<br>")
-    assert "largest displacement of the shaft 1.3 mm" in shown["sustained (2)"]["text"][0]
+    assert "largest recorded displacement of the shaft 1.3 mm" in shown["sustained (2)"]["text"][0]
     heat = maps["data"][0]
     values = heat["customdata"]
     assert np.isnan(values[:, 3]).all()  # the failed point
@@ -76,7 +76,8 @@ def test_two_keys_and_a_missing_point(tmp_path: Path) -> None:
     words = page.words
     assert re.search(r"\d of 3 points so far", words)
     assert "unfinished: 1 of 4 points are missing; bladewhirl sweep --resume" in words
-    assert "march.speed casing.clearance [mm] regime largest displacement of the shaft" in words
+    columns = "march.speed casing.clearance [mm] regime largest recorded displacement of the shaft"
+    assert columns in words
     assert re.search(r"1 1 sustained 1\.3 ", words)
     window = "Spectra and mean energies are over the last 0.2 s of each march, at most 50% of it."
     assert words.count(window) == 3

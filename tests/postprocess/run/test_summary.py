@@ -396,8 +396,15 @@ WORN = xr.Dataset(
         **{name: ("time", np.ones(1)) for name in ("wear_volume", "wear_dissipated")},
         "coating_impulse": (("time", "blade"), np.ones((1, 2))),
         "contact_impulse": (("time", "blade"), np.ones((1, 2))),
+        "rod_angle": ("rod", [0.0, np.pi]),
+        "casing_angle": ("casing_node", [0.0]),
+        "clearance": ("casing_node", [1e-3]),
     },
     coords={"time": [0.0]},
+    attrs={
+        "case": "[casing.coating]\nthickness = 1e-3\nyoung_modulus = 1e9\nyield_stress = 1e6",
+        "time_step": 1e-6,
+    },
 )
 """Variables of a result with a coating that its summary needs."""
 
@@ -432,6 +439,7 @@ class TestWriting:
         summary = summarise(result, REPORT)
         assert messages == json.loads(summary.to_json()).keys() | wear_summary(WORN).keys()
         printed = summary_rows(summary)
+        assert printed["records"].startswith("every 1 ms; largest displacements")
         assert [
             name for name in printed if name.strip().removesuffix(", largest") not in labels
         ] == []

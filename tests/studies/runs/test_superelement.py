@@ -23,7 +23,6 @@ from bladewhirl.postprocess.superelement.interaction import plot_interaction
 from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits
 from bladewhirl.postprocess.superelement.picture import render_blades
 from bladewhirl.postprocess.superelement.ring import ring_motion, wall_at
-from bladewhirl.postprocess.superelement.wear import node_wear
 from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.runs.prepare import prepare
@@ -291,7 +290,7 @@ def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
     assert summary["energy_residual"] < 1e-9
     assert (run.directory / "wear.png").is_file()
     with bw.open_result(run.directory) as result:
-        worn = node_wear(result)
+        worn = bw.wear(result).isel(wear_time=-1)
         assert worn.sizes["track"] == 3
         assert worn["axial"].values == pytest.approx([-0.02, 0.0, 0.02])
         area = 0.02 * 2.0 * np.pi * 0.3 / worn.sizes["rod"]  # of a rod

@@ -14,7 +14,7 @@ from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.postprocess.fields.kinematics import ViewError, clearance_change, table_of_result
 from bladewhirl.postprocess.run.figures import RunFigures
-from bladewhirl.postprocess.run.wear import lobe_shares
+from bladewhirl.postprocess.run.wear import lobe_shares, lobes_of
 from bladewhirl.studies.runs.run import resume
 
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
@@ -114,3 +114,19 @@ def test_motions_of_modes_have_no_case() -> None:
     """Their attribute `case` is a title."""
     modes = xr.Dataset(attrs={"case": "Fan with foreshortening", "record_step": 1e-3})
     assert table_of_result(modes, "contact", Contact) == Contact()
+
+
+def test_lobes_of_the_walls_own_shape_are_told_apart() -> None:
+    """A cut on a circle in an oval wall, and seven lobes that vibration adds."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
+    oval = 1e-3 + 2e-4 * np.cos(2.0 * angle)
+    cut = np.maximum(9e-4 - oval, 0.0)
+    names = {"rod_angle": ("rod", angle), "casing_angle": ("node", angle)}
+    for shape, lobes, explained in ((oval, 7, 0.95), (np.full(720, 1e-3), 2, 0.0)):
+        result = xr.Dataset({**names, "clearance": ("node", shape), "time": ("time", [0.0, 1.0])})
+        share, rest = lobes_of(result, cut + 5e-6 * (1.0 + np.cos(7.0 * angle)))
+        assert int(rest.argmax()) + 1 == lobes
+        assert share == pytest.approx(explained, abs=0.05)
+        assert rest.sum() == pytest.approx(1.0, rel=1e-4)
+    inverted = xr.Dataset({**names, "clearance": ("node", 2e-3 - oval), "time": ("time", [0.0])})
+    assert lobes_of(inverted, cut)[0] == 0.0

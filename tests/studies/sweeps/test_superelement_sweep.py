@@ -87,7 +87,7 @@ def test_it_has_figures_and_a_report(swept: Path, tmp_path: Path) -> None:
     names = {path.stem for path in tmp_path.glob("*.nc")}
     assert names == {"contact-nodes", "node-spectra", "regimes", "contact-classes", "maps"}
     assert "expected one of contact-nodes, node-spectra" in refusal("plot", swept, "whirl")
-    assert "largest displacement of the contact node [mm]" in reported(swept).words
+    assert "largest recorded displacement of the contact node [mm]" in reported(swept).words
 
 
 def test_what_only_beams_can_do_is_refused(case: bw.Case, tmp_path: Path) -> None:
