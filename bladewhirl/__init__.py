@@ -48,9 +48,15 @@ Handle errors
     no sense) and `OffScreenError` (the system cannot draw pictures without a display).
 
 Names are loaded when first used. The shell command ``bladewhirl`` offers the same functions.
+Importing bladewhirl limits linear algebra to one thread, unless OMP_NUM_THREADS or the variable of
+a library, such as OPENBLAS_NUM_THREADS, is set.
 """
 
 import lazy_loader as _lazy_loader
+
+from .threads import use_one_thread as _use_one_thread
+
+_use_one_thread()
 
 _load, _, __all__ = _lazy_loader.attach_stub(__name__, __file__)
 __all__ += ["__version__"]

@@ -1,12 +1,10 @@
 """Sphinx configuration of the documentation; `sphinx-build -W -b html docs build/docs`."""
 
 import logging
-import os
 import sys
 from importlib import metadata
 from pathlib import Path
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command line does, for the pages
 sys.path.insert(0, str(Path(__file__).parent / "extensions"))
 
 for library in ("fontTools", "matplotlib", "skfem"):

@@ -7,7 +7,6 @@ imports other modules when it runs. Thus ``bladewhirl --help`` answers at once.
 """
 
 import gc
-import os
 import re
 import warnings
 from importlib import metadata
@@ -90,9 +89,6 @@ collections take a tenth of the time of a short run, and free little."""
 
 def main() -> None:
     """Entry point of the command ``bladewhirl``."""
-    # Matrices of one sector are small: on a busy computer threads make their products wait for
-    # each other, twenty times as long as one thread needs. This must precede the import of NumPy.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(GARBAGE_THRESHOLD)
     warnings.simplefilter("ignore", Hint)  # commands print hints themselves
     with robust_output():

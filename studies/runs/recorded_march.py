@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from bladewhirl.files import replacing
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.boundary import BoundaryChunk
 from bladewhirl.solvers.march.central_difference import CentralDifference
@@ -132,7 +133,7 @@ def march_in_memory(
     """
     from bladewhirl.postprocess.fields.result import result_of  # loads xarray
 
-    attributes = march_texts.attributes(prepared, "")
+    attributes = march_texts.attributes(prepared, dumps_case(prepared.stage.case))
     records = Records(prepared.stage.arrays, attributes, prepared.timing.records, room, casing)
     if isinstance(prepared.scheme, CentralDifference):
         prepared.scheme.records_casing = casing

@@ -22,10 +22,6 @@ from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, marc
 READY = 1
 """Number of points that wait for each worker, so that no worker is ever idle."""
 
-ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""Environment variables for the number of threads of linear algebra; more threads would compete for
-the cores."""
-
 
 def march_points(
     work: Work, points: Iterable[Point | None], *, scheduler: str | None, workers: int | None
@@ -129,18 +125,14 @@ def _processes(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 @contextmanager
 def _starting() -> Iterator[None]:
-    """Let workers that start in the ``with`` block ignore Ctrl-C, use one thread each, and not
-    import the main module: they need nothing of it, and a script would start its sweep again."""
-    missing = [name for name in ONE_THREAD if name not in os.environ]
-    os.environ.update(dict.fromkeys(missing, "1"))
+    """Let workers that start in the ``with`` block ignore Ctrl-C and not import the main module:
+    they need nothing of it, and a script would start its sweep again."""
     main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
     try:
         with held_back():
             yield
     finally:
         sys.modules["__main__"] = main
-        for name in missing:
-            del os.environ[name]
 
 
 def _leave_with_parent() -> None:
