@@ -151,7 +151,7 @@ def consistent(part: Superelement, fixed_interface_modes: int, kept: int) -> Red
         basis[inside, : len(boundary)] = -np.column_stack([solve(c) for c in edge.toarray().T])
         inertia = sp.csc_array(mass[np.ix_(inside, inside)])
         if fixed_interface_modes:
-            inverse = spla.LinearOperator(inner.shape, matvec=solve)
+            inverse = spla.LinearOperator(inner.shape, matvec=solve, dtype=np.float64)
             _, basis[inside, len(boundary) :] = spla.eigsh(
                 *(inner, fixed_interface_modes, inertia),
                 sigma=0.0,
@@ -222,9 +222,8 @@ def _sparse_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArra
     small shift s > 0 allows rigid modes."""
     shift = -1e3 * rigid_limit(part)
     mass, stiffness = sp.csc_array(part.mass), sp.csc_array(part.stiffness)
-    inverse = spla.LinearOperator(
-        mass.shape, matvec=factorised(sp.csc_array(stiffness - shift * mass))
-    )
+    solve = factorised(sp.csc_array(stiffness - shift * mass))
+    inverse = spla.LinearOperator(mass.shape, matvec=solve, dtype=np.float64)
     squares, shapes = spla.eigsh(
         stiffness, count, mass, sigma=shift, OPinv=inverse, v0=_start(part.size)
     )

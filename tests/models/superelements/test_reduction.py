@@ -1,10 +1,13 @@
 """Reduction of superelements to modes and contact nodes."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.superelements import reduction, solver
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 from bladewhirl.models.superelements.reduction import consistent, massless
@@ -50,6 +53,27 @@ def test_static_flexibility_is_exact_for_any_number_of_modes(
     assert some.frequency[:3] == pytest.approx(compared.frequency[:3], rel=1e-3)
     stretched = (some.contact / some.frequency**2) @ some.contact.T
     assert stretched == pytest.approx(static, rel=1e-9, abs=1e-16)  # constraint modes are exact
+
+
+def test_solvers_of_other_libraries_get_numbers_of_double_precision(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Pardiso refuses all others, also the integers with which SciPy asks for a type."""
+    factorised = solver.factorised
+
+    def strict(matrix: sp.csc_array) -> Callable[[FloatArray], FloatArray]:
+        solve = factorised(matrix)
+
+        def checked(right: FloatArray) -> FloatArray:
+            assert right.dtype == np.float64
+            return solve(right)
+
+        return checked
+
+    monkeypatch.setattr(reduction, "DENSE", 5)
+    monkeypatch.setattr(reduction, "factorised", strict)
+    assert massless(chain(20), 3).kept == 3
+    assert consistent(chain(20), 3, 3).kept == 3
 
 
 def test_the_cost_of_a_large_superelement_is_told_before_and_its_progress(
