@@ -18,6 +18,7 @@ successive timings.
 """
 
 import argparse
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -34,7 +35,9 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import KernelState
-from bladewhirl.solvers.march.reference import Reference, ReferenceState
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "support"))
+from reference_march import Reference, ReferenceState
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 TIME_STEP = 1e-6  # s

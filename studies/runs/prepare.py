@@ -1,6 +1,5 @@
 """Preparation of a case for time integration."""
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -20,7 +19,7 @@ from bladewhirl.models.stage.superelement_stage import SuperelementStage, supere
 from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.solvers.march.march import Scheme
-from bladewhirl.solvers.march.scheme import KERNEL, make_scheme
+from bladewhirl.solvers.march.scheme import make_scheme
 
 AnyProblem = ContactProblem | BoundaryProblem
 """A contact problem of beams, or of a superelement."""
@@ -107,12 +106,9 @@ def problem_of(stage: AnyStage) -> AnyProblem:
         CaseError: all errors that prevent time integration; with a superelement also: a contact
             node would start beyond the wall, or the time step is too long for the modes or the
             coating.
-        UserError: the environment asks for the reference in NumPy, which superelements do not have.
     """
     if isinstance(stage, Stage):
         return contact_problem(stage)
-    if os.environ.get(KERNEL, "compiled") != "compiled":
-        raise UserError(f'{KERNEL}: expected "compiled"; superelements have no reference in NumPy')
     problem, timing = stage.problem, stage.case.march.timing
     limit = problem.critical_time_step
     if not timing.time_step < limit:

@@ -1,15 +1,15 @@
 """Time integration compared with a simple dense program, and checks of symmetries and orders."""
 
 from collections.abc import Mapping
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.march import Chunk
-from bladewhirl.solvers.march.reference import complementary, load_factor
 from bladewhirl.studies.verification.bodies import (
     default_stage,
     ledger_residual,
@@ -265,3 +265,51 @@ def order_of_contact() -> Pair:
         for steps in (2000, 32_000)
     ]
     return 1.0, observed_order(np.array(errors), ratio=16.0)[0]
+
+
+def load_factor(load: Load, time: float) -> float:
+    """Return the factor of a load pattern at a time [s]."""
+    if time >= load.end:
+        return 0.0
+    rise = 0.5 - 0.5 * np.cos(np.pi * time / load.ramp) if time < load.ramp else 1.0
+    return float(rise * np.cos(load.frequency * time + load.phase))
+
+
+def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
+    """Return the normal contact forces lambda, with 0 <= lambda perp gap + W lambda >= 0.
+
+    The first active set contains all tips that penetrate. Tips with a tensile force are then
+    removed from the set, and tips that penetrate are added. If these changes do not converge
+    because W is singular, all sets are tried, beginning with the smallest.
+
+    Raises:
+        ArithmeticError: no active set gives a solution.
+    """
+    tips, tolerance = len(gap), 1e-12 * np.abs(gap).max()
+    active = gap < 0.0
+    for _ in range(2 * tips):
+        multiplier, after, complete = _closed(gap, delassus, np.flatnonzero(active), tolerance)
+        if complete:
+            return multiplier
+        active = np.where(active, multiplier >= 0.0, after < -tolerance)
+    for size in range(tips + 1):
+        for subset in combinations(range(tips), size):
+            chosen = np.array(subset, dtype=np.int64)
+            multiplier, _, complete = _closed(gap, delassus, chosen, tolerance)
+            if complete:
+                return multiplier
+    raise ArithmeticError("no active set is complementary")
+
+
+def _closed(
+    gap: FloatArray, delassus: FloatArray, chosen: IntArray, tolerance: float
+) -> tuple[FloatArray, FloatArray, bool]:
+    """Return the multipliers that close the gaps of the chosen tips, the resulting gaps of all
+    tips, and true if the multipliers solve the complementarity problem."""
+    multiplier = np.zeros(len(gap))
+    if chosen.size:
+        part = delassus[np.ix_(chosen, chosen)]
+        multiplier[chosen] = np.linalg.lstsq(part, -gap[chosen], rcond=None)[0]
+    after = gap + delassus @ multiplier
+    complete = multiplier.min() >= 0.0 and after.min() >= -tolerance
+    return multiplier, after, bool(complete and np.abs(after[chosen]).max(initial=0.0) <= tolerance)

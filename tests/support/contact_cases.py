@@ -5,6 +5,7 @@ from functools import cache
 from typing import Any, Literal
 
 import numpy as np
+from reference_march import Reference
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
@@ -13,7 +14,6 @@ from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import Chunk, EndReason, KernelState
-from bladewhirl.solvers.march.reference import Reference
 from bladewhirl.studies.verification.bodies import (
     FAR,
     Bar,

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from contact_cases import assert_same, ledger_residual, random_problem, thrown
+from reference_march import Reference
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.closure import Closure
@@ -28,7 +29,6 @@ from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.kernel import structs
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import Scheme
-from bladewhirl.solvers.march.reference import Reference
 from bladewhirl.solvers.march.scheme import make_scheme
 
 STEPS = 60

@@ -7,15 +7,13 @@ import pytest
 from contact_cases import assert_same, random_problem, run_as_reference, thrown
 from kernel_fuzz import check
 from places import EXAMPLES
+from reference_march import Reference
 
 from bladewhirl.models.case.file import read_case
-from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import joined
-from bladewhirl.solvers.march.reference import Reference
-from bladewhirl.solvers.march.scheme import KERNEL, make_scheme
 
 STAGES: dict[str, tuple[str, ...]] = {
     "casing distortion, clamped": ("casing_distortion",),
@@ -55,17 +53,6 @@ def test_records_and_resuming_are_those_of_the_compiled_march(every: int) -> Non
     middle, first, _ = plain.advance(plain.init(), 60)
     _, rest, _ = plain.advance(middle, 90)
     assert_same(joined([first, rest]), expected, 0.0)
-
-
-def test_the_environment_chooses(monkeypatch: pytest.MonkeyPatch) -> None:
-    given, dt = random_problem(5), 1e-4
-    monkeypatch.delenv(KERNEL, raising=False)
-    assert isinstance(make_scheme(given, dt, 1), CentralDifference)
-    monkeypatch.setenv(KERNEL, "reference")
-    assert isinstance(make_scheme(given, dt, 1), Reference)
-    monkeypatch.setenv(KERNEL, "slow")
-    with pytest.raises(UserError, match=r"BLADEWHIRL_KERNEL: .*got 'slow'"):
-        make_scheme(given, dt, 1)
 
 
 def test_a_tip_at_whole_turns_is_under_the_node_that_it_is_at() -> None:

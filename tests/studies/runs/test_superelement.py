@@ -250,9 +250,6 @@ def test_damping_of_the_file_is_reported_and_divergent_speeds_are_drawn(
     plot_interaction(data).draw_without_rendering()
     with pytest.raises(bw.UserError, match="at least one speed"):
         bw.interaction_map(case, [])
-    monkeypatch.setenv("BLADEWHIRL_KERNEL", "reference")
-    with pytest.raises(bw.UserError, match="superelements have no reference"):
-        prepare(case)
 
 
 def test_blades_rub_in_a_flexible_ring(file: Path, tmp_path: Path) -> None:

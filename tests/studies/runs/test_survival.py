@@ -13,7 +13,6 @@ from small_run import COMMAND, SMALL, assert_same_bits, broken_off, run_script, 
 
 import bladewhirl as bw
 from bladewhirl.solvers.march.schema import BEAMS, RESULT_NAME
-from bladewhirl.solvers.march.scheme import KERNEL
 from bladewhirl.studies.runs.folder import check_free
 from bladewhirl.studies.runs.run import locked, resume
 
@@ -171,20 +170,3 @@ def test_pieces_of_a_write_that_a_kill_cut_off_are_never_asked_for(
         at = file["time"].id.get_chunk_info_by_coord((piece,)).byte_offset
     os.truncate(tmp_path / RESULT_NAME, at)
     assert_begins(tmp_path, whole)
-
-
-@pytest.mark.slow
-def test_a_run_goes_on_with_the_kernel_it_was_begun_with(
-    whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv(KERNEL, "reference")
-    with pytest.raises(bw.UserError, match="does not contain the state of this march"):
-        resume(whole, ["march.duration=0.2"])
-    brief = {"march.record_step": 2e-5, "march.time_step": 1e-5}
-    ends = [long(**{"march.duration": end, **brief}) for end in (4e-4, 6e-4)]
-    bw.run(ends[0], tmp_path / "run", frames=0)
-    resume(tmp_path / "run", ["march.duration=6e-4"], frames=0)
-    assert_same_bits(bw.run(ends[1], tmp_path / "whole", frames=0).directory, tmp_path / "run")
-    monkeypatch.delenv(KERNEL)
-    with pytest.raises(bw.UserError, match="does not contain the state of this march"):
-        resume(tmp_path / "run", ["march.duration=8e-4"])

@@ -1,4 +1,4 @@
-"""The contact march in plain NumPy, one step at a time: the reference for the compiled march.
+"""The contact march in plain NumPy, one step at a time, with which the compiled march is compared.
 
 The reference follows the definitions directly. Every product is dense, and the rows of B_N and B_T
 are computed in each step from the position of each tip on the casing. The stiffness of coupling
@@ -18,14 +18,13 @@ rotor includes Coriolis forces and point dampers.
 """
 
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg as la
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.march.march import (
     Chunk,
     CoatingRecords,
@@ -34,6 +33,7 @@ from bladewhirl.solvers.march.march import (
     check_time_step,
 )
 from bladewhirl.solvers.packing.foreshortening import held_steps, near_gap
+from bladewhirl.studies.verification.march import complementary, load_factor
 
 CHECK_EVERY = 100
 """Number of steps between checks of all displacements except radial tip displacements."""
@@ -511,51 +511,3 @@ class Reference:
             wear_time=np.array([after.step * self._dt]),
             coating_strain=after.strain[None],
         )
-
-
-def load_factor(load: Load, time: float) -> float:
-    """Return the factor of a load pattern at a time [s]."""
-    if time >= load.end:
-        return 0.0
-    rise = 0.5 - 0.5 * np.cos(np.pi * time / load.ramp) if time < load.ramp else 1.0
-    return float(rise * np.cos(load.frequency * time + load.phase))
-
-
-def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
-    """Return the normal contact forces lambda, with 0 <= lambda perp gap + W lambda >= 0.
-
-    The first active set contains all tips that penetrate. Tips with a tensile force are then
-    removed from the set, and tips that penetrate are added. If these changes do not converge
-    because W is singular, all sets are tried, beginning with the smallest.
-
-    Raises:
-        ArithmeticError: no active set gives a solution.
-    """
-    tips, tolerance = len(gap), 1e-12 * np.abs(gap).max()
-    active = gap < 0.0
-    for _ in range(2 * tips):
-        multiplier, after, complete = _closed(gap, delassus, np.flatnonzero(active), tolerance)
-        if complete:
-            return multiplier
-        active = np.where(active, multiplier >= 0.0, after < -tolerance)
-    for size in range(tips + 1):
-        for subset in combinations(range(tips), size):
-            chosen = np.array(subset, dtype=np.int64)
-            multiplier, _, complete = _closed(gap, delassus, chosen, tolerance)
-            if complete:
-                return multiplier
-    raise ArithmeticError("no active set is complementary")
-
-
-def _closed(
-    gap: FloatArray, delassus: FloatArray, chosen: IntArray, tolerance: float
-) -> tuple[FloatArray, FloatArray, bool]:
-    """Return the multipliers that close the gaps of the chosen tips, the resulting gaps of all
-    tips, and true if the multipliers solve the complementarity problem."""
-    multiplier = np.zeros(len(gap))
-    if chosen.size:
-        part = delassus[np.ix_(chosen, chosen)]
-        multiplier[chosen] = np.linalg.lstsq(part, -gap[chosen], rcond=None)[0]
-    after = gap + delassus @ multiplier
-    complete = multiplier.min() >= 0.0 and after.min() >= -tolerance
-    return multiplier, after, bool(complete and np.abs(after[chosen]).max(initial=0.0) <= tolerance)
