@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, TextIO
 
 MANIFEST_NAME = "manifest.json"
 FILES = "files written by bladewhirl"
@@ -23,6 +23,27 @@ FILES = "files written by bladewhirl"
 
 PREFIX = ".bladewhirl-"
 """Start of the names of the temporary folders in which files are written."""
+
+
+def check_regular(file: str | os.PathLike[str]) -> None:
+    """Check that a path is not a pipe or a device, from which reading may never end.
+
+    Raises:
+        OSError: it is one of them.
+    """
+    if os.path.exists(file) and not (os.path.isfile(file) or os.path.isdir(file)):
+        raise OSError(errno.EINVAL, "it is not a regular file", os.fspath(file))
+
+
+def open_text(file: str | os.PathLike[str], errors: str = "strict") -> TextIO:
+    """Open a text file of the user in UTF-8, with or without the byte order mark of Excel.
+
+    Raises:
+        OSError: the file is missing, a folder, a pipe or a device.
+        ValueError: the path contains a null.
+    """
+    check_regular(file)
+    return open(file, encoding="utf-8-sig", errors=errors)
 
 
 @contextmanager

@@ -4,12 +4,12 @@ import csv
 import os
 import re
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 from pydantic import model_validator
 
+from bladewhirl.files import open_text
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.units import to_si
@@ -94,7 +94,7 @@ def read_columns(file: Any, column: str) -> dict[float | None, list[list[float]]
     if not isinstance(file, str | os.PathLike) or "\0" in os.fspath(file):
         raise fields.expectation('the path of a file such as "wall.csv"')
     try:
-        with Path(file).open(encoding="utf-8", newline="") as stream:
+        with open_text(file) as stream:
             lines = [line for line, _ in zip(csv.reader(stream), range(MOST + 2), strict=False)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise fields.expectation(f"a readable file of a wall profile, {file}", error) from None

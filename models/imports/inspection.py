@@ -57,8 +57,9 @@ def inspect(part: Superelement) -> Inspection:
     Raises:
         SuperelementError: mass or stiffness is indefinite, or the first frequency is implausible.
     """
-    for key, matrix in (("mass", part.mass), ("stiffness", part.stiffness)):
-        negative = negative_eigenvalues(matrix)
+    for key in ("mass", "stiffness", "damping"):
+        matrix = getattr(part, key)
+        negative = 0 if matrix is None else negative_eigenvalues(matrix)
         if negative:
             hint = "; is the sign of some entries wrong, or a triangle of the matrix missing?"
             values = f"has {negative} negative eigenvalue{'s' if negative > 1 else ''}"

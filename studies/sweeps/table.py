@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from bladewhirl.files import open_text
 from bladewhirl.models.inputs.errors import UserError, shown
 from bladewhirl.studies.sweeps.axes import NUMBER, PointTable, Value, case_value
 
@@ -73,7 +74,7 @@ def _read(path: Path) -> tuple[list[str], list[Sequence[Any]], list[str]]:
     """Return the first line of a CSV file, its other lines, and their names for messages; empty
     lines are skipped."""
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
+        with open_text(path) as file:
             reader = csv.reader(file)
             lines = [(reader.line_num, cells) for cells in reader if cells]
     except OSError as error:

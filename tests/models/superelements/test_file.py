@@ -14,7 +14,7 @@ from bladewhirl.models.superelements.superelement import SuperelementError
 CHAIN: dict[str, Any] = {
     "mass": np.diag([1.0, 2.0, 3.0, 4.0]),
     "stiffness": 2.0 * np.eye(4) - np.eye(4, k=1) - np.eye(4, k=-1),
-    "contact_position": np.array([[300.0, 400.0, 20.0]]),
+    "contact_position": np.array([[0.3, 0.4, 0.02]]),
     "contact_dofs": np.array([[0, 1, 2]]),
 }
 
@@ -40,6 +40,7 @@ def test_a_written_superelement_is_read_with_its_sparse_matrices(tmp_path: Path)
 
 def test_units_are_converted_and_matlab_files_are_read(tmp_path: Path) -> None:
     content = CHAIN | {"length_unit": "mm", "mass_unit": "t"}
+    content["contact_position"] = 1e3 * content["contact_position"]
     content["stiffness"] = sp.csc_matrix(content["stiffness"])
     sio.savemat(tmp_path / "a.mat", content)
     part = read_superelement(tmp_path / "a.mat")
