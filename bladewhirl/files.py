@@ -21,6 +21,9 @@ MANIFEST_NAME = "manifest.json"
 FILES = "files written by bladewhirl"
 """Key under which a manifest lists files."""
 
+LARGEST_TEXT, LONGEST_CELL = 2_000_000_000, 1000
+"""Largest size of a text file of the user [bytes], and largest length of a cell in it."""
+
 PREFIX = ".bladewhirl-"
 """Start of the names of the temporary folders in which files are written."""
 
@@ -43,7 +46,26 @@ def open_text(file: str | os.PathLike[str], errors: str = "strict") -> TextIO:
         ValueError: the path contains a null.
     """
     check_regular(file)
+    if os.path.exists(file) and os.path.getsize(file) > LARGEST_TEXT:
+        raise OSError(errno.EFBIG, f"it is larger than {LARGEST_TEXT / 1e9:g} GB", os.fspath(file))
     return open(file, encoding="utf-8-sig", errors=errors)
+
+
+def csv_rows(file: str | os.PathLike[str]) -> Iterator[tuple[int, list[str]]]:
+    """Yield the number of the last line and the cells of each row of a CSV file of the user.
+
+    Cells are short, so that no pattern takes long for them.
+
+    Raises:
+        OSError, ValueError: see `open_text`.
+        csv.Error: the file is not CSV, or a cell has more than `LONGEST_CELL` characters.
+    """
+    with open_text(file) as stream:
+        reader = csv.reader(stream, skipinitialspace=True)
+        for row in reader:
+            if any(len(cell) > LONGEST_CELL for cell in row):
+                raise csv.Error(f"line {reader.line_num} has more than {LONGEST_CELL} characters")
+            yield reader.line_num, row
 
 
 @contextmanager

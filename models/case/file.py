@@ -21,7 +21,8 @@ from bladewhirl.models.inputs.table import Table, path_of, value_at
 MOST_LETTERS = 2**24
 """Largest length of a case file [characters]; a longer file cannot be a case."""
 
-_DEEP_KEY = re.compile(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){50}")
+_PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_DEEP_KEY = re.compile(rf"""(?<![\w"'\\-])(?:{_PART}[ \t]*+\.[ \t]*+){{50}}""")
 """Pattern of a dotted key of more than 50 parts; the memory that tomllib needs grows with the
 square of the number of parts."""
 

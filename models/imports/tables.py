@@ -10,7 +10,7 @@ import numpy as np
 import scipy.io as sio
 import scipy.sparse as sp
 
-from bladewhirl.files import open_text
+from bladewhirl.files import csv_rows, open_text
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.imports.parts import ForeignPart
 from bladewhirl.models.superelements.containers import (
@@ -158,9 +158,9 @@ def _dofs(table: Path, rows: list[dict[str, str]], size: int) -> IntArray:
 
 def _read_table(path: Path) -> list[dict[str, str]]:
     try:
-        with open_text(path) as stream:
-            reader = csv.DictReader(stream, skipinitialspace=True)
-            rows = [{(k or "").strip().lower(): v for k, v in row.items()} for row in reader]
+        head, *lines = [cells for _, cells in csv_rows(path) if cells] or [[]]
+        keys = [key.strip().lower() for key in head]
+        rows = [dict(zip(keys, cells, strict=False)) for cells in lines]
     except (OSError, ValueError, csv.Error) as error:
         raise SuperelementError(f"{path}: expected a readable CSV file ({error})") from None
     if not rows or not {"node", *POSITION} <= set(rows[0]):

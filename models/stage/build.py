@@ -134,7 +134,7 @@ def _start_faults(stage: Stage) -> Iterator[Fault]:
     if case.casing.closure is not None:
         lost = case.casing.closure.value(0.0) * case.casing.closure.around.value(rotor.tip_angle)
         clearance = clearance - lost
-        if not clearance.min() > 0.0:
+        if lost.any() and not clearance.min() > 0.0:
             expected = (
                 "a closure at t = 0 that is smaller than the clearance of every tip; its largest"
                 f" value at a tip is {lost.max():.6g} m"

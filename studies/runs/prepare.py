@@ -5,6 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.elements.build import numbers_within_reach
@@ -18,6 +20,7 @@ from bladewhirl.models.stage.mass_scaling import screening_problem
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 from bladewhirl.solvers.march.boundary import BoundaryMarch
+from bladewhirl.solvers.march.checkpoint import state_arrays
 from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.solvers.march.march import Scheme
 from bladewhirl.solvers.march.scheme import KERNEL, make_scheme
@@ -86,6 +89,21 @@ def prepare(given: Case | AnyStage, change: Change | None = None) -> Prepared:
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
 
 
+def check_finite(data: Any) -> None:
+    """Check that all arrays in a dataclass are finite, before a march needs or stores them.
+
+    Raises:
+        UserError: an array has values that are infinite or not numbers.
+    """
+    for name, value in state_arrays(data).items():
+        given = np.asarray(value)
+        if given.ndim and given.dtype.kind in "fc" and not np.isfinite(given).all():
+            raise UserError(
+                f"{name} of the stage: expected finite numbers; check the files of the case, and"
+                " its values for a wrong unit"
+            )
+
+
 def screened(case: Case, problem: ContactProblem, timing: Timing) -> tuple[ContactProblem, Timing]:
     """Return contact problem and timing of a screening march, see `screening_problem`.
 
@@ -109,11 +127,15 @@ def problem_of(stage: AnyStage) -> AnyProblem:
             coating.
         UserError: the environment asks for the reference in NumPy, which superelements do not have.
     """
+    check_finite(stage.arrays)
     if isinstance(stage, Stage):
-        return contact_problem(stage)
+        beams = contact_problem(stage)
+        check_finite(beams)
+        return beams
     if os.environ.get(KERNEL, "compiled") != "compiled":
         raise UserError(f'{KERNEL}: expected "compiled"; superelements have no reference in NumPy')
     problem, timing = stage.problem, stage.case.march.timing
+    check_finite(problem)
     limit = problem.critical_time_step
     if not timing.time_step < limit:
         expected = (
