@@ -59,7 +59,7 @@ def npz_arrays(file: Path, known: Collection[str]) -> dict[str, Any]:
     """
 
     def read() -> dict[str, Any]:
-        with np.load(file, allow_pickle=False) as archive:
+        with file.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
             sizes = {info.filename: info.file_size for info in archive.zip.infolist()}
             names = [name for name in archive.files if name in known]
             _check_size(sum(sizes.get(f"{name}.npy", sizes.get(name, 0)) for name in names))

@@ -7,14 +7,13 @@ sweep.
 
 import multiprocessing
 import os
-import threading
 from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from itertools import chain, islice
 
-from bladewhirl.studies.runs.interrupts import held_back
+from bladewhirl.studies.runs.interrupts import held_back, leave_with_parent
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 
 READY = 1
@@ -113,7 +112,7 @@ def _processes(workers: int) -> Iterator[ProcessPoolExecutor]:
     """Yield a pool of worker processes; after an error or Ctrl-C, busy workers are killed."""
     others = set(multiprocessing.active_children())
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_leave_with_parent)
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=leave_with_parent)
     try:
         yield pool
     except BaseException:
@@ -136,15 +135,3 @@ def _starting() -> Iterator[None]:
     finally:
         for name in missing:
             del os.environ[name]
-
-
-def _leave_with_parent() -> None:
-    """End this process when its parent process ends, even if the parent is killed."""
-    parent = multiprocessing.parent_process()
-
-    def follow() -> None:
-        if parent is not None:
-            parent.join()
-            os._exit(1)
-
-    threading.Thread(target=follow, daemon=True).start()
