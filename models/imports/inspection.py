@@ -33,8 +33,9 @@ LOWEST, USUAL, HIGHEST = 1.0, 500.0, 50e3
 SLIPS = (
     (1e6, "the density is in t/mm3 beside lengths in m"),
     (1e3, "Young's modulus is in Pa beside lengths in mm and a density in t/mm3"),
-    (math.sqrt(1e3), "the mass is in t beside a stiffness in N/m"),
+    (math.sqrt(1e3), "the mass is in t beside a stiffness in N/m, or the density in g/cm3"),
     (math.sqrt(1e-3), "the stiffness is in N/mm beside a mass in kg"),
+    (math.sqrt(1e-9), "Young's modulus is in GPa beside lengths in m"),
     (1e-3, "lengths are in mm beside Young's modulus in Pa and a density in kg/m3"),
     (1e-6, "the density is in kg/m3 beside lengths in mm and Young's modulus in MPa"),
 )

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.elements.foreshortening import blade_beams, drawback, fewest_terms
 from bladewhirl.models.inputs.errors import CaseError, Fault
@@ -93,7 +94,7 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
         expected = (
             f"less than the critical step {limit:.6g} s = 2/omega_max (or fewer"
             " casing.elements, bladed_disk.elements_per_blade or"
-            " reduction.fixed_interface_modes)"
+            f" reduction.fixed_interface_modes){probable_cause(case)}"
         )
         yield case_fault(case, "march.time_step", expected)
     element = 2.0 * np.pi / case.casing.elements

@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.fields import SMALLEST
+from bladewhirl.models.inputs.plausible import fault_of
 
 Matrix: TypeAlias = FloatArray | sp.csr_array
 """A dense or a sparse matrix."""
@@ -162,12 +163,11 @@ def _faults(part: Superelement) -> Iterator[str]:
     if not part.contact_radius.min() > 0.0:
         node = int(part.contact_radius.argmin())
         yield f"contact_position: expected nodes away from the axis z; node {node} is on it"
-    least, most = RADII
-    if not least <= part.contact_radius.max() <= most:
+    radius = float(part.contact_radius.max())
+    if radius > 0.0 and (expected := fault_of(radius, *RADII, "m")):
         yield (
-            f"contact_position: expected contact nodes at a radius from {least:g} to {most:g} m,"
-            f" got {part.contact_radius.max():.4g} m; give the units of the program, such as mm and"
-            " t for a stiffness in N/mm"
+            f"contact_position: expected contact nodes at a radius of {expected}, got {radius:.4g}"
+            " m; give the units of the program, such as mm and t for a stiffness in N/mm"
         )
     yield from _dof_faults(part, "contact_dofs", (c, 3), fixed=True)
     if part.centre_dofs is not None:

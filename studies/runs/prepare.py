@@ -9,6 +9,7 @@ import numpy as np
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.inputs.timing import Timing
@@ -140,7 +141,7 @@ def problem_of(stage: AnyStage) -> AnyProblem:
     if not timing.time_step < limit:
         expected = (
             f"less than the critical step {limit:.6g} s (or fewer reduction.free_interface_modes,"
-            ' or reduction.boundary = "massless")'
+            f' or reduction.boundary = "massless"){probable_cause(stage.case)}'
         )
         raise CaseError([case_fault(stage.case, "march.time_step", expected)])
     faults = list(node_coating_faults(stage.case, problem.coating, stage.speed))

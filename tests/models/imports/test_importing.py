@@ -176,6 +176,7 @@ def test_rigid_modes_are_counted_and_left_out() -> None:
     [
         (1e-12, 1.0, "perhaps the density is in t/mm3 beside lengths in m"),
         (1.0, 1e6, "perhaps Young's modulus is in Pa beside lengths in mm"),
+        (1.0, 1e-11, "perhaps Young's modulus is in GPa beside lengths in m"),
         (1e9, 1.0, "perhaps lengths are in mm beside Young's modulus in Pa"),
         (1e-20, 1.0, "got 4.078e[+]13 Hz$"),
     ],
