@@ -15,14 +15,57 @@ from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, TextIO
 
 MANIFEST_NAME = "manifest.json"
 FILES = "files written by bladewhirl"
 """Key under which a manifest lists files."""
 
+LARGEST_TEXT, LONGEST_CELL = 2_000_000_000, 1000
+"""Largest size of a text file of the user [bytes], and largest length of a cell in it."""
+
 PREFIX = ".bladewhirl-"
 """Start of the names of the temporary folders in which files are written."""
+
+
+def check_regular(file: str | os.PathLike[str]) -> None:
+    """Check that a path is not a pipe or a device, from which reading may never end.
+
+    Raises:
+        OSError: it is one of them.
+    """
+    if os.path.exists(file) and not (os.path.isfile(file) or os.path.isdir(file)):
+        raise OSError(errno.EINVAL, "it is not a regular file", os.fspath(file))
+
+
+def open_text(file: str | os.PathLike[str], errors: str = "strict") -> TextIO:
+    """Open a text file of the user in UTF-8, with or without the byte order mark of Excel.
+
+    Raises:
+        OSError: the file is missing, a folder, a pipe or a device.
+        ValueError: the path contains a null.
+    """
+    check_regular(file)
+    if os.path.exists(file) and os.path.getsize(file) > LARGEST_TEXT:
+        raise OSError(errno.EFBIG, f"it is larger than {LARGEST_TEXT / 1e9:g} GB", os.fspath(file))
+    return open(file, encoding="utf-8-sig", errors=errors)
+
+
+def csv_rows(file: str | os.PathLike[str]) -> Iterator[tuple[int, list[str]]]:
+    """Yield the number of the last line and the cells of each row of a CSV file of the user.
+
+    Cells are short, so that no pattern takes long for them.
+
+    Raises:
+        OSError, ValueError: see `open_text`.
+        csv.Error: the file is not CSV, or a cell has more than `LONGEST_CELL` characters.
+    """
+    with open_text(file) as stream:
+        reader = csv.reader(stream, skipinitialspace=True)
+        for row in reader:
+            if any(len(cell) > LONGEST_CELL for cell in row):
+                raise csv.Error(f"line {reader.line_num} has more than {LONGEST_CELL} characters")
+            yield reader.line_num, row
 
 
 @contextmanager

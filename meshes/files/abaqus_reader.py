@@ -21,6 +21,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
+from bladewhirl.files import open_text
 from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError, in_plane
 from bladewhirl.meshes.files.meshio_cells import POINT
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
@@ -122,7 +123,8 @@ def read_abaqus(path: Path) -> AbaqusMesh:
             elements.
     """
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
+        with open_text(path, errors="replace") as stream:
+            text = stream.read()
     except OSError as error:
         raise MeshFileError(f"a readable file ({error.strerror})") from None
     content = AbaqusMesh()
@@ -131,7 +133,7 @@ def read_abaqus(path: Path) -> AbaqusMesh:
             _read(card, content)
         except MeshFileError:
             raise
-        except (ValueError, IndexError, KeyError):
+        except (ValueError, IndexError, KeyError, OverflowError):
             raise MeshFileError(f"an .inp file with valid data under *{card.keyword}") from None
     return content
 
@@ -211,7 +213,7 @@ def _read_nodes(card: Card, content: AbaqusMesh) -> None:
     for number, *coordinates in card.rows:
         xyz = [float(value or 0.0) for value in coordinates[:3]]
         xyz += [0.0] * (3 - len(xyz))
-        if content.points.setdefault(int(number), xyz) != xyz:
+        if content.points.setdefault(int(np.int64(number)), xyz) != xyz:  # at most 64 bits
             raise MeshFileError(
                 f"each node at most once; node number {number} is defined twice"
                 " (only one part per file can be read)"

@@ -166,11 +166,11 @@ class Casing(Table):
     @property
     def clearance_profile(self) -> RingProfile:
         """Clearance [m] around the ring."""
-        measured = self.profile or ClearanceProfile()
+        measured = self.profile
         return RingProfile(
             mean=self.clearance,
-            lobes=(*self.clearance_lobes, *measured.harmonics),
-            points=measured.points,
+            lobes=(*self.clearance_lobes, *(measured.harmonics if measured else ())),
+            points=measured.points if measured else (),
         )
 
     @property
@@ -213,7 +213,9 @@ class Casing(Table):
             )
             key = "clearance_lobes" if self.profile is None else "profile"
             yield Inconsistency(key, expected, ("clearance",))
-        if self.closure is not None and not self.closure.smallest_loss > -self.clearance:
+        if self.closure is not None and not self.clearance:
+            yield Inconsistency("clearance", "more than 0 with casing.closure", ("closure",))
+        elif self.closure is not None and not self.closure.smallest_loss > -self.clearance:
             expected = (
                 f"a closure that widens the gap by less than casing.clearance = {self.clearance!r};"
                 f" this closure widens the gap by {-self.closure.smallest_loss:.6g} m"

@@ -65,6 +65,8 @@ class WornProfile(Table):
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error for too few or too many points, for two points at one angle, for points
         together with tracks, and for two tracks at one position."""
+        if not (self.points or self.tracks or self.lobes):
+            yield Inconsistency("points", "points, tracks, a file or lobes")
         if self.points and (fault := angle_fault([angle for angle, _ in self.points])):
             yield Inconsistency("points", fault)
         if self.points and self.tracks:

@@ -1,6 +1,5 @@
 """Read case files, with other values for some of the keys."""
 
-import errno
 import os
 import re
 import tomllib
@@ -12,6 +11,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from bladewhirl.files import open_text
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.check import case_from, dotted, faults_of
 from bladewhirl.models.case.excitation import EXCITATIONS
@@ -21,7 +21,8 @@ from bladewhirl.models.inputs.table import Table, path_of, value_at
 MOST_LETTERS = 2**24
 """Largest length of a case file [characters]; a longer file cannot be a case."""
 
-_DEEP_KEY = re.compile(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){50}")
+_PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_DEEP_KEY = re.compile(rf"""(?<![\w"'\\-])(?:{_PART}[ \t]*+\.[ \t]*+){{50}}""")
 """Pattern of a dotted key of more than 50 parts; the memory that tomllib needs grows with the
 square of the number of parts."""
 
@@ -55,9 +56,7 @@ def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
     """
     file = fspath(path)
     try:
-        if os.path.exists(file) and not os.path.isfile(file) and not os.path.isdir(file):
-            raise OSError(errno.EINVAL, "it is not a regular file")
-        with open(file, encoding="utf-8-sig") as stream:
+        with open_text(file) as stream:
             text = stream.read(MOST_LETTERS + 1)
     except OSError as error:
         expected = f"a readable file ({error.strerror})"

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.inputs.errors import Fault
-from bladewhirl.models.sections.rectangular import Material, NamedMaterial
+from bladewhirl.models.inputs.plausible import fault_of, material_faults
 
 Bound = tuple[str, float, float, float, str]
 """Key, value, smallest and largest plausible value, and unit with a remark for the warning."""
@@ -22,11 +22,6 @@ CLEARANCES = (1e-6, 0.1)
 
 
 def _bounds(case: Case) -> Iterator[Bound]:
-    materials: dict[str, Material | NamedMaterial] = {"material": case.material}
-    materials |= {f"material.named[{row}]": named for row, named in enumerate(case.material.named)}
-    for key, material in materials.items():
-        yield f"{key}.young_modulus", material.young_modulus, 1e9, 1e12, "Pa for a solid"
-        yield f"{key}.density", material.density, 500.0, 25e3, "kg/m3 for a solid"
     beams: dict[str, object] = {"casing.wall": case.casing.wall}
     radius = case.tip_radius
     if case.sketch is None and case.bladed_disk.mesh is None:
@@ -56,11 +51,24 @@ def _bounds(case: Case) -> Iterator[Bound]:
 
 
 def unusual_values(case: Case) -> Iterator[Fault]:
-    """Yield a fault for each value outside the range of real machines."""
+    """Yield a fault for each value outside the range of real machines, materials first."""
+    materials: dict[str, object] = {"material": case.material}
+    materials |= {f"material.named[{row}]": named for row, named in enumerate(case.material.named)}
+    arcs = enumerate(case.casing.stiffened_arcs)
+    materials |= {f"casing.stiffened_arcs[{row}]": arc for row, arc in arcs}
+    for key, material in materials.items():
+        for name, value, expected in material_faults(material):
+            yield Fault(key=f"{key}.{name}", value=value, expected=expected)
     for key, value, least, most, unit in _bounds(case):
-        if not least <= value <= most:
-            limits = f"at most {most:g}" if least == 0.0 else f"{least:g} to {most:g}"
-            yield Fault(key=key, value=value, expected=f"{limits} {unit}")
+        if expected := fault_of(value, least, most, unit):
+            yield Fault(key=key, value=value, expected=expected)
+
+
+def probable_cause(case: Case) -> str:
+    """Return the first implausible value of a case as the end of a message; empty if there is
+    none."""
+    fault = next(unusual_values(case), None)
+    return "" if fault is None else f"; the cause may be {fault}"
 
 
 def case_hints(case: Case) -> tuple[str, ...]:

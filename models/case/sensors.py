@@ -22,6 +22,8 @@ RESERVED = ("time", "blade", "wear")
 """Names that a sensor must not have: coordinates of the signals, and the name of the file
 wear.csv that a run with a coating writes."""
 
+MOST_PROBES, NAMED_PROBES = 1000, 4
+"""Largest number of probes of a sensor, and of probes that are all part of its name."""
 
 _NAME = fields.text(
     re.compile(rf"(?!(?i:{'|'.join(RESERVED)})$)(?:[A-Za-z0-9][A-Za-z0-9.-]{{0,59}})?"),
@@ -39,6 +41,8 @@ def _within_a_turn(angle: float) -> float:
 def _listed(value: Any) -> tuple[Any, ...]:
     value = value.tolist() if hasattr(value, "tolist") else value
     items = value if isinstance(value, list | tuple) else [value]
+    if len(items) > MOST_PROBES:
+        raise fields.expectation(f"at most {MOST_PROBES} angles")
     return fields.listed(items, 'an angle such as "90 deg", or a list of angles')
 
 
@@ -135,7 +139,10 @@ class TipTiming(SensorTable):
 
     @property
     def _place(self) -> str:
-        return "-".join(map(_degrees, self.probes))
+        places = [*map(_degrees, self.probes)]
+        if len(places) > NAMED_PROBES:
+            return f"{places[0]}-to-{places[-1]}-{len(places)}-probes"
+        return "-".join(places)
 
 
 class WallSensor(SensorTable):

@@ -4,12 +4,13 @@ import csv
 import os
 import re
 from collections.abc import Iterator
-from pathlib import Path
+from itertools import islice
 from typing import Annotated, Any
 
 import numpy as np
 from pydantic import model_validator
 
+from bladewhirl.files import csv_rows
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.units import to_si
@@ -17,6 +18,9 @@ from bladewhirl.models.sections.wall import TURN, LobeRows
 
 FEWEST, MOST = 8, 20_000
 """Smallest and largest number of points of a profile."""
+
+SAME_ANGLE = 1e-9
+"""Points closer than this angle [rad] are at one angle."""
 
 HEADING = re.compile(r"\s*(\w+)(?:\s+at\s+([^\[\]]*[^\[\]\s]))?\s*\[([^\]]+)\]\s*")
 """Pattern of the heading of a column: name, axial position if there is one, unit."""
@@ -45,6 +49,8 @@ class ClearanceProfile(Table):
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error for too few or too many points, and for two points at one angle."""
+        if not (self.points or self.harmonics):
+            yield Inconsistency("points", "points, a file or harmonics")
         if self.points and (fault := angle_fault([angle for angle, _ in self.points])):
             yield Inconsistency("points", fault)
 
@@ -55,7 +61,7 @@ def angle_fault(given: list[float]) -> str:
     if not FEWEST <= len(given) <= MOST:
         return f"{FEWEST} to {MOST} points, not {len(given)}"
     angles = np.sort(np.mod(given, TURN))
-    apart = np.diff(angles, append=angles[0] + TURN).min() > fields.SMALLEST
+    apart = np.diff(angles, append=angles[0] + TURN).min() > SAME_ANGLE
     return "" if apart else "at most one value at each angle of a turn"
 
 
@@ -94,10 +100,10 @@ def read_columns(file: Any, column: str) -> dict[float | None, list[list[float]]
     if not isinstance(file, str | os.PathLike) or "\0" in os.fspath(file):
         raise fields.expectation('the path of a file such as "wall.csv"')
     try:
-        with Path(file).open(encoding="utf-8", newline="") as stream:
-            lines = [line for line, _ in zip(csv.reader(stream), range(MOST + 2), strict=False)]
+        lines = [line for _, line in islice(csv_rows(file), MOST + 2)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise fields.expectation(f"a readable file of a wall profile, {file}", error) from None
+        reason = getattr(error, "strerror", None) or error
+        raise fields.expectation(f"a readable file of a wall profile, {file}", reason) from None
     try:
         angle, places, scales = _headings(lines[0] if lines else [], column)
     except ValueError as error:
@@ -116,6 +122,8 @@ def read_columns(file: Any, column: str) -> dict[float | None, list[list[float]]
     turn = [TURN] + [0.0] * len(places)
     again = len(points) > 1 and np.allclose(points[-1], np.add(points[0], turn), 1e-9, 1e-12)
     points = points[:-1] if again else points
+    if not points:
+        raise fields.expectation(f"{FEWEST} to {MOST} points in {file}, not 0")
     return {z: [[row[0], row[n]] for row in points] for n, z in enumerate(places, 1)}
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bladewhirl.files import open_text
 from bladewhirl.meshes.files.abaqus_reader import abaqus_mesh, read_abaqus
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import read_volume_mesh
@@ -16,6 +17,7 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.imports.parts import ForeignPart
 from bladewhirl.models.imports.tables import read_triplets
 from bladewhirl.models.solids.surface import surface_triangles
+from bladewhirl.models.superelements.containers import read_foreign
 from bladewhirl.models.superelements.superelement import FIXED, SuperelementError
 
 
@@ -36,13 +38,8 @@ def read_calculix(path: Path) -> ForeignPart:
             f"{path}: expected {', '.join(missing)} in the same folder; CalculiX writes them in a"
             " step with *FREQUENCY, SOLVER=MATRIXSTORAGE"
         )
-    try:
-        words = files[2].read_text(encoding="utf-8").split()
-        entries = np.array([word.split(".") for word in words], dtype=np.int64).reshape(-1, 2)
-    except (OSError, ValueError):
-        raise SuperelementError(
-            f"{files[2]}: expected lines of node and direction such as 17.3"
-        ) from None
+    kind = "lines of node and direction such as 17.3"
+    entries = read_foreign(files[2], kind, lambda: _displacements(files[2]))
     stiffness, mass = (read_triplets(file, len(entries)) for file in files[:2])
     place = {number: row for row, number in enumerate(deck.points)}
     dofs = np.full((len(place), 3), FIXED, dtype=np.int64)
@@ -66,6 +63,13 @@ def read_calculix(path: Path) -> ForeignPart:
         },
         surface=_surface(path),
     )
+
+
+def _displacements(path: Path) -> IntArray:
+    """Return node and direction of each row, (rows, 2)."""
+    with open_text(path) as stream:
+        pairs = [word.split(".") for word in stream.read().split()]
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
 def _surface(path: Path) -> IntArray | None:

@@ -23,9 +23,6 @@ from bladewhirl.models.superelements.superelement import (
     errors_of,
 )
 
-SMALLEST, LARGEST = 1e-3, 20.0
-"""Plausible radii of contact nodes [m]."""
-
 MATLAB, SUPERELEMENT = ".mat", ".npz"
 WITH_NODES = {".inp": read_calculix, ".op4": read_nastran}
 """Readers of formats whose files contain the nodes."""
@@ -105,13 +102,6 @@ def imported(
         raise SuperelementError(f"{path}: expected contact nodes: a group or numbers of nodes")
     with errors_of(path):
         part, along = superelement_from(foreign, Choice(**given))
-        radius = float(part.contact_radius.max())
-        if not SMALLEST <= radius <= LARGEST:
-            raise SuperelementError(
-                f"expected contact nodes at a radius from {SMALLEST:g} to {LARGEST:g} m, got"
-                f" {radius:.4g} m; give the units of the program, such as mm and t for a stiffness"
-                " in N/mm"
-            )
         total = dense(along @ part.mass @ along.T).diagonal()
         return part, inspect(part), total
 

@@ -33,8 +33,9 @@ LOWEST, USUAL, HIGHEST = 1.0, 500.0, 50e3
 SLIPS = (
     (1e6, "the density is in t/mm3 beside lengths in m"),
     (1e3, "Young's modulus is in Pa beside lengths in mm and a density in t/mm3"),
-    (math.sqrt(1e3), "the mass is in t beside a stiffness in N/m"),
+    (math.sqrt(1e3), "the mass is in t beside a stiffness in N/m, or the density in g/cm3"),
     (math.sqrt(1e-3), "the stiffness is in N/mm beside a mass in kg"),
+    (math.sqrt(1e-9), "Young's modulus is in GPa beside lengths in m"),
     (1e-3, "lengths are in mm beside Young's modulus in Pa and a density in kg/m3"),
     (1e-6, "the density is in kg/m3 beside lengths in mm and Young's modulus in MPa"),
 )
@@ -57,8 +58,9 @@ def inspect(part: Superelement) -> Inspection:
     Raises:
         SuperelementError: mass or stiffness is indefinite, or the first frequency is implausible.
     """
-    for key, matrix in (("mass", part.mass), ("stiffness", part.stiffness)):
-        negative = negative_eigenvalues(matrix)
+    for key in ("mass", "stiffness", "damping"):
+        matrix = getattr(part, key)
+        negative = 0 if matrix is None else negative_eigenvalues(matrix)
         if negative:
             hint = "; is the sign of some entries wrong, or a triangle of the matrix missing?"
             values = f"has {negative} negative eigenvalue{'s' if negative > 1 else ''}"

@@ -12,7 +12,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.models.imports.parts import ForeignPart
-from bladewhirl.models.superelements.superelement import FIXED, SuperelementError, dense
+from bladewhirl.models.superelements.containers import checked_matrix, read_foreign
+from bladewhirl.models.superelements.superelement import FIXED, SuperelementError, dense, errors_of
 
 STIFFNESS, MASS, DAMPING = ("kaa", "kxx"), ("maa", "mxx"), ("baa", "bxx")
 """Names of the matrices in files of different versions."""
@@ -35,19 +36,17 @@ def read_nastran(path: Path) -> ForeignPart:
     if not (path.is_file() and table.is_file()):
         missing = table if path.is_file() else path
         raise SuperelementError(f"{path}: expected {missing.name} in the same folder")
-    try:
-        matrices = op4.read(str(path))
-    except Exception as error:  # the reader raises exceptions of any type
-        raise SuperelementError(f"{path}: expected a file of Nastran ({error})") from None
-    try:
-        uset, _, _, kept = nastran.asm2uset(str(table), try_rdextrn="pv_only")
-        rigid = nastran.rbgeom_uset(uset)
-    except Exception as error:
-        raise SuperelementError(f"{table}: expected a file of Nastran ({error})") from None
-    size = int(np.count_nonzero(kept))
-    mass, stiffness, damping = (
-        _named(matrices, names, size) for names in (MASS, STIFFNESS, DAMPING)
+    kind = "a file of Nastran"
+    matrices = read_foreign(path, kind, lambda: op4.read(str(path)))
+    uset, _, _, kept = read_foreign(
+        table, kind, lambda: nastran.asm2uset(str(table), try_rdextrn="pv_only")
     )
+    rigid = read_foreign(table, kind, lambda: nastran.rbgeom_uset(uset))
+    size = int(np.count_nonzero(kept))
+    with errors_of(path):
+        mass, stiffness, damping = (
+            _named(matrices, names, size) for names in (MASS, STIFFNESS, DAMPING)
+        )
     if mass is None or stiffness is None:
         names = " and ".join(" or ".join(names) for names in (STIFFNESS, MASS))
         raise SuperelementError(
@@ -71,8 +70,8 @@ def read_nastran(path: Path) -> ForeignPart:
 
 def _named(matrices: Any, names: tuple[str, ...], size: int) -> Any:
     """Return the first matrix that has one of the names and the size; None if there is none."""
-    given = (matrices[name] for name in names if name in matrices)
-    return next((dense(matrix) for matrix in given if matrix.shape == (size, size)), None)
+    given = (name for name in names if name in matrices and matrices[name].shape == (size, size))
+    return next((dense(checked_matrix(name, matrices[name])) for name in given), None)
 
 
 def _basic_axes(first: Any, kept: Any, rigid: Any, nodes: Any, table: Path) -> tuple[Any, Any]:

@@ -43,15 +43,16 @@ class ForeignPart:
             SuperelementError: the group or a node is unknown; the error names ``key``.
         """
         words = given.replace(",", " ").split()
-        if words and all(word.isdigit() for word in words):
-            place = {int(number): row for row, number in enumerate(self.numbers)}
-            unknown = [word for word in words if int(word) not in place]
+        if words and all(word.isdecimal() for word in words):
+            words = [word.lstrip("0") or "0" for word in words]
+            place = {str(number): row for row, number in enumerate(self.numbers)}
+            unknown = [word for word in words if word not in place]
             if unknown:
                 raise SuperelementError(
                     f"{key} {given}: expected nodes of {self.source}, which has no node"
                     f" {', '.join(unknown[:5])}"
                 )
-            return np.array([place[int(word)] for word in words], dtype=np.int64)
+            return np.array([place[word] for word in words], dtype=np.int64)
         alike = [name for name in self.groups if name.upper() == given.upper()]
         if given not in self.groups and len(alike) != 1:
             listed = ", ".join(sorted(self.groups)) or "there are none"

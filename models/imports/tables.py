@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,16 @@ import numpy as np
 import scipy.io as sio
 import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.files import csv_rows, open_text
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.imports.parts import ForeignPart
+from bladewhirl.models.superelements.containers import (
+    checked_matrix,
+    mat_variables,
+    read_foreign,
+    real_numbers,
+    whole_numbers,
+)
 from bladewhirl.models.superelements.file import KEYS, superelement_of
 from bladewhirl.models.superelements.superelement import (
     FIXED,
@@ -24,6 +33,9 @@ POSITION, ROWS, GROUP = ("x", "y", "z"), ("row_x", "row_y", "row_z"), "group"
 
 MOST_ROWS = 7
 """Largest number of degrees of freedom of a node."""
+
+MOST_IN_TABLE = 10**15
+"""Largest number of a node, and largest coordinate."""
 
 NAMES = {
     "mass": ("mass", "M", "MM", "Maa", "Mred"),
@@ -53,7 +65,7 @@ def read_matlab(path: Path, nodes: Path) -> ForeignPart:
     Raises:
         SuperelementError: a file is missing or invalid, or there are no matrices M and K.
     """
-    return _with_nodes(dict(_matrices(_variables(path))), nodes, path.name)
+    return _with_nodes(_variables(path)[1], nodes, path.name)
 
 
 def read_matlab_superelement(path: Path) -> Superelement:
@@ -62,29 +74,24 @@ def read_matlab_superelement(path: Path) -> Superelement:
     Raises:
         SuperelementError: the file is missing or invalid, or describes no structure.
     """
-    variables = _variables(path)
+    variables, matrices = _variables(path)
     content = {key: value for key, value in variables.items() if key in KEYS}
     with errors_of(path):
-        return superelement_of(content | dict(_matrices(variables)))
+        return superelement_of(content | matrices)
 
 
-def _variables(path: Path) -> dict[str, Any]:
-    """Return the variables of a .mat file that contains a mass and a stiffness."""
-    try:
-        content = sio.loadmat(path, struct_as_record=False, squeeze_me=False, appendmat=False)
-    except OSError as error:
-        reason = error.strerror or error
-        raise SuperelementError(f"{path}: expected a readable file ({reason})") from None
-    except (ValueError, TypeError, NotImplementedError, KeyError) as error:
-        reason = f"a .mat file before version 7.3 ({error})"
-        raise SuperelementError(f"{path}: expected {reason}") from None
-    missing = {"mass", "stiffness"} - {key for key, _ in _matrices(content)}
+def _variables(path: Path) -> tuple[dict[str, Any], dict[str, Matrix]]:
+    """Return the variables of a .mat file, and its matrices by key with mass and stiffness."""
+    content = mat_variables(path, {*KEYS, *chain.from_iterable(NAMES.values())})
+    with errors_of(path):
+        matrices = dict(_matrices(content))
+    missing = {"mass", "stiffness"} - matrices.keys()
     if missing:
         expected = " and ".join(sorted(NAMES[key][1] for key in missing))
         raise SuperelementError(
             f"{path}: expected matrices {expected}, as variables or in a structure"
         )
-    return dict(content)
+    return content, matrices
 
 
 def _matrices(content: dict[str, Any]) -> Iterator[tuple[str, Matrix]]:
@@ -97,8 +104,7 @@ def _matrices(content: dict[str, Any]) -> Iterator[tuple[str, Matrix]]:
     for key, names in NAMES.items():
         given = next((content[name] for name in names if np.ndim(content.get(name, 0)) == 2), None)
         if given is not None:
-            sparse = sp.issparse(given)
-            yield key, sp.csr_array(given) if sparse else np.array(given, dtype=np.float64)
+            yield key, checked_matrix(key, given)
 
 
 def _with_nodes(matrices: dict[str, Any], table: Path, source: str) -> ForeignPart:
@@ -152,9 +158,9 @@ def _dofs(table: Path, rows: list[dict[str, str]], size: int) -> IntArray:
 
 def _read_table(path: Path) -> list[dict[str, str]]:
     try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
-            reader = csv.DictReader(stream, skipinitialspace=True)
-            rows = [{(k or "").strip().lower(): v for k, v in row.items()} for row in reader]
+        head, *lines = [cells for _, cells in csv_rows(path) if cells] or [[]]
+        keys = [key.strip().lower() for key in head]
+        rows = [dict(zip(keys, cells, strict=False)) for cells in lines]
     except (OSError, ValueError, csv.Error) as error:
         raise SuperelementError(f"{path}: expected a readable CSV file ({error})") from None
     if not rows or not {"node", *POSITION} <= set(rows[0]):
@@ -172,7 +178,7 @@ def _column(
         text = (row.get(key) or "").strip()
         try:
             value = empty if not text and empty is not None else kind(text)
-            if not np.isfinite(value):
+            if not abs(value) <= MOST_IN_TABLE:
                 raise ValueError
         except (ValueError, OverflowError):
             noun = "a whole number" if kind is int else "a finite number"
@@ -192,20 +198,24 @@ def read_matrix(path: Path) -> sp.csr_array:
     Raises:
         SuperelementError: the file is missing, or not a square matrix.
     """
-    try:
-        with path.open("rb") as stream:
-            head = stream.read(len(MATRIX_MARKET))
-        if head != MATRIX_MARKET:
-            return read_triplets(path)
-        matrix = sp.csr_array(sio.mmread(path))
-    except OSError as error:
-        reason = error.strerror or error
-        raise SuperelementError(f"{path}: expected a readable file ({reason})") from None
-    except (ValueError, TypeError, EOFError, OverflowError, MemoryError) as error:
-        raise SuperelementError(f"{path}: expected a file of Matrix Market ({error})") from None
-    if matrix.shape[0] != matrix.shape[1] or matrix.dtype.kind not in "iuf":
-        raise SuperelementError(f"{path}: expected a square real matrix, got {matrix.shape}")
-    return matrix.astype(np.float64)
+    matrix = read_foreign(path, "a file of Matrix Market", lambda: _market(path))
+    with errors_of(path):
+        return sp.csr_array(checked_matrix("matrix", matrix))
+
+
+def _market(path: Path) -> Any:
+    with path.open("rb") as stream:
+        head = stream.read(len(MATRIX_MARKET))
+    if head != MATRIX_MARKET:
+        return read_triplets(path)
+    rows, columns, entries, _, field, _ = sio.mminfo(path)
+    if rows != columns or field in ("complex", "pattern"):
+        raise SuperelementError(
+            f"{path}: expected a square real matrix, got {rows} x {columns}, {field}"
+        )
+    if not rows <= entries <= path.stat().st_size:
+        raise ValueError(f"{rows} rows and {entries} entries in {path.stat().st_size} bytes")
+    return sio.mmread(path)
 
 
 def read_triplets(path: Path, size: int | None = None) -> sp.csr_array:
@@ -221,17 +231,21 @@ def read_triplets(path: Path, size: int | None = None) -> sp.csr_array:
     Raises:
         SuperelementError: the file is missing, or has lines of another form.
     """
-    try:
-        text = path.read_text(encoding="utf-8").replace(",", " ")
-        values: Any = np.array(text.split(), dtype=np.float64).reshape(-1, 3)
-    except (OSError, ValueError):
-        raise SuperelementError(f"{path}: expected lines of row, column and value") from None
-    row, column = (values[:, n].astype(np.int64) - 1 for n in range(2))
+    kind = "lines of row, column and value"
+    numbers = read_foreign(path, kind, lambda: _numbers_in(path).reshape(-1, 3))
+    with errors_of(path):
+        row, column = (whole_numbers("rows and columns", numbers[:, n]) - 1 for n in range(2))
+        values = real_numbers("values", numbers[:, 2])
     most = int(max(row.max(), column.max())) + 1 if len(values) else 0
-    size = most if size is None else size
+    size = min(most, len(values)) if size is None else size  # each row has an entry
     if not len(values) or most > size or min(row.min(), column.min()) < 0:
         raise SuperelementError(f"{path}: expected rows and columns from 1 to {size}, got {most}")
-    matrix = sp.csr_array((values[:, 2], (row, column)), shape=(size, size))
+    matrix = sp.csr_array((values, (row, column)), shape=(size, size))
     if np.all(row <= column) or np.all(row >= column):
         return sp.csr_array(matrix + matrix.T - sp.diags_array(matrix.diagonal()))
     return matrix
+
+
+def _numbers_in(path: Path) -> FloatArray:
+    with open_text(path) as stream:
+        return np.array(stream.read().replace(",", " ").split(), dtype=np.float64)

@@ -1,5 +1,6 @@
 """Superelements of blades and sectors from meshes of solids, by `bladewhirl.mesh3d`."""
 
+import warnings
 from dataclasses import replace
 from os import PathLike
 from typing import Any, Literal
@@ -11,7 +12,9 @@ import scipy.sparse as sp
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import VolumeMesh, read_volume_mesh
 from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.inputs.fields import positive
+from bladewhirl.models.inputs.plausible import MATERIAL, fault_of
 from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation, to_si
 from bladewhirl.models.solids.assembly import Elasticity, Solid, rotating_stiffness
 from bladewhirl.models.solids.groups import (
@@ -103,6 +106,9 @@ def mesh3d(
     """
     material = Elasticity(positive("young_modulus", young_modulus, "Pa"), _ratio(poisson_ratio))
     rho, omega = positive("density", density, "kg/m3"), _speed(speed)
+    for key, value in (("young_modulus", material.young_modulus), ("density", rho)):
+        if expected := fault_of(value, *MATERIAL[key]):
+            warnings.warn(f"unusual {key} = {value!r}: expected {expected}", Hint, stacklevel=2)
     if mass_quadrature not in ("full", "reduced"):
         raise invalid("mass_quadrature", mass_quadrature, '"full" or "reduced"')
     volumes = _scaled(mesh, unit, axis)

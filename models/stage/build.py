@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.elements.foreshortening import blade_beams, drawback, fewest_terms
 from bladewhirl.models.inputs.errors import CaseError, Fault
@@ -93,7 +94,7 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
         expected = (
             f"less than the critical step {limit:.6g} s = 2/omega_max (or fewer"
             " casing.elements, bladed_disk.elements_per_blade or"
-            " reduction.fixed_interface_modes)"
+            f" reduction.fixed_interface_modes){probable_cause(case)}"
         )
         yield case_fault(case, "march.time_step", expected)
     element = 2.0 * np.pi / case.casing.elements
@@ -134,7 +135,7 @@ def _start_faults(stage: Stage) -> Iterator[Fault]:
     if case.casing.closure is not None:
         lost = case.casing.closure.value(0.0) * case.casing.closure.around.value(rotor.tip_angle)
         clearance = clearance - lost
-        if not clearance.min() > 0.0:
+        if lost.any() and not clearance.min() > 0.0:
             expected = (
                 "a closure at t = 0 that is smaller than the clearance of every tip; its largest"
                 f" value at a tip is {lost.max():.6g} m"

@@ -10,6 +10,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.coating import Coating
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.inputs.fields import MOST
 from bladewhirl.models.stage.contact_problem import (
     NodeCoating,
     ReducedCasing,
@@ -158,6 +159,10 @@ def _worn(coating: Coating, around: float, footprint: FloatArray, *tracks: int) 
     """Return the plastic strain of each rod at the start, (*tracks, rods). The default number of
     rods follows from the circumference `around` of the wall and the arcs that tips cover [m]."""
     rods = coating.elements or int(PER_FOOTPRINT * around / footprint.min()) + 1
+    if rods > MOST:
+        expected = f"at least {PER_FOOTPRINT * around / MOST:.3g} m, for at most {MOST} rods"
+        key, length = "casing.coating.footprint", float(footprint.min())
+        raise CaseError([Fault(key=key, value=length, expected=expected)])
     strain = np.zeros((*tracks, rods))
     if coating.profile is not None:
         strain += coating.profile.recess(rod_angles(rods)) / coating.thickness

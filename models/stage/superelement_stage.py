@@ -39,6 +39,10 @@ PER_POINT = 8
 LIMIT = 0.2
 """Default of march.displacement_limit, divided by the largest radius of a contact node."""
 
+NEGATIVE = 1e-7
+"""An eigenvalue of a damping matrix is a rounding error down to minus this fraction of the largest
+one."""
+
 HIGHEST = 1e5
 """Highest plausible first natural frequency [Hz]."""
 
@@ -254,6 +258,8 @@ def superelement_stage(case: Case) -> SuperelementStage:
         raise CaseError([case_fault(case, key, text)]) from None
     if table.kind == "blade":
         _check_clamped(part, reduced)
+    if reduced.damping is not None:
+        _check_damping(reduced.damping)
     factor = case.bladed_disk.mistuning.factors("stiffness", table.copies)
     per_blade = part.contacts if table.kind == "blade" else part.contacts // table.copies
     stage = SuperelementStage(
@@ -302,6 +308,21 @@ def _on_springs(case: Case, part: Superelement) -> Superelement:
     )
     added = springs if sp.issparse(part.stiffness) else springs.toarray()
     return replace(part, stiffness=part.stiffness + added)
+
+
+def _check_damping(damping: FloatArray) -> None:
+    """Check that the damping matrix of the file, (modes, modes), feeds no motion with energy.
+
+    Raises:
+        CaseError: it has negative eigenvalues.
+    """
+    rates = np.linalg.eigvalsh(0.5 * (damping + damping.T))
+    if rates[0] < -NEGATIVE * abs(rates).max():
+        expected = (
+            "a damping matrix without negative eigenvalues, which would feed motion with energy;"
+            f" the smallest is {rates[0]:.4g} 1/s"
+        )
+        raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])
 
 
 def _check_clamped(part: Superelement, reduced: ReducedSuperelement) -> None:

@@ -5,15 +5,20 @@ from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
-import scipy.io as sio
 import scipy.sparse as sp
 
 from bladewhirl.files import replacing
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.units import to_si
+from bladewhirl.models.superelements.containers import (
+    checked_matrix,
+    mat_variables,
+    npz_arrays,
+    real_numbers,
+    whole_numbers,
+)
 from bladewhirl.models.superelements.superelement import (
     Matrix,
     Superelement,
@@ -26,6 +31,9 @@ NUMBERS = ("contact_position", "points")
 INTEGERS = ("contact_dofs", "centre_dofs", "triangles", "left_dofs", "right_dofs")
 TEXTS = ("name", "source")
 UNITS = {"length_unit": "m", "mass_unit": "kg"}
+ROUNDING = 1e-9
+"""Largest direction cosine that is a rounding error."""
+
 REQUIRED = ("mass", "stiffness", "contact_position", "contact_dofs")
 
 
@@ -46,8 +54,8 @@ def read_superelement(path: str | PathLike[str]) -> Superelement:
         SuperelementError: the file cannot be read, lacks a key, or does not describe a structure.
     """
     file = Path(path)
+    content = _content(file)
     with errors_of(file):
-        content = _content(file)
         for key in sorted(set(content) - set(KEYS)):
             if meant := get_close_matches(key, KEYS, 1, 0.8):
                 raise SuperelementError(f"{key}: unknown key; did you mean {meant[0]}?")
@@ -71,16 +79,22 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
             values[key] = matrix if key == "recovery" else matrix * mass
     for key in NUMBERS:
         if key in content:
-            values[key] = length * _numbers(key, content[key])
+            values[key] = length * real_numbers(key, content[key])
     for key in INTEGERS:
         if key in content:
-            values[key] = _whole(key, content[key])
+            values[key] = whole_numbers(key, content[key])
     for key in ("left_dofs", "right_dofs"):
         if key in values and values[key].size % 3 == 0:
             values[key] = values[key].reshape(-1, 3)
     if "centre_dofs" in values:
         values["centre_dofs"] = values["centre_dofs"].ravel()
-    return Superelement(**values)
+    part = Superelement(**values)
+    still = np.flatnonzero(abs(part.contact_rows[::3]).sum(axis=1) < ROUNDING)
+    if len(still):
+        raise SuperelementError(
+            f"contact_dofs: expected a radial displacement of each node; node {still[0]} has none"
+        )
+    return part
 
 
 def write_superelement(path: str | PathLike[str], part: Superelement) -> None:
@@ -116,55 +130,33 @@ KEYS = (
 
 
 def _content(file: Path) -> dict[str, Any]:
-    """Return the variables of a file by name."""
-    try:
-        if file.suffix.lower() == ".npz":
-            with np.load(file, allow_pickle=False) as archive:
-                return {name: archive[name] for name in archive.files}
-        if file.suffix.lower() == ".mat":
-            read = sio.loadmat(file, appendmat=False)
-            return {name: value for name, value in read.items() if not name.startswith("__")}
-    except OSError as error:
-        raise SuperelementError(f"expected a readable file ({error.strerror or error})") from None
-    except (ValueError, BadZipFile, EOFError, KeyError, NotImplementedError, TypeError) as error:
-        raise SuperelementError(f"expected a file of NumPy or MATLAB ({error})") from None
-    raise SuperelementError("expected a .npz file of NumPy or a .mat file of MATLAB")
+    """Return the variables of a file by name; unknown ones are None."""
+    readers = {".npz": npz_arrays, ".mat": mat_variables}
+    read = readers.get(file.suffix.lower())
+    if read is None:
+        raise SuperelementError(f"{file}: expected a .npz file of NumPy or a .mat file of MATLAB")
+    return read(file, KEYS)
 
 
 def _matrix(content: Mapping[str, Any], key: str) -> Matrix | None:
     """Return a dense or sparse matrix; None if it is not given."""
     if key in content:
-        value = content[key]
-        if sp.issparse(value):
-            return sp.csr_array(value).astype(np.float64)
-        return np.atleast_2d(_numbers(key, value))
+        return checked_matrix(key, content[key])
     if f"{key}_data" not in content:
         return None
+    missing = [f"{key}_{part}" for part in _SPARSE if f"{key}_{part}" not in content]
+    if missing:
+        raise SuperelementError(f"{missing[0]}: missing; {key}_data needs it")
+    data, *structure = (np.ravel(content[f"{key}_{part}"]) for part in _SPARSE)
+    indices, indptr, shape = (
+        whole_numbers(f"{key}_{part}", values)
+        for part, values in zip(_SPARSE[1:], structure, strict=True)
+    )
     try:
-        data, indices, indptr, shape = (np.asarray(content[f"{key}_{part}"]) for part in _SPARSE)
-        rows, columns = (int(length) for length in shape.ravel())
-        kind = sp.csr_array if len(indptr.ravel()) == rows + 1 else sp.csc_array
-        made = kind((data.ravel(), indices.ravel(), indptr.ravel()), shape=(rows, columns))
-        made.check_format()
-        return sp.csr_array(made).astype(np.float64)
-    except KeyError as error:
-        raise SuperelementError(f"{error.args[0]}: missing; {key}_data needs it") from None
-    except (ValueError, TypeError) as error:
+        kind = sp.csr_array if len(indptr) == shape[0] + 1 else sp.csc_array
+        return checked_matrix(key, kind((data, indices, indptr), shape=tuple(shape.tolist())))
+    except (ValueError, TypeError, IndexError) as error:
         raise SuperelementError(f"{key}: expected a sparse matrix ({error})") from None
-
-
-def _numbers(key: str, value: Any) -> np.ndarray[Any, Any]:
-    try:
-        return np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise SuperelementError(f"{key}: expected real numbers") from None
-
-
-def _whole(key: str, value: Any) -> np.ndarray[Any, Any]:
-    given = _numbers(key, value)
-    if not np.array_equal(given, np.round(given)):
-        raise SuperelementError(f"{key}: expected whole numbers")
-    return given.astype(np.int64)
 
 
 def _text(value: Any) -> str:

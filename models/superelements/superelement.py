@@ -10,6 +10,8 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.fields import SMALLEST
+from bladewhirl.models.inputs.plausible import fault_of
 
 Matrix: TypeAlias = FloatArray | sp.csr_array
 """A dense or a sparse matrix."""
@@ -17,6 +19,9 @@ Matrix: TypeAlias = FloatArray | sp.csr_array
 SYMMETRIC = 1e-8
 """A matrix is symmetric if it differs from its transpose by at most this fraction of its largest
 entry."""
+
+RADII = (1e-3, 20.0)
+"""Smallest and largest plausible radius of the outermost contact node [m]."""
 
 FIXED = -1
 """Number in place of a degree of freedom that does not exist because its displacement is zero."""
@@ -126,7 +131,13 @@ class Superelement:
 def _faults(part: Superelement) -> Iterator[str]:
     """Yield the faults of the arrays of a superelement, each as "KEY: expected ..."."""
     n = part.size
-    for key in ("mass", "stiffness", "damping", "gyroscopic"):
+    square = ("mass", "stiffness", "damping", "gyroscopic")
+    for key in (*square, "recovery", "contact_position", "points"):
+        given = getattr(part, key)
+        if given is not None and not np.isfinite(given.data if sp.issparse(given) else given).all():
+            yield f"{key}: expected finite numbers"
+            return
+    for key in square:
         matrix = getattr(part, key)
         if matrix is None:
             continue
@@ -134,28 +145,30 @@ def _faults(part: Superelement) -> Iterator[str]:
             yield f"{key}: expected a square matrix of the size of mass, got {_shape(matrix)}"
             return
         values = matrix.data if sp.issparse(matrix) else matrix
-        if not np.isfinite(values).all():
-            yield f"{key}: expected finite numbers"
-            return
         sign, word = (1.0, "skew") if key == "gyroscopic" else (-1.0, "symmetric")
         largest = abs(values).max() if values.size else 0.0
         if abs(matrix + sign * matrix.T).max() > SYMMETRIC * largest:
             yield f"{key}: expected a {word} matrix"
-    if not np.all(diagonal(part.mass) >= 0.0):
-        yield "mass: expected no negative numbers on the diagonal"
-    elif not diagonal(part.mass).any():
+        if key != "gyroscopic" and np.any(diagonal(matrix) < 0.0):
+            yield f"{key}: expected no negative numbers on the diagonal"
+    masses = diagonal(part.mass)
+    if not masses.any():
         yield "mass: expected a diagonal that is not zero everywhere"
-    if not np.all(diagonal(part.stiffness) >= 0.0):
-        yield "stiffness: expected no negative numbers on the diagonal"
+    elif 0.0 < (least := masses[masses != 0.0].min()) < SMALLEST:
+        yield f"mass: expected numbers of at least {SMALLEST:g} on the diagonal, got {least:g}"
     c = part.contact_position.shape[0] if part.contact_position.ndim == 2 else 0
     if part.contact_position.shape != (c, 3) or c == 0:
         yield f"contact_position: expected (nodes, 3), got {_shape(part.contact_position)}"
         return
-    if not np.isfinite(part.contact_position).all():
-        yield "contact_position: expected finite numbers"
-    elif not part.contact_radius.min() > 0.0:
+    if not part.contact_radius.min() > 0.0:
         node = int(part.contact_radius.argmin())
         yield f"contact_position: expected nodes away from the axis z; node {node} is on it"
+    radius = float(part.contact_radius.max())
+    if radius > 0.0 and (expected := fault_of(radius, *RADII, "m")):
+        yield (
+            f"contact_position: expected contact nodes at a radius of {expected}, got {radius:.4g}"
+            " m; give the units of the program, such as mm and t for a stiffness in N/mm"
+        )
     yield from _dof_faults(part, "contact_dofs", (c, 3), fixed=True)
     if part.centre_dofs is not None:
         yield from _dof_faults(part, "centre_dofs", (2,))
@@ -191,9 +204,10 @@ def _picture_faults(part: Superelement) -> Iterator[str]:
             if getattr(part, key) is not None:
                 yield f"{key}: only allowed together with points, which are missing"
         return
-    p = len(part.points)
-    if part.points.shape != (p, 3) or not np.isfinite(part.points).all():
-        yield f"points: expected finite numbers (points, 3), got {_shape(part.points)}"
+    p = part.points.shape[0] if part.points.ndim else 0
+    if part.points.shape != (p, 3):
+        yield f"points: expected (points, 3), got {_shape(part.points)}"
+        return
     if part.recovery is None:
         yield "points: only allowed together with recovery, which is missing"
     elif part.recovery.shape != (3 * p, part.size):

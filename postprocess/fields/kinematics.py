@@ -33,6 +33,10 @@ def turn(dataset: xr.Dataset, records: IntArray) -> Array:
     return np.asarray(dataset.attrs["speed"] * dataset["time"].values[records])
 
 
+MOST_FRAMES = 100_000
+"""Largest number of pictures of a film or instants of a series."""
+
+
 def frame_records(
     dataset: xr.Dataset, frames: int, start: float | None = None, end: float | None = None
 ) -> IntArray:
@@ -45,8 +49,7 @@ def frame_records(
     time = dataset["time"].values
     first = time[0] if start is None else start
     last = time[-1] if end is None else min(end, time[-1])
-    if frames < 1:
-        raise ViewError(f"number of frames must be at least 1, got {frames}")
+    check_frames(frames, max(MOST_FRAMES, len(time)))
     window = f"window [{first:g}, {last if end is None else end:g}] s"
     if end is not None and first > end:
         raise ViewError(f"{window}: expected a start before the end")
@@ -55,6 +58,16 @@ def frame_records(
         raise ViewError(f"{window}: expected a start within the run, which covers {covered}")
     enough = min(frames, 2 * len(time))
     return np.unique(nearest_records(dataset, np.linspace(first, last, enough)))
+
+
+def check_frames(frames: int, most: int = MOST_FRAMES) -> None:
+    """Check a number of pictures.
+
+    Raises:
+        ViewError: the number is not from 1 to `most`.
+    """
+    if not 1 <= frames <= most:
+        raise ViewError(f"number of frames must be from 1 to {most}, got {frames}")
 
 
 def nearest_records(dataset: xr.Dataset, instants: ArrayLike) -> IntArray:

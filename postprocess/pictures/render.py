@@ -13,7 +13,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from bladewhirl.files import replacing
 from bladewhirl.postprocess.fields import kinematics
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import films
 from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE, scene_colours
 from bladewhirl.postprocess.pictures.drawing import Drawing
@@ -26,6 +26,7 @@ CELL = 480  #: width and height of a picture of a sheet [pixels]
 PANEL_HEIGHT = 960  #: smallest height of a sheet, for a legible panel [pixels]
 FRAMES = 120  #: number of pictures of an animation by default
 MOST_FRAMES = 600  #: largest number of pictures chosen for a given time window
+MOST_STILLS = 200  #: largest number of pictures of a sheet
 FRAMES_PER_BLADE = 3  #: with fewer pictures per blade passage, the rotor seems to turn backward
 
 
@@ -55,10 +56,9 @@ def animation_records(
         return (
             chosen if count == len(chosen) else kinematics.frame_records(dataset, count, start, end)
         )
-    if frames is not None and frames < 1:
-        raise ViewError(f"number of frames must be at least 1, got {frames}")
-    stride = _stride(dataset)
-    span = stride * ((frames or FRAMES) - 1) + 1
+    pictures, stride = FRAMES if frames is None else frames, _stride(dataset)
+    kinematics.check_frames(pictures)
+    span = stride * (pictures - 1) + 1
     if span >= len(window):
         return window[::stride]
     if start is not None:
@@ -78,6 +78,7 @@ def sheet_records(
     Raises:
         ViewError: the time window does not begin inside the run, or `frames` is not positive.
     """
+    kinematics.check_frames(frames, MOST_STILLS)
     speed, step = abs(float(dataset.attrs["speed"])), float(dataset.attrs["record_step"])
     span = 1 + round(2 * np.pi / speed / step) if speed else dataset.sizes["time"]
     if start is not None or end is not None or not frames <= span < dataset.sizes["time"]:

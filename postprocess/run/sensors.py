@@ -42,6 +42,8 @@ derivative."""
 
 ON_SAMPLE = 1e-6  #: a sample up to this fraction of a sampling step outside the records is included
 
+MOST_PER_RECORD = 100  #: largest number of samples between two records
+
 SHOWN: dict[str, tuple[str, float]] = {
     "m/m": ("µm/m", 1e6),
     "m": ("µm", 1e6),
@@ -115,6 +117,11 @@ def check_sensors(
     for number, sensor in enumerate(sensors):
         if isinstance(sensor, TipTiming) and (expected := too_slow(speed, record_step)):
             faults.append(Fault(key=f"sensor[{number}].type", value=sensor.type, expected=expected))
+        most = MOST_PER_RECORD / record_step
+        if (sensor.sampling_rate or 0.0) > most and not isinstance(sensor, TipTiming):
+            expected = f"at most {most:.6g} Hz, {MOST_PER_RECORD} times the rate of the records"
+            key = f"sensor[{number}].sampling_rate"
+            faults.append(Fault(key=key, value=sensor.sampling_rate, expected=expected))
         if isinstance(sensor, StrainGauge):
             try:
                 gauge_rows(stage, sensor)

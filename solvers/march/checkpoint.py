@@ -1,13 +1,13 @@
 """Checkpoints: exact states of a march, stored on disk, from which a killed march is resumed."""
 
 from dataclasses import dataclass, fields, is_dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
-from bladewhirl.files import replacing
+from bladewhirl.files import check_regular, replacing
 
 CHECKPOINT_NAME = "checkpoint.npz"
 """Name of the checkpoint file in the folder of a run."""
@@ -73,9 +73,10 @@ def _parts(value: Any) -> dict[str, Any]:
 
 def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     """Write a checkpoint to a temporary file, which then replaces the previous checkpoint."""
-    notes = {name: getattr(checkpoint, name) for name in NOTES}
+    content: dict[str, Any] = {name: np.asarray(getattr(checkpoint, name)) for name in NOTES}
+    content |= {f"state.{key}": np.asarray(value) for key, value in checkpoint.state.items()}
     with replacing(path) as draft, draft.open("wb") as stream:
-        np.savez(stream, **notes, **{f"state.{k}": v for k, v in checkpoint.state.items()})
+        np.savez(stream, **content, digest=_digest(content))
 
 
 def read_checkpoint(path: Path) -> Checkpoint:
@@ -83,20 +84,29 @@ def read_checkpoint(path: Path) -> Checkpoint:
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: the file is not a checkpoint.
+        ValueError: the file is not a checkpoint, or was changed.
     """
+    check_regular(path)
     try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as content:
-            state = {
-                name.removeprefix("state."): content[name]
-                for name in content.files
-                if name.startswith("state.")
-            }
-            return Checkpoint(
-                case=str(content["case"]),
-                records=int(content["records"]),
-                wall_time=float(content["wall_time"]),
-                state=state,
-            )
-    except (KeyError, BadZipFile, EOFError, TypeError) as error:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
+            content = dict(archive)
+        if str(content.pop("digest")) != _digest(content):
+            raise ValueError("its contents were changed")
+        return Checkpoint(
+            case=str(content.pop("case")),
+            records=int(content.pop("records")),
+            wall_time=float(content.pop("wall_time")),
+            state={key.removeprefix("state."): value for key, value in content.items()},
+        )
+    except OSError:
+        raise
+    except Exception as error:  # of any type, for damaged bytes
         raise ValueError(f"no checkpoint ({error})") from None
+
+
+def _digest(content: dict[str, Any]) -> str:
+    """Return the SHA-256 digest of arrays by name."""
+    digest = sha256()
+    for name, array in sorted(content.items()):
+        digest.update(f"{name} {array.dtype.str} {array.shape} ".encode() + array.tobytes())
+    return digest.hexdigest()

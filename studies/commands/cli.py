@@ -8,6 +8,7 @@ imports other modules when it runs. Thus ``bladewhirl --help`` answers at once.
 
 import gc
 import re
+import signal
 import warnings
 from importlib import metadata
 from typing import Annotated, Any
@@ -82,6 +83,15 @@ def bladewhirl(
     """Whirl of bladed disks in contact with flexible casings."""
 
 
+def _interrupt(number: int, frame: Any) -> None:
+    """End a command after SIGTERM, which batch systems send, as after Ctrl-C; a command in the
+    background of a shell ignores Ctrl-C itself."""
+    if callable(signal.getsignal(signal.SIGINT)):
+        signal.raise_signal(signal.SIGINT)
+    else:
+        signal.default_int_handler(number, frame)
+
+
 GARBAGE_THRESHOLD = 50_000
 """Number of new objects between collections of cyclic garbage. With Python's default, 700,
 collections take a tenth of the time of a short run, and free little."""
@@ -91,5 +101,6 @@ def main() -> None:
     """Entry point of the command ``bladewhirl``."""
     gc.set_threshold(GARBAGE_THRESHOLD)
     warnings.simplefilter("ignore", Hint)  # commands print hints themselves
+    signal.signal(signal.SIGTERM, _interrupt)
     with robust_output():
         app()

@@ -14,6 +14,7 @@ from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import (
     INTERRUPTED,
     emit,
+    interruptible,
     progress_bar,
     reduction_bar,
     table,
@@ -116,10 +117,12 @@ def run(
             f"--resume {resume}: omit --output, --overwrite, --from and --to of a new run"
         )
     source = case or (resume or Path()) / CASE_NAME
+    folder = resume or output or RUNS / source.stem
     with (
         options.case_of(source, overrides) as read,
         progress_bar("preparing") as update,
         reduction_bar(),
+        interruptible(f"bladewhirl run --resume {folder} continues a march that has begun"),
     ):
         step, begun = read.march.time_step, 0.0
 
@@ -138,7 +141,7 @@ def run(
         else:
             finished = run_case(
                 read,
-                output or RUNS / source.stem,
+                folder,
                 overwrite=overwrite,
                 frames=frames,
                 start=start,

@@ -1,5 +1,10 @@
-"""Delay of Ctrl-C during operations that must not be interrupted at once."""
+"""Delay of Ctrl-C during operations that must not be interrupted at once, and end of processes.
 
+The module imports the standard library only, so that workers call `leave_with_parent` at once.
+"""
+
+import multiprocessing
+import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -50,3 +55,15 @@ def held_back() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def leave_with_parent() -> None:
+    """End this process when its parent process ends, even if the parent is killed."""
+    parent = multiprocessing.parent_process()
+
+    def follow() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()

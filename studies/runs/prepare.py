@@ -4,8 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.inputs.timing import Timing
@@ -17,6 +20,7 @@ from bladewhirl.models.stage.mass_scaling import screening_problem
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 from bladewhirl.solvers.march.boundary import BoundaryMarch
+from bladewhirl.solvers.march.checkpoint import state_arrays
 from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.solvers.march.march import Scheme
 from bladewhirl.solvers.march.scheme import make_scheme
@@ -85,6 +89,21 @@ def prepare(given: Case | AnyStage, change: Change | None = None) -> Prepared:
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
 
 
+def check_finite(data: Any) -> None:
+    """Check that all arrays in a dataclass are finite, before a march needs or stores them.
+
+    Raises:
+        UserError: an array has values that are infinite or not numbers.
+    """
+    for name, value in state_arrays(data).items():
+        given = np.asarray(value)
+        if given.ndim and given.dtype.kind in "fc" and not np.isfinite(given).all():
+            raise UserError(
+                f"{name} of the stage: expected finite numbers; check the files of the case, and"
+                " its values for a wrong unit"
+            )
+
+
 def screened(case: Case, problem: ContactProblem, timing: Timing) -> tuple[ContactProblem, Timing]:
     """Return contact problem and timing of a screening march, see `screening_problem`.
 
@@ -107,14 +126,18 @@ def problem_of(stage: AnyStage) -> AnyProblem:
             node would start beyond the wall, or the time step is too long for the modes or the
             coating.
     """
+    check_finite(stage.arrays)
     if isinstance(stage, Stage):
-        return contact_problem(stage)
+        beams = contact_problem(stage)
+        check_finite(beams)
+        return beams
     problem, timing = stage.problem, stage.case.march.timing
+    check_finite(problem)
     limit = problem.critical_time_step
     if not timing.time_step < limit:
         expected = (
             f"less than the critical step {limit:.6g} s (or fewer reduction.free_interface_modes,"
-            ' or reduction.boundary = "massless")'
+            f' or reduction.boundary = "massless"){probable_cause(stage.case)}'
         )
         raise CaseError([case_fault(stage.case, "march.time_step", expected)])
     faults = list(node_coating_faults(stage.case, problem.coating, stage.speed))

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from bladewhirl.files import csv_rows
 from bladewhirl.models.inputs.errors import UserError, shown
 from bladewhirl.studies.sweeps.axes import NUMBER, PointTable, Value, case_value
 
@@ -73,9 +74,7 @@ def _read(path: Path) -> tuple[list[str], list[Sequence[Any]], list[str]]:
     """Return the first line of a CSV file, its other lines, and their names for messages; empty
     lines are skipped."""
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file)
-            lines = [(reader.line_num, cells) for cells in reader if cells]
+        lines = [(number, cells) for number, cells in csv_rows(path) if cells]
     except OSError as error:
         raise UserError(f"{path}: expected a readable file ({error.strerror})") from None
     except (ValueError, csv.Error) as error:

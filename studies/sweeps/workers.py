@@ -8,7 +8,6 @@ sweep.
 import multiprocessing
 import os
 import sys
-import threading
 from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -16,7 +15,7 @@ from contextlib import contextmanager
 from itertools import chain, islice
 from types import ModuleType
 
-from bladewhirl.studies.runs.interrupts import held_back
+from bladewhirl.studies.runs.interrupts import held_back, leave_with_parent
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 
 READY = 1
@@ -111,7 +110,7 @@ def _processes(workers: int) -> Iterator[ProcessPoolExecutor]:
     """Yield a pool of worker processes; after an error or Ctrl-C, busy workers are killed."""
     others = set(multiprocessing.active_children())
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_leave_with_parent)
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=leave_with_parent)
     try:
         yield pool
     except BaseException:
@@ -133,15 +132,3 @@ def _starting() -> Iterator[None]:
             yield
     finally:
         sys.modules["__main__"] = main
-
-
-def _leave_with_parent() -> None:
-    """End this process when its parent process ends, even if the parent is killed."""
-    parent = multiprocessing.parent_process()
-
-    def follow() -> None:
-        if parent is not None:
-            parent.join()
-            os._exit(1)
-
-    threading.Thread(target=follow, daemon=True).start()

@@ -47,6 +47,7 @@ TURN = [{"angle": 0, "thickness": 0.01}, {"angle": "1 turn", "thickness": 0.02}]
             {"closure": SHRINKING | {"amount": -2e-3}},
             "widens the gap by less than casing.clear",
         ),
+        ({"clearance": 0.0, "closure": SHRINKING}, "casing.clearance = 0.0: expected more than 0"),
         (
             {"elements": 12, "closure": SHRINKING | {"lobes": [{"lobes": 9, "amplitude": 1e-5}]}},
             ": expected at most 3 lobes",

@@ -1,6 +1,7 @@
 """Case files: what is written can be read again, and bad ones end in one line a fault."""
 
 import re
+import time
 from pathlib import Path
 from typing import Any
 
@@ -231,6 +232,9 @@ def test_values_compared_with_a_mistaken_one_are_not_blamed() -> None:
     assert "march.tme_step" in fault(loads, text)
 
 
+QUOTED_PARTS = ('"a b".', "'a b' .", '"".', r'"\"".', "'#'. ", '"é"\t.\t', 'a."b".', "'\"'.")
+
+
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
@@ -240,12 +244,26 @@ def test_values_compared_with_a_mistaken_one_are_not_blamed() -> None:
         ("a = " + "9" * 5000, "integer"),
         pytest.param("a = " + "[" * 5000, "recursion", id="nested values"),
         pytest.param("a." * 40_000 + "b = 1", "keys of at most 50 parts", id="nested keys"),
+        *(
+            pytest.param(part * 40_000 + "b = 1", "keys of at most 50 parts", id=part)
+            for part in QUOTED_PARTS
+        ),
+        pytest.param("[" + '"a b".' * 40_000 + "b]", "keys of at most 50 parts", id="heads"),
+        pytest.param("x = {" + "'a b'." * 40_000 + "b = 1}", "at most 50 parts", id="inline"),
     ],
 )
 def test_invalid_toml_is_one_line(text: str, reason: str) -> None:
     line = fault(loads, text, file="a.toml")
     assert line.startswith("a.toml: ")
     assert reason in line
+
+
+@pytest.mark.parametrize("text", ['"a', "'a ", '\\"a', '"a"', "' '", '"a\\'])
+def test_quotes_do_not_take_long(text: str) -> None:
+    """A pattern that searched to the end of the text from each quote would take minutes."""
+    start = time.process_time()
+    assert "expected valid TOML" in fault(loads, text * 50_000)
+    assert time.process_time() - start < 2.0
 
 
 def test_long_values_are_cut() -> None:

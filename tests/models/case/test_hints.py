@@ -8,11 +8,14 @@ from command_line import answer
 from stages import SMALL, stage, steel
 
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.check import case_from
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.studies.runs.prepare import prepare
 
 
 def strut(**values: float) -> dict[str, float]:
@@ -35,6 +38,57 @@ def strut(**values: float) -> dict[str, float]:
 def test_implausible_values_are_named(key: str, value: object, hint: str) -> None:
     [line] = case_hints(with_values(Case(), {key: value}))
     assert line.startswith(f"unusual {hint}")
+
+
+ARC = {"start": 0.0, "end": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "likely"),
+    [
+        ("material.young_modulus", 114.0, "perhaps 114 is in GPa"),
+        ("material.young_modulus", 210e3, "perhaps 210000 is in MPa"),
+        ("material.density", 7.8, "perhaps 7.8 is in g/cm3"),
+        ("material.density", 7.8e-9, "perhaps 7.8e-09 is in t/mm3"),
+        ("material.density", 7.8e-6, "perhaps 7.8e-06 is in kg/mm3"),
+        ("casing.stiffened_arcs", [ARC | {"density": 4.43}], "perhaps 4.43 is in g/cm3"),
+        ("casing.stiffened_arcs", [ARC | {"young_modulus": 70.0}], "perhaps 70 is in GPa"),
+        ("bladed_disk.tip_radius", 500, "perhaps 500 is in mm"),
+        (
+            "bladed_disk",
+            {"tip_radius": "0.5 mm", "disk_radius": "0.05 mm"},
+            "perhaps 0.0005 is in m, where mm was written",
+        ),
+        ("casing.clearance", 1, "perhaps 1 is in mm"),
+        ("casing.wall", {"width": 100.0, "thickness": 0.01}, "perhaps 100 is in mm"),
+    ],
+)
+def test_the_likely_unit_is_named(key: str, value: object, likely: str) -> None:
+    lines = case_hints(with_values(Case(), {key: value}))
+    assert likely in lines[0]
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "likely"),
+    [
+        ("material.density", 7.8, "material.density = 7.8: expected .* is in g/cm3"),
+        ("material.density", 7.8e-9, "material.density = 7.8e-9: expected .* is in t/mm3"),
+    ],
+)
+def test_a_critical_time_step_names_its_probable_cause(
+    key: str, value: object, likely: str
+) -> None:
+    given = {"bladed_disk": {"blades": 6, "elements_per_blade": 2}, "march": {"time_step": 5e-6}}
+    case = with_values(case_from(given | {"casing": {"elements": 12}}), {key: value})
+    with pytest.raises(
+        CaseError, match=f"less than the critical step .*; the cause may be {likely}"
+    ):
+        prepare(case)
+
+
+def test_a_critical_time_step_of_plausible_materials_has_no_other_cause() -> None:
+    with pytest.raises(CaseError, match=r"reduction\.fixed_interface_modes\)$"):
+        prepare(with_values(Case(), {"march.time_step": 5e-5, "march.record_step": 5e-5}))
 
 
 def test_named_materials_are_checked_too() -> None:

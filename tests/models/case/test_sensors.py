@@ -1,5 +1,6 @@
 """The [[sensor]] tables: written and read back, and refused by key, value and expectation."""
 
+import numpy as np
 import pytest
 from faults import fault
 
@@ -75,6 +76,7 @@ def test_a_case_without_sensors_has_no_key_of_sensors() -> None:
         (GAUGE | {"spam": 0}, "spam = 0: expected a known key; the nearest is sensor[0].span"),
         ({"type": "tip-timing", "probes": []}, "probes = []: expected an angle such as"),
         ({"type": "tip-timing", "probes": [0, 90]}, "probes[1] = 90: expected an angle within a"),
+        ({"type": "tip-timing", "probes": [0.1] * 1001}, "probes = [0.1, 0.1"),
         ({"type": "wall"}, "angle: expected a value for angle"),
         (
             {"type": "wall", "angle": 0, "quantity": "velocity", "noise": "1 mm"},
@@ -92,3 +94,11 @@ def test_each_sensor_has_a_name_of_its_own() -> None:
     expected = "expected a different name; sensor[0] has this one"
     assert line == f'sensor[2].name = "strain-0.1": {expected}'
     assert "expected rows of" in fault(case_from, {"sensor": GAUGE})
+
+
+def test_the_name_of_many_probes_is_short() -> None:
+    angles = np.linspace(0.0, 6.0, 100).tolist()
+    [sensor] = case_from({"sensor": [{"type": "tip-timing", "probes": angles}]}).sensor
+    assert sensor.label == "tip-timing-0-to-343.775-100-probes"
+    again = {"type": "tip-timing", "probes": angles, "name": sensor.label}
+    assert case_from({"sensor": [again]}).sensor[0].label == sensor.label

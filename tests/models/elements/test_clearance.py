@@ -1,7 +1,9 @@
 """Casings out of round: what the case takes, what the tips meet."""
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -113,6 +115,11 @@ def test_a_measured_ellipse_is_two_lobes(tmp_path: Path) -> None:
         ("angle [deg],clearance [kg]", [[0.0, 1.0]], "kilogram is"),
         ("angle [deg],clearance [mm]", [[0.0, 1.0]] * 9, "one value at each angle"),
         ("angle [deg],clearance [mm]", [[0.0, 1.0]], "8 to 20000 points, not 1"),
+        ("angle [deg],clearance [mm]", np.zeros((0, 2)), "8 to 20000 points in .*, not 0"),
+        ("angle [deg],clearance [mm]", [[a, a] for a in (*range(10, 90, 10), 370)], "one value"),
+        ("angle [deg],clearance [mm]", [[a, 1.0] for a in (*range(10, 90, 10), -350)], "one value"),
+        ("angle [deg],clearance at" + " " * 100_000 + "[mm]", [[0.0, 1.0]], "more than 1000 char"),
+        ("angle [deg],clearance at" + " " * 900 + "[mm]", [[0.0, 1.0]], "as the first line"),
         ("angle [rad],clearance [mm]", [[k, -1.0] for k in range(6)] + [[6, 1], [7, 1]], "a gap"),
     ],
 )
@@ -123,16 +130,61 @@ def test_a_measured_wall_that_cannot_be(
         measured(tmp_path, heading, np.array(rows))
 
 
+@pytest.mark.parametrize("key", ["profile", "coating.profile"])
+@pytest.mark.parametrize("place", ["/dev/zero", "pipe"])
+def test_a_wall_is_not_read_from_pipes_and_devices(key: str, place: str, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "case.toml").write_text(
+        f'[casing]\n{key}.file = "{place}"\n{SOFT if key != "profile" else ""}'
+    )
+    with pytest.raises(CaseError, match="it is not a regular file"):
+        read_case(tmp_path / "case.toml")
+
+
+def test_a_file_of_a_wall_is_of_limited_size(tmp_path: Path) -> None:
+    with (tmp_path / "wall.csv").open("wb") as stream:
+        stream.truncate(10**12)  # needs no space on the disk
+    (tmp_path / "case.toml").write_text('[casing.profile]\nfile = "wall.csv"\n')
+    with pytest.raises(CaseError, match="larger than 2 GB"):
+        read_case(tmp_path / "case.toml")
+
+
+@pytest.mark.parametrize("ends", ["\n", "\r\n", "\r"])
+def test_a_wall_of_excel_is_read(ends: str, tmp_path: Path) -> None:
+    rows = [f"{angle},{1 + 0.2 * (angle % 180 < 90)}" for angle in range(0, 360, 30)]
+    text = ends.join(["\ufeffangle [deg],clearance [mm]", *rows])
+    (tmp_path / "wall.csv").write_bytes(text.encode("utf-8"))
+    (tmp_path / "case.toml").write_text('[casing.profile]\nfile = "wall.csv"\n')
+    profile = read_case(tmp_path / "case.toml").casing.profile
+    assert profile is not None
+    assert len(profile.points) == 12
+
+
+@pytest.mark.parametrize("profile", [{}, {"points": []}, {"points": (), "harmonics": []}])
+def test_an_empty_profile_is_not_a_round_wall(profile: dict[str, Any]) -> None:
+    with pytest.raises(CaseError, match="expected points, a file or harmonics"):
+        case_from({"casing": {"profile": profile}})
+    layer = {"thickness": 1e-3, "young_modulus": 1e9, "yield_stress": 1e6}
+    worn: dict[str, Any] = {key: [] for key in profile if key == "points"}
+    with pytest.raises(CaseError, match="expected points, tracks, a file or lobes"):
+        case_from({"casing": {"coating": layer | {"profile": worn}}})
+
+
 def test_a_clearance_has_no_axial_positions(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match=r"one column without an axial position in .*wall\.csv"):
         measured(tmp_path, "angle [deg],clearance at 1 mm [mm]", np.ones((9, 2)))
 
 
+SOFT = """coating.thickness = "1 mm"
+coating.young_modulus = "1 GPa"
+coating.yield_stress = "1 MPa"
+"""
+
+
 def worn(folder: Path, *lines: str) -> Case:
     """A case with a worn profile beside it."""
     (folder / "wear.csv").write_text("\n".join(lines), encoding="utf-8")
-    coating = 'thickness = "1 mm"\nyoung_modulus = "1 GPa"\nyield_stress = "1 MPa"\n'
-    text = f'[casing.coating]\n{coating}profile.file = "wear.csv"\n'
+    text = f'[casing]\n{SOFT}coating.profile.file = "wear.csv"\n'
     (folder / "case.toml").write_text(text, encoding="utf-8")
     return read_case(folder / "case.toml")
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import scipy.io as sio
 import scipy.sparse as sp
+from faults import fault
 from places import ROOT
 from solid_meshes import SECTORS, bladed_sector, cantilever
 
@@ -175,6 +176,7 @@ def test_rigid_modes_are_counted_and_left_out() -> None:
     [
         (1e-12, 1.0, "perhaps the density is in t/mm3 beside lengths in m"),
         (1.0, 1e6, "perhaps Young's modulus is in Pa beside lengths in mm"),
+        (1.0, 1e-11, "perhaps Young's modulus is in GPa beside lengths in m"),
         (1e9, 1.0, "perhaps lengths are in mm beside Young's modulus in Pa"),
         (1e-20, 1.0, "got 4.078e[+]13 Hz$"),
     ],
@@ -217,6 +219,10 @@ def test_indefinite_and_unstable_matrices_are_refused() -> None:
         (("a.mat", {}), "contact_position, contact_dofs"),
         (("empty.mat", {**TIP, "nodes": "rows.csv"}), "expected matrices K and M"),
         (("missing.inp", TIP), "missing.sti, missing.mas, missing.dof in the same folder"),
+        (("a.mat", {**TIP, "nodes": "long.csv"}), "line 2: node: expected a whole number"),
+        (("a.mat", {**TIP, "nodes": "far.csv"}), "line 2: x: expected a finite number"),
+        (("long.inp", TIP), "valid data under *NODE"),
+        (("matrices.inp", {"contact": "9" * 5000}), "has no node 9999"),
     ],
 )
 def test_what_cannot_be_right_is_refused(
@@ -227,9 +233,31 @@ def test_what_cannot_be_right_is_refused(
     shutil.copy(DATA / "matrices.inp", tables / "missing.inp")
     sio.savemat(tables / "empty.mat", {"a": 1.0})
     (tables / "short.csv").write_text("node,x,y,z\n1,0,0,0\n")
+    number = "9" * 30
+    (tables / "long.csv").write_text(f"node,x,y,z\n{number},0,0,0\n")
+    (tables / "far.csv").write_text("node,x,y,z\n1,1e40,0,0\n")
+    (tables / "long.inp").write_text(f"*NODE\n{number}, 0, 0, 0\n")
     name, choice = words
     files: Any = {key: tables / value for key, value in choice.items() if key in ("mass", "nodes")}
     with pytest.raises(SuperelementError) as caught:
         import_superelement(tables / name, **{**choice, **files})
     assert expected in str(caught.value)
     assert len(caught.value.lines) == 1
+
+
+@pytest.mark.parametrize("text", ["1.99999999999999999999999999", "x.1", "1.1.1", "1"])
+def test_displacements_of_calculix_are_whole_numbers(tables: Path, text: str) -> None:
+    for file in DATA.glob("matrices.*"):
+        shutil.copy(file, tables)
+    (tables / "matrices.dof").write_text(text)
+    assert "lines of node and direction" in fault(
+        import_superelement, tables / "matrices.inp", **TIP
+    )
+
+
+def test_a_damping_matrix_that_feeds_energy_is_refused() -> None:
+    part = blade()
+    signs = sp.lil_array(part.mass)
+    signs[0, 3] = signs[3, 0] = 3.0 * signs[0, 0]
+    with pytest.raises(SuperelementError, match=r"damping: expected no negative .* has 1"):
+        inspect(replace(part, damping=sp.csr_array(signs)))

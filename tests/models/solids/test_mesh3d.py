@@ -10,10 +10,11 @@ import pytest
 from places import ROOT
 from solid_meshes import SECTORS, bladed_sector, cantilever, wheel_frequencies
 
-from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.inputs.errors import CaseError, Hint
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.solids.cells import CELL_TYPES
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
+from bladewhirl.models.superelements.superelement import SuperelementError
 
 STEEL: dict[str, Any] = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": 7800.0}
 TIE: dict[str, Any] = {"left": "left", "right": "right", "copies": SECTORS}
@@ -182,3 +183,22 @@ def test_what_cannot_be_right_is_refused(mesh: Any, changed: Any, expected: str)
     with pytest.raises(CaseError) as caught:
         mesh3d(mesh, **STEEL | changed)
     assert expected in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("changed", "expected"),
+    [
+        ({"young_modulus": 210.0}, "unusual young_modulus = 210.0: .* perhaps 210 is in GPa"),
+        ({"young_modulus": 210e3}, "perhaps 210000 is in MPa"),
+        ({"density": 7.8}, "unusual density = 7.8: .* perhaps 7.8 is in g/cm3"),
+        ({"density": "7.8e-9 kg/m3"}, "perhaps 7.8e-09 is in t/mm3"),
+    ],
+)
+def test_implausible_materials_are_named(changed: dict[str, Any], expected: str) -> None:
+    with pytest.warns(Hint, match=expected):
+        mesh3d(cantilever("tetra", (2, 1, 1)), **STEEL | changed)
+
+
+def test_metres_called_millimetres_are_named() -> None:
+    with pytest.raises(SuperelementError, match=r"perhaps 0\.0003[0-9]* is in m, where mm was"):
+        mesh3d(cantilever("tetra", (2, 1, 1)), **STEEL, unit="mm")

@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg as la
+from rod_blade import blade, tables
 
 import bladewhirl as bw
+from bladewhirl.models.stage.superelement_loads import centre_rows
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
@@ -101,3 +103,56 @@ def test_blades_of_a_wheel_have_to_be_known(
     given = {"file": str(tmp_path / "wheel.npz"), "kind": "wheel", "copies": copies}
     with pytest.raises(bw.CaseError, match=expected):
         bw.case_from({"bladed_disk": {"superelement": given}} | changes)
+
+
+SHAFT = {"stiffness": 2e7, "stiffness_y": 1e7}
+
+
+def test_the_centre_of_a_turned_wheel_moves_as_its_points(tmp_path: Path) -> None:
+    stage = bw.build_stage(
+        bw.case_from({"bladed_disk": {"blades": 5, "elements_per_blade": 2}, "shaft": SHAFT})
+    )
+    bw.write_superelement(tmp_path / "wheel.npz", stage.to_superelement())
+    given = {"file": str(tmp_path / "wheel.npz"), "kind": "wheel", "angle": 0.7}
+    wheel = superelement_stage(
+        bw.case_from(
+            {
+                "bladed_disk": {"superelement": given},
+                "casing": {"type": "rigid"},
+                "shaft": SHAFT,
+                "reduction": {"free_interface_modes": 12},
+            }
+        )
+    )
+    rows = centre_rows(wheel.reduced, wheel.table.angle)
+    assert np.abs(rows).max() > 0.1
+    assert rows == pytest.approx(wheel.arrays.point_shape[stage.disk.model.centre, :2], abs=1e-9)
+
+
+@pytest.mark.parametrize("boundary", ["massless", "consistent"])
+def test_mistuned_blades_have_the_flexibility_and_damping_of_their_stiffness(
+    tmp_path: Path, boundary: str
+) -> None:
+    bw.write_superelement(tmp_path / "rods.npz", blade())
+    stiffness = [1.0, 1.2, 0.9]
+    key, kept, modes = {
+        "massless": ("free_interface_modes", 15, 15),
+        "consistent": ("fixed_interface_modes", 7, 7 + 9),
+    }[boundary]
+    table = tables(tmp_path / "rods.npz") | {
+        "reduction": {"boundary": boundary, key: kept},
+        "damping": {"ratio": 0.01, "boundary_ratio": 0.3},
+    }
+    table["bladed_disk"]["mistuning"] = {"stiffness": stiffness}
+    stage = superelement_stage(bw.case_from(table))
+    assert stage.factor == pytest.approx(stiffness)
+    problem = stage.problem
+    rows = blade().contact_rows
+    static = rows @ np.linalg.solve(np.asarray(blade().stiffness), rows.toarray().T)
+    for copy, factor in enumerate(stiffness):
+        modal = problem.contact / problem.frequency[copy]
+        flexibility = modal @ modal.T + problem.compliance[copy]
+        assert flexibility == pytest.approx(static / factor, abs=1e-9 * abs(static).max())
+    assert problem.damping_ratio.shape == (3, modes)
+    assert problem.damping_ratio[:, :kept] == pytest.approx(0.01)
+    assert problem.damping_ratio[:, kept:] == pytest.approx(0.3)

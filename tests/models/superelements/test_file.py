@@ -9,12 +9,12 @@ import scipy.io as sio
 import scipy.sparse as sp
 
 from bladewhirl.models.superelements.file import read_superelement, write_superelement
-from bladewhirl.models.superelements.superelement import SuperelementError
+from bladewhirl.models.superelements.superelement import SuperelementError, dense
 
 CHAIN: dict[str, Any] = {
     "mass": np.diag([1.0, 2.0, 3.0, 4.0]),
     "stiffness": 2.0 * np.eye(4) - np.eye(4, k=1) - np.eye(4, k=-1),
-    "contact_position": np.array([[300.0, 400.0, 20.0]]),
+    "contact_position": np.array([[0.3, 0.4, 0.02]]),
     "contact_dofs": np.array([[0, 1, 2]]),
 }
 
@@ -40,12 +40,27 @@ def test_a_written_superelement_is_read_with_its_sparse_matrices(tmp_path: Path)
 
 def test_units_are_converted_and_matlab_files_are_read(tmp_path: Path) -> None:
     content = CHAIN | {"length_unit": "mm", "mass_unit": "t"}
+    content["contact_position"] = 1e3 * content["contact_position"]
     content["stiffness"] = sp.csc_matrix(content["stiffness"])
     sio.savemat(tmp_path / "a.mat", content)
     part = read_superelement(tmp_path / "a.mat")
     assert part.mass.diagonal() == pytest.approx([1e3, 2e3, 3e3, 4e3])  # t in kg
     assert part.stiffness.diagonal() == pytest.approx([2e3] * 4)  # N/mm in N/m
     assert part.contact_radius == pytest.approx([0.5])
+
+
+def test_the_motion_of_points_has_no_unit(tmp_path: Path) -> None:
+    given = {"points": np.full((2, 3), 100.0), "recovery": np.arange(24.0).reshape(6, 4)}
+    units = {"length_unit": "mm", "mass_unit": "t"}
+    content = CHAIN | given | units | {"contact_position": 1e3 * CHAIN["contact_position"]}
+    np.savez(tmp_path / "a.npz", **content)
+    part = read_superelement(tmp_path / "a.npz")
+    assert part.points == pytest.approx(np.full((2, 3), 0.1))
+    assert part.recovery is not None
+    assert np.array_equal(dense(part.recovery), given["recovery"])
+    np.savez(tmp_path / "a.npz", **content, damping=np.eye(4), gyroscopic=np.zeros((4, 4)))
+    damping = read_superelement(tmp_path / "a.npz").damping
+    assert dense(damping) == pytest.approx(1e3 * np.eye(4))
 
 
 def test_rows_of_contacts_are_radial_tangential_and_axial(tmp_path: Path) -> None:

@@ -30,7 +30,8 @@ def test_frames_are_spread_evenly_between_the_ends(
 
 
 @pytest.mark.parametrize(
-    ("frames", "start", "end"), [(0, None, None), (5, 0.3, 0.2), (5, 0.5, 0.6), (5, -1, 0.1)]
+    ("frames", "start", "end"),
+    [(0, None, None), (10**9, None, None), (5, 0.3, 0.2), (5, 0.5, 0.6), (5, -1, 0.1)],
 )
 def test_frames_that_are_refused(
     result: xr.Dataset, frames: int, start: float | None, end: float | None

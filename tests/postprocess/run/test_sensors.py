@@ -149,6 +149,9 @@ def test_sensors_that_are_not_there_are_refused(result: xr.Dataset) -> None:
     assert line == "sensor[0].element = 4: expected an element from 0 to 3 of blade 0"
     line = fault(bw.sensors, result.assign_attrs(speed=0.0), [TIMING])
     assert line.startswith('sensor[0].type = "tip-timing": expected at least four records')
+    for sensor in (WALL, GAUGE, {"type": "centre"}):
+        line = fault(bw.sensors, result, [sensor | {"sampling_rate": 1e12}])
+        assert line.startswith("sensor[0].sampling_rate = 1e12: expected at most ")
     branched = result.copy(deep=True)
     branched["rotor_part"].values[:44] = "blades"
     assert "one chain from root to tip" in fault(bw.sensors, branched, [GAUGE])

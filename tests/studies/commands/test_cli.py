@@ -1,6 +1,7 @@
 """The command line: new case files, and errors of the user's in one line each."""
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ from typer.testing import CliRunner
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
+from bladewhirl.studies.commands import cli
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.commands.terminal import progress_bar
 
@@ -35,6 +37,25 @@ def test_faults_are_lines_on_standard_error(tmp_path: Path) -> None:
     assert lines[0] == f"{path}: title = 3: expected text"
     assert lines[1].startswith(f'{path}: march.speed = "[red]3[/red] kg": expected a number')
     assert len(lines) == 2
+
+
+@pytest.mark.parametrize("ctrl_c", [signal.default_int_handler, signal.SIG_IGN])
+def test_sigterm_ends_a_command_as_ctrl_c_does(
+    monkeypatch: pytest.MonkeyPatch, ctrl_c: signal.Handlers
+) -> None:
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    monkeypatch.setattr(cli, "app", lambda: signal.raise_signal(signal.SIGTERM))
+    try:
+        signal.signal(signal.SIGINT, ctrl_c)
+        with pytest.raises(KeyboardInterrupt):
+            cli.main()
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def test_workers_end_with_their_parent_before_they_load_anything() -> None:
+    assert "numpy" not in loaded("import bladewhirl.studies.runs.interrupts")
 
 
 def bladewhirl(

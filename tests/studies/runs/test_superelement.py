@@ -119,6 +119,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"rotation": {"effects": "full"}}, 'rotation.effects = "full": expected "none" with'),
     ({"casing__coating": UNMARKED}, "are at the same angle"),
     ({"casing__coating": UNMARKED | {"footprint": 1e-4}}, "less than one rod in a time step"),
+    ({"casing__coating": UNMARKED | {"footprint": 1e-12}}, "for at most 100000 rods"),
     ({"casing__coating": UNMARKED | {"footprint": 5.0}}, "less than the radius of the tips"),
     ({"casing__coating": UNMARKED | {"friction": 0.3}}, "the value of contact.friction"),
     # The first modes are not radial.
@@ -134,6 +135,23 @@ def test_cases_that_cannot_be_marched_are_refused(
     with pytest.raises(bw.CaseError) as caught:
         prepare(bw.case_from(tables(file, **changes)))
     assert expected in str(caught.value)
+
+
+@pytest.mark.parametrize("key", ["points", "contact", "frequency"])
+def test_numbers_that_are_not_finite_end_before_the_march(file: Path, key: str) -> None:
+    stage = superelement_stage(bw.case_from(tables(file)))
+    wrong = getattr(stage.reduced, key).copy()
+    wrong.flat[0] = np.nan
+    stage = replace(stage, reduced=replace(stage.reduced, **{key: wrong}))
+    with pytest.raises(bw.UserError, match="of the stage: expected finite numbers"):
+        prepare(stage)
+
+
+def test_a_damping_matrix_that_feeds_energy_is_refused(file: Path, tmp_path: Path) -> None:
+    damping = np.eye(54) - 0.5  # feeds equal motion of all coordinates
+    bw.write_superelement(tmp_path / "rods.npz", replace(blade(), damping=damping))
+    with pytest.raises(bw.CaseError, match="a damping matrix without negative eigenvalues"):
+        superelement_stage(bw.case_from(tables(tmp_path / "rods.npz")))
 
 
 def test_a_slow_closure_is_marched(file: Path) -> None:

@@ -4,14 +4,18 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 import pytest
+from faults import fault
 from small_run import COMMAND, SMALL, assert_same_bits, broken_off, run_script, small
 
 import bladewhirl as bw
+from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME
 from bladewhirl.solvers.march.schema import BEAMS, RESULT_NAME
 from bladewhirl.studies.runs.folder import check_free
 from bladewhirl.studies.runs.run import locked, resume
@@ -66,6 +70,59 @@ def test_only_the_duration_may_change(whole: Path, tmp_path: Path) -> None:
             bw.UserError, match=r"checkpoint\.npz: expected the state at the end of a run"
         ):
             resume(tmp_path)
+
+
+def changed_checkpoint(folder: Path, change: Callable[[dict[str, Any]], object]) -> None:
+    with np.load(folder / CHECKPOINT_NAME) as archive:
+        content = dict(archive)
+    change(content)
+    np.savez(folder / CHECKPOINT_NAME, **content)
+
+
+STATE = "state.arrays.rotor"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda content: content.pop("digest"),
+        lambda content: content.pop("state.step"),
+        lambda content: content.pop(STATE),
+        lambda content: content.update({STATE: np.full_like(content[STATE], np.nan)}),
+        lambda content: content.update({STATE: content[STATE] + 1e-12}),
+        lambda content: content.update({STATE: content[STATE][:-1]}),
+        lambda content: content.update({STATE: content[STATE].astype(np.float32)}),
+        lambda content: content.update({STATE: np.array("text")}),
+        lambda content: content.update({"state.more": np.zeros(3)}),
+        lambda content: content.update({"state.step": np.array(10**6)}),
+        lambda content: content.update({"state.step": np.array([1, 2])}),
+        lambda content: content.update({"records": np.array(3)}),
+        lambda content: content.update({"records": np.array(-3)}),
+        lambda content: content.update({"records": np.array(10**9)}),
+        lambda content: content.update({"wall_time": np.array(np.nan)}),
+    ],
+)
+def test_a_changed_checkpoint_is_refused_in_one_line(
+    whole: Path, tmp_path: Path, change: Callable[[dict[str, Any]], object]
+) -> None:
+    for name in ("case.toml", CHECKPOINT_NAME):
+        shutil.copy(whole / name, tmp_path)
+    changed_checkpoint(tmp_path, change)
+    line = fault(resume, tmp_path, ["march.duration=0.2"])
+    assert line.startswith(f"{tmp_path / CHECKPOINT_NAME}: expected the state at the end of a run")
+    assert {path.name for path in tmp_path.iterdir()} == {"case.toml", CHECKPOINT_NAME}
+
+
+def test_a_checkpoint_of_more_records_than_the_result_is_refused(
+    whole: Path, tmp_path: Path
+) -> None:
+    bw.run(long(**{"march.duration": 0.05}), tmp_path / "run", frames=0)
+    shutil.copy(whole / CHECKPOINT_NAME, tmp_path / "run")
+    line = fault(resume, tmp_path / "run", ["march.duration=0.2"], frames=0)
+    assert "result.nc: expected the 1001 records of the checkpoint" in line
+    (tmp_path / "run" / CHECKPOINT_NAME).unlink()
+    os.mkfifo(tmp_path / "run" / CHECKPOINT_NAME)
+    assert "it is not a regular file" in fault(resume, tmp_path / "run")
 
 
 def test_a_run_that_overwrites_and_is_broken_off_leaves_the_old_one(tmp_path: Path) -> None:

@@ -101,7 +101,19 @@ def gone(children: list[psutil.Process]) -> bool:
     return not alive
 
 
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_workers_that_start_end_with_their_parent(tmp_path: Path) -> None:
+    process = start(tmp_path / "ended", tmp_path)
+    wait_for(lambda: bool(worker_processes(process)), process)
+    children = psutil.Process(process.pid).children(recursive=True)
+    process.kill()
+    process.wait()
+    time.sleep(1.0)
+    for child in children:
+        with suppress(psutil.NoSuchProcess):
+            assert child.status() == psutil.STATUS_ZOMBIE
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
 def test_an_ended_sweep_is_finished_with_the_same_bits(
     swept: Path, tmp_path: Path, how: signal.Signals
 ) -> None:
@@ -109,11 +121,11 @@ def test_an_ended_sweep_is_finished_with_the_same_bits(
     process = start(folder, tmp_path)
     wait_for(lambda: points_done(folder) >= 2, process)
     children = psutil.Process(process.pid).children(recursive=True)
-    if how is signal.SIGINT:
-        os.killpg(process.pid, how)  # as a terminal does
-    else:
+    if how is signal.SIGKILL:
         process.send_signal(how)
-    assert process.wait() == (130 if how is signal.SIGINT else -how)
+    else:
+        os.killpg(process.pid, how)  # as a terminal and a batch system do
+    assert process.wait() == (-how if how is signal.SIGKILL else 130)
     assert gone(children)
     left = 6 - points_done(folder)
     assert 0 < left <= 4
@@ -123,11 +135,12 @@ def test_an_ended_sweep_is_finished_with_the_same_bits(
     assert bw.resume_sweep(folder).marched == 0
 
 
-def test_ctrl_c_while_workers_start_is_one_line(tmp_path: Path) -> None:
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_an_end_while_workers_start_is_one_line(tmp_path: Path, how: signal.Signals) -> None:
     folder = tmp_path / "ended"
     process = start(folder, tmp_path, errors=subprocess.PIPE)
     wait_for(lambda: bool(worker_processes(process)), process)
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+    os.killpg(process.pid, how)
     _, errors = process.communicate()
     assert process.returncode == 130
     size, message = errors.decode().splitlines()
