@@ -93,17 +93,13 @@ def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
     """Yield warnings about matrices of the file that are not used, about a damping matrix that adds
     to the modal damping, and about a contact node that the given friction locks against the
     wall."""
+    yield from unused_matrices(stage)
     ratio = stage.case.damping.ratio
-    for key in ("damping", "gyroscopic"):
-        if getattr(stage.table.part, key) is None:
-            continue
-        if getattr(stage.reduced, key) is None:
-            yield f"the matrix {key} of a sector is not used with massless contact nodes"
-        elif key == "damping" and ratio > 0.0:
-            yield (
-                f"the matrix damping of the superelement adds to damping.ratio = {ratio:g};"
-                " with damping.ratio = 0 only the matrix damps"
-            )
+    if stage.reduced.damping is not None and ratio > 0.0:
+        yield (
+            f"the matrix damping of the superelement adds to damping.ratio = {ratio:g};"
+            " with damping.ratio = 0 only the matrix damps"
+        )
     limits = locking_friction(stage)
     if not limits:
         return
@@ -114,6 +110,16 @@ def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
             f" {limits[node]:.3g}: static friction presses it outward more than the normal force"
             " pushes it inward, so that contact can grow without bound"
         )
+
+
+def unused_matrices(stage: SuperelementStage) -> Iterator[str]:
+    """Yield a warning for each matrix of a sector that its wheel leaves out."""
+    for key in ("damping", "gyroscopic"):
+        if getattr(stage.table.part, key) is not None and getattr(stage.reduced, key) is None:
+            yield (
+                f"the matrix {key} of a sector is not used with massless contact nodes;"
+                ' reduction.boundary = "consistent" uses it'
+            )
 
 
 def locking_friction(stage: SuperelementStage) -> dict[int, float]:

@@ -60,7 +60,7 @@ ORDERS = (
 """Labels of the orders of convergence. A dash stands for an order that cannot be computed, because
 there are too few differences, or because the differences are not monotone."""
 
-SPEEDS: Any = "0.1:1:91"
+SPEEDS: Any = "0.1:1:0.01"
 
 LARGEST = (
     Column("rpm", "[rpm]", ".1f"),
@@ -268,7 +268,7 @@ def interaction(
 
     Args:
         speeds: Speeds of rotation: multiples of the lowest natural frequency, or
-            "2000 rpm:9000 rpm:600".
+            "2000 rpm:9000 rpm:50 rpm"; the stop is included.
         turns: Revolutions at each speed.
         steps: Time steps in a revolution; by default those of march.time_step.
         node: Contact node of the spectra.

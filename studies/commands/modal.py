@@ -10,7 +10,7 @@ import typer
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import emit, progress_bar, reduction_bar, table
-from bladewhirl.studies.runs.columns import Column, facts, texts
+from bladewhirl.studies.runs.columns import Column, facts, rows_of, texts
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 # Typer parses these defaults.
 CAMPBELL_SPEEDS: Any = "0:3"
 OPERATING: Any = "0.6:2"
-RESPONSE_SPEEDS: Any = "0.1:2:381"
-CHART_SPEEDS: Any = "0.6:3:600"
-CHART_KAPPAS: Any = "0:1000:300"
+RESPONSE_SPEEDS: Any = "0.1:2:0.005"
+CHART_SPEEDS: Any = "0.6:3:0.004"
+CHART_KAPPAS: Any = "0:1000:4"
 
 SPECIAL_SPEEDS = (
     Column("waves_meet", "two waves merge and grow without contact from", ".6g"),
@@ -71,7 +71,6 @@ def modes(
     from bladewhirl.models.modal.full_stage import modal_stage
     from bladewhirl.studies.modal import modes as study
     from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
-    from bladewhirl.studies.runs.properties import superelement_modes
 
     for name, value in {"--shapes": shapes, "--animate": animate, "--wave": wave}.items():
         if output is None and value is not None:
@@ -83,10 +82,13 @@ def modes(
                     "--output: not allowed for a superelement; bladewhirl run makes its pictures"
                 )
             with reduction_bar():
-                document = superelement_modes(read, count)
-            rows = document["bladed_disk"]
-            columns = [column for column in study.COLUMNS if column.key in rows[0]]
-            emit(document, table(rows, columns, "Superelement without contact"), json=json)
+                computed = study.modes(read, count=count)
+            rows = rows_of(computed, study.OF_SUPERELEMENT)
+            title = f"Superelement without contact, at {read.march.speed}"
+            printed = table(rows, study.OF_SUPERELEMENT, title)
+            emit({"bladed_disk": rows}, printed, json=json)
+            if computed.attrs["left_out"]:
+                typer.echo(f"Hint: {computed.attrs['left_out']}.", err=True)
             return
         stage = modal_stage(read)
     if output is not None:
@@ -245,7 +247,8 @@ def response(
     is written.
 
     Args:
-        speeds: Speeds of rotation: multiples of ω₁, or "2000 rpm:9000 rpm:600".
+        speeds: Speeds of rotation: multiples of ω₁, or "2000 rpm:9000 rpm:10 rpm"; the stop is
+            included.
     """
     from bladewhirl.models.stage.stage import build_stage
     from bladewhirl.postprocess.modal.response import drawn_amplitudes, plot_response
@@ -271,7 +274,7 @@ def stability(
     kappa: Annotated[float | None, options.stiffness("--kappa")] = None,
     speeds: options.Speeds = CHART_SPEEDS,
     kappas: Annotated[
-        options.Span, options.span("--kappas", unit="N/m", counted=True)
+        options.Span, options.span("--kappas", unit="N/m", stepped=True)
     ] = CHART_KAPPAS,
     line: Annotated[float, options.stiffness("--line")] = 500.0,
     modes: str = "six",
@@ -304,7 +307,8 @@ def stability(
     Args:
         speed: One speed: multiples of ω₁, or text such as "2500 rpm".
         kappa: One coupling stiffness [N/m], together with --speed.
-        speeds: Speeds of the chart: multiples of ω₁, or "2000 rpm:9000 rpm:600".
+        speeds: Speeds of the chart: multiples of ω₁, or "2000 rpm:9000 rpm:10 rpm"; the stop is
+            included.
         kappas: Stiffnesses of the chart [N/m].
         line: Stiffness [N/m] of the figure of eigenvalues against speed.
         modes: Modes to couple: "six" as in the paper, "all", or a list such as

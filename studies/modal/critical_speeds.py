@@ -56,7 +56,8 @@ def critical_speeds(
         branches: number of branches in each direction, from the lowest.
 
     Raises:
-        UserError: the case has no Coriolis forces, or the sectors of the bladed disk differ.
+        UserError: the case has no Coriolis forces, the sectors of the bladed disk differ, or a
+            stiffness is not positive.
     """
     stage = full_stage(case_or_stage)
     if stage.at_speed is None or stage.case.rotation.effects != "full":
@@ -71,10 +72,10 @@ def critical_speeds(
             " bladed_disk.mistuning and shaft.stiffness_y"
         )
     nominal, at = waves(matrices, 1, "full"), stage.case.shaft.stiffness
-    springs = spring_stiffnesses(stage.case, None) if stiffnesses is None else stiffnesses
+    springs = spring_stiffnesses(stage.case, None, stiffnesses)
     speed = np.full((len(springs), len(ORDERS), branches), np.nan)
     share = np.full_like(speed, np.nan)
-    for i, stiffness in enumerate(np.asarray(springs) / at):
+    for i, stiffness in enumerate(springs / at):
         other = replace(
             nominal,
             stiffness=nominal.stiffness + (stiffness - 1.0) * nominal.springs,
