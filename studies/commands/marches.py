@@ -150,10 +150,12 @@ def run(
         typer.echo(finished.summary.to_json(), nl=False)
     else:
         Console().print(finished)
-    for line in (finished.end_message, *(f"Hint: {hint}." for hint in finished.hints)):
+    stopped = finished.end_reason == "interrupted"
+    remedy = f"bladewhirl run --resume {finished.directory} finishes the run" if stopped else ""
+    for line in (finished.end_message, *(f"Hint: {hint}." for hint in finished.hints), remedy):
         if line:
             typer.echo(line, err=True)
-    if finished.end_reason == "interrupted":
+    if stopped:
         raise typer.Exit(INTERRUPTED)
 
 

@@ -59,7 +59,8 @@ def plot(
 ) -> None:
     """Draw figures of a run or a sweep, with the data of each figure as netCDF.
 
-    Without a NAME the available figures are listed. Without a time window, spectrum and
+    Without a NAME the available figures are listed. If figures of several NAMEs cannot be drawn,
+    the others are drawn first. Without a time window, spectrum and
     contact-classes of a run show the last third of the time.
 
     Args:
@@ -80,33 +81,38 @@ def plot(
         if not names:
             typer.echo("\n".join(captions(kinds)))
             return
-        _check_names(names, kinds)
+        unknown = [*_unknown(names, kinds)]
         left_out: dict[str, list[str]] = {}
         for name in figures.names if ALL in names else dict.fromkeys(names):
             try:
+                if name not in kinds:
+                    continue
                 figure, drawn = figures.draw(name)
             except ViewError as error:
-                if ALL not in names:
+                if names == [name]:
                     raise
                 left_out.setdefault(str(error), []).append(name)
                 continue
             refit(figure, title=title, width=width and width / 1000)
             save_figures(folder, {name: (figure, drawn)}, overwrite=overwrite, formats=formats)
             typer.echo(f"Wrote {folder / name}.{', .'.join(formats)} and .nc.")
-        for reason, figures_without in left_out.items():
-            typer.echo(f"{', '.join(figures_without)} left out: {reason}", err=True)
+    lines = [f"{', '.join(each)} left out: {reason}" for reason, each in left_out.items()]
+    if unknown or (lines and ALL not in names):
+        raise UserError(*unknown, *lines)
+    for line in lines:
+        typer.echo(line, err=True)
 
 
-def _check_names(names: Sequence[str], kinds: Mapping[str, FigureKind]) -> None:
-    """Raise an error if there are no figures of these names."""
+def _unknown(names: Sequence[str], kinds: Mapping[str, FigureKind]) -> Iterator[str]:
+    """Yield an error for each replaced figure, and one for all names of which there is none."""
     unknown = [name for name in names if name not in (*kinds, ALL)]
-    for name in unknown:
-        if REPLACED.get(name) in kinds:
-            raise UserError(f"{name}: expected {REPLACED[name]}, which replaces it")
+    for name in [name for name in unknown if REPLACED.get(name) in kinds]:
+        unknown.remove(name)
+        yield f"{name}: expected {REPLACED[name]}, which replaces it"
     if unknown:
         of_nodes = "of a superelement " if kinds is NODE_FIGURES else ""
         kind = "a sweep has" if kinds is SWEEP_FIGURES else f"a run {of_nodes}has"
-        raise UserError(f"{', '.join(unknown)}: {kind} the figures {', '.join(kinds)}; or {ALL}")
+        yield f"{', '.join(unknown)}: {kind} the figures {', '.join(kinds)}; or {ALL}"
 
 
 @contextmanager

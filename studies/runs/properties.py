@@ -14,7 +14,7 @@ from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.rotation.eigenproblems import gyroscopic_frequencies
 from bladewhirl.models.stage.build import marched_bodies
 from bladewhirl.models.stage.coating import wall_coating
-from bladewhirl.models.stage.contact_problem import critical_time_step
+from bladewhirl.models.stage.contact_problem import WallCoating, critical_time_step
 from bladewhirl.models.stage.hints import locking_friction, static_response
 from bladewhirl.models.stage.loads import closing_unbalance, imbalance_force, radial_mode, unbalance
 from bladewhirl.models.stage.stage import Stage
@@ -54,7 +54,7 @@ def stage_properties(stage: Stage) -> dict[str, Any]:
         pair = [mode for mode, name in enumerate(stage.disk_family) if name == "suspension"]
         rotor, casing = marched_bodies(stage)
         critical = critical_time_step(rotor, casing, stage.kept.springs)
-        records = case.march.timing.records
+        timing, coating = case.march.timing, wall_coating(stage)
         return {
             "bladed_disk_mass": stage.disk.model.mass,  # kg
             "bladed_disk_parts": stage.disk.model.part_masses,  # beams by part, point masses [kg]
@@ -77,19 +77,18 @@ def stage_properties(stage: Stage) -> dict[str, Any]:
             "critical_time_step": critical,  # s
             "dt_over_critical": case.march.time_step / critical,
             "steps": case.march.steps,
-            "records": records,
+            "records": timing.records,
             # The approximate size of result.nc.
-            "result_bytes": result_bytes(stage.arrays, records),
+            "result_bytes": result_bytes(stage.arrays, timing, coating),
             "imbalance": _imbalance(stage),
             "distortion": _distortion(stage),
-            "coating": _coating(stage),
+            "coating": _coating(coating),
         }
 
 
-def _coating(stage: Stage) -> dict[str, float] | None:
+def _coating(coating: WallCoating | None) -> dict[str, float] | None:
     """Return number and arc length of the rods of the coating, the arc that a tip covers, and the
     force at which the coating under a tip gives way; None without a coating."""
-    coating = wall_coating(stage)
     if coating is None:
         return None
     footprint = float(coating.footprint.min())
@@ -237,7 +236,7 @@ def superelement_properties(stage: SuperelementStage) -> dict[str, Any]:
         "dt_over_critical": timing.time_step / limit,
         "steps": timing.steps,
         "records": timing.records,
-        "result_bytes": result_bytes(stage.arrays, timing.records),
+        "result_bytes": result_bytes(stage.arrays, timing, layer),
     }
 
 

@@ -1,5 +1,6 @@
 """Runs of superelements: from a file of matrices to a folder with results."""
 
+import inspect
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +22,7 @@ from bladewhirl.models.stage.hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.postprocess.superelement.interaction import plot_interaction
 from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits
-from bladewhirl.postprocess.superelement.picture import render_blades
+from bladewhirl.postprocess.superelement.picture import blade_view, render_blades
 from bladewhirl.postprocess.superelement.ring import ring_motion, wall_at
 from bladewhirl.postprocess.superelement.wear import node_wear
 from bladewhirl.solvers.march.boundary import BoundaryMarch
@@ -290,6 +291,9 @@ def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
     assert 0.0 < summary["wear_strain_max"] < 0.9
     assert summary["energy_residual"] < 1e-9
     assert (run.directory / "wear.png").is_file()
+    stage = superelement_stage(bw.case_from(tables(file, **changes)))
+    actual = (run.directory / "result.nc").stat().st_size
+    assert superelement_properties(stage)["result_bytes"] == pytest.approx(actual, rel=0.1)
     with bw.open_result(run.directory) as result:
         worn = node_wear(result)
         assert worn.sizes["track"] == 3
@@ -407,3 +411,16 @@ def test_a_run_has_figures_by_name_and_a_report(run: Run, tmp_path: Path) -> Non
     assert "normal impulse" in words
     with run.open() as result:
         assert bw.plot.contact(result).axes
+
+
+def test_every_picture_is_drawn_once(run: Run) -> None:
+    drawn: list[str] = []
+    with run.open() as result:
+        records = np.arange(100, 104)
+        with blade_view(result, records, None) as picture:
+            cells = inspect.getclosurevars(picture).nonlocals
+            window = cells["plotter"].render_window
+            window.AddObserver("StartEvent", lambda *_: drawn.append("drawn"))
+            pictures = [picture(index) for index in (0, 1, 2)]
+    assert len(drawn) == len(pictures)
+    assert (pictures[0] != pictures[2]).any()
