@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 # Typer parses these defaults.
 CAMPBELL_SPEEDS: Any = "0:3"
-OPERATING: Any = "0.6:2"
 RESPONSE_SPEEDS: Any = "0.1:2:0.005"
 CHART_SPEEDS: Any = "0.6:3:0.004"
 CHART_KAPPAS: Any = "0:1000:4"
@@ -111,7 +110,7 @@ def modes(
 def campbell(
     case: options.CaseFile,
     speeds: Annotated[options.Span, options.span("--speeds")] = CAMPBELL_SPEEDS,
-    operating: Annotated[options.Span, options.span("--operating")] = OPERATING,
+    operating: Annotated[options.Span | None, options.span("--operating")] = None,
     families: options.Number = 5,
     output: options.CaseFolder = None,
     html: options.File = None,
@@ -129,7 +128,8 @@ def campbell(
 
     Args:
         speeds: Speeds of the diagrams: multiples of ω₁, or "2000 rpm:9000 rpm".
-        operating: Operating range to shade: multiples of ω₁, or "40 Hz:60 Hz".
+        operating: Operating range to shade and to mark in the table: multiples of ω₁, or
+            "40 Hz:60 Hz"; by default none.
         families: Number of families of the bladed disk, without the suspension pair.
         html: Write both diagrams as an interactive page, FILE.html.
     """
@@ -141,17 +141,16 @@ def campbell(
         checked_target(html, ".html")
     stage = _modal_stage(case, overrides)
     first, last = speeds.values(stage.reference_frequency).tolist()
-    operated = operating.values(stage.reference_frequency).tolist()
-    diagram = study.campbell(
-        stage, families=families, speeds=(first, last), operating=tuple(operated)
-    )
+    ends = operating and tuple(operating.values(stage.reference_frequency).tolist())
+    diagram = study.campbell(stage, families=families, speeds=(first, last), operating=ends)
     if folder is not None:
         study.draw_campbell(diagram, folder, overwrite=overwrite)
     if html is not None:
         study.write_campbell_page(diagram, html, overwrite=overwrite)
     document = study.coincidence_list(diagram)
     rows = [row for row in document["coincidences"] if first <= row["speed"] <= last]
-    parts = [table(rows, study.COINCIDENCES, f"Coincidence speeds from {first:g} to {last:g} ω₁")]
+    columns = study.COINCIDENCES[: None if ends else -1]
+    parts = [table(rows, columns, f"Coincidence speeds from {first:g} to {last:g} ω₁")]
     if "critical_speeds" in document:
         title = f"Critical speeds up to {last:g} ω₁"
         parts.append(table(document["critical_speeds"], study.CRITICAL_SPEEDS, title))

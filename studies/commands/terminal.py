@@ -10,7 +10,7 @@ import io
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from datetime import timedelta
 from functools import cache
 from pathlib import Path
@@ -122,10 +122,12 @@ def _console() -> Console:
 
 @contextmanager
 def reduction_bar() -> Iterator[None]:
-    """Show a bar while a large superelement is reduced."""
+    """Show a bar while a large superelement is reduced; the bar begins with the first progress."""
     from bladewhirl.models.superelements.solver import reduction_progress
 
-    with progress_bar("reducing the superelement") as update, reduction_progress(update):
+    with ExitStack() as stack:
+        bar = cache(lambda: stack.enter_context(progress_bar("reducing the superelement")))
+        stack.enter_context(reduction_progress(lambda done, total: bar()(done, total)))
         yield
 
 

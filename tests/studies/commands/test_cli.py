@@ -3,16 +3,23 @@
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
+import scipy.sparse as sp
 from command_line import loaded, refusal
 from small_run import COMMAND
 from typer.main import get_command
 from typer.testing import CliRunner
 
+import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
+from bladewhirl.models.superelements import solver
+from bladewhirl.studies.commands import terminal
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.commands.terminal import progress_bar
 
@@ -117,3 +124,21 @@ def test_a_pipe_is_no_case(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "case.toml")
     line = refusal("show", tmp_path / "case.toml")
     assert line.endswith("expected a readable file (it is not a regular file)")
+
+
+def test_a_reduction_is_announced_when_it_makes_progress(monkeypatch: pytest.MonkeyPatch) -> None:
+    begun: list[str] = []
+
+    @contextmanager
+    def bar(label: str, *, lines: str = "") -> Iterator[Callable[..., None]]:
+        begun.append(label)
+        yield lambda *_: None
+
+    monkeypatch.setattr(terminal, "progress_bar", bar)
+    with terminal.reduction_bar():
+        bw.build_stage(bw.Case())
+    assert begun == []
+    with terminal.reduction_bar():
+        solver.announce(10, 2, 3)
+        solver.factorised(sp.csc_array(np.eye(10)))(np.ones(10))
+    assert begun == ["reducing the superelement"]
