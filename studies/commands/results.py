@@ -71,8 +71,8 @@ def plot(
         title: Another title of the figure; "" for no title.
     """
     from bladewhirl.postprocess.fields.kinematics import ViewError
-    from bladewhirl.postprocess.plotting.style import FORMATS
-    from bladewhirl.postprocess.plotting.titles import refit
+    from bladewhirl.postprocess.plotting.style import FORMATS, at_width
+    from bladewhirl.postprocess.plotting.titles import retitle
     from bladewhirl.studies.runs.figures_folder import save_figures
 
     formats = [format_name] if format_name else FORMATS
@@ -87,13 +87,15 @@ def plot(
             try:
                 if name not in kinds:
                     continue
-                figure, drawn = figures.draw(name)
+                with at_width(width and width / 1000):
+                    figure, drawn = figures.draw(name)
             except ViewError as error:
                 if names == [name]:
                     raise
                 left_out.setdefault(str(error), []).append(name)
                 continue
-            refit(figure, title=title, width=width and width / 1000)
+            if title is not None:
+                retitle(figure, title)
             save_figures(folder, {name: (figure, drawn)}, overwrite=overwrite, formats=formats)
             typer.echo(f"Wrote {folder / name}.{', .'.join(formats)} and .nc.")
     lines = [f"{', '.join(each)} left out: {reason}" for reason, each in left_out.items()]
