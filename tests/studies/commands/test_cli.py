@@ -19,9 +19,11 @@ import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.superelements import solver
-from bladewhirl.studies.commands import terminal
+from bladewhirl.studies.commands import marches, show, terminal
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.commands.terminal import progress_bar
+from bladewhirl.studies.modal import campbell, modes, response, stability_report
+from bladewhirl.studies.runs.columns import Column
 
 RUNNER = CliRunner()
 
@@ -142,3 +144,33 @@ def test_a_reduction_is_announced_when_it_makes_progress(monkeypatch: pytest.Mon
         solver.announce(10, 2, 3)
         solver.factorised(sp.csc_array(np.eye(10)))(np.ones(10))
     assert begun == ["reducing the superelement"]
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        (*modes.COLUMNS, *modes.AT_SPEED),
+        campbell.COINCIDENCES,
+        campbell.CRITICAL_SPEEDS,
+        response.PEAKS,
+        show.NODES,
+        marches.LARGEST,
+        (marches.TIME_STEP, *marches.REFINEMENT),
+        stability_report.ZONES,
+    ],
+)
+def test_tables_of_80_columns_lose_no_heading_and_no_unit(
+    columns: tuple[Column, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    values = {"": "backward", "d": 12}
+    row = {column.key: values.get(column.form[-1:], -1.2345e-7) for column in columns}
+    terminal.emit(None, terminal.table([row], columns), json=False)
+    printed = capsys.readouterr().out
+    assert "…" not in printed
+    head, line = printed.split("─")[0], printed.rsplit("─")[-1]
+    headings = [column for column in columns if column.heading]
+    for column in headings:
+        assert set(column.heading.split()) <= set(head.split())
+        assert column.text(row) in line
+    assert max(map(len, printed.splitlines())) <= 82
