@@ -177,7 +177,8 @@ yields take no noticeable time."""
 
 def coating_steps(timing: Timing) -> int:
     """Return the number of steps between two profiles of a coating."""
-    return min(CHUNK_STEPS, timing.steps // PROFILES + 1)
+    every = timing.record_every
+    return max(1, min(CHUNK_STEPS, timing.steps // PROFILES + 1) // every) * every
 
 
 def march(

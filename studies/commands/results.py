@@ -160,7 +160,8 @@ def export(
 
     The parts are rotor, casing, contact, supports. Warp By Vector with warp and factor 1 shows the
     stage as bladewhirl render does. For a superelement the parts are blades and contact, with
-    displacement and force. Fields: displacement, velocity, radial_displacement, gap, axial
+    displacement, blade and contact_force. Fields: displacement, velocity, radial_displacement, gap,
+    axial
     and bending strain and stress; part, blade, thickness; contact_force (for Glyph).
     An earlier series that bladewhirl wrote into the folder is replaced.
 
@@ -170,9 +171,9 @@ def export(
         exaggeration: Factor on displacement and clearance in the field warp; automatic by default.
         output: Folder to write; by default DIR/vtk.
     """
-    from bladewhirl.postprocess.fields.kinematics import sampling_hint
+    from bladewhirl.postprocess.fields.kinematics import frame_records, sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.paraview.series import export_vtk, series_records
+    from bladewhirl.postprocess.paraview.series import export_vtk
     from bladewhirl.postprocess.superelement.series import export_points
     from bladewhirl.solvers.march.schema import NODES, tables_of
 
@@ -184,7 +185,7 @@ def export(
             if surface or exaggeration is not None:
                 raise UserError("--surface, --exaggeration: not allowed for a superelement")
             look, write = {}, export_points
-        records = series_records(result, frames, start, end)
+        records = frame_records(result, frames, start, end)
         look |= {"rotating": rotating, "overwrite": overwrite}
         with progress_bar(folder.name) as update, writing(folder):
             index = write(result, folder, records=records, progress=update, **look)

@@ -2,10 +2,14 @@
 
 import inspect
 import json
+import runpy
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from unittest.mock import MagicMock
 
+import meshio
 import numpy as np
 import pytest
 import xarray as xr
@@ -24,6 +28,7 @@ from bladewhirl.postprocess.superelement.interaction import plot_interaction
 from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits
 from bladewhirl.postprocess.superelement.picture import blade_view, render_blades
 from bladewhirl.postprocess.superelement.ring import ring_motion, wall_at
+from bladewhirl.postprocess.superelement.series import _blades, frame_meshes
 from bladewhirl.postprocess.superelement.wear import node_wear
 from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.studies.runs.outputs import Run
@@ -424,3 +429,33 @@ def test_every_picture_is_drawn_once(run: Run) -> None:
             pictures = [picture(index) for index in (0, 1, 2)]
     assert len(drawn) == len(pictures)
     assert (pictures[0] != pictures[2]).any()
+
+
+def test_a_series_of_blades_has_a_view_and_the_names_of_beams(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "vtk"
+    printed = answer("export", run.directory, "--frames", "5", "-o", folder).stdout
+    assert "5 instants from 0 s" in printed
+    blades = meshio.read(folder / "frames" / "blades_00000.vtu")
+    assert np.bincount(blades.point_data["blade"]).tolist() == [18, 18, 18]
+    nodes = meshio.read(folder / "frames" / "contact_00000.vtu").point_data
+    assert {"displacement", "contact_force", "blade"} == set(nodes)
+    simple = MagicMock()
+    simple.GetParaViewVersion.return_value = (5, 11)
+    monkeypatch.setitem(sys.modules, "paraview", MagicMock(simple=simple))
+    monkeypatch.setattr(sys, "argv", ["view.py", "picture.png"])
+    runpy.run_path(str(folder / "view.py"))
+    assert simple.WarpByVector.return_value.Vectors == ["POINTS", "displacement"]
+    assert simple.Glyph.return_value.ScaleArray == ["POINTS", "contact_force"]
+    assert simple.SaveScreenshot.call_args.args[0] == "picture.png"
+
+
+def test_points_of_a_wheel_have_the_blade_of_the_nearest_contact_node(run: Run) -> None:
+    with run.open() as result:
+        wheel = result.isel(copy=[0]).load()
+        angles = wheel["contact_angle"].values
+        places = 0.2 * np.stack([np.cos(angles), np.sin(angles), 0.0 * angles], axis=-1)
+        blade = frame_meshes(wheel, 0, rotating=True)["blades"].point_data["blade"]
+    assert set(blade.tolist()) == {0}  # those of the first of three blades
+    assert _blades(wheel, places[None]).tolist() == [0, 0, 0, 1, 1, 1, 2, 2, 2]
