@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.ring_mesh import W
 from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.geometry.beam_model import BeamModel
@@ -102,6 +103,10 @@ def _free_ends(model: BeamModel) -> Iterator[str]:
         )
 
 
+LONG_STEP = 0.3
+"""Time step, divided by the critical one, above which the numerical loss of energy of a flexible
+casing in contact is usually that of a damping ratio above 1 %."""
+
 ROUNDING = 1e-9
 """A flexibility up to this fraction of the radial one is a rounding error."""
 
@@ -117,6 +122,7 @@ def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
             f"the matrix damping of the superelement adds to damping.ratio = {ratio:g};"
             " with damping.ratio = 0 only the matrix damps"
         )
+    yield from _lossy_ring(stage)
     limits = locking_friction(stage)
     if not limits:
         return
@@ -126,6 +132,25 @@ def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
             f"contact node {node} locks itself against the wall with a friction above"
             f" {limits[node]:.3g}: static friction presses it outward more than the normal force"
             " pushes it inward, so that contact can grow without bound"
+        )
+
+
+def _lossy_ring(stage: SuperelementStage) -> Iterator[str]:
+    """Yield a warning if the time step is so long that a flexible casing in contact loses much
+    energy: the loss is that of the damping ratio omega dt / 2, omega^2 = 1 / (C m), with the radial
+    flexibility C of a node and the mass m of the casing under it."""
+    softness = np.diag(stage.reduced.compliance)[::3]
+    if stage.ring is None or not softness.all():
+        return
+    step = stage.case.march.time_step
+    share = step / stage.problem.critical_time_step
+    if share > LONG_STEP:
+        per_mass = np.sum(stage.ring.reduced_casing.nodal[:, W] ** 2, axis=1).max()
+        loss = 50.0 * step * np.sqrt(per_mass / (softness / stage.factor.max()).min())
+        yield (
+            f"march.time_step is {share:.2g} of the critical step: in contact, the flexible casing"
+            f" loses energy as with a damping ratio of up to {loss:.2g} %, a numerical error of"
+            " first order in the step"
         )
 
 

@@ -54,7 +54,7 @@ def retitle(figure: Figure, title: str) -> None:
 def plain_exponents(figure: Figure) -> None:
     """Write powers of ten of logarithmic axes as 1e-05, because raised exponents are too small."""
     for axes in figure.findobj(Axes):
-        for axis in axes._axis_map.values():  # type: ignore[attr-defined]  # no public name
+        for axis in (axes.xaxis, axes.yaxis):
             old = axis.get_major_formatter()
             if isinstance(old, LogFormatter):
                 new = LogFormatter(linthresh=old._linthresh)  # type: ignore[attr-defined]

@@ -141,7 +141,9 @@ def campbell(
         checked_target(html, ".html")
     stage = _modal_stage(case, overrides)
     first, last = speeds.values(stage.reference_frequency).tolist()
-    ends = operating and tuple(operating.values(stage.reference_frequency).tolist())
+    ends = None
+    if operating is not None:
+        ends = tuple(operating.values(stage.reference_frequency).tolist())
     diagram = study.campbell(stage, families=families, speeds=(first, last), operating=ends)
     if folder is not None:
         study.draw_campbell(diagram, folder, overwrite=overwrite)

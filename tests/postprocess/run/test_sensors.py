@@ -189,4 +189,4 @@ def test_what_cannot_be_timed_is_refused() -> None:
     with pytest.raises(bw.UserError, match=r"probes .*: expected at least one angle"):
         tip_timing(bending(401), [])
     with pytest.raises(bw.UserError, match='angle = "None": expected an angle'):
-        tip_timing(bending(401), [None])  # type: ignore[list-item]
+        tip_timing(bending(401), [None])  # type: ignore[arg-type]

@@ -123,7 +123,7 @@ def test_modes_of_a_superelement_include_its_coriolis_forces(tmp_path: Path) -> 
 
 def test_modes_warn_of_a_matrix_that_a_wheel_of_sectors_leaves_out(tmp_path: Path) -> None:
     part = blade(levels=3)
-    faces = {"left_dofs": np.array([[0, 1, 2]]), "right_dofs": np.array([[3, 4, 5]])}
+    faces: Any = {"left_dofs": np.array([[0, 1, 2]]), "right_dofs": np.array([[3, 4, 5]])}
     bw.write_superelement(
         file := tmp_path / "part.npz", replace(part, gyroscopic=0.0 * part.mass, **faces)
     )

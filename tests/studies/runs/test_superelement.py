@@ -459,3 +459,26 @@ def test_points_of_a_wheel_have_the_blade_of_the_nearest_contact_node(run: Run) 
         blade = frame_meshes(wheel, 0, rotating=True)["blades"].point_data["blade"]
     assert set(blade.tolist()) == {0}  # those of the first of three blades
     assert _blades(wheel, places[None]).tolist() == [0, 0, 0, 1, 1, 1, 2, 2, 2]
+
+
+@pytest.mark.parametrize("share", [0.25, 0.35, 0.7])
+def test_a_long_step_with_a_flexible_ring_is_hinted_at_with_its_loss(
+    file: Path, share: float
+) -> None:
+    casing = {"elements": 12, "clearance": 3e-4, "support": 1e7}
+    given = tables(file, casing=casing)
+    limit = superelement_stage(bw.case_from(given)).problem.critical_time_step
+    steps = {"time_step": share * limit, "record_step": share * limit, "duration": 10 * limit}
+    stage = superelement_stage(bw.case_from({**given, "march": {"speed": 0.5, **steps}}))
+    hints = [*superelement_hints(stage)]
+    if share < 0.3:
+        assert hints == []
+        return
+    assert stage.ring is not None
+    mass = 1.0 / np.sum(stage.ring.reduced_casing.nodal[0, 0] ** 2)
+    omega = 1.0 / np.sqrt(np.diag(stage.reduced.compliance)[::3].min() * mass)
+    loss = 100.0 * omega * share * limit / 2.0
+    assert loss > 1.0
+    [hint] = hints
+    assert hint.startswith(f"march.time_step is {share:.2g} of the critical step")
+    assert f"a damping ratio of up to {loss:.2g} %" in hint

@@ -187,7 +187,7 @@ def test_a_lost_scheduler_is_reported_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(sweep_cluster, "IDLE", 0.5)
-    command = [Path(sys.executable).with_name("dask"), "scheduler", "--host", "127.0.0.1"]
+    command = [str(Path(sys.executable).with_name("dask")), "scheduler", "--host", "127.0.0.1"]
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
