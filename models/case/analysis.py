@@ -185,6 +185,9 @@ class March(Table):
                 f" {below:.9g} s or {above:.9g} s, not {ratio:.9g} time steps"
             )
             yield Inconsistency("record_step", expected, ("time_step",))
+        if 0.0 < self.duration < (1.0 - WHOLE) * self.time_step:
+            expected = f"0, or at least march.time_step = {self.time_step!r}"
+            yield Inconsistency("duration", expected, ("time_step",))
         for key in ("duration", "record_step"):
             if getattr(self, key) / self.time_step > MOST_STEPS:
                 expected = f"at most {MOST_STEPS:g} steps of march.time_step = {self.time_step!r}"

@@ -149,5 +149,9 @@ def numbers_within_reach(case: Case) -> Iterator[None]:
             warnings.simplefilter("error", la.LinAlgWarning)
             yield
     except (ArithmeticError, ValueError, la.LinAlgError, la.LinAlgWarning) as error:
-        expected = f"sizes, material and springs that double precision can represent ({error})"
+        stable = (
+            "" if case.rotation.effects == "none" else " and a speed at which blades are stable"
+        )
+        expected = f"sizes, material and springs that double precision can represent{stable}"
+        expected += f" ({error})"
         raise CaseError([*unusual_values(case)] or [Fault(expected=expected)]) from None

@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cache
+from itertools import pairwise
 from numbers import Real
 from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat
 
@@ -158,6 +159,21 @@ def speed_of(value: Any, label: str) -> Speed:
             f"{label}: expected multiples of the reference frequency, or text in rpm, Hz or rad/s"
             f" ({error})"
         ) from None
+
+
+def ascending(label: str, values: Any, expected: str, least: float = -math.inf) -> list[float]:
+    """Return one or more ascending finite numbers of at least `least`, (values,).
+
+    Raises:
+        UserError: the values are something else; the message is "LABEL: expected EXPECTED".
+    """
+    try:
+        numbers = [finite(value) for value in values]
+    except (TypeError, ValueError):
+        numbers = []
+    if not numbers or numbers[0] < least or any(b <= a for a, b in pairwise(numbers)):
+        raise UserError(f"{label}: expected {expected}")
+    return numbers
 
 
 LARGEST = 1e30

@@ -197,7 +197,8 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
         strain = square
         if structure.at_rest is not None:
             strain = np.einsum("im,im->m", vectors.conj(), elastic @ vectors).real
-        share = _in_springs(springs, vectors) / np.maximum(np.abs(strain), np.finfo(float).tiny)
+        share = _in_springs(springs, vectors)
+        share /= np.maximum(np.maximum(share, np.abs(strain)), np.finfo(float).tiny)
         block_columns = [2 * k - 1, 2 * k] if pair else [0 if k == 0 else layout.sectors - 1]
         squares.append(np.repeat(square, len(block_columns)))
         shares.append(np.repeat(share, len(block_columns)))

@@ -158,7 +158,7 @@ def collect_modes(
         column=column,
         nodal_diameter=diameter,
         purity=purity,
-        spring_share=in_springs / np.maximum(np.abs(strain), floor),
+        spring_share=in_springs / np.maximum(np.maximum(in_springs, np.abs(strain)), floor),
         sectors=structure.layout.sectors if structure.layout else 0,
     )
 

@@ -122,16 +122,26 @@ def turning_disk(case: Case, at_rest: BladedDiskModel, reference: float) -> Turn
         return None
     omega = case.march.speed.rad_per_s(reference)
     matrices = rotation_matrices(at_rest)
-    if effects == "centrifugal":
-        highest = lowest_critical_speed(matrices)
-        if abs(omega) >= highest:
-            expected = (
-                f"less than {highest / reference:.6g}, the critical speed; above it only Coriolis"
-                ' forces (rotation.effects = "full") stabilise the bladed disk'
-            )
-            raise CaseError([case_fault(case, "march.speed", expected)])
+    check_stable(case, matrices, omega, reference)
     disk = replace(at_rest, structure=matrices.at_speed(omega, effects))
     return TurningDisk(disk=disk, matrices=matrices, omega=omega)
+
+
+def check_stable(case: Case, matrices: RotationMatrices, omega: float, reference: float) -> None:
+    """Check that a bladed disk without Coriolis forces is stable at a speed omega [rad/s].
+
+    Raises:
+        CaseError: the speed reaches the lowest critical speed.
+    """
+    highest = np.inf
+    if case.rotation.effects == "centrifugal":
+        highest = lowest_critical_speed(matrices)
+    if abs(omega) >= highest:
+        expected = (
+            f"less than {highest / reference:.6g}, the critical speed; above it only Coriolis"
+            ' forces (rotation.effects = "full") stabilise the bladed disk'
+        )
+        raise CaseError([case_fault(case, "march.speed", expected)])
 
 
 def lowest_critical_speed(matrices: RotationMatrices) -> float:

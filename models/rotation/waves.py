@@ -80,7 +80,8 @@ class Waves:
             np.einsum("im,ij,jm->m", fields.conj(), each, fields).real
             for each in (self.springs, self.stiffness)
         )
-        return np.asarray(in_springs / np.maximum(strain, np.finfo(np.float64).tiny))
+        strain = np.maximum(strain, np.maximum(in_springs, np.finfo(np.float64).tiny))
+        return np.asarray(in_springs / strain)
 
     def rank(self, omega: float, frequency: float) -> tuple[int, bool]:
         """Return the rank of the branch that is nearest to a frequency at a speed.

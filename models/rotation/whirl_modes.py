@@ -269,4 +269,5 @@ def _share(
         np.einsum("im,im->m", vectors.conj(), matrix @ vectors).real
         for matrix in (springs, elastic)
     )
-    return np.asarray(in_springs / np.maximum(whole, np.finfo(np.float64).tiny))
+    whole = np.maximum(whole, np.maximum(in_springs, np.finfo(np.float64).tiny))
+    return np.asarray(in_springs / whole)

@@ -5,15 +5,21 @@ from collections.abc import Iterator
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.ring_mesh import W
+from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
+from bladewhirl.models.stage.loads import closing_unbalance, unbalance
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.models.superelements.reduction import rigid_limit, static_flexibility
 
 LOWEST_FREQUENCY = 1.0
 """Lowest plausible reference frequency [Hz]; lower frequencies are usually due to a wrong unit."""
+
+MOST_CLOSING = 100.0
+"""Largest plausible static response to an imbalance, divided by the clearance."""
 
 TIP_SHARE = 0.9
 """A free end is reported as a possible tip if its radius is at least this fraction of the smallest
@@ -25,6 +31,7 @@ def stage_hints(stage: Stage) -> tuple[str, ...]:
     return (
         *case_hints(stage.case),
         *_too_soft(stage),
+        *_too_unbalanced(stage),
         *_fed_whirl(stage),
         *_free_ends(stage.disk.model),
     )
@@ -40,6 +47,17 @@ def _too_soft(stage: Stage) -> Iterator[str]:
         yield (
             f"the reference frequency, the unit of speeds, is {hertz:.3g} Hz: check that"
             " dimensions, material and springs are in SI units or are text with a unit"
+        )
+
+
+def _too_unbalanced(stage: Stage) -> Iterator[str]:
+    if not any(isinstance(load, Imbalance) for load in stage.case.excitations.values()):
+        return
+    size, closing = unbalance(stage), closing_unbalance(stage, stage.speed)
+    if size > MOST_CLOSING * closing > 0.0:
+        yield (
+            f"the static response to the imbalance is {size / closing:.3g} times the clearance:"
+            " check that unbalance is in kg m or is text with a unit"
         )
 
 
@@ -85,6 +103,10 @@ def _free_ends(model: BeamModel) -> Iterator[str]:
         )
 
 
+LONG_STEP = 0.3
+"""Time step, divided by the critical one, above which the numerical loss of energy of a flexible
+casing in contact is usually that of a damping ratio above 1 %."""
+
 ROUNDING = 1e-9
 """A flexibility up to this fraction of the radial one is a rounding error."""
 
@@ -93,17 +115,14 @@ def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
     """Yield warnings about matrices of the file that are not used, about a damping matrix that adds
     to the modal damping, and about a contact node that the given friction locks against the
     wall."""
+    yield from unused_matrices(stage)
     ratio = stage.case.damping.ratio
-    for key in ("damping", "gyroscopic"):
-        if getattr(stage.table.part, key) is None:
-            continue
-        if getattr(stage.reduced, key) is None:
-            yield f"the matrix {key} of a sector is not used with massless contact nodes"
-        elif key == "damping" and ratio > 0.0:
-            yield (
-                f"the matrix damping of the superelement adds to damping.ratio = {ratio:g};"
-                " with damping.ratio = 0 only the matrix damps"
-            )
+    if stage.reduced.damping is not None and ratio > 0.0:
+        yield (
+            f"the matrix damping of the superelement adds to damping.ratio = {ratio:g};"
+            " with damping.ratio = 0 only the matrix damps"
+        )
+    yield from _lossy_ring(stage)
     limits = locking_friction(stage)
     if not limits:
         return
@@ -114,6 +133,35 @@ def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
             f" {limits[node]:.3g}: static friction presses it outward more than the normal force"
             " pushes it inward, so that contact can grow without bound"
         )
+
+
+def _lossy_ring(stage: SuperelementStage) -> Iterator[str]:
+    """Yield a warning if the time step is so long that a flexible casing in contact loses much
+    energy: the loss is that of the damping ratio omega dt / 2, omega^2 = 1 / (C m), with the radial
+    flexibility C of a node and the mass m of the casing under it."""
+    softness = np.diag(stage.reduced.compliance)[::3]
+    if stage.ring is None or not softness.all():
+        return
+    step = stage.case.march.time_step
+    share = step / stage.problem.critical_time_step
+    if share > LONG_STEP:
+        per_mass = np.sum(stage.ring.reduced_casing.nodal[:, W] ** 2, axis=1).max()
+        loss = 50.0 * step * np.sqrt(per_mass / (softness / stage.factor.max()).min())
+        yield (
+            f"march.time_step is {share:.2g} of the critical step: in contact, the flexible casing"
+            f" loses energy as with a damping ratio of up to {loss:.2g} %, a numerical error of"
+            " first order in the step"
+        )
+
+
+def unused_matrices(stage: SuperelementStage) -> Iterator[str]:
+    """Yield a warning for each matrix of a sector that its wheel leaves out."""
+    for key in ("damping", "gyroscopic"):
+        if getattr(stage.table.part, key) is not None and getattr(stage.reduced, key) is None:
+            yield (
+                f"the matrix {key} of a sector is not used with massless contact nodes;"
+                ' reduction.boundary = "consistent" uses it'
+            )
 
 
 def locking_friction(stage: SuperelementStage) -> dict[int, float]:

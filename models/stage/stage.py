@@ -235,8 +235,8 @@ def rotor_at(stage: Stage, omega: float) -> tuple[ReducedRotor, FloatArray]:
     turning = replace(turning, disk=replace(turning.disk, structure=structure), omega=omega)
     boundary = np.concatenate([*boundary_sets(turning.disk).values()])
     kept = case.reduction.fixed_interface_modes
-    reduction = craig_bampton(structure, boundary, kept, tip_in_sector(turning.disk))
-    modes = reduction.modes
+    with numbers_within_reach(case):
+        modes = craig_bampton(structure, boundary, kept, tip_in_sector(turning.disk)).modes
     return _reduced_rotor(case, turning.disk, modes, turning), modes.shapes
 
 

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
-from bladewhirl.models.superelements.reduction import ReducedSuperelement
+from bladewhirl.models.superelements.reduction import ReducedSuperelement, rigid_limit
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
 MOST = 4000
@@ -55,7 +55,7 @@ def massless_wheel(
                 f"expected fewer than {size} free-interface modes, the coordinates of a sector"
             )
         squares, shapes = la.eigh(stiffness, block.mass.toarray(), subset_by_index=[0, modes - 1])
-        if not squares[0] > 0.0:
+        if not squares[0] > rigid_limit(part):
             raise SuperelementError("expected a sector without rigid modes")
         fields = block.transformation @ shapes
         at_nodes, at_points = rows @ fields, recovery @ fields

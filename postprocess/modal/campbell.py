@@ -31,6 +31,7 @@ RING: dict[str, Any] = {
 CROSS: dict[str, Any] = {"linestyle": "none", "marker": "X", "markersize": 6.0, "mec": "white"}
 FINE = 2001  #: number of speeds at which the frequency of a wave is computed
 ENDS = 0.9  #: engine orders are labelled beyond this fraction of the width or height of the axes
+UNKNOWN = (float("nan"), float("nan"))  #: operating range that the user did not give
 HEADROOM = 1.18  #: highest frequency shown divided by the highest coincidence or mode drawn
 
 
@@ -98,14 +99,24 @@ def waves(data: xr.Dataset, points: int) -> Iterator[Wave]:
             )
 
 
+def operating_range(data: xr.Dataset) -> tuple[float, float] | None:
+    """Return the ends of the operating range, in multiples of the reference frequency; None if the
+    user gave none."""
+    low, high = data.attrs["operating_range"]
+    return None if np.isnan(low) else (low, high)
+
+
 def drawn_part(data: xr.Dataset) -> xr.Dataset:
     """Select the modes and coincidences from `campbell` that a diagram shows.
 
-    Families of the bladed disk are drawn if they coincide with the casing in the operating range;
+    Families of the bladed disk are drawn if they coincide with the casing in the operating range,
+    or in the diagram if there is no such range;
     `DRAWN_FAMILIES` are always drawn. Of the casing, the lowest mode of each nodal diameter is
     drawn, from 1 to the highest nodal diameter of these families.
     """
-    operated = data["in_operating_range"].values.astype(bool) & in_diagram(data)
+    operated = in_diagram(data)
+    if operating_range(data) is not None:
+        operated &= data["in_operating_range"].values.astype(bool)
     families = [*DRAWN_FAMILIES, *data["family"].values[operated]]
     on_rotor = data["mode_body"].values == "bladed-disk"
     k, frequency = data["mode_nodal_diameter"].values, data["mode_frequency"].values
@@ -156,7 +167,8 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     axes = figure.subplots()
     reference = float(data.attrs["reference_frequency_hz"])
     meets, shown = met_frequencies(data, frame), in_diagram(data)
-    axes.axvspan(*data.attrs["operating_range"], color="#F0F0F0", zorder=0, label="operating range")
+    if (operated := operating_range(data)) is not None:
+        axes.axvspan(*operated, color="#F0F0F0", zorder=0, label="operating range")
     axes.set(xlim=data.attrs["speeds"], yscale="log" if frame == "static" else "linear")
     axes.set_ylim(*frequency_limits(data, frame))
     named = [*_draw_waves(axes, data, frame), *_draw_engine_orders(axes, data, frame)]

@@ -33,7 +33,6 @@ logger = logging.getLogger(__name__)
 
 #: line of view.py that is replaced by the description of the series
 FILL = "SERIES: dict[str, Any] = {}"
-EARLY = 100  #: number of records, from the first, in which the first motion is searched
 BODIES = ("rotor", "casing")
 PARTS = (*BODIES, "contact", "supports")
 INDEX = "series.pvd"  #: name of the index of a series
@@ -82,9 +81,8 @@ def export_vtk(
 
     With `surface`, beams and wall are boxes of their true thickness and width, made of quads. With
     `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and all
-    vectors are in rotating axes. If `start` is None, records before the first motion are omitted,
-    because ParaView would fit the colour scale to records at rest. Frames of an earlier export are
-    removed; files that are not listed in the manifest of the folder are replaced only with
+    vectors are in rotating axes. Frames of an earlier export are removed; files that are not listed
+    in the manifest of the folder are replaced only with
     `overwrite`. `progress` is called with the number of finished frames and the number of frames.
 
     Raises:
@@ -95,38 +93,30 @@ def export_vtk(
     """
     check_beams(dataset)
     if records is None:
-        records = series_records(dataset, frames, start, end)
+        records = frame_records(dataset, frames, start, end)
         if hint := sampling_hint(dataset, records):
             logger.info(hint)
     parts = StageParts(
         dataset, records, surface=surface, rotating=rotating, exaggeration=exaggeration
     )
-    script = files("bladewhirl.postprocess.paraview").joinpath("view.py").read_text("utf-8")
-    about = f"SERIES: dict[str, Any] = {pformat(_about(dataset, records, parts))}"
     return write_series(
         Path(directory),
         PARTS,
         dataset["time"].values[records],
         parts.grids(),
-        {"mesh.vtu": undeformed_mesh(dataset), "view.py": script.replace(FILL, about)},
+        {
+            "mesh.vtu": undeformed_mesh(dataset),
+            "view.py": view_script(_about(dataset, records, parts)),
+        },
         overwrite=overwrite,
         progress=progress,
     )
 
 
-def series_records(
-    dataset: xr.Dataset, frames: int, start: float | None = None, end: float | None = None
-) -> IntArray:
-    """Return the records of a series, see `frame_records`; those of a bladed disk of beams begin
-    with the first motion by default."""
-    if start is None and "rotor_displacement" in dataset:
-        early = np.arange(min(EARLY, dataset.sizes["time"]))
-        moving = np.any(
-            [history(dataset, f"{body}_displacement", early).any(axis=1) for body in BODIES], axis=0
-        )
-        first = float(dataset["time"].values[int(np.argmax(moving))])
-        start = first if end is None or first <= end else None
-    return frame_records(dataset, frames, start, end)
+def view_script(about: Mapping[str, Any]) -> str:
+    """Return the text of view.py for the description of a series."""
+    script = files("bladewhirl.postprocess.paraview").joinpath("view.py").read_text("utf-8")
+    return script.replace(FILL, f"SERIES: dict[str, Any] = {pformat(about)}")
 
 
 def write_vtu(path: Path, mesh: meshio.Mesh) -> None:
@@ -208,10 +198,11 @@ def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[st
     return {
         "title": str(dataset.attrs["title"]),
         "time": float(dataset["time"].values[records[shown]]),
+        "vectors": "warp",
         "exaggeration": parts.exaggeration,
         "largest_displacement": parts.largest_displacement,
         "largest_force": float(force.max()),
-        "tip_radius": float(dataset.attrs["tip_radius"]),
+        "size": float(dataset.attrs["tip_radius"]),
         "parts": parts.names,
     }
 

@@ -13,7 +13,7 @@ from typing import Any
 from paraview import simple
 
 SERIES: dict[str, Any] = {}
-ARROW = 0.17  # length of the largest force, in tip radii
+ARROW = 0.17  # length of the largest force, in tip radii or sizes of the blades
 SIZE = [1280, 960]  # of a picture [pixels]
 
 
@@ -32,7 +32,7 @@ def main() -> None:
     scene.AnimationTime = SERIES["time"]
 
     drawn = simple.WarpByVector(registrationName="drawn", Input=series)
-    drawn.Vectors = ["POINTS", "warp"]
+    drawn.Vectors = ["POINTS", SERIES["vectors"]]
     drawn.ScaleFactor = 1.0
     shown = simple.Show(drawn, view)
     shown.LineWidth = 1.5
@@ -51,7 +51,7 @@ def main() -> None:
     if SERIES["largest_force"]:
         forces = simple.Glyph(registrationName="contact forces", Input=drawn, GlyphType="Arrow")
         forces.OrientationArray = forces.ScaleArray = ["POINTS", "contact_force"]
-        forces.ScaleFactor = ARROW * SERIES["tip_radius"] / SERIES["largest_force"]
+        forces.ScaleFactor = ARROW * SERIES["size"] / SERIES["largest_force"]
         forces.GlyphMode = "All Points"
         forces.GlyphTransform.Translate = [-1.0, 0.0, 0.0]  # arrows end on the tips
         arrows = simple.Show(forces, view)
@@ -74,7 +74,7 @@ def main() -> None:
     view.CameraParallelProjection = 1
     view.ViewSize = SIZE
     simple.ResetCamera(view)
-    view.CameraParallelScale = 1.35 * SERIES["tip_radius"]
+    view.CameraParallelScale = 1.35 * SERIES["size"]
     simple.Render(view)
     if len(sys.argv) > 1:
         simple.SaveScreenshot(sys.argv[1], view, ImageResolution=SIZE)

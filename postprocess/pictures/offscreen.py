@@ -78,6 +78,7 @@ def off_screen_plotter(size: tuple[int, int]) -> Iterator[pyvista.Plotter]:
     try:
         plotter.set_background("white")
         plotter.disable_anti_aliasing()
+        plotter.suppress_rendering = True  # every change would draw, and each picture is drawn once
         yield plotter
     finally:
         plotter.close()
@@ -85,8 +86,11 @@ def off_screen_plotter(size: tuple[int, int]) -> Iterator[pyvista.Plotter]:
 
 def pixels_of(plotter: pyvista.Plotter) -> Pixels:
     """Return the picture in a plotter from `off_screen_plotter`, reduced to its final size."""
+    plotter.suppress_rendering = False
     plotter.render()
-    return np.array(Image.fromarray(plotter.screenshot(return_img=True)).reduce(FINER))
+    pixels = plotter.screenshot(return_img=True)
+    plotter.suppress_rendering = True
+    return np.array(Image.fromarray(pixels).reduce(FINER))
 
 
 @contextmanager

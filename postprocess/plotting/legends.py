@@ -17,7 +17,7 @@ from bladewhirl.postprocess.plotting.titles import set_title
 #: height that a figure reserves for its legends [inch]; the figure grows if legends are higher
 HEIGHT = 0.45
 MOST_COLUMNS = 6
-TITLE_LETTERS = 98  #: largest number of characters in a line of a legend's title
+TITLE_LETTERS = 14  #: largest number of characters of a legend's title per inch
 
 
 class Group(NamedTuple):
@@ -56,7 +56,8 @@ def legends_below(figure: Figure, *groups: Group) -> None:
             legend = figure.legend(
                 handles,
                 labels,
-                title=textwrap.fill(group.title, TITLE_LETTERS) or None,
+                title=textwrap.fill(group.title, int(TITLE_LETTERS * figure.get_figwidth()))
+                or None,
                 loc="lower center",
                 ncols=columns,
                 handlelength=3.0,

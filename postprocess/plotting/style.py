@@ -4,7 +4,9 @@ Figures are drawn at the width at which they are printed: no text is smaller tha
 column of 85 mm. Neither a display nor pyplot is used.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
@@ -25,6 +27,7 @@ R = TypeVar("R")
 INCH = 0.0254  #: [m]
 COLUMN_WIDTH = 0.085  #: one column of a page [m]
 FULL_WIDTH = 0.17  #: the text width of a page [m]
+NARROW = 0.13  #: panels are one above another in narrower figures [m]
 
 COLOURS: Mapping[str, str] = {
     "total": "#000000",
@@ -89,10 +92,29 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
     return in_style
 
 
+_width: ContextVar[float | None] = ContextVar("width", default=None)
+
+
+@contextmanager
+def at_width(width: float | None) -> Iterator[None]:
+    """Draw all figures in the ``with`` block at a width [m]; None keeps the width of each."""
+    token = _width.set(width)
+    try:
+        yield
+    finally:
+        _width.reset(token)
+
+
 @styled
 def new_figure(*, width: float = COLUMN_WIDTH, height: float) -> Figure:
-    """Return an empty figure with a width and a height [m], in constrained layout."""
-    return Figure(figsize=(width / INCH, height / INCH), layout="constrained")
+    """Return an empty figure in constrained layout, with a width [m], unless `at_width` gives
+    another one, and a height [m]."""
+    return Figure(figsize=((_width.get() or width) / INCH, height / INCH), layout="constrained")
+
+
+def is_narrow(figure: Figure) -> bool:
+    """Return true if a figure is too narrow for several panels side by side."""
+    return bool(figure.get_figwidth() * INCH < NARROW)
 
 
 def time_axis(*panels: Axes) -> None:

@@ -3,11 +3,13 @@
 import numpy as np
 import xarray as xr
 from matplotlib import rcParams
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.textpath import TextPath
+from matplotlib.ticker import LogFormatter, NullFormatter
 
-from bladewhirl.postprocess.plotting.style import INCH, styled
+from bladewhirl.postprocess.plotting.style import styled
 
 MOST_LETTERS = 40  #: largest number of characters of a title per inch of the figure's width
 WIDEST = 0.97
@@ -33,28 +35,31 @@ def head(figure: Figure, data: xr.Dataset, *words: str) -> None:
 
 
 def set_title(figure: Figure, case: str, shown: str) -> None:
-    """Set the title of a figure: the name of the case, and the lines `shown`, each cut to the width
-    of the figure."""
+    """Set the title of a complete figure: the name of the case, and the lines `shown`, each cut to
+    the width of the figure; exponents of its axes become legible."""
     in_font = get_font(findfont(FontProperties())).get_char_index
     name = " ".join(case[: int(MOST_LETTERS * figure.get_figwidth())].split())
     name = "".join(c if in_font(ord(c)) else "\N{REPLACEMENT CHARACTER}" for c in name)
     lines = [_cut(line, figure) for line in (name, *shown.splitlines()) if line]
     figure.suptitle("\n".join(lines), parse_math=False)
+    plain_exponents(figure)
 
 
 @styled
-def refit(figure: Figure, *, title: str | None = None, width: float | None = None) -> None:
-    """Change the title and the width of a figure; the height does not change.
+def retitle(figure: Figure, title: str) -> None:
+    """Give a figure another title, cut to its width; an empty text removes the title."""
+    figure.suptitle("\n".join(_cut(line, figure) for line in title.splitlines()), parse_math=False)
 
-    Args:
-        figure: figure drawn in the common style.
-        title: new title; an empty text removes the title, None keeps the title.
-        width: new width [m]; None keeps the width.
-    """
-    if width is not None:
-        figure.set_figwidth(width / INCH)
-    text = figure.get_suptitle() if title is None else title
-    figure.suptitle("\n".join(_cut(line, figure) for line in text.splitlines()), parse_math=False)
+
+def plain_exponents(figure: Figure) -> None:
+    """Write powers of ten of logarithmic axes as 1e-05, because raised exponents are too small."""
+    for axes in figure.findobj(Axes):
+        for axis in (axes.xaxis, axes.yaxis):
+            old = axis.get_major_formatter()
+            if isinstance(old, LogFormatter):
+                new = LogFormatter(linthresh=old._linthresh)  # type: ignore[attr-defined]
+                axis.set_major_formatter(new)
+                axis.set_minor_formatter(NullFormatter())
 
 
 def _cut(line: str, figure: Figure) -> str:

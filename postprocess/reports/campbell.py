@@ -33,18 +33,19 @@ def campbell_page(data: xr.Dataset) -> Page:
     """Return a page with the Campbell diagrams in both frames and a table of the coincidences, from
     `campbell`."""
     inside = campbell.in_diagram(data)
-    operated = inside & data["in_operating_range"].values.astype(bool)
-    low, high = data.attrs["operating_range"]
+    name, operated = "operating", inside & data["in_operating_range"].values.astype(bool)
+    if (ends := campbell.operating_range(data)) is None:
+        name, operated, ends = "speed", inside, data.attrs["speeds"]
     count = int(operated.sum())
     return Page(
         title=f"{data.attrs['case']}, Campbell diagram",
         subject=f"Rotation effects: {data.attrs.get('rotation_effects', 'none')}",
-        verdict=f"Coincidences in the operating range: {count}",
+        verdict=f"Coincidences in the {name} range: {count}",
         tone="fair" if count else "good",
         reason=(
             "Where k Ω = ω of the casing + ω of the bladed disk, the waves of both bodies travel at"
-            " the same speed and contact can drive them. The operating range is"
-            f" {low:.4g} to {high:.4g} ω₁."
+            f" the same speed and contact can drive them. The {name} range is"
+            f" {ends[0]:.4g} to {ends[1]:.4g} ω₁."
         ),
         warnings=[],
         figures=[*_glance(data)],
@@ -75,12 +76,15 @@ def _glance(data: xr.Dataset) -> Iterator[tuple[str, str, str]]:
 def _table(data: xr.Dataset, inside: BoolArray) -> PageTable:
     names = ("nodal_diameter", *COINCIDENT, "normalised_speed", "speed", "in_operating_range")
     columns = (data[name].values[inside] for name in names)
+    shown = len(names) - (campbell.operating_range(data) is None)
     return PageTable(
         name="all-coincidences",
         title="Coincidences by speed",
-        head=("k", "bladed disk", "casing", "Ω / ω₁", "rpm", "operating range"),
+        head=("k", "bladed disk", "casing", "Ω / ω₁", "rpm", "operating range")[:shown],
         rows=[
-            (str(k), family, casing, f"{ratio:.4f}", f"{rpm:.1f}", "inside" if operated else "")
+            (str(k), family, casing, f"{ratio:.4f}", f"{rpm:.1f}", "inside" if operated else "")[
+                :shown
+            ]
             for k, family, casing, ratio, rpm, operated in zip(*columns, strict=True)
         ],
         numbers=True,
@@ -103,8 +107,9 @@ def _explorer(data: xr.Dataset, frame: campbell.Frame) -> Explorer:
         yaxis={"title_text": f"frequency / ω₁, {frame} frame", **axis},
         hovermode="closest",
     )
-    first, last = data.attrs["operating_range"]
-    figure.add_vrect(x0=first, x1=last, fillcolor="#f0f0f0", line_width=0, layer="below")
+    if (ends := campbell.operating_range(data)) is not None:
+        shade = {"fillcolor": "#f0f0f0", "line_width": 0, "layer": "below"}
+        figure.add_vrect(x0=ends[0], x1=ends[1], **shade)
     return Explorer(
         name=f"{frame}-frame",
         title=f"{frame.capitalize()} frame",

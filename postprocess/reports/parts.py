@@ -57,7 +57,7 @@ class RegimeText(NamedTuple):
 
 REGIMES: Mapping[str, RegimeText] = {
     "divergent": RegimeText("Divergent", "bad", "The motion grows beyond the linear model."),
-    "sustained": RegimeText("Sustained contact", "fair", "Contact persists without growth."),
+    "sustained": RegimeText("Sustained contact", "fair", "Contact persists to the end."),
     "damped": RegimeText("Damped", "good", "Blades touched the casing and came free again."),
     "no-contact": RegimeText("No contact", "good", "No blade touched the casing."),
 }

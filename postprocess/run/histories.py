@@ -146,7 +146,7 @@ def radians(angle: object) -> float:
     """Return an angle in rad from a number in rad or from text such as "90 deg"."""
     try:
         radians = to_si(angle, "rad") if isinstance(angle, str) else float(cast(float, angle))
-    except ValueError as error:
+    except (TypeError, ValueError) as error:
         raise UserError(f'angle = "{angle}": expected an angle ({error})') from None
     if not abs(radians) <= 2.0 * np.pi:
         raise UserError(f'angle = {angle}: expected within a turn, in rad or text such as "90 deg"')

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, tip_rows
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
@@ -52,6 +53,8 @@ def tip_timing(
     result = in_window(result, start, end)
     angles = np.array([radians(value) for value in np.ravel(np.asarray(probes))])
     time, speed = result["time"].values, float(result.attrs["speed"])
+    if not angles.size:
+        raise UserError('tip timing: probes []: expected at least one angle, such as "90 deg"')
     step = float(np.diff(time).max()) if len(time) > 1 else np.inf
     if too_slow(speed, step):
         raise ViewError(f"tip timing: expected {too_slow(speed, step)}")

@@ -205,7 +205,7 @@ def _draw_forces(plotter: Any, mesh: Any, factor: float, strongest: float, lengt
     import pyvista
 
     nodes = pyvista.PolyData(mesh.points + factor * mesh.point_data["displacement"])
-    force = mesh.point_data["force"]
+    force = mesh.point_data["contact_force"]
     touching = np.linalg.norm(force, axis=1) > 0.0
     plotter.add_mesh(
         nodes, color="black", point_size=8, render_points_as_spheres=True, name="nodes"

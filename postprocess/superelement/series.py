@@ -1,14 +1,17 @@
 """ParaView series of a superelement: surface triangles of all copies, and the contact nodes."""
 
 from pathlib import Path
+from typing import Any
 
 import meshio
 import numpy as np
 import xarray as xr
+from scipy.spatial import KDTree
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.postprocess.fields.kinematics import IntArray, ViewError
-from bladewhirl.postprocess.paraview.series import Progress, write_series
+from bladewhirl.postprocess.paraview.series import Progress, view_script, write_series
 from bladewhirl.postprocess.superelement.motion import (
     check_superelement,
     deformed_points,
@@ -33,8 +36,9 @@ def export_points(
     The part `blades` has the points and triangles of the superelement file, `contact` the contact
     nodes, `casing` the inner face of a flexible casing. Coordinates are undeformed positions,
     turned with the body. The motion is in the array `displacement` [m]; the filter Warp By Vector
-    adds it to the positions. Blades and casing also have `radial_displacement` [m], contact nodes
-    the vector `force` [N].
+    adds it to the positions, as view.py does. Blades and casing also have `radial_displacement`
+    [m], contact nodes the vector `contact_force` [N]; blades and contact nodes have the number
+    `blade`, on a wheel that of the nearest contact node.
 
     Args:
         dataset: result of a superelement with points.
@@ -58,10 +62,29 @@ def export_points(
         (*PARTS, "casing") if is_flexible(dataset) else PARTS,
         dataset["time"].values[records],
         (frame_meshes(dataset, int(record), rotating) for record in records),
-        {},
+        {"view.py": view_script(_about(dataset, records))},
         overwrite=overwrite,
         progress=progress,
     )
+
+
+def _about(dataset: xr.Dataset, records: IntArray) -> dict[str, Any]:
+    """Return the description of the series for view.py, which shows the strongest contact."""
+    forces = np.linalg.norm(dataset["contact_force"].values[records], axis=-1).max(axis=1)
+    moved = [np.linalg.norm(deformed_points(dataset, records[[n]])) for n in range(len(records))]
+    shown = int(np.argmax(forces if forces.any() else moved))
+    largest = np.linalg.norm(deformed_points(dataset, records[[np.argmax(moved)]]), axis=-1).max()
+    copies = dataset["copy_angle"].values[:, None]
+    return {
+        "title": str(dataset.attrs["title"]),
+        "time": float(dataset["time"].values[records[shown]]),
+        "vectors": "displacement",
+        "exaggeration": 1.0,
+        "largest_displacement": float(largest),
+        "largest_force": float(forces.max()),
+        "size": float(np.ptp(rotate(dataset["point"].values, copies), axis=(0, 1)).max()) / 2.0,
+        "parts": [*PARTS],
+    }
 
 
 def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, meshio.Mesh]:
@@ -85,11 +108,22 @@ def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, 
             {
                 "displacement": motion,
                 "radial_displacement": np.sum(unit(flat * [1.0, 1.0, 0.0]) * motion, axis=1),
-                "copy": np.repeat(np.arange(copies), len(points)),
+                "blade": _blades(dataset, placed),
             },
         ),
         "contact": _contact(dataset, record, turn),
     }
+
+
+def _blades(dataset: xr.Dataset, placed: FloatArray) -> IntArray:
+    """Return the blade of each point at its position at rest, (points,): its copy or, on a single
+    body with several blades, the blade of the nearest contact node."""
+    copies, points = placed.shape[:2]
+    if copies > 1:
+        return np.repeat(np.arange(copies), points)
+    radius, axial = dataset["contact_radius"].values, dataset["contact_axial"].values
+    nodes = np.column_stack([radius[:, None] * directions(dataset["contact_angle"].values), axial])
+    return np.asarray(dataset["blade"].values[KDTree(nodes).query(placed[0])[1]])
 
 
 def _contact(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
@@ -102,5 +136,5 @@ def _contact(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
     return meshio.Mesh(
         np.column_stack([radius[:, None] * directions(angle), axial]),
         [("vertex", np.arange(len(angle))[:, None])],
-        {"displacement": moved, "force": force, "blade": dataset["blade"].values},
+        {"displacement": moved, "contact_force": force, "blade": dataset["blade"].values},
     )

@@ -19,7 +19,7 @@ from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.axes import SPEED, cell_edges, rpm_axis
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, INCH, SEQUENTIAL, new_figure
 from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.postprocess.sweep.dataset import POINT
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
@@ -93,7 +93,8 @@ def key_axis(
         data: Dataset with the key.
         of_y: true for the vertical axis, false for the horizontal axis.
         key: name of the key; the key of the horizontal axis by default.
-        share: width of the axis, relative to the width of a page.
+        share: width of the axis, relative to the width of the figure, or height of it, relative to
+            the width of a page.
     """
     values = data[key or str(data.attrs["along"])]
     place, way = values.values, "y" if of_y else "x"
@@ -104,6 +105,8 @@ def key_axis(
             f"{way}lim": edges_of(place)[[0, -1]],
         }
     )
+    figure = axes.get_figure(root=True)
+    share *= figure.get_figwidth() * INCH / FULL_WIDTH if figure and not of_y else 1.0
     most = max(2, int(MOST_TICKS * share))
     if len(place) <= 2 * most:
         axis = axes.yaxis if of_y else axes.xaxis
@@ -189,7 +192,7 @@ def lines_group(lines: Sequence[Line], *, dashed: bool = True, marked: bool = Tr
             [], [], color=line.colour, linestyle=style, marker=mark, markersize=MARK_SIZE
         )
         entries.append((handle, line.label))
-    return Group(entries)
+    return Group(entries, line_keys(lines[0].data) if entries else "")
 
 
 def draw_marks(axes: Axes, line: Line, values: Array, *, filled: Any) -> None:
@@ -282,14 +285,20 @@ def title_figure(
         lines: number of lines of the sweep; the number of lines in `data` by default.
     """
     count = lines or data.sizes[LINE]
-    keys = ", ".join(
-        key_words(".".join(str(values.attrs["long_name"]).split(".")[-KEY_PARTS:]))
-        for values in other_keys(data)
-    )
+    keys = line_keys(data)
     left_out = f" ({most} of {count} lines, all lines are in the data)" if count > most else ""
     of_keys = f"\nlines: {keys}{left_out}" if keys else ""
     set_title(figure, data.attrs["case"], f"{data.attrs['title']}{of_keys}")
     legends_below(figure, *groups)
+
+
+def line_keys(data: xr.Dataset) -> str:
+    """Return the names of the keys that distinguish the lines, as text; empty without such keys."""
+    return ", ".join(
+        key_words(".".join(str(values.attrs["long_name"]).split(".")[-KEY_PARTS:]))
+        for values in data.coords.values()
+        if values.dims in ((), (LINE,)) and "long_name" in values.attrs
+    )
 
 
 def chosen(count: int, most: int) -> list[int]:

@@ -96,9 +96,14 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
         threshold = linear_threshold(growth, error)
         norm = SymLogNorm(threshold, vmin=-top, vmax=top) if threshold else Normalize(-top, top)
         pictures.append((growth, "growth rate [1/s]", DIVERGING, norm))
-    figure = style.new_figure(width=style.FULL_WIDTH, height=0.04 + 0.05 * len(shown))
-    columns = 1 + len(pictures)
-    rows = figure.subplots(len(shown), columns, sharex=True, sharey=True, squeeze=False)
+    columns, height = 1 + len(pictures), 0.05 * len(shown)
+    figure = style.new_figure(width=style.FULL_WIDTH, height=0.04 + height)
+    narrow, shape = style.is_narrow(figure), (len(shown), columns)
+    if narrow:  # panels one above another
+        shape = (len(shown) * columns, 1)
+        figure.set_figheight((0.04 + columns * height) / style.INCH)
+    rows = figure.subplots(*shape, sharex=True, sharey=True, squeeze=False)
+    rows = rows.reshape(len(shown), columns)
     for number, row in zip(shown, rows, strict=True):
         draw_regimes(row[0], maps[along].values, maps[across].values, regime_names(maps)[number])
         row[0].set_title(titles[number], loc="left")
@@ -109,19 +114,21 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
         if len(pictures) > 1:
             crossed = np.ma.masked_where(~doubtful[number], growth[number])
             _draw_cells(row[2], maps, crossed, cmap=ListedColormap(["white"]), **CROSSED)
-        drawing.key_axis(row[0], maps, of_y=True, key=across, share=0.5)
-    for axes in rows[-1]:
-        drawing.key_axis(axes, maps, share=1.3 / columns)
-    drawing.rpm_on_top(maps, *rows[0])
+        for axes in row[: columns if narrow else 1]:
+            drawing.key_axis(axes, maps, of_y=True, key=across, share=0.5)
+    for axes in rows[-1, -1:] if narrow else rows[-1]:
+        drawing.key_axis(axes, maps, share=1.0 if narrow else 1.3 / columns)
+    drawing.rpm_on_top(maps, *rows[0][: 1 if narrow else columns])
     of_speed = drawing.key_label(maps[along]) == SPEED
     for column, (_, label, _, _) in enumerate(pictures):
         figure.colorbar(
             drawn[column],
             ax=rows[:, 1 + column].tolist(),
             label=label,
-            location="top",
-            aspect=30,
-            pad=0.02 + (0.14 / len(shown) if of_speed else 0.0),  # above the axis in rpm
+            location="right" if narrow else "top",
+            aspect=20 * len(shown) if narrow else 30,
+            # above the axis in rpm
+            pad=0.02 + (0.14 / len(shown) if of_speed and not narrow else 0.0),
         )
     entries = regime_entries(regime_names(maps))
     if doubtful[shown].any():

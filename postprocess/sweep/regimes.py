@@ -46,6 +46,7 @@ def plot_regimes(data: xr.Dataset) -> Figure:
     draw_regimes(panels[0], lines[0].place, at, np.array([regime_names(one.data) for one in lines]))
     panels[0].set(ylim=(len(lines) - 0.5, -0.5), yticks=at)
     panels[0].set_yticklabels([line.label or "regime" for line in lines])
+    panels[0].set_ylabel(drawing.line_keys(data))
     if judged:
         rate, error = data["growth_rate"].values, data["growth_error"].values
         for line in lines:

@@ -167,9 +167,18 @@ class Scheme(Protocol[StateT]):
         """
 
 
+PROFILES = 200
+"""Number of profiles of a coating in a result, or more if the march is long."""
+
 CHUNK_STEPS = 50_000
 """Number of steps between two yields: few enough for a smooth progress bar, and so many that the
 yields take no noticeable time."""
+
+
+def coating_steps(timing: Timing) -> int:
+    """Return the number of steps between two profiles of a coating."""
+    every = timing.record_every
+    return max(1, min(CHUNK_STEPS, timing.steps // PROFILES + 1) // every) * every
 
 
 def march(

@@ -17,10 +17,11 @@ import h5py
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.modal.stage_arrays import StageArrays, SuperelementArrays
-from bladewhirl.models.stage.contact_problem import rod_angles
+from bladewhirl.models.stage.contact_problem import NodeCoating, WallCoating, rod_angles
 from bladewhirl.solvers.march.boundary import BoundaryChunk
-from bladewhirl.solvers.march.march import Chunk, CoatingRecords, joined
+from bladewhirl.solvers.march.march import Chunk, CoatingRecords, coating_steps, joined
 from bladewhirl.solvers.march.schema import (
     BEAMS,
     NODES,
@@ -270,21 +271,34 @@ class Records:
         self.attributes |= {"end_reason": reason, "end_message": message, **report}
 
 
-def result_bytes(stage: Arrays, records: int, blades: int | None = None) -> int:
+def result_bytes(
+    stage: Arrays,
+    timing: Timing,
+    coating: WallCoating | NodeCoating | None,
+    blades: int | None = None,
+) -> int:
     """Return the size of a result [bytes]; its histories are stored in whole chunks of HDF5.
 
     Args:
         stage: arrays that describe the stage.
-        records: number of records.
+        timing: duration, time step and record step of the march.
+        coating: coating of the wall; None without a coating.
         blades: number of blades in the histories; all blades of the stage if None.
     """
     arrays = (np.asarray(getattr(stage, field.name)) for field in fields(stage))
     sizes = sizes_of(stage) | ({} if blades is None else {"blade": blades})
+    tables, lengths = tables_of_stage(stage), {TIME: timing.records}
+    variables = [*tables.history.values()]
+    if coating is not None:
+        variables += tables.coating.values()
+        tracks, rods = np.atleast_2d(coating.strain).shape
+        sizes |= {"rod": rods, "track": tracks}
+        lengths |= {"rod": rods, "wear_time": 1 + timing.steps // coating_steps(timing)}
     total = 0
-    for variable in tables_of_stage(stage).history.values():
+    for variable in variables:
         widths = widths_of(variable, sizes)
         rows = _rows_stored(widths) if 0 not in widths else 1
-        total += -(-records // rows) * rows * int(np.prod(widths))
+        total += -(-lengths[variable.dimensions[0]] // rows) * rows * int(np.prod(widths))
     return STRUCTURE_BYTES + sum(array.nbytes for array in arrays) + 8 * total
 
 

@@ -61,7 +61,7 @@ ORDERS = (
 """Labels of the orders of convergence. A dash stands for an order that cannot be computed, because
 there are too few differences, or because the differences are not monotone."""
 
-SPEEDS: Any = "0.1:1:91"
+SPEEDS: Any = "0.1:1:0.01"
 
 LARGEST = (
     Column("rpm", "[rpm]", ".1f"),
@@ -153,10 +153,12 @@ def run(
         typer.echo(finished.summary.to_json(), nl=False)
     else:
         Console().print(finished)
-    for line in (finished.end_message, *(f"Hint: {hint}." for hint in finished.hints)):
+    stopped = finished.end_reason == "interrupted"
+    remedy = f"bladewhirl run --resume {finished.directory} finishes the run" if stopped else ""
+    for line in (finished.end_message, *(f"Hint: {hint}." for hint in finished.hints), remedy):
         if line:
             typer.echo(line, err=True)
-    if finished.end_reason == "interrupted":
+    if stopped:
         raise typer.Exit(INTERRUPTED)
 
 
@@ -271,7 +273,7 @@ def interaction(
 
     Args:
         speeds: Speeds of rotation: multiples of the lowest natural frequency, or
-            "2000 rpm:9000 rpm:600".
+            "2000 rpm:9000 rpm:50 rpm"; the stop is included.
         turns: Revolutions at each speed.
         steps: Time steps in a revolution; by default those of march.time_step.
         node: Contact node of the spectra.

@@ -10,7 +10,7 @@ import typer
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import emit, progress_bar, reduction_bar, table
-from bladewhirl.studies.runs.columns import Column, facts, texts
+from bladewhirl.studies.runs.columns import Column, facts, rows_of, texts
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,10 +21,9 @@ if TYPE_CHECKING:
 
 # Typer parses these defaults.
 CAMPBELL_SPEEDS: Any = "0:3"
-OPERATING: Any = "0.6:2"
-RESPONSE_SPEEDS: Any = "0.1:2:381"
-CHART_SPEEDS: Any = "0.6:3:600"
-CHART_KAPPAS: Any = "0:1000:300"
+RESPONSE_SPEEDS: Any = "0.1:2:0.005"
+CHART_SPEEDS: Any = "0.6:3:0.004"
+CHART_KAPPAS: Any = "0:1000:4"
 
 SPECIAL_SPEEDS = (
     Column("waves_meet", "two waves merge and grow without contact from", ".6g"),
@@ -71,7 +70,6 @@ def modes(
     from bladewhirl.models.modal.full_stage import modal_stage
     from bladewhirl.studies.modal import modes as study
     from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
-    from bladewhirl.studies.runs.properties import superelement_modes
 
     for name, value in {"--shapes": shapes, "--animate": animate, "--wave": wave}.items():
         if output is None and value is not None:
@@ -83,10 +81,13 @@ def modes(
                     "--output: not allowed for a superelement; bladewhirl run makes its pictures"
                 )
             with reduction_bar():
-                document = superelement_modes(read, count)
-            rows = document["bladed_disk"]
-            columns = [column for column in study.COLUMNS if column.key in rows[0]]
-            emit(document, table(rows, columns, "Superelement without contact"), json=json)
+                computed = study.modes(read, count=count)
+            rows = rows_of(computed, study.OF_SUPERELEMENT)
+            title = f"Superelement without contact, at {read.march.speed}"
+            printed = table(rows, study.OF_SUPERELEMENT, title)
+            emit({"bladed_disk": rows}, printed, json=json)
+            if computed.attrs["left_out"]:
+                typer.echo(f"Hint: {computed.attrs['left_out']}.", err=True)
             return
         stage = modal_stage(read)
     if output is not None:
@@ -109,7 +110,7 @@ def modes(
 def campbell(
     case: options.CaseFile,
     speeds: Annotated[options.Span, options.span("--speeds")] = CAMPBELL_SPEEDS,
-    operating: Annotated[options.Span, options.span("--operating")] = OPERATING,
+    operating: Annotated[options.Span | None, options.span("--operating")] = None,
     families: options.Number = 5,
     output: options.CaseFolder = None,
     html: options.File = None,
@@ -127,7 +128,8 @@ def campbell(
 
     Args:
         speeds: Speeds of the diagrams: multiples of ω₁, or "2000 rpm:9000 rpm".
-        operating: Operating range to shade: multiples of ω₁, or "40 Hz:60 Hz".
+        operating: Operating range to shade and to mark in the table: multiples of ω₁, or
+            "40 Hz:60 Hz"; by default none.
         families: Number of families of the bladed disk, without the suspension pair.
         html: Write both diagrams as an interactive page, FILE.html.
     """
@@ -139,17 +141,18 @@ def campbell(
         checked_target(html, ".html")
     stage = _modal_stage(case, overrides)
     first, last = speeds.values(stage.reference_frequency).tolist()
-    operated = operating.values(stage.reference_frequency).tolist()
-    diagram = study.campbell(
-        stage, families=families, speeds=(first, last), operating=tuple(operated)
-    )
+    ends = None
+    if operating is not None:
+        ends = tuple(operating.values(stage.reference_frequency).tolist())
+    diagram = study.campbell(stage, families=families, speeds=(first, last), operating=ends)
     if folder is not None:
         study.draw_campbell(diagram, folder, overwrite=overwrite)
     if html is not None:
         study.write_campbell_page(diagram, html, overwrite=overwrite)
     document = study.coincidence_list(diagram)
     rows = [row for row in document["coincidences"] if first <= row["speed"] <= last]
-    parts = [table(rows, study.COINCIDENCES, f"Coincidence speeds from {first:g} to {last:g} ω₁")]
+    columns = study.COINCIDENCES[: None if ends else -1]
+    parts = [table(rows, columns, f"Coincidence speeds from {first:g} to {last:g} ω₁")]
     if "critical_speeds" in document:
         title = f"Critical speeds up to {last:g} ω₁"
         parts.append(table(document["critical_speeds"], study.CRITICAL_SPEEDS, title))
@@ -247,7 +250,8 @@ def response(
     is written.
 
     Args:
-        speeds: Speeds of rotation: multiples of ω₁, or "2000 rpm:9000 rpm:600".
+        speeds: Speeds of rotation: multiples of ω₁, or "2000 rpm:9000 rpm:10 rpm"; the stop is
+            included.
     """
     from bladewhirl.models.stage.stage import build_stage
     from bladewhirl.postprocess.modal.response import drawn_amplitudes, plot_response
@@ -273,7 +277,7 @@ def stability(
     kappa: Annotated[float | None, options.stiffness("--kappa")] = None,
     speeds: options.Speeds = CHART_SPEEDS,
     kappas: Annotated[
-        options.Span, options.span("--kappas", unit="N/m", counted=True)
+        options.Span, options.span("--kappas", unit="N/m", stepped=True)
     ] = CHART_KAPPAS,
     line: Annotated[float, options.stiffness("--line")] = 500.0,
     modes: str = "six",
@@ -306,7 +310,8 @@ def stability(
     Args:
         speed: One speed: multiples of ω₁, or text such as "2500 rpm".
         kappa: One coupling stiffness [N/m], together with --speed.
-        speeds: Speeds of the chart: multiples of ω₁, or "2000 rpm:9000 rpm:600".
+        speeds: Speeds of the chart: multiples of ω₁, or "2000 rpm:9000 rpm:10 rpm"; the stop is
+            included.
         kappas: Stiffnesses of the chart [N/m].
         line: Stiffness [N/m] of the figure of eigenvalues against speed.
         modes: Modes to couple: "six" as in the paper, "all", or a list such as

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from bladewhirl.models.inputs.units import Speed
 
 MOST_POINTS = 100_000
-"""Largest COUNT of a range; a larger number is taken as a typing error."""
+"""Largest number of values of a range; a larger number is taken as a typing error."""
 
 
 def option(
@@ -105,51 +105,51 @@ def _speed(text: str) -> Speed:
 
 @dataclass(frozen=True)
 class Span:
-    """Evenly spaced values, given by an option as "START:STOP" or "START:STOP:COUNT"."""
+    """Ascending values, given by an option as "START:STOP", or as "START:STOP:STEP" or
+    "VALUE,VALUE" as in `bladewhirl sweep --over`."""
 
     source: str  #: name and text of the option, for errors
-    start: Speed | float
-    stop: Speed | float
-    count: int = 2
+    given: tuple[Speed | float, ...]  #: the ends, or all values
 
     def values(self, reference: float = 1.0) -> NDArray[np.float64]:
-        """Return the values from START to STOP, (COUNT,); speeds are returned as multiples of the
+        """Return the two ends, or all values, (values,); speeds are returned as multiples of the
         speed `reference` [rad/s].
 
         Raises:
-            UserError: the ends are not in order.
+            UserError: the values are not in order.
         """
         import numpy as np
 
-        start, stop = (
-            end if isinstance(end, float) else end.multiple(reference)
-            for end in (self.start, self.stop)
+        values = np.array(
+            [each if isinstance(each, float) else each.multiple(reference) for each in self.given]
         )
-        if not 0.0 <= start < stop:
+        if not (len(values) > 1 and values[0] >= 0.0 and np.all(np.diff(values) > 0.0)):
             raise UserError(f"{self.source}: expected a START of zero or more and a STOP above it")
-        return np.linspace(start, stop, self.count)
+        return values
 
 
-def span(name: str, *, unit: str = "", counted: bool = False, help_text: str | None = None) -> Any:
+def span(name: str, *, unit: str = "", stepped: bool = False, help_text: str | None = None) -> Any:
     """Return the typer option of a `Span`; its default is given as text, which typer parses.
 
     Args:
         name: name of the option.
         unit: SI unit of the ends; if empty, the ends are speeds.
-        counted: whether "START:STOP:COUNT" is expected.
+        stepped: whether "START:STOP:STEP" is expected, with the stop included.
         help_text: description, unless each command has its own.
     """
-    form = "START:STOP:COUNT" if counted else "START:STOP"
+    form = "START:STOP:STEP" if stepped else "START:STOP"
     units = f"numbers in {unit} or have a unit" if unit else 'numbers or text such as "2500 rpm"'
     read_end: Callable[[str], Any] = in_si(unit) if unit else _speed
 
     def read(text: str) -> Span:
-        ends, _, last = text.rpartition(":") if counted else (text, "", "2")
-        start, stop = map(read_end, ends.split(":"))
-        count = int(last)
-        if not 2 <= count <= MOST_POINTS:
-            raise UserError(f"{name} {text}: expected a COUNT from 2 to {MOST_POINTS}")
-        return Span(f"{name} {text}", start, stop, count)
+        from bladewhirl.studies.sweeps.axes import parse_values
+
+        given = text.split(":")
+        if stepped:
+            given = [*map(str, parse_values(f"{name} {text}", text, MOST_POINTS))]
+        elif len(given) != 2:
+            raise ValueError
+        return Span(f"{name} {text}", tuple(map(read_end, given)))
 
     return option(name, form, read, f"{form}, with ends that are {units}", help_text)
 
@@ -173,7 +173,7 @@ Folder = Annotated[Path, typer.Argument(metavar="DIR")]
 File = Annotated[Path | None, typer.Option(metavar="FILE")]
 Number = Annotated[int, typer.Option(min=1)]
 MaybeNumber = Annotated[int | None, typer.Option(min=1)]
-Speeds = Annotated[Span, span("--speeds", counted=True)]
+Speeds = Annotated[Span, span("--speeds", stepped=True)]
 Stiffnesses = Annotated[
     Span | None,
     span(

@@ -59,7 +59,8 @@ def plot(
 ) -> None:
     """Draw figures of a run or a sweep, with the data of each figure as netCDF.
 
-    Without a NAME the available figures are listed. Without a time window, spectrum and
+    Without a NAME the available figures are listed. If figures of several NAMEs cannot be drawn,
+    the others are drawn first. Without a time window, spectrum and
     contact-classes of a run show the last third of the time.
 
     Args:
@@ -70,8 +71,8 @@ def plot(
         title: Another title of the figure; "" for no title.
     """
     from bladewhirl.postprocess.fields.kinematics import ViewError
-    from bladewhirl.postprocess.plotting.style import FORMATS
-    from bladewhirl.postprocess.plotting.titles import refit
+    from bladewhirl.postprocess.plotting.style import FORMATS, at_width
+    from bladewhirl.postprocess.plotting.titles import retitle
     from bladewhirl.studies.runs.figures_folder import save_figures
 
     formats = [format_name] if format_name else FORMATS
@@ -80,33 +81,40 @@ def plot(
         if not names:
             typer.echo("\n".join(captions(kinds)))
             return
-        _check_names(names, kinds)
+        unknown = [*_unknown(names, kinds)]
         left_out: dict[str, list[str]] = {}
         for name in figures.names if ALL in names else dict.fromkeys(names):
             try:
-                figure, drawn = figures.draw(name)
+                if name not in kinds:
+                    continue
+                with at_width(width and width / 1000):
+                    figure, drawn = figures.draw(name)
             except ViewError as error:
-                if ALL not in names:
+                if names == [name]:
                     raise
                 left_out.setdefault(str(error), []).append(name)
                 continue
-            refit(figure, title=title, width=width and width / 1000)
+            if title is not None:
+                retitle(figure, title)
             save_figures(folder, {name: (figure, drawn)}, overwrite=overwrite, formats=formats)
             typer.echo(f"Wrote {folder / name}.{', .'.join(formats)} and .nc.")
-        for reason, figures_without in left_out.items():
-            typer.echo(f"{', '.join(figures_without)} left out: {reason}", err=True)
+    lines = [f"{', '.join(each)} left out: {reason}" for reason, each in left_out.items()]
+    if unknown or (lines and ALL not in names):
+        raise UserError(*unknown, *lines)
+    for line in lines:
+        typer.echo(line, err=True)
 
 
-def _check_names(names: Sequence[str], kinds: Mapping[str, FigureKind]) -> None:
-    """Raise an error if there are no figures of these names."""
+def _unknown(names: Sequence[str], kinds: Mapping[str, FigureKind]) -> Iterator[str]:
+    """Yield an error for each replaced figure, and one for all names of which there is none."""
     unknown = [name for name in names if name not in (*kinds, ALL)]
-    for name in unknown:
-        if REPLACED.get(name) in kinds:
-            raise UserError(f"{name}: expected {REPLACED[name]}, which replaces it")
+    for name in [name for name in unknown if REPLACED.get(name) in kinds]:
+        unknown.remove(name)
+        yield f"{name}: expected {REPLACED[name]}, which replaces it"
     if unknown:
         of_nodes = "of a superelement " if kinds is NODE_FIGURES else ""
         kind = "a sweep has" if kinds is SWEEP_FIGURES else f"a run {of_nodes}has"
-        raise UserError(f"{', '.join(unknown)}: {kind} the figures {', '.join(kinds)}; or {ALL}")
+        yield f"{', '.join(unknown)}: {kind} the figures {', '.join(kinds)}; or {ALL}"
 
 
 @contextmanager
@@ -152,7 +160,8 @@ def export(
 
     The parts are rotor, casing, contact, supports. Warp By Vector with warp and factor 1 shows the
     stage as bladewhirl render does. For a superelement the parts are blades and contact, with
-    displacement and force. Fields: displacement, velocity, radial_displacement, gap, axial
+    displacement, blade and contact_force. Fields: displacement, velocity, radial_displacement, gap,
+    axial
     and bending strain and stress; part, blade, thickness; contact_force (for Glyph).
     An earlier series that bladewhirl wrote into the folder is replaced.
 
@@ -162,9 +171,9 @@ def export(
         exaggeration: Factor on displacement and clearance in the field warp; automatic by default.
         output: Folder to write; by default DIR/vtk.
     """
-    from bladewhirl.postprocess.fields.kinematics import sampling_hint
+    from bladewhirl.postprocess.fields.kinematics import frame_records, sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.paraview.series import export_vtk, series_records
+    from bladewhirl.postprocess.paraview.series import export_vtk
     from bladewhirl.postprocess.superelement.series import export_points
     from bladewhirl.solvers.march.schema import NODES, tables_of
 
@@ -176,7 +185,7 @@ def export(
             if surface or exaggeration is not None:
                 raise UserError("--surface, --exaggeration: not allowed for a superelement")
             look, write = {}, export_points
-        records = series_records(result, frames, start, end)
+        records = frame_records(result, frames, start, end)
         look |= {"rotating": rotating, "overwrite": overwrite}
         with progress_bar(folder.name) as update, writing(folder):
             index = write(result, folder, records=records, progress=update, **look)

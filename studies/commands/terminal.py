@@ -10,11 +10,11 @@ import io
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from datetime import timedelta
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn, Protocol
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, Protocol
 
 import typer
 from typer.core import TyperGroup
@@ -43,7 +43,11 @@ INTERRUPTED = 130
 
 
 def table(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], title: str = "") -> Table:
-    """Return a table with a line for each row; columns without a heading are left out."""
+    """Return a table with a line for each row; columns without a heading are left out.
+
+    On a narrow terminal, headings and texts of the first column break between words; numbers do
+    not break, and nothing is cut.
+    """
     from rich import box
     from rich.markup import escape
     from rich.table import Table
@@ -57,12 +61,14 @@ def table(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], title: s
         collapse_padding=True,
     )
     columns = [column for column in columns if column.heading]
+    cells = [[column.text(row) for column in columns] for row in rows]
     for place, column in enumerate(columns):
-        printed.add_column(
-            escape(column.heading), justify="right" if column.form else "left", no_wrap=place > 0
-        )
-    for row in rows:
-        printed.add_row(*(escape(column.text(row)) for column in columns))
+        whole = [*column.heading.split(), *(row[place] for row in cells if place)]
+        justify: Literal["left", "right"] = "right" if column.form else "left"
+        width = max(map(len, whole), default=1)
+        printed.add_column(escape(column.heading), justify=justify, min_width=width)
+    for row in cells:
+        printed.add_row(*map(escape, row))
     return printed
 
 
@@ -89,7 +95,7 @@ def emit(
         if isinstance(part, str):
             typer.echo(part)
         else:
-            Console().print(part)
+            Console().print(part, crop=False)
     for path in written:
         if path is not None:
             typer.echo(f"Wrote {path}.", err=json)
@@ -122,10 +128,12 @@ def _console() -> Console:
 
 @contextmanager
 def reduction_bar() -> Iterator[None]:
-    """Show a bar while a large superelement is reduced."""
+    """Show a bar while a large superelement is reduced; the bar begins with the first progress."""
     from bladewhirl.models.superelements.solver import reduction_progress
 
-    with progress_bar("reducing the superelement") as update, reduction_progress(update):
+    with ExitStack() as stack:
+        bar = cache(lambda: stack.enter_context(progress_bar("reducing the superelement")))
+        stack.enter_context(reduction_progress(lambda done, total: bar()(done, total)))
         yield
 
 

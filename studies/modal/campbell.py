@@ -13,7 +13,13 @@ from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes, names_of
 from bladewhirl.models.stage.stage import Stage
-from bladewhirl.postprocess.modal.campbell import Frame, drawn_part, plot_campbell
+from bladewhirl.postprocess.modal.campbell import (
+    UNKNOWN,
+    Frame,
+    drawn_part,
+    operating_range,
+    plot_campbell,
+)
 from bladewhirl.solvers.stability.coincidence import coincidences
 from bladewhirl.studies.modal.campbell_at_speed import (
     dataset_at_speed,
@@ -37,7 +43,7 @@ def campbell(
     *,
     families: int = 5,
     speeds: Interval = (0.0, 3.0),
-    operating: Interval = (0.6, 2.0),
+    operating: Interval | None = None,
 ) -> xr.Dataset:
     """Compute the speeds at which waves on bladed disk and casing coincide, Eq. (14), and these
     waves.
@@ -77,7 +83,7 @@ def campbell(
         speeds: ends of the diagrams, each a multiple of the reference frequency or text such as
             "2500 rpm". With rotation effects, coincidences are computed up to the second end only;
             a mode, such as 1F with nodal diameter 1, can have none below this speed.
-        operating: ends of the operating range, in the form of `speeds`.
+        operating: ends of the operating range, in the form of `speeds`; None if it is not known.
 
     Raises:
         CaseError: finite elements cannot be computed with the numbers of the case.
@@ -87,7 +93,7 @@ def campbell(
     refuse_unequal_bearings("campbell", stage.case, allowed="full")
     reference = stage.reference_frequency
     shown = _multiples("speeds", speeds, reference)
-    operated = _multiples("operating", operating, reference)
+    operated = UNKNOWN if operating is None else _multiples("operating", operating, reference)
     ranks = range(1, min(families, stage.disk_modes.count) + 1)
     chosen = {"suspension", *(f"{rank}F" for rank in ranks)}
     rotor = _of_families(stage.disk_modes, chosen)
@@ -183,7 +189,7 @@ def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
     """Return the JSON document of `campbell`: coincidences, ascending, and critical speeds."""
     document = {
         "reference_frequency_hz": diagram.attrs["reference_frequency_hz"],
-        "operating_range": list(diagram.attrs["operating_range"]),
+        "operating_range": operating_range(diagram),
         "coincidences": rows_of(diagram, COINCIDENCES),
     }
     if "branch" not in diagram.dims:

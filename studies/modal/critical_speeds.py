@@ -59,7 +59,8 @@ def critical_speeds(
             ones.
 
     Raises:
-        UserError: the case has no Coriolis forces, or the sectors of the bladed disk differ.
+        UserError: the case has no Coriolis forces, the sectors of the bladed disk differ, or a
+            stiffness is not positive.
     """
     stage = full_stage(case_or_stage)
     if stage.at_speed is None or stage.case.rotation.effects != "full":
@@ -71,10 +72,10 @@ def critical_speeds(
     orders, count = ORDERS, branches
     if isinstance(nominal, EllipticWaves):
         orders, count = {"elliptic": 0}, 2 * branches
-    springs = spring_stiffnesses(stage.case, None) if stiffnesses is None else stiffnesses
+    springs = spring_stiffnesses(stage.case, None, stiffnesses)
     speed = np.full((len(springs), len(orders), count), np.nan)
     share = np.full_like(speed, np.nan)
-    for i, ratio in enumerate(np.asarray(springs) / at):
+    for i, ratio in enumerate(springs / at):
         for j, order in enumerate(orders.values()):
             omegas, shares = (a[:count] for a in nominal.on_springs(ratio).synchronous(order))
             speed[i, j, : len(omegas)] = omegas * 30.0 / np.pi

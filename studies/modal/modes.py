@@ -1,17 +1,22 @@
 """Natural modes of a case: Dataset and JSON document."""
 
+import warnings
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.modal.full_stage import LabelledWhirlModes, ModalStage, modal_stage
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import is_first_of_pair
 from bladewhirl.models.rotation.whirl_modes import Direction, WhirlModes, directions
+from bladewhirl.models.stage.hints import unused_matrices
 from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of
+from bladewhirl.studies.runs.properties import superelement_frequencies
 
 LEVELS = {
     "body": "bladed-disk or casing",
@@ -38,6 +43,8 @@ COLUMNS = (
     Column("purity", "purity", ".3f"),
     Column("spring_share", "springs", ".1%"),
 )
+OF_SUPERELEMENT = tuple(COLUMNS[position] for position in (0, 3, 4))
+"""Columns of a superelement: number and frequencies."""
 AT_SPEED = (
     Column("family_at_rest", "at rest"),
     Column("direction", "rotating"),
@@ -53,7 +60,7 @@ def full_stage(case_or_stage: Case | Stage | ModalStage) -> ModalStage:
     return modal_stage(case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case)
 
 
-def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
+def modes(case_or_stage: Case | Stage | ModalStage, *, count: int = 60) -> xr.Dataset:
     """Compute natural modes of the casing and of the full bladed disk, with free and clamped
     centre.
 
@@ -74,8 +81,13 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
     the same branch at rest.
     `modes.reset_index("mode")` can be saved to a file.
 
+    For a superelement, the Dataset has frequency and normalised_frequency only, of one copy or of
+    the wheel of a sector, with the Coriolis forces of its file at the speed of the case; a mode is
+    selected by body and number, and the reference is the lowest mode that is not rigid, at rest.
+
     Args:
         case_or_stage: a case, or its stage.
+        count: number of modes of a superelement; of beams, all modes are returned.
 
     Returns:
         The modes of each body, ascending. Attributes: `centre`, free or clamped as in the case, and
@@ -84,6 +96,8 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
     Raises:
         CaseError: finite elements cannot be computed with the numbers of the case.
     """
+    if isinstance(case_or_stage, Case) and case_or_stage.bladed_disk.superelement is not None:
+        return _of_superelement(case_or_stage, count)
     stage = full_stage(case_or_stage)
     lists = (
         ("bladed-disk", "free", stage.free_whirl or stage.free_modes),
@@ -98,6 +112,29 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
         rotation_effects=stage.case.rotation.effects,
         reference_frequency_hz=stage.reference_frequency / (2.0 * np.pi),
     )
+
+
+def _of_superelement(case: Case, count: int) -> xr.Dataset:
+    """Return the lowest modes of a superelement; warn of matrices that they leave out."""
+    stage = superelement_stage(case)
+    for hint in (hints := [*unused_matrices(stage)]):
+        warnings.warn(hint, Hint, stacklevel=3)
+    frequency, reference = superelement_frequencies(stage, count), stage.reference_frequency
+    return xr.Dataset(
+        {
+            "frequency": quantity("mode", frequency / (2.0 * np.pi), "Hz", "natural frequency"),
+            "normalised_frequency": quantity("mode", frequency / reference, "1"),
+        },
+        coords={
+            "body": ("mode", ["bladed-disk"] * len(frequency)),
+            "number": ("mode", np.arange(1, len(frequency) + 1)),
+        },
+        attrs={
+            "title": "natural modes",
+            "left_out": "; ".join(hints),
+            "reference_frequency_hz": reference / (2.0 * np.pi),
+        },
+    ).set_index(mode=["body", "number"])
 
 
 def _modes_of(

@@ -9,9 +9,11 @@ import xarray as xr
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
+from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import ALL
 from bladewhirl.models.inputs.units import speed_of
+from bladewhirl.models.rotation.at_speed import check_stable
 from bladewhirl.models.stage.engine_order import complex_factors, unit_forces
 from bladewhirl.models.stage.stage import Stage, build_stage, rotor_at
 from bladewhirl.postprocess.modal.response import amplitude, by_nodal_diameter
@@ -61,10 +63,17 @@ def response(
     stage = build_stage(case_or_stage) if isinstance(case_or_stage, Case) else case_or_stage
     loads = _engine_orders(stage)
     given = [stage.case.march.speed.given] if speeds is None else list(speeds)
+    if not given:
+        raise UserError("response: speeds []: expected at least one speed")
     multiples = [
         speed_of(each, f"response: speeds {each!r}").multiple(stage.reference_frequency)
         for each in given
     ]
+    fastest = max(multiples, key=abs)
+    if stage.turning is not None:
+        at_speed, omega = {"march.speed": fastest}, fastest * stage.reference_frequency
+        own = with_values(stage.case, at_speed)
+        check_stable(own, stage.turning.matrices, omega, stage.reference_frequency)
     orders = list(dict.fromkeys(order for load in loads for order in load.order))
     units = [(load, unit_forces(stage.case, stage.disk, load)) for load in loads]
     answers = []

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.inputs.units import speed_of
+from bladewhirl.models.inputs.units import ascending, speed_of
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.motion import radial_shapes, shown_clearance
@@ -27,8 +27,10 @@ from bladewhirl.studies.modal.modes import full_stage
 from bladewhirl.studies.modal.stability_chart import GROWTH, MULTIPLES, STIFFNESS, stability_chart
 from bladewhirl.studies.runs.columns import quantity
 
-SPEEDS, KAPPAS = np.linspace(0.6, 3.0, 600), np.linspace(0.0, 1000.0, 300)
+SPEEDS, KAPPAS = np.linspace(0.6, 3.0, 601), np.linspace(0.0, 1000.0, 251)
 """Default speeds (multiples of the reference frequency) and stiffnesses [N/m] of a chart."""
+
+ASCENDING = "one or more numbers of zero or more, ascending"
 
 RECORDS_PER_TURN = 48
 """Number of records in a turn of the rotor: twice as many as a smooth animation needs."""
@@ -82,7 +84,10 @@ def stability(
         chart=chart,
     )
     if chart:
-        speeds, kappas = np.atleast_1d(np.asarray(speed, float)), np.atleast_1d(kappa)
+        speeds, kappas = (
+            np.array(ascending(f"stability: {name}", np.atleast_1d(each), ASCENDING, 0.0))
+            for name, each in (("speed", speed), ("kappa", kappa))
+        )
         return stability_chart(system, speeds * system.reference, kappas, progress)
     omega = speed_of(speed, f"stability: speed {speed!r}").rad_per_s(system.reference)
     return stability_point(system, omega, float(kappa))  # type: ignore[arg-type]  # not an array

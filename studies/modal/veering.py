@@ -10,6 +10,8 @@ import xarray as xr
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.fields import SMALLEST
+from bladewhirl.models.inputs.units import ascending
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
@@ -68,7 +70,7 @@ def veering(
     """
     stage = full_stage(case_or_stage)
     families = min(families, stage.disk_modes.count)
-    springs = spring_stiffnesses(stage.case, None) if stiffnesses is None else stiffnesses
+    springs = spring_stiffnesses(stage.case, None, stiffnesses)
     branches, computed = _over_shaft(stage, springs), modes(stage)
     reference, hertz = stage.reference_frequency, 2.0 * np.pi
     share = "share of the strain energy in the shaft springs"
@@ -149,13 +151,20 @@ def suspension_frequency(diagrams: xr.Dataset) -> float | None:
     return float(diagrams["normalised_frequency"].values[here][0]) if here.any() else None
 
 
-def spring_stiffnesses(case: Case, interval: FloatArray | None) -> FloatArray:
-    """Return stiffnesses of the shaft springs [N/m], equally spaced on a logarithmic scale, from
-    the first to the last of an interval, or, if the interval is None, around that of the case.
+def spring_stiffnesses(
+    case: Case, interval: FloatArray | None, given: FloatArray | None = None
+) -> FloatArray:
+    """Return the stiffnesses of the shaft springs [N/m] that a caller gave or, if None, stiffnesses
+    equally spaced on a logarithmic scale, from the first to the last of an interval, or, if the
+    interval is None, around that of the case.
 
     Raises:
-        UserError: the first stiffness is zero.
+        UserError: the first stiffness is zero, or the given ones are not positive and ascending.
     """
+    if given is not None:
+        return np.array(
+            ascending("stiffnesses", given, "positive stiffnesses, ascending", SMALLEST)
+        )
     if interval is None:
         interval = case.shaft.stiffness * 10.0 ** np.array([-DECADES, DECADES])
     if not interval[0] > 0.0:

@@ -147,15 +147,15 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
     """Write the ParaView series; yield hints for the user, for instance about too coarse
     sampling."""
-    from bladewhirl.postprocess.fields.kinematics import ViewError, sampling_hint
-    from bladewhirl.postprocess.paraview.series import export_vtk, series_records
+    from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, sampling_hint
+    from bladewhirl.postprocess.paraview.series import export_vtk
     from bladewhirl.postprocess.superelement.series import export_points
 
     nodes = tables_of(result.attrs) is NODES
     if window.frames == 0 or (nodes and "point" not in result):
         return
     try:
-        records = series_records(result, window.frames, window.start, window.end)
+        records = frame_records(result, window.frames, window.start, window.end)
     except ViewError as error:  # the run ended before the window
         yield f"no ParaView series: {error}"
         return

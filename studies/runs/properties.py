@@ -1,5 +1,4 @@
-"""Properties of a stage: masses, frequencies, time step, speed, loads, sizes; and modes of a
-superelement."""
+"""Properties of a stage: masses, frequencies, time step, speed, loads, sizes."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -8,18 +7,18 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import W
-from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.modal.modes import Modes
+from bladewhirl.models.rotation.eigenproblems import gyroscopic_frequencies
 from bladewhirl.models.stage.build import marched_bodies
 from bladewhirl.models.stage.coating import wall_coating
-from bladewhirl.models.stage.contact_problem import critical_time_step
+from bladewhirl.models.stage.contact_problem import WallCoating, critical_time_step
 from bladewhirl.models.stage.hints import locking_friction, static_response
 from bladewhirl.models.stage.loads import closing_unbalance, imbalance_force, radial_mode, unbalance
 from bladewhirl.models.stage.stage import Stage
-from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
+from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.models.superelements.reduction import lowest_modes
 from bladewhirl.solvers.march.recorder import result_bytes
 
@@ -55,7 +54,7 @@ def stage_properties(stage: Stage) -> dict[str, Any]:
         pair = [mode for mode, name in enumerate(stage.disk_family) if name == "suspension"]
         rotor, casing = marched_bodies(stage)
         critical = critical_time_step(rotor, casing, stage.kept.springs)
-        records = case.march.timing.records
+        timing, coating = case.march.timing, wall_coating(stage)
         return {
             "bladed_disk_mass": stage.disk.model.mass,  # kg
             "bladed_disk_parts": stage.disk.model.part_masses,  # beams by part, point masses [kg]
@@ -78,19 +77,18 @@ def stage_properties(stage: Stage) -> dict[str, Any]:
             "critical_time_step": critical,  # s
             "dt_over_critical": case.march.time_step / critical,
             "steps": case.march.steps,
-            "records": records,
+            "records": timing.records,
             # The approximate size of result.nc.
-            "result_bytes": result_bytes(stage.arrays, records),
+            "result_bytes": result_bytes(stage.arrays, timing, coating),
             "imbalance": _imbalance(stage),
             "distortion": _distortion(stage),
-            "coating": _coating(stage),
+            "coating": _coating(coating),
         }
 
 
-def _coating(stage: Stage) -> dict[str, float] | None:
+def _coating(coating: WallCoating | None) -> dict[str, float] | None:
     """Return number and arc length of the rods of the coating, the arc that a tip covers, and the
     force at which the coating under a tip gives way; None without a coating."""
-    coating = wall_coating(stage)
     if coating is None:
         return None
     footprint = float(coating.footprint.min())
@@ -189,25 +187,25 @@ def _distortion(stage: Stage) -> dict[str, Any] | None:
     }
 
 
-def superelement_modes(case: Case, count: int) -> dict[str, Any]:
-    """Return the lowest natural frequencies of one copy of a superelement, or of its wheel.
+COUPLED = 100
+"""Number of further modes that Coriolis forces may couple to the listed modes of a superelement."""
 
-    Returns:
-        JSON document: "bladed_disk", a list of modes with "number", "frequency_hz" and
-        "normalised", the frequency divided by the lowest one that is not of a rigid mode.
-    """
-    stage = superelement_stage(case)
-    frequency = stage.reduced.frequency
+
+def superelement_frequencies(stage: SuperelementStage, count: int) -> FloatArray:
+    """Return the lowest natural frequencies of one copy of a superelement, or of its wheel, with
+    the Coriolis forces of its file at the speed of the case [rad/s], (count,) or fewer."""
+    part, reduced = stage.part, stage.reduced
+    squares, coriolis = reduced.frequency**2, reduced.gyroscopic
     if stage.table.kind != "sector":
-        most = min(count, stage.part.size - 1)
-        frequency = np.sqrt(np.maximum(lowest_modes(stage.part, most)[0], 0.0))
-    hertz = (frequency / (2.0 * np.pi)).tolist()
-    normalised = (frequency / stage.reference_frequency).tolist()
-    rows = [
-        {"number": number, "frequency_hz": hz, "normalised": ratio}
-        for number, hz, ratio in zip(range(1, count + 1), hertz, normalised, strict=False)
-    ]
-    return {"bladed_disk": rows}
+        more = 0 if part.gyroscopic is None else COUPLED
+        squares, shapes = lowest_modes(part, min(count + more, part.size - 1))
+        coriolis = None if part.gyroscopic is None else shapes.T @ (part.gyroscopic @ shapes)
+    squares = np.maximum(squares, 0.0)
+    if coriolis is None or stage.speed == 0.0:
+        return np.sqrt(squares[:count])
+    skew = 0.5 * stage.speed * (coriolis - coriolis.T)
+    w = gyroscopic_frequencies(np.eye(len(skew)), np.diag(squares), skew).real
+    return np.sort(w)[len(skew) :][:count]
 
 
 def superelement_properties(stage: SuperelementStage) -> dict[str, Any]:
@@ -238,7 +236,7 @@ def superelement_properties(stage: SuperelementStage) -> dict[str, Any]:
         "dt_over_critical": timing.time_step / limit,
         "steps": timing.steps,
         "records": timing.records,
-        "result_bytes": result_bytes(stage.arrays, timing.records),
+        "result_bytes": result_bytes(stage.arrays, timing, layer),
     }
 
 

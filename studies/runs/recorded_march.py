@@ -31,6 +31,7 @@ from bladewhirl.solvers.march.march import (
     CoatingRecords,
     EndReason,
     MarchState,
+    coating_steps,
     joined,
     march,
 )
@@ -62,9 +63,6 @@ records since the last write."""
 CACHED_RECORDS = 500
 """Largest number of records that a march in memory computes at a time, so that they are in the
 cache when they are stored."""
-
-PROFILES = 200
-"""Number of profiles of a coating in a run, or more if the run is long."""
 
 Activity = Literal["marching", "writing"]
 
@@ -168,7 +166,7 @@ def _march_into(
         statistics = first.statistics
     if prepared.problem.coating is not None:
         # There is a profile of the coating at the end of each chunk.
-        chunk_steps = min(CHUNK_STEPS, timing.steps // PROFILES + 1)
+        chunk_steps = coating_steps(timing)
     began, flushed, waiting = time.perf_counter() - before, -pause, list[Any]()
     try:
         with asked_to_stop() as interrupted:
@@ -298,4 +296,4 @@ def check_room(directory: Path, needed: int) -> None:
 
 def expected_bytes(prepared: Prepared) -> int:
     """Return the size of the result on disk if the march completes [bytes]."""
-    return result_bytes(prepared.stage.arrays, prepared.timing.records)
+    return result_bytes(prepared.stage.arrays, prepared.timing, prepared.problem.coating)

@@ -258,16 +258,26 @@ def parse_over(options: Sequence[str]) -> dict[str, tuple[Value, ...]]:
             raise UserError(f"{OVER} {option}: expected KEY=START:STOP:STEP or KEY=VALUE,VALUE")
         if key in over:
             raise UserError(f"{OVER} {key}: expected each key at most once")
-        is_range = ":" in text
-        parts = text.split(":") if is_range else text.removesuffix(",").split(",")
-        matches = [match for match in map(NUMBER.fullmatch, parts) if match is not None]
-        units = {match[2] or "" for match in matches}
-        if len(matches) < len(parts) or len(units) > 1:
-            raise UserError(f"{OVER} {option}: expected numbers, all with the same unit or none")
-        numbers, unit = [Decimal(match[1]) for match in matches], units.pop()
-        numbers = _range(option, numbers) if is_range else numbers
-        over[key] = tuple(case_value(number, unit) for number in numbers)
+        over[key] = parse_values(f"{OVER} {option}", text)
     return over
+
+
+def parse_values(label: str, text: str, most: int = MOST_POINTS) -> tuple[Value, ...]:
+    """Return the values of "START:STOP:STEP" or "VALUE,VALUE", see `parse_over`.
+
+    Raises:
+        UserError: the text has another form, or a range has fewer than two or more than `most`
+            values; the message begins with the label.
+    """
+    is_range = ":" in text
+    parts = text.split(":") if is_range else text.removesuffix(",").split(",")
+    matches = [match for match in map(NUMBER.fullmatch, parts) if match is not None]
+    units = {match[2] or "" for match in matches}
+    if len(matches) < len(parts) or len(units) > 1:
+        raise UserError(f"{label}: expected numbers, all with the same unit or none")
+    numbers, unit = [Decimal(match[1]) for match in matches], units.pop()
+    numbers = _range(label, numbers, most) if is_range else numbers
+    return tuple(case_value(number, unit) for number in numbers)
 
 
 def coordinate(case_values: Sequence[Any]) -> tuple[FloatArray, str]:
@@ -336,16 +346,16 @@ def _numeric_keys(table: Table) -> Iterator[tuple[str, str]]:
             yield name, descriptions.get(name, "")
 
 
-def _range(option: str, numbers: Sequence[Decimal]) -> list[Decimal]:
-    """Return the numbers from start to stop of an option with the numbers start, stop and step."""
+def _range(label: str, numbers: Sequence[Decimal], most: int) -> list[Decimal]:
+    """Return the numbers from start to stop of a range with the numbers start, stop and step."""
     steps = Decimal(0)
     if len(numbers) == 3 and numbers[2] > 0:
         start, stop, step = numbers
         steps = (stop - start) / step
-    if not 1 - ON_GRID <= steps < MOST_POINTS:
+    if not 1 - ON_GRID <= steps < most:
         raise UserError(
-            f"{OVER} {option}: expected START:STOP:STEP with START below STOP, a positive STEP and"
-            f" 2 to {MOST_POINTS} points"
+            f"{label}: expected START:STOP:STEP with START below STOP, a positive STEP and"
+            f" 2 to {most} points"
         )
     grid = [start + i * step for i in range(int(steps + ON_GRID) + 1)]
     if abs(grid[-1] - stop) <= ON_GRID * step:

@@ -8,6 +8,8 @@ from math import inf
 import numpy as np
 
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.inputs.timing import Timing
+from bladewhirl.models.stage.coating import wall_coating
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.postprocess.sweep.dataset import WINDOW_SHARE, Layout
 from bladewhirl.solvers.march.recorder import result_bytes
@@ -32,8 +34,8 @@ class Extent:
     record_step: float = 0.0  #: longest time between records of any march [s]
     steps: int = 0  #: number of steps of all marches together
     most_steps: int = 0  #: largest number of steps of a march
-    #: number of points by (blades, records)
-    histories: Counter[tuple[int, int]] = field(default_factory=Counter)
+    #: number of points by (blades, times of the march)
+    histories: Counter[tuple[int, Timing]] = field(default_factory=Counter)
 
     @property
     def blades(self) -> int:
@@ -43,7 +45,7 @@ class Extent:
     @property
     def records(self) -> int:
         """Largest number of records of a point."""
-        return max(records for _, records in self.histories)
+        return max(timing.records for _, timing in self.histories)
 
 
 def march_extent(cases: Iterable[Case]) -> Extent:
@@ -55,7 +57,7 @@ def march_extent(cases: Iterable[Case]) -> Extent:
         extent.record_step = max(extent.record_step, march.record_step)
         extent.steps += march.steps
         extent.most_steps = max(extent.most_steps, march.steps)
-        extent.histories[case.blades, march.timing.records] += 1
+        extent.histories[case.blades, march.timing] += 1
     return extent
 
 
@@ -85,7 +87,8 @@ def make_layout(extent: Extent, stage: AnyStage) -> Layout:
 def history_bytes(extent: Extent, stage: AnyStage) -> int:
     """Estimate the size of all full histories of a sweep [bytes], assuming that all points have as
     many modes as the first point."""
+    coating = stage.coating if isinstance(stage, SuperelementStage) else wall_coating(stage)
     return sum(
-        points * result_bytes(stage.arrays, records, blades)
-        for (blades, records), points in extent.histories.items()
+        points * result_bytes(stage.arrays, timing, coating, blades)
+        for (blades, timing), points in extent.histories.items()
     )

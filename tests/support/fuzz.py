@@ -86,7 +86,7 @@ COMMANDS = {
         *("mesh case.toml", "mesh case.toml -o out.vtu", "mesh case.toml -o out.inp"),
         *("campbell case.toml --json", "veering case.toml --json"),
         "stability case.toml --json --speed 1.1 --kappa 300",
-        "stability case.toml --json --speeds 0.9:1.2:3 --kappas 0:300:2",
+        "stability case.toml --json --speeds 0.9:1.2:0.1 --kappas 0:300:300",
         "sweep case.toml --over march.speed=1,2 --dry",
     ),
     "mesh": ("show case.toml --json", "modes case.toml --json"),

@@ -72,7 +72,7 @@ def make(folder: Path) -> None:
         keep_json(
             documents / f"stability-{name}.json",
             *("stability", IMBALANCE, "-o", folder / f"stability-{name}", "--no-films"),
-            *("--speeds", "0.6:3:40", "--kappas", "0:1000:20", *effects),
+            *("--speeds", "0.6:3:0.06", "--kappas", "0:1000:50", *effects),
         )
     keep_json(documents / "veering.json", "veering", IMBALANCE, "-o", folder / "veering")
     run = folder / IMBALANCE.stem

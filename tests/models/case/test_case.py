@@ -258,6 +258,7 @@ def test_initial_rows_of_a_wrong_shape(key: str, value: object, place: str) -> N
         ({"bladed_disk": {"disk_radius": 0.5}}, "bladed_disk.disk_radius = 0.5", "less than"),
         ({"bladed_disk": {"tip_radius": "2 cm"}}, "bladed_disk.disk_radius = 0.05", "= 0.02"),
         ({"march": {"record_step": 1e-7}}, "march.record_step = 1e-7", "at least march.time_step"),
+        ({"march": {"duration": 5e-7}}, "march.duration = 5e-7", "0, or at least march.time_step"),
         (
             {"march": {"record_step": 1.5e-6}},
             "march.record_step",

@@ -170,3 +170,11 @@ def path(tmp_path: Path) -> Path:
 def test_commands_print_hints_and_continue(path: Path) -> None:
     done = answer("show", path, "--set", "casing.clearance=0.06")
     assert "Hint: unusual casing.clearance = 0.06: expected 5e-07 to 0.05 m" in done.stderr
+
+
+def test_an_imbalance_far_beyond_the_clearance_is_probably_in_another_unit() -> None:
+    imbalance = "excitation={type='imbalance', unbalance=1e9}"
+    [line] = stage_hints(stage(imbalance))
+    assert line.startswith("the static response to the imbalance is ")
+    assert "times the clearance: check that unbalance is in kg m" in line
+    assert not stage_hints(stage(imbalance.replace("1e9", "0.1")))

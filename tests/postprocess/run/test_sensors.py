@@ -189,3 +189,7 @@ def test_what_cannot_be_timed_is_refused() -> None:
         tip_timing(bending(11))
     with pytest.raises(ViewError, match="at least four records a revolution"):
         tip_timing(bending(401).assign_attrs(speed=0.0))
+    with pytest.raises(bw.UserError, match=r"probes .*: expected at least one angle"):
+        tip_timing(bending(401), [])
+    with pytest.raises(bw.UserError, match='angle = "None": expected an angle'):
+        tip_timing(bending(401), [None])  # type: ignore[arg-type]

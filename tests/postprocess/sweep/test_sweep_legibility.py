@@ -3,15 +3,18 @@ that are told apart without colour.
 """
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 import pytest
 import xarray as xr
 from legible import assert_legible
 from matplotlib.collections import PolyQuadMesh
+from matplotlib.figure import Figure
+from matplotlib.text import Text
 from synthetic_sweep import synthetic_sweep
 
-from bladewhirl.postprocess.plotting.style import new_figure
+from bladewhirl.postprocess.plotting.style import INCH, at_width, new_figure
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.drawing import in_handy_units, key_axis, lines_of
 from bladewhirl.postprocess.sweep.figures import SweepFigures
@@ -111,3 +114,55 @@ def test_a_frequency_map_names_only_modes_that_are_seen(sweep: xr.Dataset) -> No
     maps["mode_line"].loc[{"mode": "casing k=1"}] = 1e4
     names = [text.get_text() for text in plot_frequency_map(maps).legends[0].get_texts()]
     assert names == ["suspension", "1F k = 1", "engine orders"]
+
+
+@pytest.mark.parametrize("width", [0.085, 0.17])
+@pytest.mark.parametrize(
+    "name", ["frequency-map", "energy-families", "maps", "regimes", "whirl", "contact-classes"]
+)
+def test_figures_of_two_keys_are_legible_in_a_column(
+    narrow: xr.Dataset, name: str, width: float
+) -> None:
+    with at_width(width):
+        figure, _ = SweepFigures(narrow).draw(name)
+    assert figure.get_figwidth() * INCH == pytest.approx(width)
+    assert_legible(figure)
+    assert not [each for each in texts_of(figure) if "^{" in each]  # 5 points high
+    for axes in figure.axes:
+        labels = [each for each in axes.get_xticklabels() if each.get_text()]
+        boxes = [each.get_window_extent() for each in labels]
+        assert all(a.x1 < b.x0 for a, b in pairwise(boxes)), name
+
+
+def test_axes_and_legends_of_lines_name_their_key(narrow: xr.Dataset) -> None:
+    with at_width(0.085):
+        strips, maps, whirl = (
+            SweepFigures(narrow).draw(name)[0] for name in ("regimes", "maps", "whirl")
+        )
+    assert strips.axes[0].get_ylabel() == "casing clearance"
+    labels = [axes.get_ylabel() for axes in maps.axes]
+    assert labels.count("casing clearance [mm]") == 2  # one above the other
+    assert "casing clearance" in [each.get_title().get_text() for each in whirl.legends]
+
+
+def texts_of(figure: Figure) -> list[str]:
+    figure.draw_without_rendering()
+    return [text.get_text() for text in figure.findobj(Text) if isinstance(text, Text)]
+
+
+@pytest.fixture(scope="module")
+def narrow(tmp_path_factory: pytest.TempPathFactory) -> Iterator[xr.Dataset]:
+    """Five speeds and four clearances, with displacements over four decades."""
+    over = {
+        "march.speed": (1.0, 1.05, 1.1, 1.15, 1.2),
+        "casing.clearance": (2e-5, 5e-5, 1e-4, 2e-3),
+    }
+    motions = [
+        {"speed": REFERENCE * s, "shaft_radius": 1e-6 * 10 ** (20 * (s - 1)), "records": 101}
+        for s in over["march.speed"]
+        for _ in over["casing.clearance"]
+    ]
+    folder = tmp_path_factory.mktemp("sweeps") / "two"
+    units = {"march.speed": "1", "casing.clearance": "m"}
+    with open_sweep(synthetic_sweep(folder, over, motions, units=units)) as data:
+        yield data

@@ -13,6 +13,7 @@ from synthetic_result import synthetic_result
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
+from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.fields.result import open_result
@@ -162,5 +163,7 @@ def test_the_size_of_a_result_is_foretold(
     with Recorder(path, stage, ATTRIBUTES) as recorder:
         for number in range(chunks):
             recorder.write(made_up(stage, number * chunk, chunk))
-    messages = result_bytes(stage, chunk * chunks)
+    messages = result_bytes(
+        stage, Timing(time_step=1.0, record_step=1.0, duration=chunk * chunks - 1.0), None
+    )
     assert path.stat().st_size == pytest.approx(messages, rel=tolerance)

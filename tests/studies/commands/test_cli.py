@@ -4,19 +4,27 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
+import scipy.sparse as sp
 from command_line import loaded, refusal
 from small_run import COMMAND
 from typer.main import get_command
 from typer.testing import CliRunner
 
+import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
-from bladewhirl.studies.commands import cli
+from bladewhirl.models.superelements import solver
+from bladewhirl.studies.commands import cli, marches, show, terminal
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.commands.terminal import progress_bar
+from bladewhirl.studies.modal import campbell, modes, response, stability_report
+from bladewhirl.studies.runs.columns import Column
 
 RUNNER = CliRunner()
 
@@ -138,3 +146,50 @@ def test_a_pipe_is_no_case(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "case.toml")
     line = refusal("show", tmp_path / "case.toml")
     assert line.endswith("expected a readable file (it is not a regular file)")
+
+
+def test_a_reduction_is_announced_when_it_makes_progress(monkeypatch: pytest.MonkeyPatch) -> None:
+    begun: list[str] = []
+
+    @contextmanager
+    def bar(label: str, *, lines: str = "") -> Iterator[Callable[..., None]]:
+        begun.append(label)
+        yield lambda *_: None
+
+    monkeypatch.setattr(terminal, "progress_bar", bar)
+    with terminal.reduction_bar():
+        bw.build_stage(bw.Case())
+    assert begun == []
+    with terminal.reduction_bar():
+        solver.announce(10, 2, 3)
+        solver.factorised(sp.csc_array(np.eye(10)))(np.ones(10))
+    assert begun == ["reducing the superelement"]
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        (*modes.COLUMNS, *modes.AT_SPEED),
+        campbell.COINCIDENCES,
+        campbell.CRITICAL_SPEEDS,
+        response.PEAKS,
+        show.NODES,
+        marches.LARGEST,
+        (marches.TIME_STEP, *marches.REFINEMENT),
+        stability_report.ZONES,
+    ],
+)
+def test_tables_of_80_columns_lose_no_heading_and_no_unit(
+    columns: tuple[Column, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    values = {"": "backward", "d": 12}
+    row = {column.key: values.get(column.form[-1:], -1.2345e-7) for column in columns}
+    terminal.emit(None, terminal.table([row], columns), json=False)
+    printed = capsys.readouterr().out
+    assert "…" not in printed
+    head, line = printed.split("─")[0], printed.rsplit("─")[-1]
+    headings = [column for column in columns if column.heading]
+    for column in headings:
+        assert set(column.heading.split()) <= set(head.split())
+        assert column.text(row) in line

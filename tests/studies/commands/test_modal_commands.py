@@ -1,6 +1,7 @@
 """`bladewhirl modes`, `campbell` and `veering`: lists, tables, figures and films, bad input."""
 
 import json
+import re
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 import xarray as xr
 from command_line import answer
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from places import EXAMPLES
 from report_pages import Parsed
 
@@ -93,7 +95,8 @@ def test_every_nodal_diameter_and_family_has_its_speed() -> None:
         hertz = (row["rotor_frequency_hz"] + row["casing_frequency_hz"]) / row["nodal_diameter"]
         assert row["speed_rpm"] == pytest.approx(60.0 * hertz, rel=1e-9)
         assert row["speed"] * reference == pytest.approx(hertz)
-        assert row["in_operating_range"] == (0.6 <= row["speed"] <= 2.0)
+        assert row["in_operating_range"] is False  # the user gave no range
+    assert content["operating_range"] is None
 
 
 Figures = dict[str, tuple[Figure, xr.Dataset]]
@@ -112,6 +115,19 @@ def test_campbell_diagrams_and_table(case: Path, saved: Figures) -> None:
     diameters = data["mode_nodal_diameter"].values[~on_rotor]
     np.testing.assert_array_equal(np.sort(diameters), np.arange(1, 12))
     np.testing.assert_allclose(data.attrs["operating_range"], (1.0, 1.2))
+
+
+def test_an_operating_range_is_named_only_if_it_is_given(case: Path, saved: Figures) -> None:
+    printed = answer("campbell", case, "--html", case.parent / "page.html", "-o", "fan").stdout
+    page = (case.parent / "page.html").read_text(encoding="utf-8")
+    assert "Coincidences in the speed range" in page
+    figure, _ = saved["campbell-rotating"]
+    labels = {text.get_text() for text in figure.findobj(Text)}
+    for words in (printed, page, " ".join(labels)):
+        assert not re.search(r"\boperating\b", words)
+    ranged = ["--operating", "1:1.2", "--html", case.parent / "ranged.html"]
+    assert "operating" in answer("campbell", case, *ranged).stdout
+    assert "Coincidences in the operating range" in (case.parent / "ranged.html").read_text("utf-8")
 
 
 def test_the_interactive_page_has_every_wave(case: Path, tmp_path: Path) -> None:

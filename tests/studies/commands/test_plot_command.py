@@ -7,8 +7,10 @@ import pytest
 import synthetic_result as synthetic
 import xarray as xr
 from command_line import answer, refusal
+from typer.testing import CliRunner
 
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
+from bladewhirl.studies.commands.cli import app
 
 
 @pytest.fixture
@@ -71,3 +73,16 @@ def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) ->
 def test_without_a_name_the_names_are_listed(directory: Path) -> None:
     result = answer("plot", directory)
     assert [line.partition(":")[0] for line in result.stdout.splitlines()] == [*RUN_FIGURES]
+
+
+def test_figures_that_exist_are_drawn_before_the_others_are_named(tmp_path: Path) -> None:
+    still = made(tmp_path / "still", 0.0)
+    words = ["plot", still, "state-space", "orbit", "wear", "nonsense", "--format", "svg"]
+    result = CliRunner().invoke(app, [str(word) for word in words])
+    assert result.exit_code == 2
+    assert (still / "plots" / "orbit.svg").is_file()
+    first, second, third = result.stderr.splitlines()
+    assert first.startswith("nonsense: a run has the figures ")
+    assert second.startswith("state-space left out: a Poincaré map needs one revolution")
+    assert third.startswith("wear left out: this run has no")
+    assert refusal("plot", still, "wear").startswith("this run has no")

@@ -254,6 +254,7 @@ def test_ctrl_c_finishes_what_was_recorded(path: Path, monkeypatch: pytest.Monke
     done = RUNNER.invoke(app, ["run", str(path), "-o", str(out), *arguments])
     assert done.exit_code == 130, done.stderr
     assert done.stderr.splitlines()[0].startswith("interrupted at ")
+    assert done.stderr.splitlines()[-1] == f"bladewhirl run --resume {out} finishes the run"
     assert "regime" in done.stdout
     assert sorted(entry.name for entry in out.iterdir()) == [*FILES, "vtk"]
     summary = json.loads((out / "summary.json").read_text())

@@ -15,10 +15,11 @@ from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import whirl
 from bladewhirl.studies.commands.options import span
 from bladewhirl.studies.modal import coupled_mode_figures
+from bladewhirl.studies.sweeps.axes import parse_over
 
 FAN_STAGE = str(ROOT / "examples" / "fan_stage.toml")
 POINT = ["--speed", "1.17", "--kappa", "500"]
-SMALL = ["--speeds", "0.6:3:12", "--kappas", "0:1000:5"]
+SMALL = ["--speeds", "0.6:3:0.2", "--kappas", "0:1000:250"]
 
 
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
@@ -61,7 +62,7 @@ def test_chart_with_its_figures(
     assert ["casing", "k=2", "1F", "k=2", "0.8319"] in rows
     assert set(saved) == {"stability", "spectrum", "truncation"}
     _, chart = saved["stability"]
-    assert chart["growth"].shape == (5, 12)
+    assert chart["growth"].shape == (5, 13)
     zone = chart.isel(zone=(chart["zone_rotor"] == "1F k=1").values)
     assert zone["zone_lower"].values[-1] == pytest.approx(1.1423, abs=2e-3)
 
@@ -127,9 +128,23 @@ def test_damping_takes_energy_as_a_growing_circle_does(tmp_path: Path) -> None:
         assert balance == pytest.approx(energy - energy[0])
 
 
+def test_the_third_number_of_a_range_is_a_step_as_in_a_sweep() -> None:
+    text = "900 rpm:1500 rpm:300 rpm"
+    speeds = span("--speeds", stepped=True).parser
+    reference = 2.0 * np.pi * 10.0
+    assert parse_over([f"march.speed={text}"])["march.speed"] == ("900 rpm", "1200 rpm", "1500 rpm")
+    assert speeds(text).values(reference) == pytest.approx([1.5, 2.0, 2.5])
+    assert speeds("0.1:0.3:0.1").values().tolist() == [0.1, 0.2, 0.3]
+    assert speeds("1,1.5,4").values().tolist() == [1.0, 1.5, 4.0]
+    for wrong in ("0.1:2:381", "1:2", "1 rpm:2 rpm:0.5", "1", "2:1:0.1", "0:1e9:1", "1:2:-1", "::"):
+        with pytest.raises(UserError, match=r"^--speeds .* expected "):
+            speeds(wrong).values(reference)
+
+
 def test_a_span_includes_its_ends_and_takes_units() -> None:
-    kappas = span("--kappas", unit="N/m", counted=True).parser("0.5:2:4")
-    assert kappas.values().tolist() == [0.5, 1.0, 1.5, 2.0]
+    kappas = span("--kappas", unit="N/m", stepped=True).parser
+    assert kappas("0.5:2:0.5").values().tolist() == [0.5, 1.0, 1.5, 2.0]
+    assert kappas("0 kN/m:1 kN/m:0.5 kN/m").values().tolist() == [0.0, 500.0, 1000.0]
     stiffnesses = span("--stiffnesses", unit="N/m").parser("1 kN/mm:2e7")
     assert stiffnesses.values().tolist() == [1e6, 2e7]
     reference = 2.0 * np.pi * 40.0

@@ -1,13 +1,19 @@
 """Datasets of `modes`, `campbell` and `veering`: selection, units, files."""
 
+import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
+from command_line import answer
+from rod_blade import blade, tables
 
 import bladewhirl as bw
+from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.modal.campbell import drawn_part
@@ -88,3 +94,57 @@ def test_a_case_and_its_reduced_stage_have_the_same_modes() -> None:
     clamped = bw.modes(case(**{"shaft.clamped": True}))
     assert clamped.attrs["centre"] == "clamped"
     np.testing.assert_array_equal(clamped.frequency, studies()["modes"].frequency)
+
+
+def test_modes_of_a_superelement_include_its_coriolis_forces(tmp_path: Path) -> None:
+    """The reference is the quadratic eigenproblem of all coordinates."""
+    part = blade()
+    skew = np.random.default_rng(1).standard_normal(part.mass.shape) * 1e-3
+    skew -= skew.T
+    bw.write_superelement(file := tmp_path / "part.npz", replace(part, gyroscopic=skew))
+    given: Any = tables(file)
+    omega = 2.0 * np.pi * 100.0  # 6000 rpm
+    flexibility = np.linalg.inv(np.asarray(part.mass))
+    size, zero = part.size, np.zeros(part.mass.shape)
+    top = np.hstack([-omega * flexibility @ skew, -flexibility @ np.asarray(part.stiffness)])
+    values = np.linalg.eigvals(np.vstack([top, np.hstack([np.eye(size), zero])])).imag
+    exact = np.sort(values)[size:][:10] / (2.0 * np.pi)
+    case = bw.case_from(given)
+    modes = bw.modes(case, count=10)
+    assert modes.frequency.values == pytest.approx(exact, rel=1e-6)
+    at_rest = bw.modes(bw.with_values(case, {"march.speed": 0.0}), count=10)
+    assert abs(at_rest.frequency.values / exact - 1.0).max() > 1e-3
+    first = at_rest.normalised_frequency.sel(body="bladed-disk", number=1)
+    assert first.item() == pytest.approx(1.0)
+    (tmp_path / "case.toml").write_text(bw.dumps_case(case), encoding="utf-8")
+    rows = json.loads(answer("modes", tmp_path / "case.toml", "--count", 10, "--json").stdout)
+    assert [row["frequency_hz"] for row in rows["bladed_disk"]] == pytest.approx(exact, rel=1e-6)
+
+
+def test_modes_warn_of_a_matrix_that_a_wheel_of_sectors_leaves_out(tmp_path: Path) -> None:
+    part = blade(levels=3)
+    faces: Any = {"left_dofs": np.array([[0, 1, 2]]), "right_dofs": np.array([[3, 4, 5]])}
+    bw.write_superelement(
+        file := tmp_path / "part.npz", replace(part, gyroscopic=0.0 * part.mass, **faces)
+    )
+    table = {"file": str(file), "copies": 4, "kind": "sector"}
+    given = tables(file, reduction={"free_interface_modes": 4})
+    case = bw.case_from(given | {"bladed_disk": {"superelement": table}})
+    with pytest.warns(Hint, match='gyroscopic of a sector is not used .* "consistent" uses it'):
+        bw.modes(case)
+    (tmp_path / "case.toml").write_text(bw.dumps_case(case), encoding="utf-8")
+    assert "Hint: the matrix gyroscopic" in answer("modes", tmp_path / "case.toml").stderr
+
+
+@pytest.mark.parametrize("wrong", [[], [-1.0], [0.0, 1.0], [2e6, 1e6], [np.nan], "soft", 3e7])
+def test_stiffnesses_of_the_shaft_are_positive_and_ascending(wrong: Any) -> None:
+    turning = bw.with_values(case(), {"rotation.effects": "full"})
+    for study in (bw.veering, bw.critical_speeds):
+        with pytest.raises(bw.UserError, match=r"^stiffnesses: expected positive stiffnesses"):
+            study(turning, stiffnesses=wrong)
+
+
+@pytest.mark.parametrize(("key", "wrong"), [("speed", []), ("kappa", [-1.0]), ("kappa", [2, 1])])
+def test_axes_of_a_chart_are_ascending(key: str, wrong: Any) -> None:
+    with pytest.raises(bw.UserError, match=f"^stability: {key}: expected one or more numbers"):
+        bw.stability(case(), **{"speed": [0.9, 1.1], "kappa": [0.0, 1e3], key: wrong})

@@ -104,7 +104,7 @@ def test_forces_along_a_blade_have_their_resultant_and_their_place() -> None:
 def test_the_command_writes_a_document_and_a_figure(tmp_path: Path) -> None:
     file = tmp_path / "case.toml"
     file.write_text(bw.dumps_case(case([2, 3])), encoding="utf-8")
-    document = json.loads(answer("response", file, "--json", "--speeds", "0.5:0.9:3").stdout)
+    document = json.loads(answer("response", file, "--json", "--speeds", "0.5:0.9:0.2").stdout)
     data = bw.response(case([2, 3]), speeds=[0.5, 0.7, 0.9])
     real, imaginary = np.moveaxis(np.array(document["tip_tangential"]), -1, 0)
     np.testing.assert_allclose(real + 1j * imaginary, data["tip_tangential"], rtol=1e-9)
@@ -133,3 +133,14 @@ def test_what_does_not_fit_is_refused(load: dict[str, Any], expected: str) -> No
 def test_springs_have_no_response() -> None:
     with pytest.raises(bw.UserError, match="springs between bladed disk and casing"):
         bw.response(bw.with_values(case(), {"coupling.stiffness": 1e5}))
+
+
+def test_a_response_needs_a_speed_at_which_the_bladed_disk_is_stable() -> None:
+    with pytest.raises(bw.UserError, match=r"response: speeds \[\]: expected at least one speed"):
+        bw.response(case(), speeds=[])
+    softened = bw.build_stage(case(effects="centrifugal"))
+    with pytest.raises(bw.CaseError, match=r"march.speed = 5.0: expected less than .* critical"):
+        bw.response(softened, speeds=[0.5, 5.0])
+    turning = bw.build_stage(case(effects="full"))
+    with pytest.raises(bw.CaseError, match="and a speed at which blades are stable"):
+        bw.response(turning, speeds=[0.5, 1e3])

@@ -1,10 +1,15 @@
 """Runs of superelements: from a file of matrices to a folder with results."""
 
+import inspect
 import json
+import runpy
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from unittest.mock import MagicMock
 
+import meshio
 import numpy as np
 import pytest
 import xarray as xr
@@ -21,8 +26,9 @@ from bladewhirl.models.stage.hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.postprocess.superelement.interaction import plot_interaction
 from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits
-from bladewhirl.postprocess.superelement.picture import render_blades
+from bladewhirl.postprocess.superelement.picture import blade_view, render_blades
 from bladewhirl.postprocess.superelement.ring import ring_motion, wall_at
+from bladewhirl.postprocess.superelement.series import _blades, frame_meshes
 from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.runs.prepare import prepare
@@ -304,6 +310,9 @@ def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
     assert 0.0 < summary["wear_strain_max"] < 0.9
     assert summary["energy_residual"] < 1e-9
     assert (run.directory / "wear.png").is_file()
+    stage = superelement_stage(bw.case_from(tables(file, **changes)))
+    actual = (run.directory / "result.nc").stat().st_size
+    assert superelement_properties(stage)["result_bytes"] == pytest.approx(actual, rel=0.1)
     with bw.open_result(run.directory) as result:
         worn = bw.wear(result).isel(wear_time=-1)
         assert worn.sizes["track"] == 3
@@ -421,3 +430,69 @@ def test_a_run_has_figures_by_name_and_a_report(run: Run, tmp_path: Path) -> Non
     assert "normal impulse" in words
     with run.open() as result:
         assert bw.plot.contact(result).axes
+
+
+def test_every_picture_is_drawn_once(run: Run) -> None:
+    drawn: list[str] = []
+    with run.open() as result:
+        records = np.arange(100, 104)
+        with blade_view(result, records, None) as picture:
+            cells = inspect.getclosurevars(picture).nonlocals
+            window = cells["plotter"].render_window
+            window.AddObserver("StartEvent", lambda *_: drawn.append("drawn"))
+            pictures = [picture(index) for index in (0, 1, 2)]
+    assert len(drawn) == len(pictures)
+    assert (pictures[0] != pictures[2]).any()
+
+
+def test_a_series_of_blades_has_a_view_and_the_names_of_beams(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "vtk"
+    printed = answer("export", run.directory, "--frames", "5", "-o", folder).stdout
+    assert "5 instants from 0 s" in printed
+    blades = meshio.read(folder / "frames" / "blades_00000.vtu")
+    assert np.bincount(blades.point_data["blade"]).tolist() == [18, 18, 18]
+    nodes = meshio.read(folder / "frames" / "contact_00000.vtu").point_data
+    assert {"displacement", "contact_force", "blade"} == set(nodes)
+    simple = MagicMock()
+    simple.GetParaViewVersion.return_value = (5, 11)
+    monkeypatch.setitem(sys.modules, "paraview", MagicMock(simple=simple))
+    monkeypatch.setattr(sys, "argv", ["view.py", "picture.png"])
+    runpy.run_path(str(folder / "view.py"))
+    assert simple.WarpByVector.return_value.Vectors == ["POINTS", "displacement"]
+    assert simple.Glyph.return_value.ScaleArray == ["POINTS", "contact_force"]
+    assert simple.SaveScreenshot.call_args.args[0] == "picture.png"
+
+
+def test_points_of_a_wheel_have_the_blade_of_the_nearest_contact_node(run: Run) -> None:
+    with run.open() as result:
+        wheel = result.isel(copy=[0]).load()
+        angles = wheel["contact_angle"].values
+        places = 0.2 * np.stack([np.cos(angles), np.sin(angles), 0.0 * angles], axis=-1)
+        blade = frame_meshes(wheel, 0, rotating=True)["blades"].point_data["blade"]
+    assert set(blade.tolist()) == {0}  # those of the first of three blades
+    assert _blades(wheel, places[None]).tolist() == [0, 0, 0, 1, 1, 1, 2, 2, 2]
+
+
+@pytest.mark.parametrize("share", [0.25, 0.35, 0.7])
+def test_a_long_step_with_a_flexible_ring_is_hinted_at_with_its_loss(
+    file: Path, share: float
+) -> None:
+    casing = {"elements": 12, "clearance": 3e-4, "support": 1e7}
+    given = tables(file, casing=casing)
+    limit = superelement_stage(bw.case_from(given)).problem.critical_time_step
+    steps = {"time_step": share * limit, "record_step": share * limit, "duration": 10 * limit}
+    stage = superelement_stage(bw.case_from({**given, "march": {"speed": 0.5, **steps}}))
+    hints = [*superelement_hints(stage)]
+    if share < 0.3:
+        assert hints == []
+        return
+    assert stage.ring is not None
+    mass = 1.0 / np.sum(stage.ring.reduced_casing.nodal[0, 0] ** 2)
+    omega = 1.0 / np.sqrt(np.diag(stage.reduced.compliance)[::3].min() * mass)
+    loss = 100.0 * omega * share * limit / 2.0
+    assert loss > 1.0
+    [hint] = hints
+    assert hint.startswith(f"march.time_step is {share:.2g} of the critical step")
+    assert f"a damping ratio of up to {loss:.2g} %" in hint

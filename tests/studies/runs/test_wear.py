@@ -15,6 +15,9 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.postprocess.fields.kinematics import ViewError, clearance_change, table_of_result
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.wear import lobe_shares, lobes_of
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.properties import stage_properties
+from bladewhirl.studies.runs.recorded_march import expected_bytes
 from bladewhirl.studies.runs.run import resume
 
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
@@ -41,6 +44,12 @@ def test_a_run_broken_off_goes_on_to_the_same_profiles(whole: Path, tmp_path: Pa
     with bw.open_result(whole) as result:
         assert result.sizes["wear_time"] >= 200
         assert result["coating_strain"].values[-1].max() > 0.0
+
+
+def test_the_predicted_size_includes_the_coating(whole: Path) -> None:
+    predicted = stage_properties(bw.build_stage(coated()))["result_bytes"]
+    actual = (whole / "result.nc").stat().st_size
+    assert predicted == expected_bytes(prepare(coated())) == pytest.approx(actual, rel=0.1)
 
 
 def test_a_second_run_begins_with_the_profile_of_the_first(whole: Path) -> None:

@@ -2,8 +2,10 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -192,3 +194,39 @@ def test_workers_of_another_version_are_reported_in_one_line(
             bw.UserError, match=r"workers: expected bladewhirl .*No module named 'old'"
         ):
             list(outcomes)
+
+
+def test_a_lost_scheduler_is_reported_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(sweep_cluster, "IDLE", 0.5)
+    command = [str(Path(sys.executable).with_name("dask")), "scheduler", "--host", "127.0.0.1"]
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    scheduler = subprocess.Popen(
+        [*command, "--port", str(port), "--no-dashboard"], stderr=subprocess.DEVNULL
+    )
+    try:
+        address = f"tcp://127.0.0.1:{port}"
+        while not answers(port):
+            time.sleep(0.1)
+        threading.Timer(4.0, scheduler.kill).start()
+        with (
+            dask.config.set({sweep_cluster.ENCRYPTION: False}),
+            pytest.raises(bw.UserError, match=r"connection was lost; .* sweep --resume DIR"),
+        ):
+            list(march_points(work(tmp_path), POINTS, scheduler=address, workers=None))
+    finally:
+        scheduler.kill()
+        scheduler.wait()
+    assert [each.getMessage() for each in caplog.records if each.levelname == "WARNING"] == [
+        "The scheduler has no worker; the sweep goes on when one joins."
+    ]
+    assert not [each for each in caplog.records if each.levelname == "ERROR"]
+
+
+def answers(port: int) -> bool:
+    """Return whether a process listens at a port of this computer."""
+    with socket.socket() as client:
+        return client.connect_ex(("127.0.0.1", port)) == 0
