@@ -29,7 +29,7 @@ Analyse modes, before a march
 March in time
     `run` marches one case, `run_sweep` a case over ranges of its keys (`resume_sweep` finishes an
     interrupted sweep, `drawn_case` repeats one of its random draws), `convergence` varies time step
-    and modes. Each writes a folder. `interaction_map` marches a superelement at many speeds.
+    and modes. Each writes a folder.
 Read and draw results
     `open_result` and `open_sweep` return Datasets, `probability` the shares of regimes in a sweep
     with draws. Functions of a result, or of a time window of a result in seconds: the shaft

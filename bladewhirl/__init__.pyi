@@ -52,7 +52,6 @@ from .studies.runs.render import render as render
 from .studies.runs.report import report as report
 from .studies.runs.run import run as run
 from .studies.sweeps.drawn import drawn_case as drawn_case
-from .studies.sweeps.interaction import interaction_map as interaction_map
 from .studies.sweeps.sweep import resume_sweep as resume_sweep
 from .studies.sweeps.sweep import run_sweep as run_sweep
 from .studies.verification.table import verify as verify

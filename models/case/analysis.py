@@ -1,6 +1,7 @@
 """Tables of a case for the analysis: reduction, damping, contact, start, coupling and march."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, StrictBool, StrictStr
@@ -8,7 +9,7 @@ from pydantic import BeforeValidator, Field, StrictBool, StrictStr
 from bladewhirl.models.case.schemes import SchemeName
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.mode_names import mode_choice
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys, Table
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.inputs.units import Speed
 
@@ -134,7 +135,11 @@ class Coupling(Table):
     """Keep the factor pi of the integral in Eq. (8), which Eq. (9) omits."""
 
 
-class March(Table):
+IN_REVOLUTIONS = {"steps_per_revolution": "time_step", "revolutions": "duration"}
+"""Keys of a march that count by revolutions, and the keys that they replace."""
+
+
+class March(ReplacedKeys):
     """The march, that is, the time integration."""
 
     speed: fields.RotationSpeed = Speed(1.05)
@@ -145,8 +150,18 @@ class March(Table):
     time_step: fields.Time = 1e-6
     """Time step [s] (paper, Section 4.2). The error is of second order for free motion and of first
     order in contact: halve the step to see its effect."""
+    steps_per_revolution: Annotated[int, fields.count(1)] | None = Field(
+        default=None, examples=["4096"]
+    )
+    """Number of time steps in a revolution. If it is given, march.time_step is not used, and
+    record_step is rounded to whole time steps. In a sweep over the speed the step follows the
+    speed."""
     duration: fields.TimeOrZero = 3.0
     """Simulated time [s] (paper, Table 2)."""
+    revolutions: Annotated[float, fields.number("positive")] | None = Field(
+        default=None, examples=["50"]
+    )
+    """Simulated time in revolutions. If it is given, march.duration is not used."""
     record_step: fields.Time = 1e-4
     """Time between records [s], a whole number of time steps."""
     displacement_limit: fields.Length | None = Field(default=None, examples=["0.5"])
@@ -159,6 +174,23 @@ class March(Table):
     friction, as in the paper; fast. "moreau-jean": impacts with contact.restitution, friction with
     stick and slip. "penalty": elastic contact with contact.penalty_stiffness, regularised friction
     below contact.stick_speed. "moreau-jean" and "penalty" ignore contact.sliding."""
+
+    def written(self) -> Iterable[str]:
+        """Return the keys to write, without those that numbers of a revolution replace."""
+        replaced = {name for key, name in IN_REVOLUTIONS.items() if getattr(self, key) is not None}
+        return (name for name in type(self).model_fields if name not in replaced)
+
+    def in_seconds(self, omega: float) -> "March":
+        """Return the march with its steps and duration in seconds at a speed of rotation [rad/s],
+        which is not zero if they are given in revolutions."""
+        changed: dict[str, float] = {}
+        if self.steps_per_revolution is not None:
+            step = 2.0 * math.pi / abs(omega) / self.steps_per_revolution
+            every = max(1, round(self.record_step / step))
+            changed = {"time_step": step, "record_step": every * step}
+        if self.revolutions is not None:
+            changed["duration"] = 2.0 * math.pi / abs(omega) * self.revolutions
+        return self.model_copy(update=changed) if changed else self
 
     @property
     def steps(self) -> int:
@@ -173,7 +205,15 @@ class March(Table):
         )
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield errors for records that are not at time steps, and for too many steps."""
+        """Yield errors for records that are not at time steps, for too many steps, and for
+        numbers of a revolution at speed 0."""
+        for key in IN_REVOLUTIONS:
+            if getattr(self, key) is not None and self.speed.value == 0.0:
+                yield Inconsistency("speed", f"a speed other than 0 for march.{key}", (key,))
+        if self.steps_per_revolution is not None:
+            if (self.revolutions or 1.0) * self.steps_per_revolution > MOST_STEPS:
+                yield Inconsistency("revolutions", f"at most {MOST_STEPS:g} steps")
+            return
         ratio = self.record_step / self.time_step
         if ratio < 1.0 - WHOLE:
             expected = f"at least march.time_step = {self.time_step!r}"

@@ -160,6 +160,12 @@ class Case(ReplacedKeys):
                     yield Inconsistency(key, expected, ("material.named",))
                     break
 
+    def in_seconds(self, reference: float) -> "Case":
+        """Return the case with the steps and the duration of its march in seconds; `reference` is
+        the frequency of which speeds are multiples [rad/s]."""
+        march = self.march.in_seconds(self.march.speed.rad_per_s(reference))
+        return self if march is self.march else self.model_copy(update={"march": march})
+
     @property
     def excitations(self) -> Mapping[str, Excitation]:
         """Excitations by dotted key: "excitation", or "excitation.0", "excitation.1", ... if there

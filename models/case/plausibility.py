@@ -78,7 +78,7 @@ def case_hints(case: Case) -> tuple[str, ...]:
         ' a value may be text with a unit, such as "10 mm"'
         for fault in unusual_values(case)
     ]
-    duration = case.march.duration
+    duration = 0.0 if case.march.revolutions else case.march.duration
     for key, load in case.excitations.items():
         if isinstance(load, Imbalance) and 0.0 < duration < load.ramp < math.inf:
             hints.append(

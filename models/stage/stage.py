@@ -186,6 +186,7 @@ def build_stage(case: Case) -> Stage:
         tip = tip_in_sector(at_rest)
         full = lowest_frequencies(at_rest.structure, FULL_FREQUENCIES)
         reference = _reference_frequency(case, at_rest, full)
+        case = case.in_seconds(reference)
         turning = turning_disk(case, at_rest, reference)
         disk = at_rest if turning is None else turning.disk
         if turning is not None:

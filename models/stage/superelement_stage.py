@@ -277,7 +277,7 @@ def superelement_stage(case: Case) -> SuperelementStage:
             f" frequency would be {hertz:.3g} Hz"
         )
         raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])
-    return stage
+    return replace(stage, case=case.in_seconds(stage.reference_frequency))
 
 
 def _by_velocity(reduced: ReducedSuperelement, speed: float) -> FloatArray | None:

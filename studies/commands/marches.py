@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -61,22 +61,6 @@ ORDERS = (
 """Labels of the orders of convergence. A dash stands for an order that cannot be computed, because
 there are too few differences, or because the differences are not monotone."""
 
-SPEEDS: Any = "0.1:1:0.01"
-
-LARGEST = (
-    Column("rpm", "[rpm]", ".1f"),
-    Column("contact_impulse", "impulse [N s]", ".4g"),
-    Column("contact_force_max", "force [N]", ".4g"),
-    Column("radial", "radial", ".4g", 1e3),
-    Column("tangential", "tangential", ".4g", 1e3),
-    Column("axial", "axial", ".4g", 1e3),
-    Column("divergent", "divergent"),
-)
-"""Columns of the speeds with the largest impulses, in the table of `interaction`."""
-
-SHOWN = 10
-"""Number of speeds in the table of `interaction`."""
-
 
 def run(
     case: options.NewCase = None,
@@ -124,14 +108,16 @@ def run(
         reduction_bar(),
         interruptible(f"bladewhirl run --resume {folder} continues a march that has begun"),
     ):
-        step, begun = read.march.time_step, 0.0
+        turn = read.march.steps_per_revolution
+        step, unit = (1.0 / turn, "revolutions") if turn else (read.march.time_step, "s")
+        begun = 0.0
 
         def progress(activity: Activity, done: int, total: int) -> None:
             nonlocal begun
             begun = begun or time.monotonic()
             passed = time.monotonic() - begun
             rate = f"  {done / passed:,.0f} steps/s" if passed else ""
-            reached = f"{done * step:.4f} of {total * step:g} s"
+            reached = f"{done * step:.4f} of {total * step:g} {unit}"
             update(done, total, label=activity, text=reached + rate)
 
         if resume is not None:
@@ -251,63 +237,3 @@ def convergence(
     ]
     orders = {column.heading: column.text(document) for column in ORDERS}
     emit(document, *tables, facts(orders), json=json, written=[folder])
-
-
-def interaction(
-    case: options.CaseFile,
-    speeds: options.Speeds = SPEEDS,
-    turns: Annotated[int, typer.Option(min=2)] = 50,
-    steps: int | None = None,
-    node: Annotated[int, typer.Option(min=0)] = 0,
-    workers: options.Workers = None,
-    output: options.CaseFolder = None,
-    overwrite: options.Replace = False,
-    json: options.AsJson = False,
-    overrides: options.Changes = None,
-) -> None:
-    """March a superelement at many speeds and draw impulse, displacements and spectra.
-
-    Each march begins at rest and lasts the given number of revolutions; the second half counts. The
-    table lists the speeds with the largest impulses. march.speed and march.duration of the case are
-    not used. With --json and no -o nothing is written.
-
-    Args:
-        speeds: Speeds of rotation: multiples of the lowest natural frequency, or
-            "2000 rpm:9000 rpm:50 rpm"; the stop is included.
-        turns: Revolutions at each speed.
-        steps: Time steps in a revolution; by default those of march.time_step.
-        node: Contact node of the spectra.
-        workers: Number of threads; all processors by default.
-    """
-    import numpy as np
-
-    from bladewhirl.models.stage.superelement_stage import superelement_stage
-    from bladewhirl.postprocess.superelement.interaction import plot_interaction
-    from bladewhirl.studies.runs.figures_folder import save_figures
-    from bladewhirl.studies.sweeps.interaction import interaction_map
-
-    folder = options.folder_of(case, "interaction", output, json=json)
-    with options.case_of(case, overrides) as read, progress_bar("speeds", lines="speeds") as update:
-        reference = 1.0
-        if read.bladed_disk.superelement is not None:
-            with reduction_bar():
-                reference = superelement_stage(read).reference_frequency
-        data = interaction_map(
-            read,
-            speeds.values(reference).tolist(),
-            turns=turns,
-            steps_per_turn=steps,
-            node=node,
-            workers=workers,
-            progress=update,
-        )
-    rpm = data["speed"] * 30.0 / np.pi
-    numbers = data.drop_dims("line").assign(rpm=rpm)
-    largest = np.argsort(-data["contact_impulse"].values)[:SHOWN]
-    document = {"speeds": rows_of(numbers, (*LARGEST, Column("contact_share"), Column("turns")))}
-    if folder is not None:
-        figures = {"interaction": (plot_interaction(data), data)}
-        save_figures(folder, figures, overwrite=overwrite)
-    rows = rows_of(numbers.isel(speed=np.sort(largest)), LARGEST)
-    title = "Speeds with the largest impulses per revolution; largest displacements [mm]"
-    emit(document, table(rows, LARGEST, title), json=json, written=[folder])

@@ -83,7 +83,7 @@ def case_files(case: Case) -> dict[str, bytes]:
 
 def march_digest(case: Case) -> str:
     """Return the SHA-256 digest of all input of a march except its duration."""
-    march = case.march.model_copy(update={"duration": 1.0})
+    march = case.march.model_copy(update={"duration": 1.0, "revolutions": None})
     digest = sha256(version().encode())
     for name, content in case_files(case.model_copy(update={"march": march})).items():
         digest.update(name.encode() + content)

@@ -73,9 +73,9 @@ def run(
         case = read_case(case)
     directory = Path(directory)
     window = Window(frames=frames, start=start, end=end, rotating=rotating)
-    window.check(case.march.duration)
     folder.check_free(directory, overwrite=overwrite)
     prepared = prepare(case)
+    window.check(prepared.timing.duration)
     if isinstance(prepared.stage, Stage):
         check_gauges(prepared)
     for hint in _hints(prepared):
@@ -130,8 +130,8 @@ def resume(
             " only march.duration may change"
         )
     window = Window(frames=frames, rotating=rotating)
-    window.check(case.march.duration)
     prepared = prepare(case)
+    window.check(prepared.timing.duration)
     recorded_march.state_at(prepared, checkpoint)  # nothing is written if the run cannot continue
     with writing(directory), locked(directory):
         remove_leftovers(directory)

@@ -157,7 +157,9 @@ def plan_sweep(
         UserError: the case has errors at a point, which the message names; there are more steps
             than allowed; or a case does not permit `stop_when` or `screen`.
     """
-    extent = march_extent(grid.cases(case))
+    with grid.naming(0):
+        stage = stage_at(with_values(case, grid.values(0)))
+    extent = march_extent(each.in_seconds(stage.reference_frequency) for each in grid.cases(case))
     for steps, most, what in (
         (extent.most_steps, ASKED_STEPS, "steps of one march"),
         (extent.steps, ASKED_STEPS_IN_ALL, "steps of all marches"),
@@ -170,7 +172,6 @@ def plan_sweep(
     if case.bladed_disk.superelement is not None and screen:
         raise UserError(f"{SCREEN}: not allowed together with bladed_disk.superelement")
     _check_stages(case, grid, screen=screen)
-    stage = stage_at(with_values(case, grid.values(0)))
     if screen and (grid.draws is None or grid.draws.count < FEWEST_SCREENED):
         raise UserError(f"{SCREEN}: needs --draws of at least {FEWEST_SCREENED}")
     if screen and histories:
@@ -183,7 +184,7 @@ def plan_sweep(
         _check_carry(case, grid, coordinates, others=bool(others))
     if stop_when is not None:
         try:
-            FreeMotion.of(problem_of(stage), case.march.timing.time_step)
+            FreeMotion.of(problem_of(stage), stage.case.march.time_step)
         except ValueError as error:
             expected = "expected a motion that decays without contact"
             raise UserError(f"{STOP_WHEN} {stop_when}: {expected}, but {error}") from None
@@ -360,7 +361,8 @@ def _check_carry(case: Case, grid: Grid, coordinates: Coordinates, *, others: bo
         with grid.naming(number):
             if fault := carry_fault(at_point):
                 raise UserError(f"{CONTINUE}: expected {fault}")
-            turns = abs(stage_at(at_point).speed) * at_point.march.duration / (2.0 * np.pi)
+            stage = stage_at(at_point)
+            turns = abs(stage.speed) * stage.case.march.duration / (2.0 * np.pi)
             if not turns >= FEWEST_TURNS:
                 raise UserError(
                     f"{CONTINUE}: expected marches of at least {FEWEST_TURNS:g} revolutions, not of"

@@ -120,7 +120,8 @@ def stage_at(case: Case) -> AnyStage:
         }
     )
     stage = _body(body)
-    return replace(stage, case=case.model_copy(update={"shaft": stage.case.shaft}))  # sized shaft
+    case = case.model_copy(update={"shaft": stage.case.shaft})  # sized shaft
+    return replace(stage, case=case.in_seconds(stage.reference_frequency))
 
 
 @lru_cache(maxsize=KEPT_STAGES)

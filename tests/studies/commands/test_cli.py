@@ -174,7 +174,6 @@ def test_a_reduction_is_announced_when_it_makes_progress(monkeypatch: pytest.Mon
         campbell.CRITICAL_SPEEDS,
         response.PEAKS,
         show.NODES,
-        marches.LARGEST,
         (marches.TIME_STEP, *marches.REFINEMENT),
         stability_report.ZONES,
     ],

@@ -24,7 +24,6 @@ from bladewhirl.models.case.file import loads
 from bladewhirl.models.stage.coating import axial_tracks, spacing
 from bladewhirl.models.stage.hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
-from bladewhirl.postprocess.superelement.interaction import plot_interaction
 from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits
 from bladewhirl.postprocess.superelement.picture import blade_view, render_blades
 from bladewhirl.postprocess.superelement.ring import ring_motion, wall_at
@@ -174,27 +173,6 @@ def test_keys_of_superelements_need_one(changes: dict[str, Any]) -> None:
         bw.case_from(changes)
 
 
-def test_an_interaction_map_has_the_engine_orders_of_the_wall(file: Path) -> None:
-    march = {"time_step": 2e-6, "speed": 1.0}
-    closed = {"amount": 4e-5, "time_constant": 1e-4}
-    case = bw.case_from(tables(file, march=march, casing__closure=closed))
-    data = bw.interaction_map(case, ["6000 rpm", "-6000 rpm"], turns=12, steps_per_turn=2560)
-    assert data["contact_impulse"].min() > 0.0
-    assert data["unsolved_steps"].max() == 0
-    order = data["frequency"].values[0] / 100.0
-    peak = order[data["amplitude"].values[0, 1:].argmax() + 1]
-    assert peak == pytest.approx(2.0 * round(peak / 2.0), abs=1e-9)  # the wall is oval
-    for speeds, steps, expected in (
-        ([0.0], None, "expected speeds other than 0"),
-        (["6000 rmp"], None, "expected multiples of the reference frequency"),
-        (["6000 rpm"], 64, "the critical time step is"),
-    ):
-        with pytest.raises(bw.UserError, match=expected):
-            bw.interaction_map(case, speeds, steps_per_turn=steps)
-    with pytest.raises(bw.UserError, match="expected a superelement"):
-        bw.interaction_map(bw.Case(), [1.0])
-
-
 def test_engine_order_forces_give_the_steady_answer_of_the_modes(file: Path) -> None:
     """The amplitude of the contact nodes without contact, against the closed form."""
     given = tables(
@@ -256,24 +234,13 @@ def test_commands_for_beams_refuse_a_superelement(run: Run, command: str, expect
     assert expected in refusal(*command.replace("RUN", str(run.directory)).split())
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
-def test_damping_of_the_file_is_reported_and_divergent_speeds_are_drawn(
-    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_damping_of_the_file_is_reported(file: Path, tmp_path: Path) -> None:
     part = replace(blade(), damping=0.4 * np.eye(54), gyroscopic=np.zeros((54, 54)))
     bw.write_superelement(tmp_path / "damped.npz", part)
     damped = superelement_stage(bw.case_from(tables(tmp_path / "damped.npz")))
     assert [hint.split()[2] for hint in superelement_hints(damped)] == ["damping"]
     assert damped.problem.by_velocity == pytest.approx(80.0 * np.eye(15), abs=1e-9)
     assert not [*superelement_hints(superelement_stage(bw.case_from(tables(file))))]
-    boundary = {"boundary": "consistent"}
-    case = bw.case_from(tables(file, march__displacement_limit=1e-5, reduction=boundary))
-    data = bw.interaction_map(case, ["4000 rpm", "6000 rpm", "9000 rpm"], turns=4)
-    assert data["divergent"].all()
-    data["divergent"][1:] = False  # spectra of motions of different lengths
-    plot_interaction(data).draw_without_rendering()
-    with pytest.raises(bw.UserError, match="at least one speed"):
-        bw.interaction_map(case, [])
 
 
 def test_blades_rub_in_a_flexible_ring(file: Path, tmp_path: Path) -> None:
