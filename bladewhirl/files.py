@@ -29,11 +29,7 @@ PREFIX = ".bladewhirl-"
 
 
 def check_regular(file: str | os.PathLike[str]) -> None:
-    """Check that a path is not a pipe or a device, from which reading may never end.
-
-    Raises:
-        OSError: it is one of them.
-    """
+    """Raise an OSError if a path is a pipe or a device, from which reading may never end."""
     if os.path.exists(file) and not (os.path.isfile(file) or os.path.isdir(file)):
         raise OSError(errno.EINVAL, "it is not a regular file", os.fspath(file))
 
@@ -42,7 +38,7 @@ def open_text(file: str | os.PathLike[str], errors: str = "strict") -> TextIO:
     """Open a text file of the user in UTF-8, with or without the byte order mark of Excel.
 
     Raises:
-        OSError: the file is missing, a folder, a pipe or a device.
+        OSError: the file is missing, too large, a folder, a pipe or a device.
         ValueError: the path contains a null.
     """
     check_regular(file)
@@ -52,17 +48,10 @@ def open_text(file: str | os.PathLike[str], errors: str = "strict") -> TextIO:
 
 
 def csv_rows(file: str | os.PathLike[str]) -> Iterator[tuple[int, list[str]]]:
-    """Yield the number of the last line and the cells of each row of a CSV file of the user.
-
-    Cells are short, so that no pattern takes long for them.
-
-    Raises:
-        OSError, ValueError: see `open_text`.
-        csv.Error: the file is not CSV, or a cell has more than `LONGEST_CELL` characters.
-    """
+    """Yield the number of the last line and the cells of each row of a CSV file of the user; long
+    cells raise a `csv.Error`, because patterns take long for them. See `open_text` for errors."""
     with open_text(file) as stream:
-        reader = csv.reader(stream, skipinitialspace=True)
-        for row in reader:
+        for row in (reader := csv.reader(stream, skipinitialspace=True)):
             if any(len(cell) > LONGEST_CELL for cell in row):
                 raise csv.Error(f"line {reader.line_num} has more than {LONGEST_CELL} characters")
             yield reader.line_num, row

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.inputs.errors import Fault
-from bladewhirl.models.inputs.plausible import fault_of, material_faults
+from bladewhirl.models.inputs.plausible import MATERIAL, fault_of
 
 Bound = tuple[str, float, float, float, str]
 """Key, value, smallest and largest plausible value, and unit with a remark for the warning."""
@@ -56,10 +56,13 @@ def unusual_values(case: Case) -> Iterator[Fault]:
     materials |= {f"material.named[{row}]": named for row, named in enumerate(case.material.named)}
     arcs = enumerate(case.casing.stiffened_arcs)
     materials |= {f"casing.stiffened_arcs[{row}]": arc for row, arc in arcs}
-    for key, material in materials.items():
-        for name, value, expected in material_faults(material):
-            yield Fault(key=f"{key}.{name}", value=value, expected=expected)
-    for key, value, least, most, unit in _bounds(case):
+    bounds = (
+        (f"{key}.{name}", value, *limits)
+        for key, material in materials.items()
+        for name, limits in MATERIAL.items()
+        if (value := getattr(material, name)) is not None
+    )
+    for key, value, least, most, unit in (*bounds, *_bounds(case)):
         if expected := fault_of(value, least, most, unit):
             yield Fault(key=key, value=value, expected=expected)
 

@@ -1,5 +1,6 @@
 """Superelements from files of other programs: `bladewhirl.import_superelement`."""
 
+import warnings
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
@@ -7,7 +8,7 @@ from typing import Any
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.imports.calculix import read_calculix
-from bladewhirl.models.imports.inspection import Inspection, inspect
+from bladewhirl.models.imports.inspection import Inspection, inspect, mass_hints
 from bladewhirl.models.imports.nastran import read_nastran
 from bladewhirl.models.imports.parts import Choice, ForeignPart, superelement_from
 from bladewhirl.models.imports.tables import (
@@ -15,6 +16,7 @@ from bladewhirl.models.imports.tables import (
     read_matlab_superelement,
     read_matrix_market,
 )
+from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.superelements.file import read_superelement
 from bladewhirl.models.superelements.superelement import (
     Superelement,
@@ -68,7 +70,10 @@ def import_superelement(
         SuperelementError: files are missing or invalid, or describe no structure: matrices are
             indefinite or not symmetric, nodes are unknown, or the first frequency is implausible.
     """
-    return imported(source, mass=mass, nodes=nodes, **choice)[0]
+    part, inspection, _ = imported(source, mass=mass, nodes=nodes, **choice)
+    for hint in inspection.hints:
+        warnings.warn(hint, Hint, stacklevel=2)
+    return part
 
 
 def imported(
@@ -103,7 +108,8 @@ def imported(
     with errors_of(path):
         part, along = superelement_from(foreign, Choice(**given))
         total = dense(along @ part.mass @ along.T).diagonal()
-        return part, inspect(part), total
+        hints = tuple(mass_hints(part, float(total.max())))
+        return part, replace(inspect(part), hints=hints), total
 
 
 def _read(

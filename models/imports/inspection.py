@@ -1,14 +1,18 @@
 """Checks of a superelement before it is used: signs of its matrices, rigid modes, frequencies."""
 
 import math
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spl
+from scipy.spatial import ConvexHull, QhullError
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.inputs.plausible import fault_of
 from bladewhirl.models.superelements.frequencies import SYMMETRIC_ORDER, lowest_frequencies
 from bladewhirl.models.superelements.superelement import (
     Matrix,
@@ -26,6 +30,9 @@ coordinate."""
 
 NEGATIVE = 1e-7
 """An eigenvalue of a matrix scaled to a diagonal of ones is negative if below minus this number."""
+
+LIGHTEST = 10.0
+"""Smallest plausible mass divided by the volume of the convex hull of a part [kg/m3]."""
 
 LOWEST, USUAL, HIGHEST = 1.0, 500.0, 50e3
 """Lowest plausible, usual and highest plausible first elastic frequency [Hz]."""
@@ -48,6 +55,7 @@ class Inspection:
 
     frequencies: FloatArray  #: lowest elastic frequencies [Hz], without rigid modes
     rigid_modes: int  #: number of rigid modes
+    hints: tuple[str, ...] = ()  #: warnings
 
 
 def inspect(part: Superelement) -> Inspection:
@@ -81,6 +89,14 @@ def inspect(part: Superelement) -> Inspection:
     if len(elastic):
         _check_units(float(elastic[0]))
     return Inspection(elastic[:MODES], int(np.count_nonzero(rigid)))
+
+
+def mass_hints(part: Superelement, mass: float) -> Iterator[str]:
+    """Yield a warning if a mass [kg] is too small for the convex hull of the points of a part."""
+    with suppress(QhullError, ValueError):
+        density = mass / ConvexHull(part.points).volume
+        if expected := fault_of(density, LIGHTEST, math.inf, "kg/m3"):
+            yield f"unusual mass = {mass:.4g} kg in the hull of the nodes: expected {expected}"
 
 
 def negative_eigenvalues(matrix: Matrix) -> int:

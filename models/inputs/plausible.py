@@ -1,7 +1,5 @@
 """Plausible sizes of materials, and the units in which implausible values probably are."""
 
-from collections.abc import Iterator
-
 MATERIAL = {
     "young_modulus": (1e9, 1e12, "Pa for a solid"),
     "density": (500.0, 25e3, "kg/m3 for a solid"),
@@ -20,10 +18,7 @@ def fault_of(value: float, least: float, most: float, unit: str) -> str:
     """Return the plausible values, with the probable unit of the given one, as a text that
     completes "expected ..."; an empty text if the value is plausible.
 
-    Args:
-        value: a value in SI units.
-        least, most: smallest and largest plausible value.
-        unit: SI unit, which a remark may follow.
+    `unit` is the SI unit, which a remark may follow.
     """
     if least <= value <= most:
         return ""
@@ -31,11 +26,3 @@ def fault_of(value: float, least: float, most: float, unit: str) -> str:
     slips = SLIPS.get(unit.split(" ")[0].rstrip(","), ())
     likely = [name for factor, name in slips if max(least, 1e-9) <= value * factor <= most]
     return f"{limits} {unit}" + (f"; perhaps {value:g} is in {likely[0]}" if likely else "")
-
-
-def material_faults(material: object) -> Iterator[tuple[str, float, str]]:
-    """Yield name, value and a text of `fault_of` for each implausible quantity of a material."""
-    for name, limits in MATERIAL.items():
-        value = getattr(material, name, None)
-        if value is not None and (fault := fault_of(value, *limits)):
-            yield name, value, fault

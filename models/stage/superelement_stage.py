@@ -13,6 +13,7 @@ from bladewhirl.models.case.analysis import MODES
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
+from bladewhirl.models.imports.inspection import NEGATIVE
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.stage_arrays import SuperelementArrays
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
@@ -38,10 +39,6 @@ PER_POINT = 8
 
 LIMIT = 0.2
 """Default of march.displacement_limit, divided by the largest radius of a contact node."""
-
-NEGATIVE = 1e-7
-"""An eigenvalue of a damping matrix is a rounding error down to minus this fraction of the largest
-one."""
 
 HIGHEST = 1e5
 """Highest plausible first natural frequency [Hz]."""
@@ -259,7 +256,10 @@ def superelement_stage(case: Case) -> SuperelementStage:
     if table.kind == "blade":
         _check_clamped(part, reduced)
     if reduced.damping is not None:
-        _check_damping(reduced.damping)
+        rates = np.linalg.eigvalsh(0.5 * (reduced.damping + reduced.damping.T))
+        if rates[0] < -NEGATIVE * abs(rates).max():
+            expected = "a damping matrix without negative eigenvalues, which feed energy"
+            raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])
     factor = case.bladed_disk.mistuning.factors("stiffness", table.copies)
     per_blade = part.contacts if table.kind == "blade" else part.contacts // table.copies
     stage = SuperelementStage(
@@ -308,21 +308,6 @@ def _on_springs(case: Case, part: Superelement) -> Superelement:
     )
     added = springs if sp.issparse(part.stiffness) else springs.toarray()
     return replace(part, stiffness=part.stiffness + added)
-
-
-def _check_damping(damping: FloatArray) -> None:
-    """Check that the damping matrix of the file, (modes, modes), feeds no motion with energy.
-
-    Raises:
-        CaseError: it has negative eigenvalues.
-    """
-    rates = np.linalg.eigvalsh(0.5 * (damping + damping.T))
-    if rates[0] < -NEGATIVE * abs(rates).max():
-        expected = (
-            "a damping matrix without negative eigenvalues, which would feed motion with energy;"
-            f" the smallest is {rates[0]:.4g} 1/s"
-        )
-        raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])
 
 
 def _check_clamped(part: Superelement, reduced: ReducedSuperelement) -> None:

@@ -1,14 +1,13 @@
 """Arrays and matrices from files of NumPy, MATLAB and other programs, checked before use.
 
-Compiled routines for sparse matrices trust their indices, and an index out of range lets them write
-outside the memory of a matrix. Every matrix from a file therefore passes `checked_matrix` first.
+Compiled routines trust the indices of sparse matrices and access any memory to which they point.
+Every matrix from a file therefore passes `checked_matrix` first.
 """
 
-import math
 import warnings
 from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import scipy.io as sio
@@ -24,18 +23,13 @@ from bladewhirl.models.superelements.superelement import Matrix, SuperelementErr
 MOST = 10_000_000
 """Largest number of rows or columns of a matrix."""
 
-Content = TypeVar("Content")
 
+def read_foreign(file: Path, kind: str, read: Callable[[], Any]) -> Any:
+    """Return the result of a function that reads a file.
 
-def read_foreign(file: Path, kind: str, read: Callable[[], Content]) -> Content:
-    """Return the result of a function that reads a file; any error becomes a `SuperelementError`.
-
-    Readers of other packages check little: they raise exceptions of any type on damaged files.
-
-    Args:
-        file: path of the file.
-        kind: text that completes "expected", such as "a file of NumPy".
-        read: function that reads the file.
+    Raises:
+        SuperelementError: the function raised any error; `kind`, such as "a file of NumPy",
+            completes "expected".
     """
     try:
         check_regular(file)
@@ -60,12 +54,12 @@ def npz_arrays(file: Path, known: Collection[str]) -> dict[str, Any]:
 
     def read() -> dict[str, Any]:
         with file.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
-            sizes = {info.filename: info.file_size for info in archive.zip.infolist()}
             names = [name for name in archive.files if name in known]
-            _check_size(sum(sizes.get(f"{name}.npy", sizes.get(name, 0)) for name in names))
+            members = {f"{name}.npy" for name in names}.union(names)
+            _check_size([i.file_size for i in archive.zip.infolist() if i.filename in members])
             return dict.fromkeys(archive.files) | {name: archive[name] for name in names}
 
-    return read_foreign(file, "a file of NumPy or MATLAB", read)
+    return dict(read_foreign(file, "a file of NumPy or MATLAB", read))
 
 
 def mat_variables(file: Path, known: Collection[str]) -> dict[str, Any]:
@@ -79,31 +73,26 @@ def mat_variables(file: Path, known: Collection[str]) -> dict[str, Any]:
     def read() -> dict[str, Any]:
         check_tags(file)
         found = sio.whosmat(file, appendmat=False)
-        chosen = {row[0]: row for row in found if row[0] in known or row[2] == "struct"}
-        full = (shape for _, shape, kind in chosen.values() if kind != "sparse")
-        _check_size(8 * sum(math.prod(shape) for shape in full))
-        content = sio.loadmat(
-            file, struct_as_record=False, appendmat=False, variable_names=[*chosen]
-        )
-        return dict.fromkeys(name for name, _, _ in found) | {
-            name: content[name] for name in chosen
-        }
+        rows = [row for row in found if row[0] in known or row[2] == "struct"]
+        _check_size([8.0 * np.prod(shape, dtype=float) for _, shape, k in rows if k != "sparse"])
+        names, options = [row[0] for row in rows], {"struct_as_record": False, "appendmat": False}
+        content = sio.loadmat(file, variable_names=[*names], **options)
+        return dict.fromkeys(row[0] for row in found) | {name: content[name] for name in names}
 
-    return read_foreign(file, "a .mat file before version 7.3", read)
+    return dict(read_foreign(file, "a .mat file before version 7.3", read))
 
 
-def _check_size(size: float) -> None:
-    """Raise an error if arrays of the given size [bytes] do not fit into memory."""
-    if size > memory():
-        raise ValueError(f"its arrays need {size / 1e9:.3g} GB of memory")
+def _check_size(sizes: list[float]) -> None:
+    if sum(sizes) > memory():
+        raise ValueError(f"its arrays need {sum(sizes) / 1e9:.3g} GB of memory")
 
 
 def checked_matrix(key: str, value: Any) -> Matrix:
     """Return a matrix from a file with 64-bit floats, sparse if it is given so.
 
     Raises:
-        SuperelementError: the matrix is not a matrix of finite real numbers, or its indices are out
-            of range.
+        SuperelementError: the matrix has other values than finite real numbers, or indices out of
+            range.
     """
     if not sp.issparse(value):
         return np.atleast_2d(real_numbers(key, value))
@@ -132,7 +121,7 @@ def _check_indices(matrix: Any) -> None:
 
 
 def real_numbers(key: str, value: Any) -> FloatArray:
-    """Return an array from a file with 64-bit floats.
+    """Return an array of 64-bit floats.
 
     Raises:
         SuperelementError: the values are not finite real numbers of a plausible size.

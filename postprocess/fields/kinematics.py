@@ -61,11 +61,7 @@ def frame_records(
 
 
 def check_frames(frames: int, most: int = MOST_FRAMES) -> None:
-    """Check a number of pictures.
-
-    Raises:
-        ViewError: the number is not from 1 to `most`.
-    """
+    """Raise a ViewError if a number of pictures is not from 1 to `most`."""
     if not 1 <= frames <= most:
         raise ViewError(f"number of frames must be from 1 to {most}, got {frames}")
 

@@ -135,6 +135,8 @@ def all_blades(signals: xr.Dataset) -> xr.Dataset:
     blades = xr.Dataset(attrs={name: signals.attrs[name] for name in (*ABOUT, "case_title")})
     for name in chosen:
         signal = signals[name]
+        if not signal.size:
+            raise ViewError(f"all blades: expected a run in which a blade passes {name}")
         if signal.attrs["type"] == "tip-timing":
             moved, number = signal.values[0], signal[f"{name}_revolution"].values
         else:

@@ -242,7 +242,7 @@ def _timing(result: xr.Dataset, sensor: TipTiming, number: int) -> xr.Dataset:
     arrival = exact["arrival"].values
     turned = angle + speed * arrival + exact["deflection"].values / radius
     turn = np.nan_to_num(np.sign(speed) * np.round(turned / (2.0 * np.pi))).astype(np.int64) + 2
-    shape = (int(turn.max()) + 1, len(sensor.probes), len(radius))
+    shape = (int(turn.max(initial=0)) + 1, len(sensor.probes), len(radius))
     probe, blade = np.ogrid[: shape[1], : shape[2]]
     # Noise belongs to the revolution since the start of the run, also in a time window.
     noise = _stream(sensor, number).standard_normal(shape)[turn, probe[..., None], blade[..., None]]

@@ -84,12 +84,10 @@ def bladewhirl(
 
 
 def _interrupt(number: int, frame: Any) -> None:
-    """End a command after SIGTERM, which batch systems send, as after Ctrl-C; a command in the
-    background of a shell ignores Ctrl-C itself."""
-    if callable(signal.getsignal(signal.SIGINT)):
-        signal.raise_signal(signal.SIGINT)
-    else:
-        signal.default_int_handler(number, frame)
+    """End a command after SIGTERM as after Ctrl-C, which a command in the background ignores."""
+    handler = signal.getsignal(signal.SIGINT)
+    ignored = not callable(handler)
+    signal.default_int_handler(number, frame) if ignored else signal.raise_signal(signal.SIGINT)
 
 
 GARBAGE_THRESHOLD = 50_000

@@ -179,6 +179,8 @@ def import_(
     )
     given = f"{length_unit or 'm'}, {mass_unit or 'kg'}, s"
     emit(None, facts(_facts(part, inspection, total, given)), *_contacts(part), json=False)
+    for hint in inspection.hints:
+        typer.echo(f"Hint: {hint}.", err=True)
     if output is not None:
         with writing(output):
             write_superelement(output, part)

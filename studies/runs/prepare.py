@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -89,19 +89,16 @@ def prepare(given: Case | AnyStage, change: Change | None = None) -> Prepared:
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
 
 
-def check_finite(data: Any) -> None:
-    """Check that all arrays in a dataclass are finite, before a march needs or stores them.
+def _finite(data: Any) -> Any:
+    """Return a dataclass, all of whose arrays are finite.
 
     Raises:
-        UserError: an array has values that are infinite or not numbers.
+        UserError: an array is not.
     """
     for name, value in state_arrays(data).items():
-        given = np.asarray(value)
-        if given.ndim and given.dtype.kind in "fc" and not np.isfinite(given).all():
-            raise UserError(
-                f"{name} of the stage: expected finite numbers; check the files of the case, and"
-                " its values for a wrong unit"
-            )
+        if np.ndim(value) and np.asarray(value).dtype.kind in "fc" and not np.isfinite(value).all():
+            raise UserError(f"{name} of the stage: expected finite numbers; check files and units")
+    return data
 
 
 def screened(case: Case, problem: ContactProblem, timing: Timing) -> tuple[ContactProblem, Timing]:
@@ -126,13 +123,10 @@ def problem_of(stage: AnyStage) -> AnyProblem:
             node would start beyond the wall, or the time step is too long for the modes or the
             coating.
     """
-    check_finite(stage.arrays)
+    _finite(stage.arrays)
     if isinstance(stage, Stage):
-        beams = contact_problem(stage)
-        check_finite(beams)
-        return beams
-    problem, timing = stage.problem, stage.case.march.timing
-    check_finite(problem)
+        return cast(ContactProblem, _finite(contact_problem(stage)))
+    problem, timing = cast(BoundaryProblem, _finite(stage.problem)), stage.case.march.timing
     limit = problem.critical_time_step
     if not timing.time_step < limit:
         expected = (

@@ -16,6 +16,7 @@ from solid_meshes import SECTORS, bladed_sector, cantilever
 
 from bladewhirl.models.imports.importing import import_superelement, imported
 from bladewhirl.models.imports.inspection import inspect, negative_eigenvalues
+from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
@@ -261,3 +262,23 @@ def test_a_damping_matrix_that_feeds_energy_is_refused() -> None:
     signs[0, 3] = signs[3, 0] = 3.0 * signs[0, 0]
     with pytest.raises(SuperelementError, match=r"damping: expected no negative .* has 1"):
         inspect(replace(part, damping=sp.csr_array(signs)))
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1e-3, "g/cm3"), (1e3, "")])
+def test_a_mass_too_small_for_the_nodes_is_named(tables: Path, factor: float, unit: str) -> None:
+    """The stiffness is scaled too, so that the frequencies are plausible."""
+    part = blade()
+    sio.savemat(tables / "a.mat", {"M": factor * part.mass, "K": factor * part.stiffness})
+    table = (tables / "rows.csv").read_text().splitlines()
+    lines = [table[0]]
+    for line in table[1:]:
+        number, *place = line.split(",")[:4]
+        metres = [str(1e-3 * float(value)) for value in place]
+        lines.append(",".join([number, *metres, *line.split(",")[4:]]))
+    (tables / "metres.csv").write_text("\n".join(lines))
+    found = imported(tables / "a.mat", nodes=tables / "metres.csv", **TIP)[1].hints
+    assert len(found) == bool(unit)
+    if unit:
+        assert f"is in {unit}" in found[0]
+        with pytest.warns(Hint, match="unusual mass = .* kg in the hull of the nodes"):
+            import_superelement(tables / "a.mat", nodes=tables / "metres.csv", **TIP)

@@ -13,6 +13,7 @@ from synthetic_result import TIP_RADIUS, resting
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.run import sensor_figures
 from bladewhirl.postprocess.run.tip_timing import tip_timing
 
 GAUGE = {"type": "strain", "span": 0.4}
@@ -193,3 +194,11 @@ def test_what_cannot_be_timed_is_refused() -> None:
         tip_timing(bending(401), [])
     with pytest.raises(bw.UserError, match='angle = "None": expected an angle'):
         tip_timing(bending(401), [None])  # type: ignore[arg-type]
+
+
+def test_a_run_too_short_for_an_arrival_has_none(result: xr.Dataset) -> None:
+    short = result.isel(time=slice(0, 3))
+    signals = bw.sensors(short, [TIMING | {"probes": [1e-3] * 100, "noise": "1 us"}])
+    assert signals["btt"].size == 0
+    with pytest.raises(ViewError, match="expected a run in which a blade passes btt"):
+        sensor_figures.all_blades(signals)
