@@ -103,8 +103,9 @@ class Initial(Table):
     """
 
     centre_velocity: fields.VelocityPair = (0.0, 0.0)
-    """Velocity of the centre, x and y [m/s]; at speed 0 the velocity in space. The nodes between centre and tips follow statically;
-    moving only the mass of the centre would change the effect by a factor of 4 to 45."""
+    """Velocity of the centre, x and y [m/s]; at speed 0 the velocity in space. The nodes between
+    centre and tips follow statically; moving only the mass of the centre would change the effect by
+    a factor of 4 to 45."""
     centre_displacement: fields.DisplacementPair = (0.0, 0.0)
     """Displacement of the centre, x and y [m]."""
     tip_velocity: fields.VelocityRows | None = Field(
