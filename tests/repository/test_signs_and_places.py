@@ -7,7 +7,7 @@ from places import ROOT
 @pytest.mark.parametrize(
     ("page", "words"),
     [
-        ("README.md", "`bladewhirl new` explains keys and `--help` commands"),
+        ("README.md", "`bladewhirl new` explains keys, `--help` commands"),
         ("docs/model.md", "bladewhirl COMMAND --help"),
         ("docs/model.md", "--install-completion"),
         ("docs/model.md", "3D blades"),
