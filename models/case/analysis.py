@@ -38,7 +38,8 @@ class Reduction(Table):
     until the gap is zero. "consistent": contact nodes with mass, described by all modes of the
     Craig-Bampton model with fixed_interface_modes."""
     free_interface_modes: Annotated[int, fields.count(1)] = 50
-    """Number of free-interface modes of a superelement with a massless boundary."""
+    """Number of free-interface modes of a superelement with a massless boundary. For a sector it is
+    the number per sector: its wheel has this number times copies."""
     modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "all"
     """Modes that a march keeps: "all"; "six", the paper's truncated space of Eqs (4)-(10), which is
     "1F:1,suspension:1,casing:1"; or names, FAMILY:k on the bladed disk and casing:FAMILY:k on the
@@ -103,8 +104,9 @@ class Initial(Table):
     """
 
     centre_velocity: fields.VelocityPair = (0.0, 0.0)
-    """Velocity of the centre, x and y [m/s]. The nodes between centre and tips follow statically;
-    moving only the mass of the centre would change the effect by a factor of 4 to 45."""
+    """Velocity of the centre, x and y [m/s]; at speed 0 the velocity in space. The nodes between
+    centre and tips follow statically; moving only the mass of the centre would change the effect by
+    a factor of 4 to 45."""
     centre_displacement: fields.DisplacementPair = (0.0, 0.0)
     """Displacement of the centre, x and y [m]."""
     tip_velocity: fields.VelocityRows | None = Field(

@@ -14,6 +14,9 @@ Bound = tuple[str, float, float, float, str]
 STIFFEST = 1e13
 """Largest plausible stiffness of a spring [N/m]; a cube of steel of 1 m has 2e11 N/m."""
 
+MOST_UNBALANCE = 1e3
+"""Largest plausible unbalance [kg m]."""
+
 IN_TIP_RADII = {"width": 1.0, "thickness": 1.0, "length": 100.0}
 """Largest plausible dimensions of a beam, divided by the tip radius."""
 
@@ -46,6 +49,14 @@ def _bounds(case: Case) -> Iterator[Bound]:
         springs[f"casing.springs[{row}].tangential"] = spring.tangential
     for key, stiffness in springs.items():
         yield key, stiffness or 0.0, 0.0, STIFFEST, "N/m"
+    for key, load in case.excitations.items():
+        yield (
+            f"{key}.unbalance",
+            getattr(load, "unbalance", None) or 0.0,
+            0.0,
+            MOST_UNBALANCE,
+            "kg m",
+        )
     yield "contact.friction", case.contact.friction, 0.0, 2.0, "for dry metals"
     yield "damping.ratio", case.damping.ratio, 0.0, 0.5, "for modes that vibrate"
 

@@ -6,20 +6,15 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import W
-from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
-from bladewhirl.models.stage.loads import closing_unbalance, unbalance
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.models.superelements.reduction import rigid_limit, static_flexibility
 
 LOWEST_FREQUENCY = 1.0
 """Lowest plausible reference frequency [Hz]; lower frequencies are usually due to a wrong unit."""
-
-MOST_CLOSING = 100.0
-"""Largest plausible static response to an imbalance, divided by the clearance."""
 
 TIP_SHARE = 0.9
 """A free end is reported as a possible tip if its radius is at least this fraction of the smallest
@@ -31,7 +26,6 @@ def stage_hints(stage: Stage) -> tuple[str, ...]:
     return (
         *case_hints(stage.case),
         *_too_soft(stage),
-        *_too_unbalanced(stage),
         *_fed_whirl(stage),
         *_free_ends(stage.disk.model),
     )
@@ -47,17 +41,6 @@ def _too_soft(stage: Stage) -> Iterator[str]:
         yield (
             f"the reference frequency, the unit of speeds, is {hertz:.3g} Hz: check that"
             " dimensions, material and springs are in SI units or are text with a unit"
-        )
-
-
-def _too_unbalanced(stage: Stage) -> Iterator[str]:
-    if not any(isinstance(load, Imbalance) for load in stage.case.excitations.values()):
-        return
-    size, closing = unbalance(stage), closing_unbalance(stage, stage.speed)
-    if size > MOST_CLOSING * closing > 0.0:
-        yield (
-            f"the static response to the imbalance is {size / closing:.3g} times the clearance:"
-            " check that unbalance is in kg m or is text with a unit"
         )
 
 

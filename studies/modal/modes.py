@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.inputs.errors import Hint
+from bladewhirl.models.inputs.errors import Hint, UserError
 from bladewhirl.models.modal.full_stage import LabelledWhirlModes, ModalStage, modal_stage
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import is_first_of_pair
@@ -116,6 +116,8 @@ def modes(case_or_stage: Case | Stage | ModalStage, *, count: int = 60) -> xr.Da
 
 def _of_superelement(case: Case, count: int) -> xr.Dataset:
     """Return the lowest modes of a superelement; warn of matrices that they leave out."""
+    if count < 1:
+        raise UserError(f"modes: count {count}: expected at least 1")
     stage = superelement_stage(case)
     for hint in (hints := [*unused_matrices(stage)]):
         warnings.warn(hint, Hint, stacklevel=3)

@@ -24,6 +24,7 @@ from bladewhirl.studies.modal.stability import fastest_mode
 from bladewhirl.studies.modal.stability_chart import spectrum_along, stability_chart
 from bladewhirl.studies.modal.veering import draw_veering, veering
 from bladewhirl.studies.paper.claims_modal import EXAMPLE, RANGE
+from bladewhirl.studies.paper.modal_numbers import OPERATING
 from bladewhirl.studies.paper.trials import Evidence, NotTestableError
 
 CHART_SPEEDS, CHART_KAPPAS = np.linspace(*RANGE, 241), np.linspace(0.0, 1000.0, 101)
@@ -122,7 +123,7 @@ _MODAL: Mapping[str, Draw] = {
     ),
     "veering": lambda evidence, folder: draw_veering(veering(evidence.stage, families=5), folder),
     "campbell": lambda evidence, folder: draw_campbell(
-        campbell(evidence.stage, families=2), folder
+        campbell(evidence.stage, families=2, operating=OPERATING), folder
     ),
     "stability": _draw_chart,
     "coupled-mode": _draw_coupled_mode,
