@@ -1,18 +1,25 @@
 """Arrays that define a contact problem with many contact nodes."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.schemes import NODE_SCHEMES
 from bladewhirl.models.stage.contact_problem import (
+    Bodies,
     Load,
     NodeCoating,
     ReducedCasing,
     Start,
     WallClosure,
 )
+
+ROUNDING = 1e-9
+"""A negative damping rate up to this fraction of the largest one is a rounding error."""
 
 RIGID = 1e-6
 """An eigenvector of the residual flexibility counts as rigid if its eigenvalue is at most this
@@ -23,6 +30,8 @@ fraction of the largest."""
 class BoundaryProblem:
     """Equal or similar structures, called copies, inside a rigid wall or a flexible ring; all in
     modal coordinates."""
+
+    schemes: ClassVar[Mapping[str, str]] = NODE_SCHEMES  #: classes of the schemes, by name
 
     frequency: FloatArray  #: frequency of each mode [rad/s], (copies, modes)
     damping_ratio: FloatArray  #: damping ratio of each mode, (copies, modes)
@@ -69,6 +78,25 @@ class BoundaryProblem:
         clearance = at[0] * one[..., 0] + at[1] * one[..., 1]
         clearance = clearance + at[2] * two[..., 0] + at[3] * two[..., 1]
         return np.asarray(clearance + self.recess - self.start.rotor @ self.contact[::3].T)
+
+    def free_bodies(self) -> tuple[float, Bodies]:
+        """Return the smallest clearance of the contact nodes [m], and the bodies.
+
+        Raises:
+            ValueError: the energy of free motion need not decay; the message states the reason.
+        """
+        damping = np.diag((2.0 * self.damping_ratio * self.frequency).min(axis=0))
+        if self.by_velocity is not None:
+            damping = damping + 0.5 * (self.by_velocity + self.by_velocity.T)
+        rates = np.linalg.eigvalsh(damping)
+        if rates[0] < -ROUNDING * max(rates[-1], 0.0):
+            raise ValueError("the damping matrix of the superelement feeds energy to some motion")
+        covered = 0.0 if self.coating is None else self.coating.removable
+        clearance = float(self.wall[:, 0].min() + self.recess.min() - covered)
+        bodies = [(self.contact[::3], frequency) for frequency in self.frequency]
+        if self.casing is not None:
+            bodies.append((self.casing.nodal[:, 0], self.casing.frequency))
+        return clearance, bodies
 
     @property
     def critical_time_step(self) -> float:

@@ -6,17 +6,23 @@ of the casing for unit modal coordinates. Rotor and casing can be any structures
 uses their cyclic symmetry, if the modes have DFT columns.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.closure import Closure
+from bladewhirl.models.case.schemes import SCHEMES
 from bladewhirl.models.coupling.equations import difference_of_axes
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.elements.cyclic import evenly_spaced
+
+Bodies = list[tuple[FloatArray, FloatArray]]
+"""Radial displacements of the surface of each body for unit modal coordinates, and frequencies of
+the modes."""
 
 NEVER = np.inf
 """End time of a load that does not end."""
@@ -327,6 +333,8 @@ class Start:
 class ContactProblem:
     """All data of a march except its time steps and its scheme."""
 
+    schemes: ClassVar[Mapping[str, str]] = SCHEMES  #: classes of the schemes, by name
+
     rotor: ReducedRotor
     casing: ReducedCasing
     speed: float  #: speed of rotation Omega, counter-clockwise [rad/s]
@@ -357,6 +365,21 @@ class ContactProblem:
         one, minus the clearance [m], (tips,)."""
         removable = 0.0 if self.coating is None else self.coating.removable
         return np.asarray(self.rotor.tip_recess + removable)
+
+    def free_bodies(self) -> tuple[float, Bodies]:
+        """Return the smallest clearance of the tips [m], and the bodies.
+
+        Raises:
+            ValueError: the energy of free motion need not decay; the message states the reason.
+        """
+        rotor, casing = self.rotor, self.casing
+        if self.springs is not None or rotor.anisotropy or rotor.circulation:
+            raise ValueError("springs or dampers in the static frame can feed energy to the rotor")
+        clearance = float(casing.clearance[:, 0].min() + rotor.tip_recess.min())
+        return clearance, [
+            (rotor.tip_radial, rotor.frequency),
+            (casing.nodal[:, 0], casing.frequency),
+        ]
 
     @property
     def critical_time_step(self) -> float:

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from bladewhirl.models.modal.stage_arrays import StageArrays, SuperelementArrays
+from bladewhirl.models.stage.marched import Arrays
 from bladewhirl.postprocess.fields.kinematics import Array, recess_at_rest
 from bladewhirl.postprocess.fields.netcdf import ResultError as ResultError
 from bladewhirl.postprocess.fields.netcdf import (
@@ -98,7 +98,7 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def result_of(
-    stage: StageArrays | SuperelementArrays,
+    stage: Arrays,
     histories: Mapping[str, Array],
     attributes: Mapping[str, Any],
 ) -> xr.Dataset:
@@ -123,7 +123,7 @@ def result_of(
     return with_coordinates(dataset.set_coords(schema.TIME))
 
 
-def stage_dataset(arrays: StageArrays, motion: Mapping[str, Array] | None = None) -> xr.Dataset:
+def stage_dataset(arrays: Arrays, motion: Mapping[str, Array] | None = None) -> xr.Dataset:
     """Return geometry, modes and motion of a stage, with the names and units of a result.
 
     The Dataset lacks the data of contact, load and march, which pictures of modes do not need.

@@ -4,6 +4,7 @@ The equations are in the comment of `solvers/kernel/boundary.c`.
 """
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -42,6 +43,11 @@ class BoundaryChunk(MarchRecords):
     axial_impulse: FloatArray
     """Axial friction impulse on each node since the last record [N s], (records, nodes)."""
 
+    def beyond(self, problem: Any, arrays: Any, time_step: float) -> tuple[str, str]:
+        """Return the contact node that passed the displacement limit as text, see `Chunk`."""
+        node = int(np.abs(self.contact_displacement[-1, :, 0]).argmax())
+        return f"contact node {arrays.node[node]} of blade {arrays.blade[node]}", ""
+
 
 class BoundaryMarch:
     """Central differences with contact of many nodes; second-order accurate without contact.
@@ -56,6 +62,8 @@ class BoundaryMarch:
     """
 
     cyclic = (False, False)
+    chunk: ClassVar[type[BoundaryChunk]] = BoundaryChunk
+    records_casing = True
 
     def __init__(self, problem: BoundaryProblem, time_step: float, record_every: int) -> None:
         limit = problem.critical_time_step

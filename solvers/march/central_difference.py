@@ -1,6 +1,7 @@
 """Time integration by central differences with forward-increment Lagrange multipliers."""
 
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -49,6 +50,8 @@ class CentralDifference:
     Raises:
         ValueError: the time step is not below the critical time step.
     """
+
+    chunk: ClassVar[type[Chunk]] = Chunk
 
     def __init__(
         self, problem: ContactProblem, time_step: float, record_every: int, *, cyclic: bool = True

@@ -7,8 +7,7 @@ from typing import Literal, Self, get_args
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.boundary_problem import BoundaryProblem
-from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.marched import Problem
 from bladewhirl.solvers.march.march import CHUNK_STEPS, Chunk
 
 StopWhen = Literal["damped"]
@@ -22,9 +21,6 @@ rest."""
 
 FREE_TURNS = 10.0
 """Smallest number of revolutions of free motion before a march ends early."""
-
-ROUNDING = 1e-9
-"""A negative damping rate up to this fraction of the largest one is a rounding error."""
 
 RULE = (
     "damped: the loads have ended, no tip has touched for at least half of the time marched and"
@@ -49,7 +45,7 @@ class FreeMotion:
     since: float  #: time at which free motion began [s]
 
     @classmethod
-    def of(cls, problem: ContactProblem | BoundaryProblem, time_step: float) -> Self:
+    def of(cls, problem: Problem, time_step: float) -> Self:
         """Return the detector for a contact problem.
 
         Raises:
@@ -58,10 +54,7 @@ class FreeMotion:
         since = max((load.end for load in problem.loads), default=0.0)
         if math.isinf(since):
             raise ValueError("a load never ends")
-        if isinstance(problem, BoundaryProblem):
-            clearance, bodies = _nodes(problem)
-        else:
-            clearance, bodies = _tips(problem)
+        clearance, bodies = problem.free_bodies()
         lost = 0.0 if problem.closure is None else problem.closure.course.largest_loss
         gap = CLOSING * (clearance - lost)
         if problem.closure is not None and not gap > 0.0:
@@ -86,37 +79,6 @@ class FreeMotion:
             return False
         now = float(chunk.time[-1])
         return now - self.since >= max(self.free_time, self.since)
-
-
-Bodies = list[tuple[FloatArray, FloatArray]]
-"""Radial displacements of the surface of each body for unit modal coordinates, and frequencies of
-the modes."""
-
-
-def _tips(problem: ContactProblem) -> tuple[float, Bodies]:
-    """Return the smallest clearance of the tips of beams [m], and the bodies."""
-    rotor, casing = problem.rotor, problem.casing
-    if problem.springs is not None or rotor.anisotropy or rotor.circulation:
-        raise ValueError("springs or dampers in the static frame can feed energy to the rotor")
-    clearance = float(casing.clearance[:, 0].min() + rotor.tip_recess.min())
-    bodies = [(rotor.tip_radial, rotor.frequency), (casing.nodal[:, 0], casing.frequency)]
-    return clearance, bodies
-
-
-def _nodes(problem: BoundaryProblem) -> tuple[float, Bodies]:
-    """Return the smallest clearance of contact nodes [m], and the bodies."""
-    damping = np.diag((2.0 * problem.damping_ratio * problem.frequency).min(axis=0))
-    if problem.by_velocity is not None:
-        damping = damping + 0.5 * (problem.by_velocity + problem.by_velocity.T)
-    rates = np.linalg.eigvalsh(damping)
-    if rates[0] < -ROUNDING * max(rates[-1], 0.0):
-        raise ValueError("the damping matrix of the superelement feeds energy to some motion")
-    covered = 0.0 if problem.coating is None else problem.coating.removable
-    clearance = float(problem.wall[:, 0].min() + problem.recess.min() - covered)
-    bodies = [(problem.contact[::3], frequency) for frequency in problem.frequency]
-    if problem.casing is not None:
-        bodies.append((problem.casing.nodal[:, 0], problem.casing.frequency))
-    return clearance, bodies
 
 
 def _compliance(rows: FloatArray, frequency: FloatArray) -> float:

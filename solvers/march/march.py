@@ -68,6 +68,11 @@ class MarchRecords:
         """Number of records."""
         return len(self.step)
 
+    def beyond(self, problem: Any, arrays: Any, time_step: float) -> tuple[str, str]:
+        """Return the place that passed the displacement limit of a contact problem at the last
+        record, and its displacement, as texts."""
+        raise NotImplementedError
+
 
 @dataclass(frozen=True, kw_only=True)
 class Chunk(MarchRecords):
@@ -79,6 +84,32 @@ class Chunk(MarchRecords):
     coupling_work: FloatArray
     """Work on the rotor due to its rotation relative to springs and dampers in the static frame
     [J], (records,)."""
+
+    def beyond(self, problem: Any, arrays: Any, time_step: float) -> tuple[str, str]:
+        """Return the place that passed the displacement limit, and its displacement, as texts.
+
+        The last record is still within the limit; the place is found from displacements that are
+        extrapolated by one step. It is unknown if the motion of the casing is not recorded.
+        """
+        rotor, casing = problem.rotor, problem.casing
+        if self.casing_displacement.shape[1] < len(casing.frequency):
+            return "a tip or the casing", ""
+        largest, text = 0.0, ("", "")
+        for body, way, shapes in (
+            ("rotor", "radially", rotor.tip_radial),
+            ("rotor", "tangentially", rotor.tip_tangential),
+            ("casing", "radially", casing.nodal[:, 0]),
+        ):
+            moved = shapes @ getattr(self, f"{body}_displacement")[-1]
+            rate = shapes @ getattr(self, f"{body}_velocity")[-1]
+            ahead = np.abs(moved + time_step * rate)
+            place = int(ahead.argmax())
+            if ahead[place] >= largest:
+                angle = 360.0 * place / len(shapes)
+                name = f"blade {place}" if body == "rotor" else f"the casing at {angle:.4g}°"
+                text = name, f" ({moved[place]:.4g} m {way})"
+                largest = ahead[place]
+        return text
 
 
 PartT = TypeVar("PartT")
@@ -148,6 +179,11 @@ class Scheme(Protocol[StateT]):
     """Protocol of a time integration scheme, factorised for one problem and one time step."""
 
     cyclic: tuple[bool, bool]  #: true for rotor and for casing if harmonics are separate
+    records_casing: bool  #: whether the motion of the casing is recorded, where it can be left out
+
+    @property
+    def chunk(self) -> type[MarchRecords]:
+        """Class of the records."""
 
     def init(self) -> StateT:
         """Return the state at t = 0."""

@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.schemes import SCHEMES
 from bladewhirl.models.inputs.errors import writing
+from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk, joined, march
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
@@ -63,9 +65,9 @@ def compare_schemes(
 
     folder = None if directory is None else Path(directory)
     check_figure_folder(folder, overwrite=overwrite)
-    stages = [build_stage(with_values(case, {"march.scheme": name})) for name in SCHEMES]
-    prepared = [prepare(stage) for stage in stages]
-    marches = [_marched(one, number, progress) for number, one in enumerate(prepared)]
+    prepared = [prepare(with_values(case, {"march.scheme": name})) for name in SCHEMES]
+    tips = contact_problem(build_stage(case)).rotor.tip_radial
+    marches = [_marched(one, tips, number, progress) for number, one in enumerate(prepared)]
     data = _side_by_side(marches, prepared[0])
     if folder is not None:
         with writing(folder):
@@ -94,7 +96,9 @@ def _last_value(values: xr.DataArray) -> float:
     return float(values)
 
 
-def _marched(prepared: Prepared, number: int, progress: Progress | None) -> xr.Dataset:
+def _marched(
+    prepared: Prepared, tip_radial: FloatArray, number: int, progress: Progress | None
+) -> xr.Dataset:
     """March with one scheme; return its histories, with displacements of tips (time, tip)."""
     total = prepared.timing.steps
     chunks: list[Chunk] = []
@@ -107,7 +111,7 @@ def _marched(prepared: Prepared, number: int, progress: Progress | None) -> xr.D
     cost = (time.perf_counter() - began) / max(steps, 1)
 
     whole = joined(chunks)
-    tips = whole.rotor_displacement @ prepared.problem.rotor.tip_radial.T
+    tips = whole.rotor_displacement @ tip_radial.T
     energy, damped = whole.energy, whole.damping_work
     works = np.array([getattr(whole, name) for name in WORKS])
     mismatch = energy - energy[0] - works.sum(axis=0) + damped

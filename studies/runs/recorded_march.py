@@ -15,8 +15,6 @@ import numpy as np
 from bladewhirl.files import replacing
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.solvers.march.boundary import BoundaryChunk
-from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.checkpoint import (
     CHECKPOINT_NAME,
     Checkpoint,
@@ -27,7 +25,6 @@ from bladewhirl.solvers.march.checkpoint import (
 from bladewhirl.solvers.march.free_motion import RULE
 from bladewhirl.solvers.march.march import (
     CHUNK_STEPS,
-    Chunk,
     CoatingRecords,
     EndReason,
     MarchState,
@@ -44,7 +41,7 @@ from bladewhirl.solvers.march.recorder import (
     Values,
     result_bytes,
 )
-from bladewhirl.solvers.march.schema import NODES, tables_of
+from bladewhirl.solvers.march.schema import tables_of
 from bladewhirl.studies.runs import folder, march_texts
 from bladewhirl.studies.runs.interrupts import asked_to_stop
 from bladewhirl.studies.runs.prepare import Prepared
@@ -133,8 +130,7 @@ def march_in_memory(
 
     attributes = march_texts.attributes(prepared, dumps_case(prepared.stage.case))
     records = Records(prepared.stage.arrays, attributes, prepared.timing.records, room, casing)
-    if isinstance(prepared.scheme, CentralDifference):
-        prepared.scheme.records_casing = casing
+    prepared.scheme.records_casing = casing
     chunk_steps = CHUNK_STEPS
     if prepared.stop is None:  # which is asked after every chunk
         chunk_steps = min(CHUNK_STEPS, CACHED_RECORDS * prepared.timing.record_every)
@@ -229,6 +225,7 @@ def _recorder(
                 earlier = earlier.isel(wear_time=kept)
             for records in portions(earlier.isel(time=slice(begin.records))):
                 chunk = _chunk(
+                    prepared.scheme.chunk,
                     earlier.isel(time=records),
                     prepared.timing.time_step,
                     profiles=recorder.records == 0,
@@ -237,7 +234,7 @@ def _recorder(
         yield recorder
 
 
-def _chunk(records: xr.Dataset, time_step: float, *, profiles: bool) -> AnyChunk:
+def _chunk(kind: type[Any], records: xr.Dataset, time_step: float, *, profiles: bool) -> AnyChunk:
     """Return records of a result as a chunk, with or without the profiles of its coating."""
     tables = tables_of(records.attrs)
     still = np.zeros((records.sizes["time"], 0))  # of a rigid wall
@@ -253,9 +250,8 @@ def _chunk(records: xr.Dataset, time_step: float, *, profiles: bool) -> AnyChunk
             **{name: kept[name].values if name in kept else unknown for name in names}
         )
     step = np.rint(values["time"] / time_step).astype(np.int64)
-    if tables is NODES:
-        return BoundaryChunk(step=step, coating=coating, **values)
-    return Chunk(step=step, coating=coating, **values)
+    made: AnyChunk = kind(step=step, coating=coating, **values)
+    return made
 
 
 def state_at(prepared: Prepared, begin: Checkpoint) -> Any:

@@ -13,8 +13,6 @@ from bladewhirl.files import claim, owned, remove_leftovers, write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import Hint, UserError, writing
-from bladewhirl.models.stage.hints import stage_hints, superelement_hints
-from bladewhirl.models.stage.stage import Stage
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME, Checkpoint, read_checkpoint
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs import folder, recorded_march
@@ -76,9 +74,8 @@ def run(
     folder.check_free(directory, overwrite=overwrite)
     prepared = prepare(case)
     window.check(prepared.timing.duration)
-    if isinstance(prepared.stage, Stage):
-        check_gauges(prepared)
-    for hint in _hints(prepared):
+    check_gauges(prepared)
+    for hint in prepared.stage.hints():
         warnings.warn(hint, Hint, stacklevel=2)
     with writing(directory):
         recorded_march.check_room(directory, recorded_march.expected_bytes(prepared))
@@ -157,13 +154,7 @@ def _march_and_sum_up(
         begin=begin,
     )
     done = write_outputs(place, report, window)
-    return replace(done, hints=(*_hints(prepared), *done.hints))
-
-
-def _hints(prepared: Prepared) -> tuple[str, ...]:
-    """Return the warnings for a stage."""
-    stage = prepared.stage
-    return stage_hints(stage) if isinstance(stage, Stage) else (*superelement_hints(stage),)
+    return replace(done, hints=(*prepared.stage.hints(), *done.hints))
 
 
 @contextmanager

@@ -20,9 +20,8 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.contact_problem import Load, Start
-from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.stage.marched import MarchedStage, Problem
 from bladewhirl.postprocess.sweep.dataset import DONE, flag
-from bladewhirl.studies.runs.prepare import AnyProblem, AnyStage
 
 CONTINUE = "--continue"
 
@@ -67,13 +66,13 @@ class CarriedState:
     casing_velocity: FloatArray  #: modal velocities of the casing [kg^1/2 m/s], (casing modes,)
 
 
-def late_state(stage: AnyStage, result: xr.Dataset) -> CarriedState:
+def late_state(stage: MarchedStage, result: xr.Dataset) -> CarriedState:
     """Return the motion of a result that is carried to the next speed, see `CARRY_RULE`."""
     time = result["time"].values
     late = np.flatnonzero(time >= (1.0 - LATE_SHARE) * time[-1])[::-1]
     angle = stage.speed * time[late]
     record = int(late[np.abs(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi))).argmin()])
-    rotor = "rotor" if isinstance(stage, Stage) else "modal"
+    rotor = "rotor" if "rotor_displacement" in result else "modal"
     motion = {
         name: result[variable][record].values if variable in result else np.zeros(0)
         for name, variable in (
@@ -83,22 +82,19 @@ def late_state(stage: AnyStage, result: xr.Dataset) -> CarriedState:
             ("casing_velocity", "casing_velocity"),
         )
     }
-    if isinstance(stage, Stage):
-        shapes = stage.reduction.modes.shapes[:, stage.kept.rotor]
-        for name in ("rotor", "rotor_velocity"):
-            motion[name] = shapes @ motion[name]
+    for name in ("rotor", "rotor_velocity"):
+        motion[name] = stage.fields(motion[name])
     return CarriedState(**motion)
 
 
-def continued(stage: AnyStage, problem: AnyProblem, state: CarriedState) -> AnyProblem:
+def continued(stage: MarchedStage, problem: Problem, state: CarriedState) -> Problem:
     """Return the contact problem of a march that starts from a state, without ramps of its loads,
     and without loads that end."""
-    start = Start(**vars(state))
-    if isinstance(stage, Stage):
-        weighted = stage.disk.structure.mass @ stage.reduction.modes.shapes[:, stage.kept.rotor]
-        start = replace(
-            start, rotor=state.rotor @ weighted, rotor_velocity=state.rotor_velocity @ weighted
-        )
+    start = replace(
+        Start(**vars(state)),
+        rotor=stage.coordinates(state.rotor),
+        rotor_velocity=stage.coordinates(state.rotor_velocity),
+    )
     return replace(problem, start=start, loads=_lasting(problem.loads))
 
 

@@ -9,11 +9,10 @@ import numpy as np
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.timing import Timing
-from bladewhirl.models.stage.coating import wall_coating
-from bladewhirl.models.stage.superelement_stage import SuperelementStage
+from bladewhirl.models.stage.marched import MarchedStage
 from bladewhirl.postprocess.sweep.dataset import WINDOW_SHARE, Layout
 from bladewhirl.solvers.march.recorder import result_bytes
-from bladewhirl.studies.runs.prepare import AnyStage
+from bladewhirl.solvers.march.schema import NODES, tables_of
 
 REACH = 10.0
 """Highest frequency of the spectra, divided by the reference frequency of the first point; it is
@@ -61,7 +60,7 @@ def march_extent(cases: Iterable[Case]) -> Extent:
     return extent
 
 
-def make_layout(extent: Extent, stage: AnyStage) -> Layout:
+def make_layout(extent: Extent, stage: MarchedStage) -> Layout:
     """Return the layout of a sweep whose first point has the given stage.
 
     The spacing of the frequencies is 1 divided by the window of the shortest march; a Hann window
@@ -73,7 +72,7 @@ def make_layout(extent: Extent, stage: AnyStage) -> Layout:
     highest = min(REACH * stage.reference_frequency / (2.0 * np.pi), nyquist)
     window = WINDOW_SHARE * extent.shortest
     each_side = int(np.clip(highest * window, 1, MOST_LINES // 2))
-    nodes = isinstance(stage, SuperelementStage)
+    nodes = tables_of(stage.attributes) is NODES
     lines = np.arange(0 if nodes else -each_side, each_side + 1)
     return Layout(
         superelement=nodes,
@@ -84,11 +83,10 @@ def make_layout(extent: Extent, stage: AnyStage) -> Layout:
     )
 
 
-def history_bytes(extent: Extent, stage: AnyStage) -> int:
+def history_bytes(extent: Extent, stage: MarchedStage) -> int:
     """Estimate the size of all full histories of a sweep [bytes], assuming that all points have as
     many modes as the first point."""
-    coating = stage.coating if isinstance(stage, SuperelementStage) else wall_coating(stage)
     return sum(
-        points * result_bytes(stage.arrays, timing, coating, blades)
+        points * result_bytes(stage.arrays, timing, stage.coating, blades)
         for (blades, timing), points in extent.histories.items()
     )

@@ -15,7 +15,6 @@ from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.table import path_of, value_at
-from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, Layout
 from bladewhirl.solvers.march.free_motion import RULE, STOPS, FreeMotion, StopWhen
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
@@ -169,8 +168,6 @@ def plan_sweep(
                 f"{OVER}: {steps:.3g} {what} are more than {most:.0e}; --yes runs them all"
             )
     coordinates = _coordinates(case, grid)
-    if case.bladed_disk.superelement is not None and screen:
-        raise UserError(f"{SCREEN}: not allowed together with bladed_disk.superelement")
     _check_stages(case, grid, screen=screen)
     if screen and (grid.draws is None or grid.draws.count < FEWEST_SCREENED):
         raise UserError(f"{SCREEN}: needs --draws of at least {FEWEST_SCREENED}")
@@ -385,5 +382,5 @@ def _check_stages(case: Case, grid: Grid, *, screen: bool) -> None:
         with grid.naming(point):
             at_point = with_values(case, grid.values(point))
             problem = problem_of(stage_at(at_point))
-            if isinstance(problem, ContactProblem) and screen:
+            if screen:
                 screened(at_point, problem, at_point.march.timing)

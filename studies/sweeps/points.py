@@ -20,6 +20,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import NoExcitation
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.marched import MarchedStage, marched_stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.superelement.summary import node_digest
 from bladewhirl.postprocess.sweep.dataset import Layout
@@ -28,13 +29,7 @@ from bladewhirl.solvers.march.free_motion import FreeMotion, StopWhen
 from bladewhirl.solvers.march.march import EndReason
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.folder import portable_case
-from bladewhirl.studies.runs.prepare import (
-    AnyStage,
-    Change,
-    any_stage,
-    prepare,
-    screened,
-)
+from bladewhirl.studies.runs.prepare import Change, prepare, screened
 from bladewhirl.studies.runs.recorded_march import expected_bytes, march_in_memory, march_to_file
 from bladewhirl.studies.sweeps.axes import Value
 from bladewhirl.studies.sweeps.carried import continued, late_state, read_state, write_state
@@ -104,7 +99,7 @@ def _varied(text: str) -> Case:
     return loads(text)
 
 
-def stage_at(case: Case) -> AnyStage:
+def stage_at(case: Case) -> MarchedStage:
     """Return the stage of a case; cases that differ only in load and march use the same models.
 
     With rotation effects the models also depend on the speed.
@@ -119,14 +114,12 @@ def stage_at(case: Case) -> AnyStage:
             "initial": Initial(),
         }
     )
-    stage = _body(body)
-    case = case.model_copy(update={"shaft": stage.case.shaft})  # sized shaft
-    return replace(stage, case=case.in_seconds(stage.reference_frequency))
+    return _body(body).with_case(case)
 
 
 @lru_cache(maxsize=KEPT_STAGES)
-def _body(case: Case) -> AnyStage:
-    return any_stage(case)
+def _body(case: Case) -> MarchedStage:
+    return marched_stage(case)
 
 
 def _march_point(work: Work, case: Case, point: Point) -> Digest:
@@ -163,7 +156,7 @@ def _reduced(result: xr.Dataset, report: Mapping[str, float], layout: Layout) ->
     return (node_digest if layout.superelement else digest)(result, report, layout)
 
 
-def _change(work: Work, stage: AnyStage, point: Point) -> Change | None:
+def _change(work: Work, stage: MarchedStage, point: Point) -> Change | None:
     """Return the function that changes the contact problem of a point; None for no change."""
     if point.screen:
         return partial(screened, stage.case)
@@ -173,7 +166,7 @@ def _change(work: Work, stage: AnyStage, point: Point) -> Change | None:
     return lambda problem, timing: (continued(stage, problem, state), timing)
 
 
-def _keep_state(work: Work, stage: AnyStage, result: xr.Dataset, point: Point) -> None:
+def _keep_state(work: Work, stage: MarchedStage, result: xr.Dataset, point: Point) -> None:
     """Write the state that is carried to the next speed, unless the march ended early."""
     if point.after is not None and result.attrs["end_reason"] == EndReason.COMPLETED.value:
         write_state(Path(work.states) / point.after, late_state(stage, result))

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,7 +51,7 @@ def test_a_stopped_march_begins_as_the_whole_one_and_nothing_touches_later(
 
 def test_no_state_with_so_little_energy_closes_the_gap() -> None:
     """The worst of states of that energy, of every tip and wall node, closes just the share."""
-    problem = prepare(pulse(3e4)).problem
+    problem: Any = prepare(pulse(3e4)).problem
     stop = FreeMotion.of(problem, STEP)
     ways = [
         [row / frequency for row in rows]
@@ -65,7 +66,7 @@ def test_no_state_with_so_little_energy_closes_the_gap() -> None:
 
 
 def test_a_long_blade_a_large_step_and_slow_rotation_count() -> None:
-    problem = prepare(pulse(3e4)).problem
+    problem: Any = prepare(pulse(3e4)).problem
     stop = FreeMotion.of(problem, STEP)
     assert stop.free_time == pytest.approx(10 * 2 * np.pi / problem.speed)
     assert stop.since == 3e-3

@@ -161,7 +161,7 @@ def test_a_damping_matrix_that_feeds_energy_is_refused(file: Path, tmp_path: Pat
 
 def test_a_slow_closure_is_marched(file: Path) -> None:
     closure = {"amount": 5e-4, "time_constant": 1e9}
-    problem = prepare(bw.case_from(tables(file, casing__closure=closure))).problem
+    problem: Any = prepare(bw.case_from(tables(file, casing__closure=closure))).problem
     assert problem.closure.course.largest_loss == pytest.approx(5e-4)
 
 

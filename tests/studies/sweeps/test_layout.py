@@ -1,6 +1,7 @@
 """Points of a sweep: sizes of what is kept, stages that they share, and records in memory."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from small_run import small
 import bladewhirl as bw
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.template import dumps_case
-from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.models.stage.marched import MarchedStage, marched_stage
 from bladewhirl.postprocess.sweep.digest import digest
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory, march_to_file
@@ -28,8 +29,8 @@ from bladewhirl.studies.sweeps.points import Point, Work, march_point, stage_at
 
 
 @pytest.fixture(scope="module")
-def stage() -> Stage:
-    return build_stage(small())
+def stage() -> MarchedStage:
+    return marched_stage(small())
 
 
 def extent(*durations: float, record_step: float = 1e-4) -> Extent:
@@ -47,7 +48,7 @@ def test_the_extent_is_that_of_all_points() -> None:
     assert (actual.blades, actual.records) == (9, 1001)
 
 
-def test_lines_are_multiples_of_one_over_the_window_of_the_shortest(stage: Stage) -> None:
+def test_lines_are_multiples_of_one_over_the_window_of_the_shortest(stage: MarchedStage) -> None:
     layout = make_layout(extent(0.4, 1.0), stage)
     assert layout.window == pytest.approx(0.2)
     np.testing.assert_allclose(np.diff(layout.frequency), 5.0)
@@ -57,13 +58,13 @@ def test_lines_are_multiples_of_one_over_the_window_of_the_shortest(stage: Stage
     assert (layout.samples, layout.blades, layout.nodal_diameters) == (MOST_SAMPLES, 6, 4)
 
 
-def test_what_coarse_records_do_not_resolve_is_left_out(stage: Stage) -> None:
+def test_what_coarse_records_do_not_resolve_is_left_out(stage: MarchedStage) -> None:
     layout = make_layout(extent(0.4, record_step=2e-3), stage)
     assert layout.frequency[-1] == pytest.approx(250.0)
     assert layout.samples == 201
 
 
-def test_very_long_marches_reach_less_far(stage: Stage) -> None:
+def test_very_long_marches_reach_less_far(stage: MarchedStage) -> None:
     assert len(make_layout(extent(1000.0), stage).frequency) == MOST_LINES
     assert len(make_layout(extent(1e-3), stage).frequency) >= 3
     instant = make_layout(extent(0.0), stage)
@@ -78,7 +79,8 @@ def test_a_stage_is_that_of_the_speed_of_its_point(effects: str) -> None:
         for speed in (0.5, 1.5)
     )
     stages = [stage_at(case) for case in (slow, fast)]
-    frequencies = [stage.arrays.rotor_frequency for stage in stages if isinstance(stage, Stage)]
+    arrays: list[Any] = [stage.arrays for stage in stages]
+    frequencies = [each.rotor_frequency for each in arrays]
     for case, actual in zip((slow, fast), frequencies, strict=True):
         assert_array_equal(actual, bw.build_stage(case).arrays.rotor_frequency)
     assert (frequencies[0] == frequencies[1]).all() == (effects == "none")

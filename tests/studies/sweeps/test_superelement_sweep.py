@@ -14,7 +14,7 @@ from rod_blade import blade, tables
 from sweep_work import assert_carried_on, in_process
 
 import bladewhirl as bw
-from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.stage.marched import marched_stage
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
 from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.studies.runs.prepare import prepare
@@ -93,7 +93,7 @@ def test_it_has_figures_and_a_report(swept: Path, tmp_path: Path) -> None:
 def test_what_only_beams_can_do_is_refused(case: bw.Case, tmp_path: Path) -> None:
     draws: Any = {"screen": True, "draws": 5, "perturb": ["contact.friction = 0.1"]}
     line = fault(bw.run_sweep, case, SPEEDS, tmp_path / "s", **draws)
-    assert line.startswith("--screen: not allowed together with bladed_disk")
+    assert "--screen: expected tips of beams" in line
     line = fault(bw.run_sweep, case, {"casing.clearance": (3e-4, 1e-4)}, tmp_path / "w")
     assert "point casing.clearance = 1e-4: " in line
     assert "all contact nodes inside the wall" in line
@@ -127,7 +127,7 @@ def test_a_stopped_march_begins_as_the_whole_one_and_nothing_touches_later(file:
 
 
 def test_no_motion_with_so_little_energy_closes_the_gap(file: Path) -> None:
-    problem = prepare(
+    problem: Any = prepare(
         bw.case_from(tables(file, casing={"type": "rigid", "clearance": 3e-4}))
     ).problem
     stop = FreeMotion.of(problem, 2e-6)
@@ -162,4 +162,4 @@ def test_a_carried_march_goes_on(file: Path) -> None:
             march__record_step=1e-4,
         )
     )
-    assert_carried_on(superelement_stage(case), "modal_displacement", "casing_displacement")
+    assert_carried_on(marched_stage(case), "modal_displacement", "casing_displacement")

@@ -1,0 +1,223 @@
+"""The stage that is marched: one type, whatever the bladed disk was built from.
+
+`marched_stage` builds it from a case. The two classes below are the only code that knows whether
+a bladed disk consists of beams or is a superelement.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.plausibility import probable_cause
+from bladewhirl.models.inputs.errors import Fault
+from bladewhirl.models.modal.stage_arrays import StageArrays, SuperelementArrays
+from bladewhirl.models.stage.boundary_problem import BoundaryProblem
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.coating import node_coating_faults, wall_coating
+from bladewhirl.models.stage.contact_problem import ContactProblem, NodeCoating, WallCoating
+from bladewhirl.models.stage.hints import stage_hints, superelement_hints
+from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
+
+Problem = ContactProblem | BoundaryProblem
+"""Arrays that define a contact problem."""
+
+Arrays = StageArrays | SuperelementArrays
+"""Arrays of a stage in a result."""
+
+
+@dataclass(frozen=True)
+class MarchedStage(ABC):
+    """Stage with all that runs and sweeps need of it."""
+
+    model: Stage | SuperelementStage  #: finite elements and reduction
+
+    @property
+    def case(self) -> Case:
+        """Case of the stage."""
+        return self.model.case
+
+    def with_case(self, case: Case) -> "MarchedStage":
+        """Return the stage of a case that differs only in load, contact and march."""
+        shaft = self.case.shaft  # its springs can follow from a required frequency
+        case = case.model_copy(update={"shaft": shaft}).in_seconds(self.reference_frequency)
+        return type(self)(replace(self.model, case=case))
+
+    @property
+    def speed(self) -> float:
+        """Speed of rotation [rad/s]."""
+        return self.model.speed
+
+    @property
+    def reference_frequency(self) -> float:
+        """Frequency of which speeds are multiples [rad/s]."""
+        return self.model.reference_frequency
+
+    @cached_property
+    def arrays(self) -> Arrays:
+        """Arrays of the stage in a result."""
+        return self.model.arrays
+
+    @property
+    @abstractmethod
+    def attributes(self) -> Mapping[str, str | float | int]:
+        """Attributes of a result that not every stage has."""
+
+    @property
+    def symmetry(self) -> Mapping[str, str]:
+        """Symmetry of each body in words; empty if the march does not use it."""
+        return {}
+
+    @property
+    @abstractmethod
+    def coating(self) -> WallCoating | NodeCoating | None:
+        """Coating of the wall."""
+
+    @abstractmethod
+    def contact_problem(self) -> Problem:
+        """Return the contact problem.
+
+        Raises:
+            CaseError: errors that prevent time integration.
+        """
+
+    def faults(self, problem: Problem) -> Iterable[Fault]:
+        """Return further errors that prevent the time integration of a problem whose numbers are
+        finite."""
+        return ()
+
+    @abstractmethod
+    def hints(self) -> tuple[str, ...]:
+        """Return warnings about implausible values, one line each."""
+
+    def fields(self, coordinates: FloatArray) -> FloatArray:
+        """Return the motion of the bladed disk, given in modal coordinates, in coordinates that do
+        not depend on the speed."""
+        return coordinates
+
+    def coordinates(self, fields: FloatArray) -> FloatArray:
+        """Return the modal coordinates of a motion of the bladed disk, see `fields`."""
+        return fields
+
+
+@dataclass(frozen=True)
+class MarchedBeams(MarchedStage):
+    """Bladed disk of beams in a flexible casing."""
+
+    model: Stage
+
+    @property
+    def attributes(self) -> Mapping[str, str | float | int]:
+        """Attributes of a result that not every stage has."""
+        strength = self.case.material.lowest_yield_strength
+        return {
+            **({} if strength is None else {"yield_strength": strength}),
+            "casing_radius": self.model.reduced_casing.radius,
+            "tip_radius": self.model.rotor.tip_radius,
+            "clamped": int(self.case.shaft.clamped),
+        }
+
+    @property
+    def symmetry(self) -> Mapping[str, str]:
+        """Symmetry of each body in words."""
+        return self.model.symmetry
+
+    @property
+    def coating(self) -> WallCoating | None:
+        """Coating of the wall."""
+        return wall_coating(self.model)
+
+    def contact_problem(self) -> ContactProblem:
+        """Return the contact problem, see `build.contact_problem`."""
+        return contact_problem(self.model)
+
+    def hints(self) -> tuple[str, ...]:
+        """Return warnings about implausible values, one line each."""
+        return stage_hints(self.model)
+
+    def fields(self, coordinates: FloatArray) -> FloatArray:
+        """Return displacements or velocities on the free degrees of freedom, (size,)."""
+        return np.asarray(self._shapes @ coordinates)
+
+    def coordinates(self, fields: FloatArray) -> FloatArray:
+        """Return the modal coordinates of displacements or velocities, (modes,)."""
+        return np.asarray(fields @ (self.model.disk.structure.mass @ self._shapes))
+
+    @property
+    def _shapes(self) -> FloatArray:
+        return self.model.reduction.modes.shapes[:, self.model.kept.rotor]
+
+
+@dataclass(frozen=True)
+class MarchedNodes(MarchedStage):
+    """Superelement with any number of contact nodes, in a rigid wall or a flexible casing."""
+
+    model: SuperelementStage
+
+    @property
+    def attributes(self) -> Mapping[str, str | float | int]:
+        """Attributes of a result that not every stage has."""
+        layer, part = self.coating, self.model.part
+        worn = {"coating_thickness": "thickness", "coating_removable": "removable"}
+        return {
+            **({} if layer is None else {key: getattr(layer, name) for key, name in worn.items()}),
+            "model": "superelement",
+            "superelement": part.name,
+            "boundary": self.case.reduction.boundary,
+            "casing_radius": self.model.casing_radius,
+            "tip_radius": float(part.contact_radius.max()),
+        }
+
+    @property
+    def coating(self) -> NodeCoating | None:
+        """Coating of the wall."""
+        return self.model.coating
+
+    def contact_problem(self) -> BoundaryProblem:
+        """Return the contact problem.
+
+        Raises:
+            CaseError: a contact node would start beyond the wall.
+        """
+        return self.model.problem
+
+    def faults(self, problem: Problem) -> Iterator[Fault]:
+        """Yield faults of the time step for the modes and for the coating."""
+        assert isinstance(problem, BoundaryProblem)
+        case, limit = self.case, problem.critical_time_step
+        if not case.march.time_step < limit:
+            expected = (
+                f"less than the critical step {limit:.6g} s (or fewer"
+                ' reduction.free_interface_modes, or reduction.boundary = "massless")'
+            )
+            yield case_fault(case, "march.time_step", f"{expected}{probable_cause(case)}")
+        else:
+            yield from node_coating_faults(case, problem.coating, self.speed)
+
+    def hints(self) -> tuple[str, ...]:
+        """Return warnings about implausible values, one line each."""
+        return tuple(superelement_hints(self.model))
+
+
+Marchable = Case | Stage | SuperelementStage | MarchedStage
+"""What `marched_stage` accepts."""
+
+
+def marched_stage(given: Marchable) -> MarchedStage:
+    """Return the stage of a case, or of a model, that is marched.
+
+    Raises:
+        CaseError: the stage cannot be built.
+    """
+    if isinstance(given, MarchedStage):
+        return given
+    if isinstance(given, Case):
+        beams = given.bladed_disk.superelement is None
+        given = build_stage(given) if beams else superelement_stage(given)
+    return MarchedBeams(given) if isinstance(given, Stage) else MarchedNodes(given)

@@ -1,0 +1,59 @@
+"""Places that ask whether a bladed disk consists of beams or is a superelement.
+
+Features are built for one type of stage, `models/stage/marched.py`. The list below holds what is
+left; it may only become shorter.
+"""
+
+import re
+from collections import Counter
+
+from places import ROOT
+
+LAYERS = ("models", "solvers", "postprocess", "studies")
+
+KINDS = "Stage|SuperelementStage|ContactProblem|BoundaryProblem|BoundaryChunk|SuperelementArrays"
+
+QUESTIONS = re.compile(
+    rf"isinstance\([^()]*\b(?:{KINDS})\)"
+    r"|\bis(?: not)? NODES\b|\.superelement\b(?: is(?: not)? None|:)|\blayout\.superelement\b"
+    r"|\bcheck_superelement\("
+)
+
+BUILDERS = {"models/stage/marched.py", "models/case/bladed_disk.py"}
+
+LEFT = {
+    "models/case/case.py": 2,
+    "models/case/superelement.py": 1,
+    "models/elements/build.py": 1,
+    "postprocess/fields/netcdf.py": 1,
+    "postprocess/reports/figures.py": 1,
+    "postprocess/superelement/motion.py": 5,
+    "postprocess/superelement/picture.py": 1,
+    "postprocess/superelement/ring.py": 1,
+    "postprocess/superelement/series.py": 1,
+    "postprocess/superelement/summary.py": 1,
+    "postprocess/sweep/dataset.py": 3,
+    "postprocess/sweep/quantities.py": 1,
+    "solvers/march/recorder.py": 1,
+    "studies/commands/modal.py": 1,
+    "studies/commands/render.py": 1,
+    "studies/commands/results.py": 2,
+    "studies/commands/show.py": 1,
+    "studies/modal/modes.py": 1,
+    "studies/runs/folder.py": 1,
+    "studies/runs/outputs.py": 2,
+    "studies/runs/prepare.py": 1,
+    "studies/sweeps/layout.py": 1,
+    "studies/sweeps/points.py": 2,
+    "studies/sweeps/store.py": 1,
+}
+
+
+def test_no_further_place_asks_for_the_kind_of_a_stage() -> None:
+    found: Counter[str] = Counter()
+    for layer in LAYERS:
+        for path in sorted((ROOT / layer).rglob("*.py")):
+            name = path.relative_to(ROOT).as_posix()
+            if name not in BUILDERS and not name.startswith("studies/verification/"):
+                found[name] += len(QUESTIONS.findall(path.read_text(encoding="utf-8")))
+    assert {name: count for name, count in found.items() if count} == LEFT
