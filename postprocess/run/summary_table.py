@@ -97,8 +97,7 @@ def _normal(work: Works) -> str:
 
 def records_text(summary: MarchQuality) -> str:
     """Return the time between records, and which largest values are only those of the records."""
-    step = handy(summary.record_step, "s", 4)
-    return f"every {step}; largest displacements, energies and stresses are those of the records"
+    return f"every {handy(summary.record_step, 's', 4)}; largest values are those of records"
 
 
 def _text(value: float | None, unit: str) -> str:

@@ -108,6 +108,7 @@ def test_help_loads_nothing_heavy() -> None:
     own = {name.removeprefix("bladewhirl.") for name in modules if name.startswith("bladewhirl.")}
     # Figures are listed by `plot --help`; errors take the standard library only.
     small = {
+        "threads",
         "postprocess.plotting.registry",
         "postprocess.pictures.choices",
         "models.inputs.errors",
