@@ -126,10 +126,12 @@ def real_numbers(key: str, value: Any) -> FloatArray:
     Raises:
         SuperelementError: the values are not finite real numbers of a plausible size.
     """
-    array = np.asarray(value)
-    if array.dtype.kind not in "biuf" or not np.all(abs(array) <= LARGEST):
+    given = np.asarray(value)
+    with np.errstate(over="ignore"):
+        numbers = given.astype(np.float64) if given.dtype.kind in "biuf" else np.array(np.nan)
+    if not np.all(abs(numbers) <= LARGEST):
         raise SuperelementError(f"{key}: expected finite real numbers")
-    return array.astype(np.float64)
+    return numbers
 
 
 def whole_numbers(key: str, value: Any) -> np.ndarray[Any, Any]:

@@ -147,7 +147,8 @@ def _matrix(content: Mapping[str, Any], key: str) -> Matrix | None:
     missing = [f"{key}_{part}" for part in _SPARSE if f"{key}_{part}" not in content]
     if missing:
         raise SuperelementError(f"{missing[0]}: missing; {key}_data needs it")
-    data, *structure = (np.ravel(content[f"{key}_{part}"]) for part in _SPARSE)
+    given, *structure = (np.ravel(content[f"{key}_{part}"]) for part in _SPARSE)
+    data = real_numbers(key, given)
     indices, indptr, shape = (
         whole_numbers(f"{key}_{part}", values)
         for part, values in zip(_SPARSE[1:], structure, strict=True)
@@ -171,7 +172,7 @@ def _unit(content: Mapping[str, Any], key: str) -> float:
     try:
         if isinstance(value, str):
             return to_si(f"1 {value}", UNITS[key])
-        factor = float(value)
+        factor = float(real_numbers(key, value))
     except (ValueError, TypeError, CaseError):
         factor = 0.0
     if not (np.isfinite(factor) and factor > 0.0):

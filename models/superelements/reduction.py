@@ -88,7 +88,13 @@ def massless(part: Superelement, modes: int) -> ReducedSuperelement:
     contact = rows @ shapes
     rigid = shapes[:, squares <= rigid_limit(part)]
     elastic = squares > rigid_limit(part)
-    static = static_flexibility(part, rows, rigid)
+    try:
+        static = static_flexibility(part, rows, rigid)
+    except (la.LinAlgError, RuntimeError):  # of the dense and of the sparse solver
+        raise SuperelementError(
+            "stiffness: expected no motion without stiffness except rigid ones; the matrix is"
+            " singular"
+        ) from None
     kept = contact[:, elastic]
     compliance = static - (kept / squares[elastic]) @ kept.T
     compliance = 0.5 * (compliance + compliance.T)

@@ -19,6 +19,7 @@ from bladewhirl.models.imports.importing import import_superelement
 from bladewhirl.models.imports.tables import read_matrix
 from bladewhirl.models.superelements import containers
 from bladewhirl.models.superelements.file import read_superelement
+from bladewhirl.models.superelements.superelement import dense
 
 SPARSE: dict[str, Any] = {
     "data": np.ones(4),
@@ -52,6 +53,8 @@ GOOD = CONTACT | {f"{key}_{part}": SPARSE[part] for key in ("mass", "stiffness")
         ("shape", [], "mass: expected a sparse matrix"),
         ("data", [1.0, 1.0, np.nan, 1.0], "mass: expected finite real numbers"),
         ("data", [1.0, 1.0, 1e300, 1.0], "mass: expected finite real numbers"),
+        ("data", np.array([1.0, np.inf, 1.0, 1.0], dtype=np.float16), "mass: expected finite"),
+        ("data", np.array([1.0, "1e4000", 1.0, 1.0], dtype=np.longdouble), "mass: expected finite"),
         ("data", [1.0, 1j, 1.0, 1.0], "mass: expected finite real numbers"),
         ("data", ["1", "1", "1", "1"], "mass: expected"),
         ("data", [1.0, 1.0, 1e-300, 1.0], "mass: expected numbers of at least 1e-30"),
@@ -62,6 +65,18 @@ def test_wrong_sparse_matrices_are_refused(
 ) -> None:
     np.savez(tmp_path / "a.npz", **GOOD | {f"mass_{key}": value})
     assert fault(read_superelement, tmp_path / "a.npz").startswith(f"{tmp_path}/a.npz: {expected}")
+
+
+@pytest.mark.parametrize("kind", ["f2", "f4", ">f8", "i1", "u8", "?", "g"])
+def test_real_matrices_of_any_type_are_read(tmp_path: Path, kind: str) -> None:
+    np.savez(tmp_path / "a.npz", **GOOD | {"mass_data": np.ones(4).astype(kind)})
+    assert np.array_equal(dense(read_superelement(tmp_path / "a.npz").mass), np.eye(4))
+
+
+@pytest.mark.parametrize("unit", [1j, np.nan, np.inf, -1.0, 0.0, "", [], [[]], "kg"])
+def test_units_are_positive_numbers_or_text(tmp_path: Path, unit: Any) -> None:
+    np.savez(tmp_path / "a.npz", **GOOD | {"length_unit": unit})
+    assert "length_unit: expected" in fault(read_superelement, tmp_path / "a.npz")
 
 
 def test_random_mat_files_are_read_or_refused(tmp_path: Path) -> None:

@@ -119,6 +119,9 @@ def test_impossible_reductions_are_refused() -> None:
         massless(part, 12)
     with pytest.raises(SuperelementError, match="at most 9 fixed-interface modes"):
         consistent(part, 10, 5)
+    loose = 0.0 * part.stiffness
+    with pytest.raises(SuperelementError, match="no motion without stiffness except rigid ones"):
+        massless(replace(part, stiffness=loose), 3)
     soft = part.stiffness - 1e8 * np.diag([0.0] * 9 + [1.0, 0.0, 0.0])
     with pytest.raises(SuperelementError, match="not indefinite"):
         massless(replace(part, stiffness=soft), 3)
