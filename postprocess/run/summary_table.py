@@ -30,7 +30,6 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         "regime": summary.regime,
         "because": summary.regime_criterion.rpartition("Here: ")[2],
         "end time": f"{summary.end_time:.6g} s, {summary.end_reason}",
-        "records": records_text(summary),
         "shaft radius, largest": f"{_text(summary.shaft_radius_max, 'm')},"
         f" {_text(summary.shaft_radius_final, 'm')} at the end",
         "whirl, rotating frame": _whirl(
@@ -68,7 +67,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         "energy residual": f"{summary.energy_residual:.3g}",
         "complementarity residual": f"{summary.complementarity_residual:.3g}",
         "time step / critical": f"{summary.dt_over_critical:.3g}",
-        "steps": f"{summary.steps}",
+        "steps": steps_text(summary),
         "wall time": f"{summary.wall_time:.3g} s ({summary.us_per_step:.3g} µs a step)",
     }
 
@@ -95,9 +94,9 @@ def _normal(work: Works) -> str:
     return f"closing tips {_text(closing, 'J')}, passing wall {passing}"
 
 
-def records_text(summary: MarchQuality) -> str:
-    """Return the time between records, and which largest values are only those of the records."""
-    return f"every {handy(summary.record_step, 's', 4)}; largest values are those of records"
+def steps_text(summary: MarchQuality) -> str:
+    """Return the number of steps, and the time between records, of which largest values are."""
+    return f"{summary.steps}; largest values are of records, every {handy(summary.record_step, 's', 4)}"
 
 
 def _text(value: float | None, unit: str) -> str:

@@ -14,7 +14,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.summary import MarchQuality, common_figures
-from bladewhirl.postprocess.run.summary_table import records_text
+from bladewhirl.postprocess.run.summary_table import steps_text
 from bladewhirl.postprocess.run.wear import lobes_text
 from bladewhirl.postprocess.superelement.motion import DIRECTIONS, check_superelement
 from bladewhirl.postprocess.superelement.ring import is_flexible, ring_displacement
@@ -79,7 +79,6 @@ class NodeSummary(MarchQuality):
             f" node {force['node']:g} at {handy(force['time'], 's', 4)}"
             if force["force"]
             else "none",
-            "records": records_text(self),
             "contact node displacement, largest": ", ".join(
                 f"{name} {handy(value, 'm', 4)}" for name, value in moved.items()
             ),
@@ -95,7 +94,7 @@ class NodeSummary(MarchQuality):
             "complementarity residual": f"{self.complementarity_residual:.3g}"
             f" ({self.unsolved_steps} steps unsolved)",
             "time step / critical": f"{self.dt_over_critical:.3g}",
-            "steps": f"{self.steps}",
+            "steps": steps_text(self),
             "wall time": f"{self.wall_time:.3g} s ({self.us_per_step:.3g} µs a step)",
         }
 
