@@ -96,7 +96,8 @@ def _normal(work: Works) -> str:
 
 def steps_text(summary: MarchQuality) -> str:
     """Return the number of steps, and the time between records, of which largest values are."""
-    return f"{summary.steps}; largest values are of records, every {handy(summary.record_step, 's', 4)}"
+    every = handy(summary.record_step, "s", 4)
+    return f"{summary.steps}; largest values are of records, every {every}"
 
 
 def _text(value: float | None, unit: str) -> str:
