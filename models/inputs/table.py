@@ -1,6 +1,10 @@
 """Base class of the tables of a case: immutable, without unknown keys, checked for consistency."""
 
+import ast
+import inspect
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from itertools import pairwise
+from textwrap import dedent
 from typing import Any, NamedTuple, Self
 
 from pydantic import (
@@ -61,16 +65,23 @@ def value_at(tables: object, path: Path, default: object = None) -> Any:
 class Table(BaseModel):
     """A table of the case file."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+    model_config = ConfigDict(frozen=True, extra="forbid")
 
     @classmethod
     def descriptions(cls) -> dict[str, str]:
-        """Return the description of each key on one line: its docstring in the source."""
-        return {
-            name: " ".join(field.description.split())
-            for name, field in cls.model_fields.items()
-            if field.description
-        }
+        """Return the description of each key on one line: its docstring in the source, which is
+        read only here, because pydantic would read it at each start of the program."""
+        found: dict[str, str] = {}
+        for table in reversed(cls.__mro__[: cls.__mro__.index(Table)]):
+            (body,) = ast.parse(dedent(inspect.getsource(table))).body
+            lines = body.body if isinstance(body, ast.ClassDef) else []
+            for line, text in pairwise(lines):
+                match line, text:
+                    case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(
+                        value=ast.Constant(value=str(words))
+                    ):
+                        found[name] = " ".join(words.split())
+        return {name: found[name] for name in cls.model_fields if name in found}
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield the values of this table that contradict each other."""
