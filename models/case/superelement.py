@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.superelements.file import read_superelement
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
 if TYPE_CHECKING:
@@ -74,6 +73,8 @@ class SuperelementTable(Table):
 def _cached(file: str, modified: int, size: int) -> Superelement:
     """Read a file once for all stages of a sweep. The other arguments, time of change [ns] and size
     [bytes] of the file, make sure that a changed file is read again."""
+    from bladewhirl.models.superelements.file import read_superelement  # loads scipy.io
+
     return read_superelement(file)
 
 

@@ -10,7 +10,6 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
-from scipy.optimize import isotonic_regression
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.postprocess.plotting.style import SEQUENTIAL
@@ -131,6 +130,8 @@ def name_ends(
         colour: colour of names and leaders.
         right: true for names to the right of the ends, false for names to the left.
     """
+    from scipy.optimize import isotonic_regression  # slow to load
+
     _lay_out(axes)
     heights = np.asarray(heights, dtype=np.float64)
     order = np.argsort(heights, kind="stable")

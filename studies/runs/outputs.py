@@ -102,24 +102,26 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     The report contains the quality measures of the march, see `postprocess.run.summary`; the window
     defines the instants of the series.
     """
-    from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.plotting.style import save_figure
-    from bladewhirl.postprocess.reports.figures import figures_of_run
-    from bladewhirl.postprocess.run.summary import summarise
-    from bladewhirl.postprocess.run.summary_table import displacement_hints
     from bladewhirl.postprocess.run.wear import write_profile
-    from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
-    from bladewhirl.postprocess.superelement.summary import summarise_nodes
     from bladewhirl.studies.runs.sensor_files import write_sensors
 
     summary: Any
     hints: list[str] = []
     with open_result(directory) as result:
         if tables_of(result.attrs) is NODES:
+            from bladewhirl.postprocess.reports.figures import figures_of_run
+            from bladewhirl.postprocess.superelement.summary import summarise_nodes
+
             summary, figures = summarise_nodes(result, report), figures_of_run(result)
             drawn = {f"{name}.png": figures.draw(name) for name in figures.names}
         else:
+            from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
+            from bladewhirl.postprocess.run.summary import summarise
+            from bladewhirl.postprocess.run.summary_table import displacement_hints
+            from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
+
             orbit, energies = shaft_orbit(result), strain_energies(result)
             summary = summarise(result, report, orbit=orbit, energies=energies)
             drawn = {
@@ -147,13 +149,13 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
     """Write the ParaView series; yield hints for the user, for instance about too coarse
     sampling."""
+    nodes = tables_of(result.attrs) is NODES
+    if window.frames == 0 or (nodes and "point" not in result):
+        return
     from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, sampling_hint
     from bladewhirl.postprocess.paraview.series import export_vtk
     from bladewhirl.postprocess.superelement.series import export_points
 
-    nodes = tables_of(result.attrs) is NODES
-    if window.frames == 0 or (nodes and "point" not in result):
-        return
     try:
         records = frame_records(result, window.frames, window.start, window.end)
     except ViewError as error:  # the run ended before the window
