@@ -102,6 +102,9 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         elif load.type in ("imbalance", "harmonic") and table.kind != "wheel":
             expected = f'another excitation, or {SOURCE}.kind = "wheel", which has a centre'
             yield Inconsistency(f"{key}.type", expected, (SOURCE,))
+        elif load.type in ("imbalance", "harmonic") and table.part.centre_dofs is None:
+            expected = "another excitation, or a superelement with centre_dofs"
+            yield Inconsistency(f"{key}.type", expected, (SOURCE,))
         elif getattr(load, "clearance_speed", None) is not None:
             expected = f"not allowed together with {SOURCE}; give unbalance instead"
             yield Inconsistency(f"{key}.clearance_speed", expected, (SOURCE,))

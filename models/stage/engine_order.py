@@ -5,6 +5,8 @@ the force turns with the blade. The force depends only on the static angle Omega
 the circle it has r maxima, which are at rest in the static frame.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import Chain, ComplexArray, FloatArray, IntArray, chain_to
@@ -20,7 +22,6 @@ from bladewhirl.models.elements.bladed_disk import (
     nodal_to_line_axes,
 )
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.models.stage.stage import Stage
 
 BLADES = "blades"
@@ -30,27 +31,12 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 """Gauss points and weights on -1 to 1, which integrate a uniform load on a beam exactly."""
 
 
-def engine_order_loads(stage: Stage, load: EngineOrder) -> tuple[Load, ...]:
-    """Return the loads of engine-order forces, two for each order: F cos(r theta_n + phase) times
-    cos(r Omega t), and minus F sin(r theta_n + phase) times sin(r Omega t)."""
+def engine_order_forces(stage: Stage, load: EngineOrder) -> Iterator[tuple[int, ComplexArray]]:
+    """Yield for each engine order r the complex forces on the modes for the time factor
+    exp(i r Omega t), (modes,)."""
     unit = unit_forces(stage.case, stage.disk, load) @ stage.reduction.modes.shapes
-    still = np.zeros(len(stage.reduced_casing.frequency))
-    loads: list[Load] = []
     for order in load.order:
-        modal = load.amplitude * complex_factors(stage.disk, load, order) @ unit
-        loads += loads_of_order(load, order * stage.speed, modal, still)
-    return tuple(loads[:1] if load.order == (0,) else loads)
-
-
-def loads_of_order(
-    load: EngineOrder, frequency: float, force: ComplexArray, casing: FloatArray
-) -> list[Load]:
-    """Return the two loads of the force Re(force exp(i frequency t)) on the modes of the rotor;
-    `casing` is the force on the modes of the casing."""
-    return [
-        Load(rotor=pattern, casing=casing, ramp=load.ramp, frequency=frequency, phase=phase)
-        for pattern, phase in ((force.real, 0.0), (force.imag, 0.5 * np.pi))
-    ]
+        yield order, load.amplitude * complex_factors(stage.disk, load, order) @ unit
 
 
 def complex_factors(disk: BladedDiskModel, load: EngineOrder, order: int) -> ComplexArray:

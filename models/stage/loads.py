@@ -1,73 +1,40 @@
-"""Loads and initial state in modal coordinates, from the excitation and initial motion of a case.
+"""Loads and initial state of a stage of beams in modal coordinates.
 
 Loads on the rotor are in rotating axes, which coincide with the static axes at t = 0. Loads on the
 casing are in static axes.
 """
 
+from functools import partial
+
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.meshes.ring_mesh import U, W
-from bladewhirl.models.case.excitation import (
-    CasingDistortion,
-    EngineOrder,
-    Excitation,
-    Harmonic,
-    Imbalance,
-)
-from bladewhirl.models.case.file import case_fault
-from bladewhirl.models.coupling.stage_modes import is_radial
-from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.rotation.at_speed import tip_recess
 from bladewhirl.models.stage.contact_problem import Load, ReducedRotor, Start
-from bladewhirl.models.stage.engine_order import engine_order_loads
-from bladewhirl.models.stage.ring import Ring
+from bladewhirl.models.stage.engine_order import engine_order_forces
+from bladewhirl.models.stage.excitations import LoadedStage, X, loads_on
 from bladewhirl.models.stage.stage import Stage
-
-X, Y = range(2)
-"""Positions of x and y in the motion of the centre."""
 
 
 def excitation_loads(stage: Stage) -> tuple[Load, ...]:
     """Return the loads of all excitations of a case; none if they are zero.
 
     Raises:
-        CaseError: the casing has no radial mode of the required nodal diameter.
+        CaseError: the casing has no radial mode of the required nodal diameter, or the forces have
+            no place on the blades.
     """
-    return tuple(load for each in stage.case.excitations.values() for load in _loads(stage, each))
-
-
-def _loads(stage: Stage, load: Excitation) -> tuple[Load, ...]:
-    rotor, casing = stage.rotor, stage.reduced_casing
-    if isinstance(load, CasingDistortion):
-        return distortion_loads(stage, load, len(rotor.frequency))
-    if isinstance(load, Imbalance | Harmonic):
-        unbalance = _unbalance(stage, load) if isinstance(load, Imbalance) else 0.0
-        return centre_loads(load, unbalance, rotor.centre, stage.speed, len(casing.frequency))
-    if isinstance(load, EngineOrder):
-        return engine_order_loads(stage, load)
-    return ()
-
-
-def radial_mode(stage: Ring, k: int, key: str = "excitation") -> int:
-    """Return the number of the lowest casing mode whose radial displacement varies as +cos k theta;
-    `key` is the dotted key of the excitation that needs the mode.
-
-    Raises:
-        CaseError: there is no such mode.
-    """
-    modes, nodal = stage.casing_modes, stage.reduced_casing.nodal
-    wall = nodal[:, W]
-    cosine = np.cos(k * stage.casing.mesh.angles) @ wall
-    positions = np.flatnonzero(
-        (modes.nodal_diameter == k)
-        & is_radial(wall, nodal[:, U])
-        & (np.abs(cosine) > 1e-6 * np.linalg.norm(wall, axis=0))  # not the sine mode of the pair
+    return loads_on(
+        LoadedStage(
+            case=stage.case,
+            speed=stage.speed,
+            centre=stage.rotor.centre,
+            rest=np.zeros(len(stage.rotor.frequency)),
+            ring=stage,
+            unbalance=partial(_unbalance, stage),
+            forces_of_order=partial(engine_order_forces, stage),
+        )
     )
-    if not positions.size:
-        expected = "a nodal diameter for which the casing has a radial mode"
-        raise CaseError([case_fault(stage.case, f"{key}.nodal_diameter", expected)])
-    return int(positions[0])
 
 
 def unbalance(stage: Stage) -> float:
@@ -158,69 +125,3 @@ def _static_shape(rotor: ReducedRotor, values: FloatArray) -> FloatArray:
     flexible = rows[free] / rotor.stiffness
     forces = np.linalg.solve(flexible @ rows[free].T, values[free])
     return np.asarray(flexible.T @ forces)
-
-
-def distortion_loads(stage: Ring, load: CasingDistortion, rotor_modes: int) -> tuple[Load, ...]:
-    """Return the loads of a casing distortion.
-
-    Args:
-        stage: the stage, or its flexible casing.
-        load: the excitation.
-        rotor_modes: number of modes of the rotor.
-
-    Raises:
-        CaseError: the casing has no radial mode of the required nodal diameter.
-    """
-    pattern = np.zeros(len(stage.reduced_casing.frequency))
-    mode = radial_mode(stage, load.nodal_diameter, stage.case.key_of(load))
-    pattern[mode] = load.modal_force
-    still = np.zeros(rotor_modes)
-    if load.duration == 0.0:
-        return ()
-    if load.shape == "rectangular":
-        return (Load(rotor=still, casing=pattern, end=load.duration),)
-    half_turn = np.pi / load.duration  # sin(pi t / T) is a cosine with the phase -pi / 2
-    return (
-        Load(
-            rotor=still, casing=pattern, end=load.duration, frequency=half_turn, phase=-np.pi / 2.0
-        ),
-    )
-
-
-def centre_loads(
-    load: Harmonic | Imbalance,
-    unbalance: float,
-    centre: FloatArray,
-    speed: float,
-    casing_modes: int,
-) -> tuple[Load, ...]:
-    """Return the loads of a harmonic force or of an imbalance at the centre.
-
-    A force F cos(omega t) along the static x axis is F cos(omega t) (cos Omega t, -sin Omega t) in
-    rotating axes. Along each rotating axis this is the sum of two cosines of amplitude F / 2 with
-    the frequencies Omega + omega and Omega - omega; along y their phase is pi / 2.
-
-    Args:
-        load: the excitation.
-        unbalance: unbalance m e of an imbalance [kg m].
-        centre: x and y of the centre for unit modal coordinates [kg^-1/2], (2, rotor modes).
-        speed: speed of rotation [rad/s].
-        casing_modes: number of modes of the casing.
-    """
-    still = np.zeros(casing_modes)
-    if isinstance(load, Imbalance):
-        force = unbalance * speed**2
-        return (Load(rotor=force * centre[X], casing=still, ramp=load.ramp),)
-    omega = 2.0 * np.pi * load.frequency
-    if load.frame == "rotating":
-        return (Load(rotor=load.force * centre[X], casing=still, frequency=omega),)
-    return tuple(
-        Load(
-            rotor=0.5 * load.force * centre[axis],
-            casing=still,
-            frequency=speed + beat,
-            phase=phase,
-        )
-        for beat in (omega, -omega)
-        for axis, phase in ((X, 0.0), (Y, np.pi / 2.0))
-    )

@@ -1,6 +1,5 @@
-"""Loads and initial motion of a superelement and of the flexible casing around it."""
+"""Forces of engine orders on a superelement, and its initial motion."""
 
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -8,63 +7,14 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.excitation import CasingDistortion, EngineOrder, Harmonic, Imbalance
+from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.stage.contact_problem import Load
-from bladewhirl.models.stage.engine_order import loads_of_order
-from bladewhirl.models.stage.loads import centre_loads, distortion_loads
-from bladewhirl.models.stage.ring import Ring
 from bladewhirl.models.superelements.reduction import ReducedSuperelement
 
 RANK, SAME = 1e-10, 1e-6
 """Flexibilities below the first fraction of the largest count as zero; the initial motion may have
 errors up to the second fraction."""
-
-
-def superelement_loads(
-    case: Case,
-    reduced: ReducedSuperelement,
-    angle: FloatArray,
-    blade: IntArray,
-    turned: float,
-    speed: float,
-    ring: Ring | None,
-) -> tuple[Load, ...]:
-    """Return the loads of all excitations of a case, with forces on each copy.
-
-    Args:
-        case: the case.
-        reduced: the reduced superelement.
-        angle: angle of each contact node at t = 0 [rad], (copies, nodes).
-        blade: blade of each contact node of a copy, (nodes,).
-        turned: angle by which the superelement is turned about the axis [rad].
-        speed: speed of rotation [rad/s].
-        ring: flexible casing, or None.
-
-    Raises:
-        CaseError: the casing has no radial mode of the required nodal diameter, or the
-            superelement has no centre on which a load would act.
-    """
-    loads: list[Load] = []
-    casing_modes = 0 if ring is None else ring.casing_modes.count
-    centre = centre_rows(reduced, turned)
-    for load in case.excitations.values():
-        if isinstance(load, EngineOrder):
-            still = np.zeros(casing_modes)
-            for order, force in engine_order_forces(load, reduced.contact, angle, blade):
-                loads += loads_of_order(load, order * speed, force, still)
-        elif isinstance(load, Imbalance | Harmonic):
-            if not centre.any():
-                expected = "another excitation, or a superelement with centre_dofs"
-                raise CaseError([case_fault(case, f"{case.key_of(load)}.type", expected)])
-            unbalance = getattr(load, "unbalance", None) or 0.0
-            whole = centre_loads(load, unbalance, centre, speed, casing_modes)
-            loads += [replace(each, rotor=each.rotor[None]) for each in whole]
-        elif isinstance(load, CasingDistortion) and ring is not None:
-            still = np.zeros((len(angle), len(reduced.frequency)))
-            loads += [replace(each, rotor=still) for each in distortion_loads(ring, load, 0)]
-    return tuple(loads)
 
 
 def centre_rows(reduced: ReducedSuperelement, turned: float) -> FloatArray:
@@ -74,7 +24,7 @@ def centre_rows(reduced: ReducedSuperelement, turned: float) -> FloatArray:
 
 
 def engine_order_forces(
-    load: EngineOrder, contact: FloatArray, angle: FloatArray, blade: IntArray
+    contact: FloatArray, angle: FloatArray, blade: IntArray, load: EngineOrder
 ) -> list[tuple[int, ComplexArray]]:
     """Return for each engine order r the complex forces on the modes for the time factor
     exp(i r Omega t) [kg^1/2 m/s2], (copies, modes).
@@ -84,11 +34,11 @@ def engine_order_forces(
     flexibility of the contact nodes does not respond to it.
 
     Args:
-        load: the excitation, at the tip.
         contact: displacements of the contact nodes of a copy for unit modal coordinates
             [kg^-1/2], (3 * nodes, modes).
         angle: angle of each contact node at t = 0 [rad], (copies, nodes).
         blade: blade of each contact node of a copy, (nodes,).
+        load: the excitation, at the tip.
     """
     along = np.cos(load.inclination) * contact[::3] + np.sin(load.inclination) * contact[1::3]
     member = _means(blade)

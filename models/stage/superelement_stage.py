@@ -1,7 +1,7 @@
 """The stage of a superelement: its reduction, and its contact problem."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -19,8 +19,13 @@ from bladewhirl.models.modal.stage_arrays import SuperelementArrays
 from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.coating import node_coating
 from bladewhirl.models.stage.contact_problem import NodeCoating, Start, WallClosure
+from bladewhirl.models.stage.excitations import LoadedStage, loads_on
 from bladewhirl.models.stage.ring import Ring, flexible_ring
-from bladewhirl.models.stage.superelement_loads import static_shapes, superelement_loads
+from bladewhirl.models.stage.superelement_loads import (
+    centre_rows,
+    engine_order_forces,
+    static_shapes,
+)
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
     boundary_size,
@@ -140,8 +145,18 @@ class SuperelementStage:
             closure=WallClosure.around(case.casing.closure, self._wall_angle),
             casing=None if self.ring is None else self.ring.reduced_casing,
             coating=coating,
-            loads=superelement_loads(
-                case, reduced, self.angle, self.blade, self.table.angle, speed, self.ring
+            loads=loads_on(
+                LoadedStage(
+                    case=case,
+                    speed=speed,
+                    centre=centre_rows(reduced, self.table.angle)[:, None],
+                    rest=np.zeros((copies, modes)),
+                    ring=self.ring,
+                    unbalance=lambda load: load.unbalance or 0.0,
+                    forces_of_order=partial(
+                        engine_order_forces, reduced.contact, self.angle, self.blade
+                    ),
+                )
             ),
         )
         self._check_start(problem)

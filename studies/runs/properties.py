@@ -15,8 +15,9 @@ from bladewhirl.models.rotation.eigenproblems import gyroscopic_frequencies
 from bladewhirl.models.stage.build import marched_bodies
 from bladewhirl.models.stage.coating import wall_coating
 from bladewhirl.models.stage.contact_problem import WallCoating, critical_time_step
+from bladewhirl.models.stage.excitations import radial_mode
 from bladewhirl.models.stage.hints import locking_friction, static_response
-from bladewhirl.models.stage.loads import closing_unbalance, imbalance_force, radial_mode, unbalance
+from bladewhirl.models.stage.loads import closing_unbalance, imbalance_force, unbalance
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.models.superelements.reduction import lowest_modes

@@ -11,7 +11,7 @@ from faults import fault
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.loads import radial_mode
+from bladewhirl.models.stage.excitations import radial_mode
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.studies.runs.prepare import prepare

@@ -6,11 +6,11 @@ from stages import stage
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.models.stage.excitations import radial_mode
 from bladewhirl.models.stage.loads import (
     excitation_loads,
     imbalance_force,
     initial_state,
-    radial_mode,
     unbalance,
 )
 from bladewhirl.models.stage.stage import Stage

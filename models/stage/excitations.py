@@ -1,0 +1,155 @@
+"""Modal forces of each excitation of a case, on any kind of stage.
+
+Loads on the rotor are in rotating axes, which coincide with the static axes at t = 0. Loads on the
+casing are in static axes. An excitation is a class in `models/case/excitation.py` and a function
+here, which is registered for this class.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import singledispatch
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.meshes.ring_mesh import U, W
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.excitation import (
+    CasingDistortion,
+    EngineOrder,
+    Excitation,
+    Harmonic,
+    Imbalance,
+)
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.coupling.stage_modes import is_radial
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.models.stage.ring import Ring
+
+X, Y = range(2)
+"""Positions of x and y in the motion of the centre."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadedStage:
+    """What excitations act on. The modal coordinates of the bladed disk have any shape (...)."""
+
+    case: Case
+    speed: float  #: speed of rotation [rad/s]
+    centre: FloatArray  #: x and y of the centre for unit modal coordinates [kg^-1/2], (2, ...)
+    rest: FloatArray  #: modal forces of zero on the bladed disk, (...)
+    ring: Ring | None  #: flexible casing; None for a rigid wall
+    unbalance: Callable[[Imbalance], float]  #: function that returns m e of an imbalance [kg m]
+    forces_of_order: Callable[[EngineOrder], Iterable[tuple[int, ComplexArray]]]
+    """Function that returns for each engine order r the complex modal forces on the bladed disk for
+    the time factor exp(i r Omega t), (...)."""
+
+    @property
+    def casing_rest(self) -> FloatArray:
+        """Modal forces of zero on the casing, (casing modes,)."""
+        return np.zeros(0 if self.ring is None else len(self.ring.reduced_casing.frequency))
+
+
+def loads_on(stage: LoadedStage) -> tuple[Load, ...]:
+    """Return the loads of all excitations of a case."""
+    excitations: Iterable[Excitation] = stage.case.excitations.values()
+    return tuple(load for each in excitations for load in modal_loads(each, stage))
+
+
+@singledispatch
+def modal_loads(load: object, stage: LoadedStage) -> tuple[Load, ...]:
+    """Return the loads of an excitation; none if it is zero."""
+    return ()
+
+
+@modal_loads.register
+def _(load: CasingDistortion, stage: LoadedStage) -> tuple[Load, ...]:
+    """Return the loads of a casing distortion.
+
+    Raises:
+        CaseError: the casing has no radial mode of the required nodal diameter.
+    """
+    assert stage.ring is not None  # a case with a rigid wall refuses this excitation
+    pattern, still = stage.casing_rest, stage.rest
+    mode = radial_mode(stage.ring, load.nodal_diameter, stage.case.key_of(load))
+    pattern[mode] = load.modal_force
+    if load.duration == 0.0:
+        return ()
+    if load.shape == "rectangular":
+        return (Load(rotor=still, casing=pattern, end=load.duration),)
+    half_turn = np.pi / load.duration  # sin(pi t / T) is a cosine with the phase -pi / 2
+    return (
+        Load(
+            rotor=still, casing=pattern, end=load.duration, frequency=half_turn, phase=-np.pi / 2.0
+        ),
+    )
+
+
+@modal_loads.register
+def _(load: Imbalance, stage: LoadedStage) -> tuple[Load, ...]:
+    """Return the load of an imbalance at the centre, which is fixed in rotating axes."""
+    force = stage.unbalance(load) * stage.speed**2
+    return (Load(rotor=force * stage.centre[X], casing=stage.casing_rest, ramp=load.ramp),)
+
+
+@modal_loads.register
+def _(load: Harmonic, stage: LoadedStage) -> tuple[Load, ...]:
+    """Return the loads of a harmonic force at the centre.
+
+    A force F cos(omega t) along the static x axis is F cos(omega t) (cos Omega t, -sin Omega t) in
+    rotating axes. Along each rotating axis this is the sum of two cosines of amplitude F / 2 with
+    the frequencies Omega + omega and Omega - omega; along y their phase is pi / 2.
+    """
+    still, omega = stage.casing_rest, 2.0 * np.pi * load.frequency
+    if load.frame == "rotating":
+        return (Load(rotor=load.force * stage.centre[X], casing=still, frequency=omega),)
+    return tuple(
+        Load(
+            rotor=0.5 * load.force * stage.centre[axis],
+            casing=still,
+            frequency=stage.speed + beat,
+            phase=phase,
+        )
+        for beat in (omega, -omega)
+        for axis, phase in ((X, 0.0), (Y, np.pi / 2.0))
+    )
+
+
+@modal_loads.register
+def _(load: EngineOrder, stage: LoadedStage) -> tuple[Load, ...]:
+    """Return the loads of engine-order forces, two for each order r: the force Re(f exp(i r Omega
+    t)) is Re f times cos(r Omega t), and minus Im f times sin(r Omega t)."""
+    loads = [
+        Load(
+            rotor=pattern,
+            casing=stage.casing_rest,
+            ramp=load.ramp,
+            frequency=order * stage.speed,
+            phase=phase,
+        )
+        for order, force in stage.forces_of_order(load)
+        for pattern, phase in ((force.real, 0.0), (force.imag, 0.5 * np.pi))
+    ]
+    return tuple(loads[:1] if load.order == (0,) else loads)
+
+
+def radial_mode(stage: Ring, k: int, key: str = "excitation") -> int:
+    """Return the number of the lowest casing mode whose radial displacement varies as +cos k theta;
+    `key` is the dotted key of the excitation that needs the mode.
+
+    Raises:
+        CaseError: there is no such mode.
+    """
+    modes, nodal = stage.casing_modes, stage.reduced_casing.nodal
+    wall = nodal[:, W]
+    cosine = np.cos(k * stage.casing.mesh.angles) @ wall
+    positions = np.flatnonzero(
+        (modes.nodal_diameter == k)
+        & is_radial(wall, nodal[:, U])
+        & (np.abs(cosine) > 1e-6 * np.linalg.norm(wall, axis=0))  # not the sine mode of the pair
+    )
+    if not positions.size:
+        expected = "a nodal diameter for which the casing has a radial mode"
+        raise CaseError([case_fault(stage.case, f"{key}.nodal_diameter", expected)])
+    return int(positions[0])
