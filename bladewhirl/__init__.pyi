@@ -18,6 +18,7 @@ from .postprocess.energy.growth import amplitude_growth as amplitude_growth
 from .postprocess.energy.strain import family_energies as family_energies
 from .postprocess.energy.strain import strain_energies as strain_energies
 from .postprocess.fields.kinematics import ViewError as ViewError
+from .postprocess.fields.nodes import displacement as displacement
 from .postprocess.fields.result import ResultError as ResultError
 from .postprocess.fields.result import open_result as open_result
 from .postprocess.paraview.series import export_vtk as export_vtk
@@ -38,7 +39,6 @@ from .postprocess.shaft.poincare import poincare_map as poincare_map
 from .postprocess.shaft.spectra import shaft_spectrogram as shaft_spectrogram
 from .postprocess.shaft.spectra import shaft_spectrum as shaft_spectrum
 from .postprocess.shaft.whirl_history import whirl_history as whirl_history
-from .postprocess.superelement.motion import displacement as displacement
 from .postprocess.sweep.dataset import open_sweep as open_sweep
 from .postprocess.sweep.probability import probability as probability
 from .studies.convergence.study import convergence as convergence

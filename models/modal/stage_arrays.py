@@ -89,3 +89,7 @@ class SuperelementArrays:
     casing_thickness: FloatArray  #: thickness of the element after each node [m], (casing nodes,)
     casing_width: FloatArray  #: width of the element after each node [m], (casing nodes,)
     casing_shape: FloatArray  #: w, dw/ds, u, du/ds of modes, (casing nodes, 4, casing modes)
+
+
+Arrays = StageArrays | SuperelementArrays
+"""Arrays of a stage in a result."""

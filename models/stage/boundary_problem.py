@@ -11,6 +11,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.schemes import NODE_SCHEMES
 from bladewhirl.models.stage.contact_problem import (
     Bodies,
+    ContactProblem,
     Load,
     NodeCoating,
     ReducedCasing,
@@ -120,3 +121,7 @@ class BoundaryProblem:
             if np.array_equal(squares, np.broadcast_to(squares[0], squares.shape)):
                 break
         return float(np.sqrt(stiffest))
+
+
+Problem = ContactProblem | BoundaryProblem
+"""Arrays that define a contact problem, of tips of beams or of contact nodes."""

@@ -16,20 +16,14 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.inputs.errors import Fault
-from bladewhirl.models.modal.stage_arrays import StageArrays, SuperelementArrays
-from bladewhirl.models.stage.boundary_problem import BoundaryProblem
+from bladewhirl.models.modal.stage_arrays import Arrays
+from bladewhirl.models.stage.boundary_problem import BoundaryProblem, Problem
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.coating import node_coating_faults, wall_coating
 from bladewhirl.models.stage.contact_problem import ContactProblem, NodeCoating, WallCoating
 from bladewhirl.models.stage.hints import stage_hints, superelement_hints
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
-
-Problem = ContactProblem | BoundaryProblem
-"""Arrays that define a contact problem."""
-
-Arrays = StageArrays | SuperelementArrays
-"""Arrays of a stage in a result."""
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,11 @@
 
 import xarray as xr
 
+from bladewhirl.postprocess.fields.nodes import is_flexible
 from bladewhirl.postprocess.fields.windows import time_window
 from bladewhirl.postprocess.plotting.figures import Figures
 from bladewhirl.postprocess.plotting.registry import NODE_FIGURES
 from bladewhirl.postprocess.run.figures import RunFigures
-from bladewhirl.postprocess.superelement.ring import is_flexible
 from bladewhirl.solvers.march.schema import NODES, tables_of
 
 

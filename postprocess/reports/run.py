@@ -22,11 +22,11 @@ from bladewhirl.postprocess.reports.parts import (
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.postprocess.run.node_summary import node_regime, summarise_nodes
 from bladewhirl.postprocess.run.summary import MARCH_REPORT, summarise
 from bladewhirl.postprocess.run.summary_table import summary_rows
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
-from bladewhirl.postprocess.superelement.summary import node_regime, summarise_nodes
 
 LATE = "over the last third"  #: time window of whirl and contact scenario
 CASE_CAPTION = (

@@ -7,7 +7,7 @@ from typing import Literal, Self, get_args
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.marched import Problem
+from bladewhirl.models.stage.boundary_problem import Problem
 from bladewhirl.solvers.march.march import CHUNK_STEPS, Chunk
 
 StopWhen = Literal["damped"]

@@ -18,7 +18,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.timing import Timing
-from bladewhirl.models.modal.stage_arrays import StageArrays, SuperelementArrays
+from bladewhirl.models.modal.stage_arrays import Arrays, SuperelementArrays
 from bladewhirl.models.stage.contact_problem import NodeCoating, WallCoating, rod_angles
 from bladewhirl.solvers.march.boundary import BoundaryChunk
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords, coating_steps, joined
@@ -37,9 +37,6 @@ from bladewhirl.solvers.march.storage import GuardedFile
 Attribute = str | int | float
 
 Values = np.ndarray[Any, np.dtype[Any]]
-
-Arrays = StageArrays | SuperelementArrays
-"""Arrays of a stage in a result."""
 
 AnyChunk = Chunk | BoundaryChunk
 """Records of a march."""

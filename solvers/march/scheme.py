@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import Any
 
 from bladewhirl.models.case.schemes import SchemeName
-from bladewhirl.models.stage.marched import Problem
+from bladewhirl.models.stage.boundary_problem import Problem
 from bladewhirl.solvers.march.march import Scheme
 
 

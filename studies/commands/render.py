@@ -57,7 +57,7 @@ def render(
     from bladewhirl.files import check_file
     from bladewhirl.postprocess.fields.kinematics import nearest_records, sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.superelement.picture import render_blades
+    from bladewhirl.postprocess.pictures.blades import render_blades
     from bladewhirl.solvers.march.schema import NODES, tables_of
     from bladewhirl.studies.runs.render import render as draw_stage
     from bladewhirl.studies.runs.render import window_records

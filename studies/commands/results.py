@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -174,23 +174,16 @@ def export(
     from bladewhirl.postprocess.fields.kinematics import frame_records, sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.paraview.series import export_vtk
-    from bladewhirl.postprocess.superelement.series import export_points
-    from bladewhirl.solvers.march.schema import NODES, tables_of
 
     folder = output or (directory if directory.is_dir() else directory.parent) / VTK
     with open_result(directory) as result:
         look: dict[str, Any] = {"surface": surface, "exaggeration": exaggeration}
-        write: Callable[..., Path] = export_vtk
-        if nodes := tables_of(result.attrs) is NODES:
-            if surface or exaggeration is not None:
-                raise UserError("--surface, --exaggeration: not allowed for a superelement")
-            look, write = {}, export_points
         records = frame_records(result, frames, start, end)
         look |= {"rotating": rotating, "overwrite": overwrite}
         with progress_bar(folder.name) as update, writing(folder):
-            index = write(result, folder, records=records, progress=update, **look)
+            index = export_vtk(result, folder, records=records, progress=update, **look)
         first, last = result["time"].values[records[[0, -1]]]
-        hint = None if nodes else sampling_hint(result, records)
+        hint = sampling_hint(result, records)
     typer.echo(f"Wrote {index}: {len(records)} instants from {first:.6g} s to {last:.6g} s.")
     if hint:
         typer.echo(f"Hint: {hint}.", err=True)

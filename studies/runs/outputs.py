@@ -112,7 +112,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     with open_result(directory) as result:
         if tables_of(result.attrs) is NODES:
             from bladewhirl.postprocess.reports.figures import figures_of_run
-            from bladewhirl.postprocess.superelement.summary import summarise_nodes
+            from bladewhirl.postprocess.run.node_summary import summarise_nodes
 
             summary, figures = summarise_nodes(result, report), figures_of_run(result)
             drawn = {f"{name}.png": figures.draw(name) for name in figures.names}
@@ -149,20 +149,17 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
     """Write the ParaView series; yield hints for the user, for instance about too coarse
     sampling."""
-    nodes = tables_of(result.attrs) is NODES
-    if window.frames == 0 or (nodes and "point" not in result):
+    if window.frames == 0 or not {"point_shape", "rotor_line"} & {*result}:
         return
     from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, sampling_hint
     from bladewhirl.postprocess.paraview.series import export_vtk
-    from bladewhirl.postprocess.superelement.series import export_points
 
     try:
         records = frame_records(result, window.frames, window.start, window.end)
     except ViewError as error:  # the run ended before the window
         yield f"no ParaView series: {error}"
         return
-    write = export_points if nodes else export_vtk
-    write(result, directory, records=records, rotating=window.rotating)
-    hint = None if nodes else sampling_hint(result, records)
+    export_vtk(result, directory, records=records, rotating=window.rotating)
+    hint = sampling_hint(result, records)
     if hint:
         yield f"{directory.name}: {hint} (--from, --to, --frames)"

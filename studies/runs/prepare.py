@@ -11,8 +11,9 @@ from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.inputs.timing import Timing
+from bladewhirl.models.stage.boundary_problem import Problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.marched import Marchable, MarchedStage, Problem, marched_stage
+from bladewhirl.models.stage.marched import Marchable, MarchedStage, marched_stage
 from bladewhirl.models.stage.mass_scaling import screening_problem
 from bladewhirl.solvers.march.checkpoint import state_arrays
 from bladewhirl.solvers.march.free_motion import FreeMotion

@@ -7,7 +7,7 @@ import numpy as np
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.postprocess.fields.enlarged import round_factor
 from bladewhirl.postprocess.fields.result import result_of
-from bladewhirl.postprocess.superelement.picture import render_blades
+from bladewhirl.postprocess.pictures.blades import render_blades
 from bladewhirl.solvers.march.schema import NODES
 from bladewhirl.studies.runs.march_texts import attributes
 from bladewhirl.studies.runs.prepare import prepare

@@ -19,8 +19,9 @@ from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.boundary_problem import Problem
 from bladewhirl.models.stage.contact_problem import Load, Start
-from bladewhirl.models.stage.marched import MarchedStage, Problem
+from bladewhirl.models.stage.marched import MarchedStage
 from bladewhirl.postprocess.sweep.dataset import DONE, flag
 
 CONTINUE = "--continue"

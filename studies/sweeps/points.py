@@ -22,9 +22,9 @@ from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.marched import MarchedStage, marched_stage
 from bladewhirl.postprocess.fields.result import open_result
-from bladewhirl.postprocess.superelement.summary import node_digest
 from bladewhirl.postprocess.sweep.dataset import Layout
 from bladewhirl.postprocess.sweep.digest import Digest, digest
+from bladewhirl.postprocess.sweep.node_digest import node_digest
 from bladewhirl.solvers.march.free_motion import FreeMotion, StopWhen
 from bladewhirl.solvers.march.march import EndReason
 from bladewhirl.solvers.march.schema import RESULT_NAME

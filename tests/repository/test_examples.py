@@ -12,8 +12,8 @@ from places import ROOT
 import bladewhirl as bw
 from bladewhirl.models.case.excitation import NoExcitation
 from bladewhirl.models.case.file import read_case, with_values
+from bladewhirl.postprocess.run.node_summary import summarise_nodes
 from bladewhirl.postprocess.run.summary import summarise
-from bladewhirl.postprocess.superelement.summary import summarise_nodes
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory

@@ -15,7 +15,7 @@ from places import ROOT
         ("docs/model.md", "negative clearance where no contact node is"),
         ("docs/model.md", "At speed 0 these axes do not turn"),
         ("docs/tutorials/sensors.md", "positive towards +θ, also at negative speed"),
-        ("docs/tutorials/sweep.md", 'needs the guard `if __name__ == "__main__":`'),
+        ("docs/tutorials/sweep.md", 'it needs no `if __name__ == "__main__":`'),
         ("models/case/analysis.py", "the number per sector"),
     ],
 )

@@ -24,10 +24,9 @@ from bladewhirl.models.case.file import loads
 from bladewhirl.models.stage.coating import axial_tracks, spacing
 from bladewhirl.models.stage.hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
-from bladewhirl.postprocess.superelement.motion import displacement, tip_orbits
-from bladewhirl.postprocess.superelement.picture import blade_view, render_blades
-from bladewhirl.postprocess.superelement.ring import ring_motion, wall_at
-from bladewhirl.postprocess.superelement.series import _blades, frame_meshes
+from bladewhirl.postprocess.fields.nodes import _blades, displacement, frame_meshes, wall_at
+from bladewhirl.postprocess.pictures.blades import blade_view, render_blades
+from bladewhirl.postprocess.run.contact_nodes import ring_motion, tip_orbits
 from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.runs.prepare import prepare

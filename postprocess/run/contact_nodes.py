@@ -1,4 +1,4 @@
-"""Figures of a run of a superelement, by name, see `plotting.registry`."""
+"""Contact nodes over time and the motion of the casing around them: Datasets and figures."""
 
 from typing import Any
 
@@ -9,10 +9,17 @@ from matplotlib.ticker import MaxNLocator
 
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.nodes import (
+    DIRECTIONS,
+    check_superelement,
+    is_flexible,
+    ring_displacement,
+)
+from bladewhirl.postprocess.fields.result import ResultError
 from bladewhirl.postprocess.plotting.axes import draw_map
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
-from bladewhirl.postprocess.superelement.motion import DIRECTIONS
 
 FEW = 6
 """Up to this number of blades each blade has a line; for more blades, the largest and the mean
@@ -20,6 +27,95 @@ force are drawn."""
 
 LINES = 6
 """Largest number of nodal diameters drawn, those with the largest energy."""
+
+
+def contact_nodes(result: xr.Dataset) -> xr.Dataset:
+    """Compute the mean contact forces between records, and the share of time in contact.
+
+    Args:
+        result: result of a superelement.
+
+    Returns:
+        Dataset over (time, contact_node): `force` and `friction` [N], means of the normal and the
+        tangential force since the last record; `share` [1]. `impulse` [N s] over (contact_node) is
+        the sum of the normal impulses.
+    """
+    check_superelement(result)
+    spacing = np.diff(result["time"].values, prepend=-np.inf)[:, None]
+    steps = spacing / float(result.attrs["time_step"])
+    over = ("time", "contact_node")
+    impulse = result["contact_impulse"].values
+    computed = labelled(
+        result,
+        "contact forces by contact node",
+        {
+            "force": (over, impulse / spacing, "N"),
+            "friction": (over, result["friction_impulse"].values / spacing, "N"),
+            "share": (over, result["contact_steps"].values / steps, "1"),
+            "impulse": (("contact_node",), impulse.sum(axis=0), "N s"),
+        },
+        {"time": result["time"].values},
+    )
+    places = ("blade", "node", "contact_angle", "contact_axial")
+    return computed.assign_coords({name: result[name] for name in places})
+
+
+def tip_orbits(result: xr.Dataset, *, turns: float = 5.0, copy: int = 0) -> xr.Dataset:
+    """Return the displacements of the contact nodes of a copy in the last revolutions.
+
+    Args:
+        result: result of a superelement.
+        turns: number of revolutions; at standstill the whole run is returned.
+        copy: number of the copy.
+
+    Returns:
+        Dataset over (time, node): `radial`, `tangential` and `axial` [m], in rotating axes.
+    """
+    check_superelement(result)
+    time, speed = result["time"].values, abs(float(result.attrs["speed"]))
+    last = time >= time[-1] - (2.0 * np.pi * turns / speed if speed else np.inf)
+    nodes = result.sizes["contact_node"] // result.sizes["copy"]
+    moved = result["contact_displacement"][last, copy * nodes : (copy + 1) * nodes].values
+    return labelled(
+        result,
+        f"displacements of the contact nodes of copy {copy}",
+        {name: (("time", "node"), moved[:, :, i], "m") for i, name in enumerate(DIRECTIONS)},
+        {"time": time[last]},
+    )
+
+
+def ring_motion(result: xr.Dataset) -> xr.Dataset:
+    """Compute displacement and strain energy of a flexible casing over time.
+
+    Args:
+        result: result of a superelement with a flexible casing.
+
+    Returns:
+        Dataset: `radial` and `tangential` [m] over (time, casing_node); `energy` [J] over (time,
+        nodal_diameter), the strain energy of the casing and its supports.
+
+    Raises:
+        ResultError: the casing is rigid.
+    """
+    check_superelement(result)
+    if not is_flexible(result):
+        raise ResultError("expected a flexible casing, found a rigid wall")
+    records = np.arange(result.sizes["time"])
+    moved = ring_displacement(result, records)
+    squares = result["casing_frequency"].values * result["casing_displacement"].values
+    diameter, member = np.unique(result["casing_nodal_diameter"].values, return_inverse=True)
+    energy = 0.5 * squares**2 @ np.eye(len(diameter))[member]
+    over = ("time", "casing_node")
+    return labelled(
+        result,
+        "motion of the casing",
+        {
+            "radial": (over, moved[:, :, 0], "m"),
+            "tangential": (over, moved[:, :, 1], "m"),
+            "energy": (("time", "nodal_diameter"), energy, "J"),
+        },
+        {"time": result["time"].values, "nodal_diameter": diameter},
+    ).assign_coords(casing_angle=result["casing_angle"])
 
 
 @styled

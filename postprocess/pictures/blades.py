@@ -13,12 +13,17 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields.enlarged import round_factor
 from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, nearest_records
+from bladewhirl.postprocess.fields.nodes import (
+    check_superelement,
+    deformed_points,
+    frame_meshes,
+    is_flexible,
+    ring_displacement,
+    wall_at,
+)
 from bladewhirl.postprocess.pictures.films import write_pictures
 from bladewhirl.postprocess.pictures.offscreen import Pixels, off_screen_plotter, pixels_of
 from bladewhirl.postprocess.plotting.style import SEQUENTIAL
-from bladewhirl.postprocess.superelement.motion import check_superelement, deformed_points
-from bladewhirl.postprocess.superelement.ring import is_flexible, ring_displacement, wall_at
-from bladewhirl.postprocess.superelement.series import frame_meshes
 
 SIZE = (900, 700)  #: size of a picture [pixels]
 LEVELS = 32  #: number of colours of the scale of displacements in a GIF; others are shaded

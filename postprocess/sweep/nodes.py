@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.nodes import DIRECTIONS
 from bladewhirl.postprocess.plotting.axes import cell_edges, draw_decades
 from bladewhirl.postprocess.plotting.style import styled
-from bladewhirl.postprocess.superelement.motion import DIRECTIONS
 from bladewhirl.postprocess.sweep.dataset import DIRECTION
 from bladewhirl.postprocess.sweep.drawing import in_handy_units, key_edges, plot_quantities
 from bladewhirl.postprocess.sweep.frequency_map import OUTLINE

@@ -1,1 +1,0 @@
-"""Results of superelements: summary, motion of nodes and points, figures, ParaView series."""
