@@ -6,8 +6,8 @@ from typing import Annotated
 import typer
 
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.terminal import emit, interruptible, progress_bar, table
-from bladewhirl.studies.runs.columns import Column
+from bladewhirl.studies.commands.terminal import emit, interruptible, progress_bar
+from bladewhirl.studies.runs.columns import Column, table
 
 FAILED = 1
 """Exit code if the error of a case exceeds its tolerance."""

@@ -9,8 +9,8 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.terminal import emit, table
-from bladewhirl.studies.runs.columns import Column, facts
+from bladewhirl.studies.commands.terminal import emit
+from bladewhirl.studies.runs.columns import Column, facts, table
 
 if TYPE_CHECKING:
     from bladewhirl.meshes.files.groups import GroupedLines

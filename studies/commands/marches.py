@@ -17,9 +17,8 @@ from bladewhirl.studies.commands.terminal import (
     interruptible,
     progress_bar,
     reduction_bar,
-    table,
 )
-from bladewhirl.studies.runs.columns import Column, facts, rows_of
+from bladewhirl.studies.runs.columns import Column, facts, rows_of, table
 
 if TYPE_CHECKING:
     from bladewhirl.studies.runs.recorded_march import Activity
@@ -191,8 +190,7 @@ def convergence(
         options.several("--time-steps", "STEP,STEP,...", options.in_si("s"), "times"),
     ] = None,
     modes: Annotated[
-        Sequence[int] | None,
-        options.several("--modes", "COUNT,COUNT,...", int, "whole numbers"),
+        Sequence[int] | None, options.several("--modes", "COUNT,COUNT,...", int, "whole numbers")
     ] = None,
     output: options.CaseFolder = None,
     overwrite: options.Overwrite = False,

@@ -12,8 +12,8 @@ import typer
 
 from bladewhirl.models.inputs.errors import CaseError, UserError, writing
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.terminal import emit, reduction_bar, table
-from bladewhirl.studies.runs.columns import Column, facts, texts
+from bladewhirl.studies.commands.terminal import emit, reduction_bar
+from bladewhirl.studies.runs.columns import Column, facts, table, texts
 
 if TYPE_CHECKING:
     from rich.table import Table
