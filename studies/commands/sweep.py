@@ -96,16 +96,19 @@ def sweep(
 
             watch = Watch(planned=_print_plan, progress=progress)
             if resume is not None:
-                new_sweep: dict[str, object] = {"CASE": case, "--over": over}
-                new_sweep |= {} if draw is not None else {"--output": output}
-                new_sweep |= {"--table": table}
-                new_sweep |= {"--perturb": perturb, "--seed": seed}
-                new_sweep |= {
+                new_sweep: dict[str, object] = {
+                    "CASE": case,
+                    "--over": over,
+                    "--output": output if draw is None else None,
+                    "--table": table,
+                    "--perturb": perturb,
+                    "--seed": seed,
                     "--set": overrides,
                     "--histories": histories,
                     "--stop-when": stop_when,
+                    "--screen": screen,
+                    "--continue": carry,
                 }
-                new_sweep |= {"--screen": screen, "--continue": carry}
                 unused = ", ".join(name for name, value in new_sweep.items() if value)
                 if unused:
                     stored = f"{resume}/sweep.json contains the input of this sweep"
