@@ -31,12 +31,7 @@ SET = "--set"
 
 LOAD_TYPE = re.compile(r"excitation(\.[0-9]+)?\.type")
 
-FILES = (
-    "bladed_disk.mesh",
-    "bladed_disk.superelement",
-    "casing.profile",
-    "casing.coating.profile",
-)
+FILES = ("bladed_disk.mesh", "bladed_disk.superelement", "casing.profile", "casing.coating.profile")
 """Tables with the path of a file."""
 
 SPRINGS = ("shaft.stiffness", "shaft.suspension_frequency")

@@ -45,8 +45,7 @@ Name = Annotated[
     ),
 ]
 Reference = Annotated[
-    str,
-    text(_REFERENCE, 'the name of a node, such as "root", or "root+1" in the next sector'),
+    str, text(_REFERENCE, 'the name of a node, such as "root", or "root+1" in the next sector')
 ]
 Factor = Annotated[float, number("positive")]
 

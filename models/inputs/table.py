@@ -1,7 +1,7 @@
 """Base class of the tables of a case: immutable, without unknown keys, checked for consistency."""
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from typing import Any, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 from pydantic import (
     BaseModel,
@@ -96,9 +96,14 @@ class Table(BaseModel):
 class ReplacedKeys(Table):
     """A table in which some keys replace others if they are given."""
 
+    replacements: ClassVar[Mapping[str, Collection[str]]] = {}
+    """Keys that a key replaces if it is given."""
+
     def written(self) -> Iterable[str]:
         """Return the keys to write, without those that other keys replace."""
-        raise NotImplementedError
+        given = [name for name in self.replacements if getattr(self, name) is not None]
+        replaced = {each for name in given for each in self.replacements[name]}
+        return [name for name in type(self).model_fields if name not in replaced]
 
     @model_serializer(mode="wrap")
     def _only_written(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
