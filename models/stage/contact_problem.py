@@ -78,12 +78,6 @@ class ReducedRotor:
         return np.asarray(self.circulation * (np.outer(y, x) - np.outer(x, y)))
 
     @property
-    def whirl_stiffness(self) -> float:
-        """Upper bound of the increase of squared frequencies due to the anisotropy [1/s^2]."""
-        largest = np.linalg.eigvalsh(self.centre @ self.centre.T).max()
-        return float(abs(self.anisotropy) * largest)
-
-    @property
     def by_harmonics(self) -> bool:
         """True if time integration treats each harmonic separately.
 
@@ -418,7 +412,9 @@ def critical_time_step(
     highest = max(np.abs(rotor.frequency).max(initial=0.0), casing.frequency.max(initial=0.0))
     if springs is not None:
         highest = max(highest, springs.highest_frequency)
-    return float(2.0 / np.sqrt(highest**2 + rotor.whirl_stiffness))
+    # Upper bound of the increase of squared frequencies due to unequal bearings.
+    increase = abs(rotor.anisotropy) * np.linalg.eigvalsh(rotor.centre @ rotor.centre.T).max()
+    return float(2.0 / np.sqrt(highest**2 + increase))
 
 
 def at_rest(rotor: ReducedRotor, casing: ReducedCasing) -> Start:

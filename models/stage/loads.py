@@ -216,10 +216,7 @@ def centre_loads(
         return (Load(rotor=load.force * centre[X], casing=still, frequency=omega),)
     return tuple(
         Load(
-            rotor=0.5 * load.force * centre[axis],
-            casing=still,
-            frequency=speed + beat,
-            phase=phase,
+            rotor=0.5 * load.force * centre[axis], casing=still, frequency=speed + beat, phase=phase
         )
         for beat in (omega, -omega)
         for axis, phase in ((X, 0.0), (Y, np.pi / 2.0))

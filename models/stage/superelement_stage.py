@@ -254,7 +254,10 @@ def superelement_stage(case: Case) -> SuperelementStage:
         text = str(error).removeprefix("expected ")
         raise CaseError([case_fault(case, key, text)]) from None
     if table.kind == "blade":
-        _check_clamped(part, reduced)
+        rigid = int((reduced.frequency <= np.sqrt(rigid_limit(part))).sum())
+        if rigid:
+            expected = f"a blade that is clamped at its root; the matrices have {rigid} rigid modes"
+            raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])
     if reduced.damping is not None:
         rates = np.linalg.eigvalsh(0.5 * (reduced.damping + reduced.damping.T))
         if rates[0] < -NEGATIVE * abs(rates).max():
@@ -300,23 +303,7 @@ def _on_springs(case: Case, part: Superelement) -> Superelement:
         raise SuperelementError("a wheel without centre_dofs for shaft.clamped = true")
     assert part.centre_dofs is not None
     springs = sp.csr_array(
-        (
-            case.shaft.stiffnesses,
-            (part.centre_dofs, part.centre_dofs),
-        ),
-        shape=(part.size, part.size),
+        (case.shaft.stiffnesses, (part.centre_dofs, part.centre_dofs)), shape=(part.size, part.size)
     )
     added = springs if sp.issparse(part.stiffness) else springs.toarray()
     return replace(part, stiffness=part.stiffness + added)
-
-
-def _check_clamped(part: Superelement, reduced: ReducedSuperelement) -> None:
-    """Check that a blade has no rigid modes.
-
-    Raises:
-        CaseError: the blade can move without strain.
-    """
-    rigid = int((reduced.frequency <= np.sqrt(rigid_limit(part))).sum())
-    if rigid:
-        expected = f"a blade that is clamped at its root; the matrices have {rigid} rigid modes"
-        raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])

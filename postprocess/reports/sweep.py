@@ -62,7 +62,8 @@ def sweep_report(
     done, failed = int((state == "done").sum()), int((state == "failed").sum())
     needed = state.size - int((state == "not-needed").sum())
     points = _points(dataset) if done else None
-    counts = _counts(points)
+    regimes = points["regime"].values if points is not None else np.empty(0)
+    counts = {name: n for name in REGIMES if (n := int((regimes == name).sum()))}
     verdict, tone = _verdict(counts, needed, done, failed)
     keys = [str(dataset[key].attrs["long_name"]) for key in _keys(dataset)]
     blocks: dict[str, list[page.Block]] = {
@@ -122,13 +123,6 @@ def _points(dataset: xr.Dataset) -> xr.Dataset:
     regime = points["regime"].where(points["state"] == "done", "no result")
     points = points.assign(touched=touched, regime=regime).drop_vars("contact_share")
     return points.rename({largest: "largest_displacement"}).assign_attrs(moving=what)
-
-
-def _counts(points: xr.Dataset | None) -> dict[str, int]:
-    if points is None:
-        return {}
-    counts = {name: int((points["regime"].values == name).sum()) for name in REGIMES}
-    return {name: count for name, count in counts.items() if count}
 
 
 def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> tuple[str, str]:

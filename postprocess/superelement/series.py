@@ -12,10 +12,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.postprocess.fields.kinematics import IntArray, ViewError
 from bladewhirl.postprocess.paraview.series import Progress, view_script, write_series
-from bladewhirl.postprocess.superelement.motion import (
-    check_superelement,
-    deformed_points,
-)
+from bladewhirl.postprocess.superelement.motion import check_superelement, deformed_points
 from bladewhirl.postprocess.superelement.ring import is_flexible, ring_mesh
 
 PARTS = ("blades", "contact")

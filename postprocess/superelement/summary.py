@@ -34,6 +34,13 @@ LATE = 10
 """The impulse per revolution is averaged over up to this many complete revolutions at the end."""
 
 
+DIGESTED = (
+    "regime end_reason end_time steps unsolved_steps growth_rate impulse_per_revolution"
+    " casing_displacement_max energy_residual complementarity_residual dt_over_critical"
+).split()
+"""Fields of a summary that a sweep stores under the same name."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class NodeSummary(MarchQuality):
     """Key figures of the run of a superelement."""
@@ -115,6 +122,10 @@ def summarise_nodes(dataset: xr.Dataset, march_report: Mapping[str, float]) -> N
     moved = np.abs(dataset["contact_displacement"].values).max(axis=(0, 1))
     names = {"load": "external", "normal": "normal", "friction": "friction", "damping": "damping"}
     turns = speed * float(time[-1]) / (2.0 * np.pi)
+    ring = [
+        np.abs(ring_displacement(dataset, np.arange(s.start, s.stop))[:, :, 0]).max()
+        for s in (portions(dataset) if is_flexible(dataset) else ())
+    ]
     return NodeSummary(
         **common_figures(dataset, node_regime(dataset), march_report),
         revolutions=turns,
@@ -127,7 +138,7 @@ def summarise_nodes(dataset: xr.Dataset, march_report: Mapping[str, float]) -> N
             "time": float(time[record]),
         },
         contact_displacement_max=dict(zip(DIRECTIONS, moved.tolist(), strict=True)),
-        casing_displacement_max=_largest_of_ring(dataset),
+        casing_displacement_max=float(np.max(ring)) if ring else None,
         gap_min=float(dataset["gap"].values[1:].min(initial=np.inf))
         if len(time) > 1
         else float(dataset["clearance"].min()),
@@ -170,17 +181,6 @@ def _wear_text(wear: Mapping[str, Any]) -> str:
     )
 
 
-def _largest_of_ring(dataset: xr.Dataset) -> float | None:
-    if not is_flexible(dataset):
-        return None
-    return float(
-        max(
-            np.abs(ring_displacement(dataset, np.arange(s.start, s.stop))[:, :, 0]).max()
-            for s in portions(dataset)
-        )
-    )
-
-
 def _late_impulse(time: np.ndarray[Any, Any], total: Any, speed: float) -> float | None:
     """Return the impulse per revolution [N s], averaged over at most `LATE` complete revolutions at
     the end; None without a complete revolution."""
@@ -211,31 +211,22 @@ def node_digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout
     late_steps = np.ptp(late["time"].values) / float(dataset.attrs["time_step"])
     share = late["contact_steps"].values[1:].sum(axis=0) / max(late_steps, 1.0)
     blade = dataset["blade"].values
+    natural = dataset["modal_frequency"].values[0] / (2.0 * np.pi)  # of the first copy
     values = {
-        "regime": summary.regime,
-        "end_reason": summary.end_reason,
-        "end_time": summary.end_time,
-        "steps": summary.steps,
-        "unsolved_steps": summary.unsolved_steps,
+        **{name: _number(getattr(summary, name)) for name in DIGESTED},
         "rotation_speed": dataset.attrs["speed"],
         "reference_frequency": dataset.attrs["reference_frequency"],
-        "growth_rate": _number(summary.growth_rate),
         "growth_error": _number(summary.growth_rate_error),
         "smallest_clearance": smallest_node_clearance(dataset),
-        "impulse_per_revolution": _number(summary.impulse_per_revolution),
         "contact_force_max": summary.contact_force_max["force"],
         "contact_share": padded(_by_blade(blade, np.array(summary.contact_share)), layout.blades),
         "late_contact_share": padded(_by_blade(blade, share), layout.blades),
         "displacement_max": max(summary.contact_displacement_max.values()),
         "late_displacement": np.abs(late["contact_displacement"].values).max(axis=(0, 1)),
-        "casing_displacement_max": _number(summary.casing_displacement_max),
         **wear_numbers(dataset),
         "gap_violation_max": max(0.0, -summary.gap_min),
-        "energy_residual": summary.energy_residual,
-        "complementarity_residual": summary.complementarity_residual,
-        "dt_over_critical": summary.dt_over_critical,
         "window_start": time[first],
-        "natural_frequency": padded(_natural(dataset), NATURAL),
+        "natural_frequency": padded(np.sort(natural)[:NATURAL], NATURAL),
         "spectrum": _amplitudes(moved[first:, :, TANGENTIAL], step, layout.frequency),
         "energy_max": energy.max(),
         "history_time": padded(time[starts], layout.samples),
@@ -245,7 +236,7 @@ def node_digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout
     return coded(values, layout)
 
 
-def _number(value: float | None) -> float:
+def _number(value: Any) -> Any:
     return np.nan if value is None else value
 
 
@@ -254,11 +245,6 @@ def _by_blade(blade: IntArray, share: Array) -> Array:
     largest = np.zeros(int(blade.max()) + 1)
     np.maximum.at(largest, blade, share)
     return largest
-
-
-def _natural(dataset: xr.Dataset) -> Array:
-    """Return up to `NATURAL` of the lowest natural frequencies of the first copy [Hz]."""
-    return np.asarray(np.sort(dataset["modal_frequency"].values[0])[:NATURAL] / (2.0 * np.pi))
 
 
 def _amplitudes(motion: Array, step: float, frequency: Array) -> Array:

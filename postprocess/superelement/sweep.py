@@ -101,10 +101,7 @@ def plot_node_spectra(data: xr.Dataset) -> Figure:
     units = in_handy_units(data)["frequency"].attrs["units"]
     draw = partial(_draw_spectra, scale=scale, top=scale * largest or 1.0)
     return plot_rows(
-        data,
-        [draw],
-        label=f"tangential amplitude [{unit}]",
-        left=f"frequency [{units}]",
+        data, [draw], label=f"tangential amplitude [{unit}]", left=f"frequency [{units}]"
     )
 
 

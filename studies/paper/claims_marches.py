@@ -111,7 +111,7 @@ def contact_side(motion: Motion) -> Measures:
     """Return whirl, scenario, phase shift [°] and numbers of blades by contact class."""
     return {
         "regime": motion.regime.name,
-        "touches": motion.touches_late,
+        "touches": motion.blades["free"] < motion.result.sizes["blade"],
         "direction": motion.late_whirl("static").direction,
         "scenario": motion.scenario,
         "lead": motion.lead,
