@@ -38,8 +38,7 @@ LARGEST_NUMBER = 10_000_000
 """Largest number of a node, and largest count of nodes or elements; meshio allocates arrays of this
 length."""
 
-LINE_TYPE, POINT_TYPE = 1, 15
-"""Numbers of the element types two-node line and point in Gmsh."""
+LINE_TYPE, POINT_TYPE = 1, 15  #: numbers of the element types two-node line and point in Gmsh
 
 
 def read_msh(path: Path) -> GroupedLines:

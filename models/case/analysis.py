@@ -16,8 +16,7 @@ from bladewhirl.models.inputs.units import Speed
 MOST_STEPS = 1e12
 """Largest number of time steps; so many steps take days, and step numbers are far from overflow."""
 
-WHOLE = 1e-6
-"""Relative tolerance with which record_step / time_step must be an integer."""
+WHOLE = 1e-6  #: relative tolerance with which record_step / time_step must be an integer
 
 
 MODES = 110

@@ -68,8 +68,7 @@ def _factors(value: Any) -> tuple[float, ...]:
     return tuple(converted(number("any"), item) for item in items)
 
 
-LOWEST_SPEED = Speed(0.95)
-"""Lowest speed of the paper's Table 2."""
+LOWEST_SPEED = Speed(0.95)  #: lowest speed of the paper's Table 2
 
 
 class NoExcitation(Table):

@@ -34,8 +34,7 @@ def split_reference(reference: str) -> tuple[str, int]:
     return match["name"], int(match["shift"] or 0)
 
 
-Chosen = tuple[int, ...] | None
-"""Sectors that have a part; None for all."""
+Chosen = tuple[int, ...] | None  #: sectors that have a part; None for all
 
 Name = Annotated[
     str,

@@ -15,8 +15,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from bladewhirl.models.inputs.errors import demand
 
-Path = tuple[str | int, ...]
-"""Keys and row numbers from a table to a value."""
+Path = tuple[str | int, ...]  #: keys and row numbers from a table to a value
 
 INCONSISTENT = "inconsistent"
 """Type of the errors raised here; their context contains the fields of an `Inconsistency`."""

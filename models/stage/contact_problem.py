@@ -24,8 +24,7 @@ Bodies = list[tuple[FloatArray, FloatArray]]
 """Radial displacements of the surface of each body for unit modal coordinates, and frequencies of
 the modes."""
 
-NEVER = np.inf
-"""End time of a load that does not end."""
+NEVER = np.inf  #: end time of a load that does not end
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -24,8 +24,7 @@ from bladewhirl.models.stage.engine_order import engine_order_loads
 from bladewhirl.models.stage.ring import Ring
 from bladewhirl.models.stage.stage import Stage
 
-X, Y = range(2)
-"""Positions of x and y in the motion of the centre."""
+X, Y = range(2)  #: positions of x and y in the motion of the centre
 
 
 def excitation_loads(stage: Stage) -> tuple[Load, ...]:

@@ -25,11 +25,9 @@ from bladewhirl.models.stage.hints import stage_hints, superelement_hints
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 
-Problem = ContactProblem | BoundaryProblem
-"""Arrays that define a contact problem."""
+Problem = ContactProblem | BoundaryProblem  #: arrays that define a contact problem
 
-Arrays = StageArrays | SuperelementArrays
-"""Arrays of a stage in a result."""
+Arrays = StageArrays | SuperelementArrays  #: arrays of a stage in a result
 
 
 @dataclass(frozen=True)
@@ -192,8 +190,7 @@ class MarchedNodes(MarchedStage):
         return tuple(superelement_hints(self.model))
 
 
-Marchable = Case | Stage | SuperelementStage | MarchedStage
-"""What `marched_stage` accepts."""
+Marchable = Case | Stage | SuperelementStage | MarchedStage  #: what `marched_stage` accepts
 
 
 def marched_stage(given: Marchable) -> MarchedStage:

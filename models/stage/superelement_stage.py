@@ -31,17 +31,14 @@ from bladewhirl.models.superelements.reduction import (
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
 
-GRID = 4096
-"""Number of angles at which the wall is tabulated; more if the profile has many points."""
+GRID = 4096  #: number of angles at which the wall is tabulated; more if the profile has many points
 
 PER_POINT = 8
 """Smallest number of angles at which the wall is tabulated per point of a measured profile."""
 
-LIMIT = 0.2
-"""Default of march.displacement_limit, divided by the largest radius of a contact node."""
+LIMIT = 0.2  #: default of march.displacement_limit, divided by the largest radius of a contact node
 
-HIGHEST = 1e5
-"""Highest plausible first natural frequency [Hz]."""
+HIGHEST = 1e5  #: highest plausible first natural frequency [Hz]
 
 
 @dataclass(frozen=True, kw_only=True)

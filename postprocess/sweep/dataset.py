@@ -47,8 +47,7 @@ is at most this fraction of the march."""
 LINE, GROUP, SAMPLE, SECTION = "mode", "energy_group", "sample", "section"
 DIRECTION = "direction"  #: name of the dimension of the directions of a contact node's displacement
 
-NATURAL = 8
-"""Number of natural frequencies of a superelement that are stored."""
+NATURAL = 8  #: number of natural frequencies of a superelement that are stored
 
 SECTIONS = 64
 """Largest number of points of the Poincaré map, and of local maxima of the displacement, that are

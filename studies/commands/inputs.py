@@ -26,8 +26,7 @@ NODES = (
     Column("z", "z [mm]", ".5g", scale=1e3),
 )
 
-MOST_NODES = 30
-"""Largest number of contact nodes that are listed."""
+MOST_NODES = 30  #: largest number of contact nodes that are listed
 
 
 def new(

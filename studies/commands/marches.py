@@ -23,8 +23,7 @@ from bladewhirl.studies.runs.columns import Column, facts, rows_of, table
 if TYPE_CHECKING:
     from bladewhirl.studies.runs.recorded_march import Activity
 
-RUNS = Path("runs")
-"""Default folder of runs."""
+RUNS = Path("runs")  #: default folder of runs
 
 QUANTITIES = (
     Column("end_time", "end [ms]", ".4g", 1e3),

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from bladewhirl.studies.sweeps.sweep import Sweep
 
 
-SHOWN_FAILURES = 10
-"""Largest number of failed points printed; failures.json lists all."""
+SHOWN_FAILURES = 10  #: largest number of failed points printed; failures.json lists all
 
 
 def sweep(

@@ -25,20 +25,16 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-LINES = 10
-"""Number of lines in a log for a complete job."""
+LINES = 10  #: number of lines in a log for a complete job
 
-RATE_PERIOD = 3600.0
-"""Time over which the rate of progress is averaged [s]."""
+RATE_PERIOD = 3600.0  #: time over which the rate of progress is averaged [s]
 
-ALL_FAILED = 1
-"""Exit code of a sweep without a finished point."""
+ALL_FAILED = 1  #: exit code of a sweep without a finished point
 
 USER_ERROR = 2
 """Exit code of errors that the user can correct; click uses the same code for wrong options."""
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C, as in shells."""
+INTERRUPTED = 130  #: exit code after Ctrl-C, as in shells
 
 
 def emit(

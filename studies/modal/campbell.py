@@ -34,8 +34,7 @@ from bladewhirl.studies.runs.columns import Column, facts, quantity, rows_of, ta
 Interval = tuple[float | str, float | str]
 """First and last speed: each a multiple of the reference frequency, or text such as "2500 rpm"."""
 
-CASING_FAMILIES = ("rigid", "1F", "2F")
-"""Families of the casing: rigid motion, bending, extension."""
+CASING_FAMILIES = ("rigid", "1F", "2F")  #: families of the casing: rigid motion, bending, extension
 
 
 def campbell(

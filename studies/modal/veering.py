@@ -22,14 +22,11 @@ from bladewhirl.studies.runs.columns import Column, facts, quantity, rows_of
 STIFFNESSES, DECADES = 241, 3
 """Number of shaft stiffnesses, and decades below and above the stiffness of the case."""
 
-BRANCHES = 5
-"""Number of modes drawn against the stiffness of the shaft."""
+BRANCHES = 5  #: number of modes drawn against the stiffness of the shaft
 
-CLOSE_UP = 2
-"""Number of families of the second diagram, which also shows the suspension pair."""
+CLOSE_UP = 2  #: number of families of the second diagram, which also shows the suspension pair
 
-MODE_LEVELS = ("centre", "family", "nodal_diameter")
-"""Coordinates that select a mode."""
+MODE_LEVELS = ("centre", "family", "nodal_diameter")  #: coordinates that select a mode
 
 
 def veering(

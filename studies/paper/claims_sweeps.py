@@ -10,17 +10,14 @@ from bladewhirl.studies.paper.claim import Measures, measures
 from bladewhirl.studies.paper.claims_marches import MILLI, descending
 from bladewhirl.studies.paper.trials import KAPPAS, NotTestableError
 
-AROUND = (0.95, 1.15)
-"""Range of normalised speeds regarded as near the first coincidence, 1.05."""
+AROUND = (0.95, 1.15)  #: range of normalised speeds regarded as near the first coincidence, 1.05
 
-HIGH = (1.42, 1.75)
-"""Normalised speeds with high amplitudes in the paper."""
+HIGH = (1.42, 1.75)  #: normalised speeds with high amplitudes in the paper
 
 LIMIT = 1.52
 """Normalised speed above which the paper's march of six modes diverges under imbalance."""
 
-ROUNDING = 1e-9
-"""Rounding error of normalised speeds, for comparing their differences with a step."""
+ROUNDING = 1e-9  #: rounding error of normalised speeds, for comparing their differences with a step
 
 
 def done_points(sweep: xr.Dataset) -> xr.Dataset:

@@ -24,8 +24,7 @@ from bladewhirl.solvers.march.recorder import result_bytes
 
 TURN = 2.0 * np.pi
 
-LOWEST = 12
-"""Number of frequencies listed for a body without cyclic symmetry."""
+LOWEST = 12  #: number of frequencies listed for a body without cyclic symmetry
 
 
 MARCHES = {True: "harmonic by harmonic", False: "by dense products"}

@@ -25,8 +25,7 @@ from bladewhirl.postprocess.sweep.dataset import DONE, flag
 
 CONTINUE = "--continue"
 
-Carry = Literal["up", "down"]
-"""Direction in which the speed changes."""
+Carry = Literal["up", "down"]  #: direction in which the speed changes
 
 CARRIES: tuple[Carry, ...] = get_args(Carry)
 
@@ -35,8 +34,7 @@ SPEED = "march.speed"
 STATES_NAME = "states"
 """Name of the folder with the final state of each march, until the sweep is complete."""
 
-LATE_SHARE = 1.0 / 3.0
-"""The state is taken from this fraction of a march, at its end."""
+LATE_SHARE = 1.0 / 3.0  #: the state is taken from this fraction of a march, at its end
 
 FEWEST_TURNS = 3.0
 """Smallest number of revolutions of a march, so that the state is from its last revolutions."""

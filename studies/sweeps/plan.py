@@ -50,8 +50,7 @@ SCREEN_RULE = (
 )
 """Text of the rule, which every screened sweep contains."""
 
-PLAN_NAME = "sweep.json"
-"""Name of the file with the plan of a sweep, for resuming it."""
+PLAN_NAME = "sweep.json"  #: name of the file with the plan of a sweep, for resuming it
 
 CHECKED_STAGES = 32
 """Number of stages validated before a sweep; faults of other stages appear as failed points."""

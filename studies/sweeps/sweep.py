@@ -40,8 +40,7 @@ from bladewhirl.studies.sweeps.store import Store, create
 from bladewhirl.studies.sweeps.table import Columns, point_table
 from bladewhirl.studies.sweeps.workers import march_points
 
-HISTORIES_NAME = "histories"
-"""Name of the folder of full histories."""
+HISTORIES_NAME = "histories"  #: name of the folder of full histories
 
 
 @dataclass(frozen=True, kw_only=True)
