@@ -87,6 +87,7 @@ def sweep_report(
         for (name, parts), title in zip(blocks.items(), titles, strict=True)
         if parts
     ]
+    way = {"up": "rising", "down": "falling"}.get(str(dataset.attrs.get("carry")))
     return page.Page(
         title=(str(dataset.attrs.get("title", "")) or "Sweep") + ", sweep",
         subject=subject(dataset, provenance, name),
@@ -98,7 +99,7 @@ def sweep_report(
                 REGIMES[next(iter(counts))].meaning if counts else "",
                 _certainty(dataset) if done and DRAW in dataset.dims else "",
                 _screening(dataset) if done and SCREENED in dataset else "",
-                _carried(dataset),
+                f"The motion was carried from speed to speed, with {way} speed." if way else "",
             ]
         ),
         warnings=_warnings(needed, done, failed),
@@ -163,14 +164,6 @@ def _screening(dataset: xr.Dataset) -> str:
         " the random draws differed, draws were repeated with the time step of the case until the"
         " outcome was known."
     )
-
-
-def _carried(dataset: xr.Dataset) -> str:
-    """Return a sentence on the direction in which a sweep carries the motion from speed to speed;
-    an empty text for other sweeps."""
-    ways = {"up": "rising", "down": "falling"}
-    way = ways.get(str(dataset.attrs.get("carry")))
-    return f"The motion was carried from speed to speed, with {way} speed." if way else ""
 
 
 def _warnings(points: int, done: int, failed: int) -> list[str]:

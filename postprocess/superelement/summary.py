@@ -212,6 +212,9 @@ def node_digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout
     share = late["contact_steps"].values[1:].sum(axis=0) / max(late_steps, 1.0)
     blade = dataset["blade"].values
     natural = dataset["modal_frequency"].values[0] / (2.0 * np.pi)  # of the first copy
+    swing = moved[first:, :, TANGENTIAL]
+    swing = swing[:, int(np.abs(swing).max(axis=0).argmax())]  # of the node that moves most
+    spectrum = 2.0 * magnitudes(swing.astype(complex), step, layout.frequency)
     values = {
         **{name: _number(getattr(summary, name)) for name in DIGESTED},
         "rotation_speed": dataset.attrs["speed"],
@@ -227,7 +230,7 @@ def node_digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout
         "gap_violation_max": max(0.0, -summary.gap_min),
         "window_start": time[first],
         "natural_frequency": padded(np.sort(natural)[:NATURAL], NATURAL),
-        "spectrum": _amplitudes(moved[first:, :, TANGENTIAL], step, layout.frequency),
+        "spectrum": np.where(layout.frequency == 0.0, 0.5 * spectrum, spectrum),
         "energy_max": energy.max(),
         "history_time": padded(time[starts], layout.samples),
         "radial_history": padded(np.maximum.reduceat(radial, starts), layout.samples),
@@ -245,11 +248,3 @@ def _by_blade(blade: IntArray, share: Array) -> Array:
     largest = np.zeros(int(blade.max()) + 1)
     np.maximum.at(largest, blade, share)
     return largest
-
-
-def _amplitudes(motion: Array, step: float, frequency: Array) -> Array:
-    """Return the amplitudes of the node that moves most, (frequencies,). `motion` (records, nodes)
-    is the motion of all nodes; `frequency` [Hz] begins at zero."""
-    node = int(np.abs(motion).max(axis=0).argmax())
-    size = 2.0 * magnitudes(motion[:, node].astype(complex), step, frequency)
-    return np.where(frequency == 0.0, 0.5 * size, size)

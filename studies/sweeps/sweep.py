@@ -9,6 +9,7 @@ import shutil
 import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -302,22 +303,16 @@ def _add_draws(
     more = replace(draws, count=count, until=until or draws.until)
     grid = make_grid(plan.case, plan.grid.over, large=True, draws=more, table=table)
     wider = plan_sweep(plan.case, grid, SweepOptions(stop_when=plan.stop_when, screen=plan.screen))
-    if not _is_dataset_of(wider, directory):
+    widened = False
+    with suppress(UserError), Store(directory, wider.grid, wider.digest):
+        widened = True
+    if not widened:
         with TemporaryDirectory(prefix=PREFIX, dir=directory) as draft:
             _copy_draws(plan, directory, wider, Path(draft))
             os.replace(Path(draft) / SWEEP_NAME, directory / SWEEP_NAME)
     (directory / folder.FAILURES_NAME).unlink(missing_ok=True)  # they are marched again
     write_plan(wider, directory)
     return wider
-
-
-def _is_dataset_of(plan: SweepPlan, directory: Path) -> bool:
-    """Return whether the dataset in a folder is that of a plan."""
-    try:
-        with Store(directory, plan.grid, plan.digest):
-            return True
-    except UserError:
-        return False
 
 
 def _copy_draws(plan: SweepPlan, directory: Path, more: SweepPlan, draft: Path) -> None:
