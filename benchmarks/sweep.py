@@ -33,7 +33,7 @@ def planned(duration: float, points: int) -> SweepPlan:
     case = read_case(EXAMPLES / "imbalance.toml", [f"march.duration={duration!r}"])
     speeds = [0.95 + 0.2 * point / points for point in range(points)]
     grid = make_grid(case, {"march.speed": speeds}, large=False)
-    return plan_sweep(case, grid, histories=False)
+    return plan_sweep(case, grid)
 
 
 class PointCost(NamedTuple):

@@ -18,14 +18,12 @@ from tempfile import TemporaryDirectory
 from typing import Any, TextIO
 
 MANIFEST_NAME = "manifest.json"
-FILES = "files written by bladewhirl"
-"""Key under which a manifest lists files."""
+FILES = "files written by bladewhirl"  #: key under which a manifest lists files
 
 LARGEST_TEXT, LONGEST_CELL = 2_000_000_000, 1000
 """Largest size of a text file of the user [bytes], and largest length of a cell in it."""
 
-PREFIX = ".bladewhirl-"
-"""Start of the names of the temporary folders in which files are written."""
+PREFIX = ".bladewhirl-"  #: start of the names of the temporary folders in which files are written
 
 
 def check_regular(file: str | os.PathLike[str]) -> None:

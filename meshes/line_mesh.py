@@ -16,8 +16,7 @@ ComplexArray = NDArray[np.complex128]
 REAL = ("points", "node_axes", "node_data", "line_data")
 """Names of the fields of meshes that contain real numbers; the other fields contain integers."""
 
-SAMPLES = 64
-"""Number of samples between two points to compute the length of a curve."""
+SAMPLES = 64  #: number of samples between two points to compute the length of a curve
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -43,8 +43,7 @@ CHANGES_THE_MESH = frozenset(
     ["INCLUDE", "SYSTEM", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "NODETHICKNESS"]
 )
 
-MOST_MEMBERS = 1_000_000
-"""Largest number of members of a set that is given by ranges."""
+MOST_MEMBERS = 1_000_000  #: largest number of members of a set that is given by ranges
 
 
 @dataclass

@@ -17,8 +17,7 @@ from bladewhirl.meshes.line_mesh import IntArray
 ELEMENT = "B23"
 """Type of the elements: cubic Euler-Bernoulli beams in the plane, as in this package."""
 
-A_LINE = 8
-"""Number of members of a set on one line."""
+A_LINE = 8  #: number of members of a set on one line
 
 
 def write_inp(path: Path, mesh: GroupedLines) -> None:

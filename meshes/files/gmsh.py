@@ -38,8 +38,7 @@ LARGEST_NUMBER = 10_000_000
 """Largest number of a node, and largest count of nodes or elements; meshio allocates arrays of this
 length."""
 
-LINE_TYPE, POINT_TYPE = 1, 15
-"""Numbers of the element types two-node line and point in Gmsh."""
+LINE_TYPE, POINT_TYPE = 1, 15  #: numbers of the element types two-node line and point in Gmsh
 
 
 def read_msh(path: Path) -> GroupedLines:
@@ -106,7 +105,8 @@ def _check_head(path: Path) -> None:
         for line in stream:
             section = line.strip() if line.startswith(b"$") else section
             if section in (b"$Nodes", b"$Elements") and not binary:
-                _check_numbers(line)
+                if any(word.isdigit() and int(word) > LARGEST_NUMBER for word in line.split()):
+                    raise MeshFileError(f"node and element numbers of at most {LARGEST_NUMBER}")
             if line.strip() == b"$MeshFormat":
                 version, kind = stream.readline().decode().split()[:2]
                 binary = kind != "0"
@@ -127,13 +127,6 @@ def _check_head(path: Path) -> None:
             raise MeshFileError(
                 f"at most one physical group for each name; {kinds} share the name {name!r}"
             )
-
-
-def _check_numbers(line: bytes) -> None:
-    """Check that no integer in a line of nodes or elements is too large."""
-    words = line.split()
-    if any(word.isdigit() and int(word) > LARGEST_NUMBER for word in words):
-        raise MeshFileError(f"node and element numbers of at most {LARGEST_NUMBER}")
 
 
 def is_member(mesh: meshio.Mesh, block: int, name: str, tag: int) -> Any:

@@ -15,8 +15,7 @@ mesh."""
 SPRING = ("spring_radial", "spring_tangential", "spring_rotation")
 """Names of line data: stiffnesses of springs. A line with such data is a spring."""
 
-RIGID = "rigid"
-"""Name of the line data that are 1 for rigid links."""
+RIGID = "rigid"  #: name of the line data that are 1 for rigid links
 
 
 class MeshFileError(ValueError):

@@ -14,8 +14,7 @@ from bladewhirl.meshes.files.vtu import read_vtu, write_vtu
 READERS = {".vtu": read_vtu, ".msh": read_msh, ".inp": read_inp}
 WRITERS = {".vtu": write_vtu, ".msh": write_msh, ".inp": write_inp}
 
-MOST_LINES = 100_000
-"""Largest number of lines in a mesh that is read."""
+MOST_LINES = 100_000  #: largest number of lines in a mesh that is read
 
 
 def read_line_mesh(path: str | PathLike[str]) -> GroupedLines:

@@ -1,8 +1,8 @@
 """Tables of a case for the analysis: reduction, damping, contact, start, coupling and march."""
 
 import math
-from collections.abc import Iterable, Iterator
-from typing import Annotated, Literal
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, StrictBool, StrictStr
 
@@ -16,8 +16,7 @@ from bladewhirl.models.inputs.units import Speed
 MOST_STEPS = 1e12
 """Largest number of time steps; so many steps take days, and step numbers are far from overflow."""
 
-WHOLE = 1e-6
-"""Relative tolerance with which record_step / time_step must be an integer."""
+WHOLE = 1e-6  #: relative tolerance with which record_step / time_step must be an integer
 
 
 MODES = 110
@@ -137,12 +136,10 @@ class Coupling(Table):
     """Keep the factor pi of the integral in Eq. (8), which Eq. (9) omits."""
 
 
-IN_REVOLUTIONS = {"steps_per_revolution": "time_step", "revolutions": "duration"}
-"""Keys of a march that count by revolutions, and the keys that they replace."""
-
-
 class March(ReplacedKeys):
     """The march, that is, the time integration."""
+
+    replacements: ClassVar = {"steps_per_revolution": ("time_step",), "revolutions": ("duration",)}
 
     speed: fields.RotationSpeed = Speed(1.05)
     """Speed of rotation. A number is a multiple of the reference frequency, the lowest natural
@@ -177,11 +174,6 @@ class March(ReplacedKeys):
     stick and slip. "penalty": elastic contact with contact.penalty_stiffness, regularised friction
     below contact.stick_speed. "moreau-jean" and "penalty" ignore contact.sliding."""
 
-    def written(self) -> Iterable[str]:
-        """Return the keys to write, without those that numbers of a revolution replace."""
-        replaced = {name for key, name in IN_REVOLUTIONS.items() if getattr(self, key) is not None}
-        return (name for name in type(self).model_fields if name not in replaced)
-
     def in_seconds(self, omega: float) -> "March":
         """Return the march with its steps and duration in seconds at a speed of rotation [rad/s],
         which is not zero if they are given in revolutions."""
@@ -209,7 +201,7 @@ class March(ReplacedKeys):
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield errors for records that are not at time steps, for too many steps, and for
         numbers of a revolution at speed 0."""
-        for key in IN_REVOLUTIONS:
+        for key in self.replacements:
             if getattr(self, key) is not None and self.speed.value == 0.0:
                 yield Inconsistency("speed", f"a speed other than 0 for march.{key}", (key,))
         if self.steps_per_revolution is not None:

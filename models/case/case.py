@@ -6,8 +6,9 @@ its source. Numbers are in SI units; text includes a unit, "1 mm". New kinds of 
 as optional tables.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field, StrictStr, ValidationError
 
@@ -40,6 +41,8 @@ class Case(ReplacedKeys):
             of the other tables, such as ``Shaft(stiffness=...)``, raise pydantic's
             ``ValidationError``.
     """
+
+    replacements: ClassVar = {"sketch": ("bladed_disk",)}
 
     title: StrictStr = "Fan stage"
     """Title, free text."""
@@ -87,11 +90,6 @@ class Case(ReplacedKeys):
     def __str__(self) -> str:
         """Return the text of `__repr__`."""
         return repr(self)
-
-    def written(self) -> Iterable[str]:
-        """Return the tables to write, without [bladed_disk] if a sketch replaces it."""
-        replaced = () if self.sketch is None else ("bladed_disk",)
-        return (name for name in type(self).model_fields if name not in replaced)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield contradictions between values of different tables."""
@@ -200,4 +198,4 @@ class Case(ReplacedKeys):
         mesh = self.bladed_disk.mesh
         if mesh is None:
             return self.bladed_disk.tip_radius
-        return mesh.largest_radius
+        return mesh.tip_radius or max(math.hypot(*tip) for tip in mesh.tip_points)

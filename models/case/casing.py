@@ -14,8 +14,7 @@ from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.rectangular import BeamSection
 from bladewhirl.models.sections.wall import TURN, Arc, Lobe, LobeRows, RingProfile
 
-SAME_ANGLE = 1e-9
-"""Difference below which two angles count as equal [rad]."""
+SAME_ANGLE = 1e-9  #: difference below which two angles count as equal [rad]
 
 ELEMENTS_PER_LOBE = 4
 """Smallest number of elements per wave. With fewer elements, the error of the clearance, which is a

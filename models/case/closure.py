@@ -11,8 +11,7 @@ from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.wall import FINE, TURN, Lobe, RingProfile
 
-MOST = 10_000
-"""Largest number of rows of a closure table."""
+MOST = 10_000  #: largest number of rows of a closure table
 
 Row = tuple[fields.TimeOrZero, Annotated[float, fields.quantity("m", "any")]]
 

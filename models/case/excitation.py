@@ -4,14 +4,7 @@ from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import (
-    BeforeValidator,
-    Discriminator,
-    Field,
-    Tag,
-    ValidationInfo,
-    model_validator,
-)
+from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from bladewhirl.models.inputs.fields import (
@@ -75,8 +68,7 @@ def _factors(value: Any) -> tuple[float, ...]:
     return tuple(converted(number("any"), item) for item in items)
 
 
-LOWEST_SPEED = Speed(0.95)
-"""Lowest speed of the paper's Table 2."""
+LOWEST_SPEED = Speed(0.95)  #: lowest speed of the paper's Table 2
 
 
 class NoExcitation(Table):

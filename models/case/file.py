@@ -18,25 +18,18 @@ from bladewhirl.models.case.excitation import EXCITATIONS
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.inputs.table import Table, path_of, value_at
 
-MOST_LETTERS = 2**24
-"""Largest length of a case file [characters]; a longer file cannot be a case."""
+MOST_LETTERS = 2**24  #: largest length of a case file [characters]; a longer file cannot be a case
 
 _PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 _DEEP_KEY = re.compile(rf"""(?<![\w"'\\-])(?:{_PART}[ \t]*+\.[ \t]*+){{50}}""")
 """Pattern of a dotted key of more than 50 parts; the memory that tomllib needs grows with the
 square of the number of parts."""
 
-SET = "--set"
-"""Text that replaces the name of the file in faults of overridden keys."""
+SET = "--set"  #: text that replaces the name of the file in faults of overridden keys
 
 LOAD_TYPE = re.compile(r"excitation(\.[0-9]+)?\.type")
 
-FILES = (
-    "bladed_disk.mesh",
-    "bladed_disk.superelement",
-    "casing.profile",
-    "casing.coating.profile",
-)
+FILES = ("bladed_disk.mesh", "bladed_disk.superelement", "casing.profile", "casing.coating.profile")
 """Tables with the path of a file."""
 
 SPRINGS = ("shaft.stiffness", "shaft.suspension_frequency")

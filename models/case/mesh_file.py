@@ -5,7 +5,6 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
-from math import hypot
 from typing import Annotated, Any
 
 import numpy as np
@@ -87,11 +86,6 @@ class MeshTable(Table):
     def tip_points(self) -> tuple[tuple[float, float], ...]:
         """Points of the blade tips in blade order [m]."""
         return self._tip_points
-
-    @property
-    def largest_radius(self) -> float:
-        """Radius from which the clearance is measured [m]."""
-        return self.tip_radius or max(hypot(*tip) for tip in self.tip_points)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield errors for an unreadable file and for names that the file does not contain."""

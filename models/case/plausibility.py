@@ -14,8 +14,7 @@ Bound = tuple[str, float, float, float, str]
 STIFFEST = 1e13
 """Largest plausible stiffness of a spring [N/m]; a cube of steel of 1 m has 2e11 N/m."""
 
-MOST_UNBALANCE = 1e3
-"""Largest plausible unbalance [kg m]."""
+MOST_UNBALANCE = 1e3  #: largest plausible unbalance [kg m]
 
 IN_TIP_RADII = {"width": 1.0, "thickness": 1.0, "length": 100.0}
 """Largest plausible dimensions of a beam, divided by the tip radius."""

@@ -1,7 +1,7 @@
 """The `[shaft]` and `[rotation]` tables of a case."""
 
-from collections.abc import Iterable, Iterator
-from typing import Annotated, Literal
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, StrictBool
 
@@ -37,6 +37,8 @@ class Rotation(Table):
 class Shaft(ReplacedKeys):
     """Shaft: two springs that carry the centre of the disk; the centre node has no rotation."""
 
+    replacements: ClassVar = {"suspension_frequency": ("stiffness",)}
+
     stiffness: Stiffness = 3.4e7
     """Stiffness of each spring [N/m] (paper, Section 2.1); only of the spring along x if
     stiffness_y is given."""
@@ -71,11 +73,6 @@ class Shaft(ReplacedKeys):
     rotation.effects = "full"."""
     clamped: StrictBool = False
     """Fix the centre instead of supporting it by springs."""
-
-    def written(self) -> Iterable[str]:
-        """Return the keys to write, without the stiffness if a suspension frequency replaces it."""
-        replaced = () if self.suspension_frequency is None else ("stiffness",)
-        return (name for name in type(self).model_fields if name not in replaced)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield errors for unequal dampers in the static frame, and for springs specified twice."""

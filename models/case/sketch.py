@@ -34,8 +34,7 @@ def split_reference(reference: str) -> tuple[str, int]:
     return match["name"], int(match["shift"] or 0)
 
 
-Chosen = tuple[int, ...] | None
-"""Sectors that have a part; None for all."""
+Chosen = tuple[int, ...] | None  #: sectors that have a part; None for all
 
 Name = Annotated[
     str,
@@ -45,8 +44,7 @@ Name = Annotated[
     ),
 ]
 Reference = Annotated[
-    str,
-    text(_REFERENCE, 'the name of a node, such as "root", or "root+1" in the next sector'),
+    str, text(_REFERENCE, 'the name of a node, such as "root", or "root+1" in the next sector')
 ]
 Factor = Annotated[float, number("positive")]
 

@@ -12,8 +12,7 @@ from bladewhirl.models.superelements.superelement import Superelement, Superelem
 if TYPE_CHECKING:
     from bladewhirl.models.case.case import Case
 
-SOURCE = "bladed_disk.superelement"
-"""Key of the table."""
+SOURCE = "bladed_disk.superelement"  #: key of the table
 
 
 class SuperelementTable(Table):

@@ -16,11 +16,9 @@ from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.units import to_si
 from bladewhirl.models.sections.wall import TURN, LobeRows
 
-FEWEST, MOST = 8, 20_000
-"""Smallest and largest number of points of a profile."""
+FEWEST, MOST = 8, 20_000  #: smallest and largest number of points of a profile
 
-SAME_ANGLE = 1e-9
-"""Points closer than this angle [rad] are at one angle."""
+SAME_ANGLE = 1e-9  #: points closer than this angle [rad] are at one angle
 
 HEADING = re.compile(r"\s*(\w+)(?:\s+at\s+([^\[\]]*[^\[\]\s]))?\s*\[([^\]]+)\]\s*")
 """Pattern of the heading of a column: name, axial position if there is one, unit."""

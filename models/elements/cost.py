@@ -13,8 +13,7 @@ logger = logging.getLogger(__name__)
 
 DOFS_PER_NODE = 3  #: two displacements and a rotation
 
-FIELDS = 3
-"""Largest number of copies of the shapes of a reduced stage that are in memory at once."""
+FIELDS = 3  #: largest number of copies of the shapes of a reduced stage that are in memory at once
 
 BYTES_PER_ENTRY = 64
 """Memory of the complex mass, stiffness and shapes of a sector, for each entry of one matrix

@@ -25,8 +25,7 @@ SYMMETRY_TOLERANCE = 1e-12
 this fraction of the largest entry in the same row or column. As this scale is local, one soft
 spring that differs from the others is noticed even if the matrix also contains stiff beams."""
 
-NO_COLUMN = -1
-"""DFT column of a mode computed without cyclic symmetry."""
+NO_COLUMN = -1  #: DFT column of a mode computed without cyclic symmetry
 
 
 def real_dft(sectors: int) -> FloatArray:

@@ -15,14 +15,11 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray, LineMesh
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.sections.rectangular import LineProperties
 
-GROUND = -1
-"""Number in place of the second node of a spring that ends at the rotating frame."""
+GROUND = -1  #: number in place of the second node of a spring that ends at the rotating frame
 
-ROUNDING = 1e-13
-"""Relative difference below which two lengths count as equal."""
+ROUNDING = 1e-13  #: relative difference below which two lengths count as equal
 
-AT_ORIGIN = 1e-9
-"""Largest allowed distance of the centre from the origin, in tip radii."""
+AT_ORIGIN = 1e-9  #: largest allowed distance of the centre from the origin, in tip radii
 
 OUTSIDE = 1e-9
 """A node counts as inside a radius if it exceeds the radius by at most this fraction."""

@@ -12,8 +12,7 @@ from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.sections.rectangular import QUANTITIES, Material, Section, along
 
-FINE = 400
-"""Number of points along a curved centre line between which its angle is interpolated."""
+FINE = 400  #: number of points along a curved centre line between which its angle is interpolated
 
 FINE_STATIONS = 32
 """Number of points per element at which the taper of a part of a blade is sampled."""

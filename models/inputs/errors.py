@@ -43,8 +43,7 @@ def toml_key(name: object) -> str:
     return text if re.fullmatch(r"[A-Za-z0-9_-]+", text) else toml_value(text)
 
 
-LONGEST_VALUE = 60
-"""Largest number of characters of a value in an error message."""
+LONGEST_VALUE = 60  #: largest number of characters of a value in an error message
 
 
 def demand(text: str) -> str:

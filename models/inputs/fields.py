@@ -17,8 +17,7 @@ from pydantic_core import PydanticCustomError
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.inputs.units import LARGEST, TURN_PER_S, Speed, finite, rotation, to_si
 
-EXPECTED = "expected"
-"""Type of the errors raised here, and the key of the phrase in their context."""
+EXPECTED = "expected"  #: type of the errors raised here, and the key of the phrase in their context
 
 SMALLEST = 1.0 / LARGEST
 """Smallest accepted positive quantity, so that squares and ratios do not underflow or overflow."""

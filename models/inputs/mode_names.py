@@ -19,8 +19,7 @@ from bladewhirl.models.inputs.fields import expectation
 
 ALL, SIX = "all", "six"
 
-SIX_MODES = "1F:1,suspension:1,casing:1"
-"""Modes of the truncated space of the paper, Eqs (4)-(9)."""
+SIX_MODES = "1F:1,suspension:1,casing:1"  #: modes of the truncated space of the paper, Eqs (4)-(9)
 
 EVERY = "*"
 

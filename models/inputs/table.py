@@ -5,7 +5,7 @@ import inspect
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import pairwise
 from textwrap import dedent
-from typing import Any, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 from pydantic import (
     BaseModel,
@@ -19,8 +19,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from bladewhirl.models.inputs.errors import demand
 
-Path = tuple[str | int, ...]
-"""Keys and row numbers from a table to a value."""
+Path = tuple[str | int, ...]  #: keys and row numbers from a table to a value
 
 INCONSISTENT = "inconsistent"
 """Type of the errors raised here; their context contains the fields of an `Inconsistency`."""
@@ -107,9 +106,14 @@ class Table(BaseModel):
 class ReplacedKeys(Table):
     """A table in which some keys replace others if they are given."""
 
+    replacements: ClassVar[Mapping[str, Collection[str]]] = {}
+    """Keys that a key replaces if it is given."""
+
     def written(self) -> Iterable[str]:
         """Return the keys to write, without those that other keys replace."""
-        raise NotImplementedError
+        given = [name for name in self.replacements if getattr(self, name) is not None]
+        replaced = {each for name in given for each in self.replacements[name]}
+        return [name for name in type(self).model_fields if name not in replaced]
 
     @model_serializer(mode="wrap")
     def _only_written(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -197,7 +197,9 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
         strain = square
         if structure.at_rest is not None:
             strain = np.einsum("im,im->m", vectors.conj(), elastic @ vectors).real
-        share = _in_springs(springs, vectors)
+        rows = np.flatnonzero(springs.any(axis=1))  # springs act on few rows
+        held = vectors[rows]
+        share = np.sum(held.conj() * (springs[np.ix_(rows, rows)] @ held), axis=0).real
         share /= np.maximum(np.maximum(share, np.abs(strain)), np.finfo(float).tiny)
         block_columns = [2 * k - 1, 2 * k] if pair else [0 if k == 0 else layout.sectors - 1]
         squares.append(np.repeat(square, len(block_columns)))
@@ -223,15 +225,6 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
         layout=layout,
         size=structure.size,
         **modes.numbers(),
-    )
-
-
-def _in_springs(springs: ComplexArray, vectors: ComplexArray) -> FloatArray:
-    """Return twice the energy of the springs in each vector, (m,)."""
-    rows = np.flatnonzero(springs.any(axis=1))  # springs act on few rows
-    in_springs = vectors[rows]
-    return np.asarray(
-        np.sum(in_springs.conj() * (springs[np.ix_(rows, rows)] @ in_springs), axis=0).real
     )
 
 

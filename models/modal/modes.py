@@ -12,8 +12,7 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import NO_COLUMN, is_pair, nodal_diameter_of, wave_shares
 from bladewhirl.models.elements.structure import Structure
 
-DENSE_LIMIT = 3000
-"""Largest structure whose modes are computed by a dense solver."""
+DENSE_LIMIT = 3000  #: largest structure whose modes are computed by a dense solver
 
 RIGID_SHARE = 0.99
 """A casing mode is rigid if at least this share of its strain energy is in the support."""

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 
-Matrix = NDArray[np.inexact]
-"""Dense matrix, real or complex, (n, n)."""
+Matrix = NDArray[np.inexact]  #: dense matrix, real or complex, (n, n)
 
 
 def gyroscopic_eigen(

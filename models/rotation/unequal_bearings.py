@@ -21,8 +21,7 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen
 from bladewhirl.models.rotation.waves import Waves
 
-ROUND = 6
-"""Decimals of the share of the backward wave in a motion; closer shares count as equal."""
+ROUND = 6  #: decimals of the share of the backward wave in a motion; closer shares count as equal
 
 
 @dataclass(frozen=True, kw_only=True)

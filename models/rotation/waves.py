@@ -35,8 +35,7 @@ from bladewhirl.models.rotation.eigenproblems import (
 )
 from bladewhirl.models.rotation.matrices import RotationMatrices
 
-REAL = 1e-6
-"""A speed counts as real if its imaginary part is at most this fraction of its modulus."""
+REAL = 1e-6  #: a speed counts as real if its imaginary part is at most this fraction of its modulus
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -206,8 +205,7 @@ def waves(matrices: RotationMatrices, nodal_diameter: int, effects: Effects) -> 
 WEAKEST, STRONGEST = 1e-9, 1e3
 """Smallest and largest bearing damping that is tried, divided by mass at the centre times speed."""
 
-TRIED = 200
-"""Number of values of bearing damping that are tried."""
+TRIED = 200  #: number of values of bearing damping that are tried
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,8 +21,7 @@ from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout, is_pair
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen, lowest_gyroscopic_eigen
 
-Direction = Literal["forward", "backward", "standing"]
-"""Direction in which a wave travels."""
+Direction = Literal["forward", "backward", "standing"]  #: direction in which a wave travels
 
 DENSE_SIZE = 800
 """Largest size of a structure without symmetry whose modes are computed with a dense solver."""

@@ -36,8 +36,7 @@ from bladewhirl.models.sections.rectangular import Rectangle, Section
 
 TURN = 2.0 * np.pi
 
-FINE = 7200
-"""Number of angles at which a profile is evaluated to find its smallest value."""
+FINE = 7200  #: number of angles at which a profile is evaluated to find its smallest value
 
 
 class Lobe(Table):

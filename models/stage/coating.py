@@ -21,8 +21,7 @@ from bladewhirl.models.stage.contact_problem import (
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.superelements.superelement import Superelement
 
-PER_FOOTPRINT = 4
-"""By default, a footprint covers more than this number of rods."""
+PER_FOOTPRINT = 4  #: by default, a footprint covers more than this number of rods
 
 SAME = 1e-6
 """Two axial positions closer than this fraction of the radius are one track; a footprint up to this
@@ -32,8 +31,7 @@ MISPLACED = 0.01
 """Largest axial distance between a track of a worn profile and the track of the contact nodes,
 divided by the width of the track."""
 
-LISTED = 8
-"""A message lists all axial positions up to this number of them."""
+LISTED = 8  #: a message lists all axial positions up to this number of them
 
 
 def wall_coating(stage: Stage) -> WallCoating | None:

@@ -24,8 +24,7 @@ Bodies = list[tuple[FloatArray, FloatArray]]
 """Radial displacements of the surface of each body for unit modal coordinates, and frequencies of
 the modes."""
 
-NEVER = np.inf
-"""End time of a load that does not end."""
+NEVER = np.inf  #: end time of a load that does not end
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,12 +75,6 @@ class ReducedRotor:
         """Skew stiffness due to dampers in the static frame [rad2/s2], (modes, modes)."""
         x, y = self.centre
         return np.asarray(self.circulation * (np.outer(y, x) - np.outer(x, y)))
-
-    @property
-    def whirl_stiffness(self) -> float:
-        """Upper bound of the increase of squared frequencies due to the anisotropy [1/s^2]."""
-        largest = np.linalg.eigvalsh(self.centre @ self.centre.T).max()
-        return float(abs(self.anisotropy) * largest)
 
     @property
     def by_harmonics(self) -> bool:
@@ -418,7 +411,9 @@ def critical_time_step(
     highest = max(np.abs(rotor.frequency).max(initial=0.0), casing.frequency.max(initial=0.0))
     if springs is not None:
         highest = max(highest, springs.highest_frequency)
-    return float(2.0 / np.sqrt(highest**2 + rotor.whirl_stiffness))
+    # Upper bound of the increase of squared frequencies due to unequal bearings.
+    increase = abs(rotor.anisotropy) * np.linalg.eigvalsh(rotor.centre @ rotor.centre.T).max()
+    return float(2.0 / np.sqrt(highest**2 + increase))
 
 
 def at_rest(rotor: ReducedRotor, casing: ReducedCasing) -> Start:

@@ -24,8 +24,7 @@ from bladewhirl.models.elements.bladed_disk import (
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.stage import Stage
 
-BLADES = "blades"
-"""Name of the set of lines of the blades."""
+BLADES = "blades"  #: name of the set of lines of the blades
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 """Gauss points and weights on -1 to 1, which integrate a uniform load on a beam exactly."""

@@ -17,8 +17,7 @@ from bladewhirl.models.elements.bladed_disk import (
 from bladewhirl.models.elements.forms import mass, straight_stiffness
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
-BLADES = "blades"
-"""Name of the lines of the blades."""
+BLADES = "blades"  #: name of the lines of the blades
 
 
 def wheel_superelement(

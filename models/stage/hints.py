@@ -90,8 +90,7 @@ LONG_STEP = 0.3
 """Time step, divided by the critical one, above which the numerical loss of energy of a flexible
 casing in contact is usually that of a damping ratio above 1 %."""
 
-ROUNDING = 1e-9
-"""A flexibility up to this fraction of the radial one is a rounding error."""
+ROUNDING = 1e-9  #: a flexibility up to this fraction of the radial one is a rounding error
 
 
 def superelement_hints(stage: SuperelementStage) -> Iterator[str]:

@@ -108,7 +108,6 @@ class MarchedBeams(MarchedStage):
 
     @property
     def attributes(self) -> Mapping[str, str | float | int]:
-        """Attributes of a result that not every stage has."""
         strength = self.case.material.lowest_yield_strength
         return {
             **({} if strength is None else {"yield_strength": strength}),
@@ -119,20 +118,16 @@ class MarchedBeams(MarchedStage):
 
     @property
     def symmetry(self) -> Mapping[str, str]:
-        """Symmetry of each body in words."""
         return self.model.symmetry
 
     @property
     def coating(self) -> WallCoating | None:
-        """Coating of the wall."""
         return wall_coating(self.model)
 
     def contact_problem(self) -> ContactProblem:
-        """Return the contact problem, see `build.contact_problem`."""
         return contact_problem(self.model)
 
     def hints(self) -> tuple[str, ...]:
-        """Return warnings about implausible values, one line each."""
         return stage_hints(self.model)
 
     def fields(self, coordinates: FloatArray) -> FloatArray:
@@ -156,7 +151,6 @@ class MarchedNodes(MarchedStage):
 
     @property
     def attributes(self) -> Mapping[str, str | float | int]:
-        """Attributes of a result that not every stage has."""
         layer, part = self.coating, self.model.part
         worn = {"coating_thickness": "thickness", "coating_removable": "removable"}
         return {
@@ -170,15 +164,9 @@ class MarchedNodes(MarchedStage):
 
     @property
     def coating(self) -> NodeCoating | None:
-        """Coating of the wall."""
         return self.model.coating
 
     def contact_problem(self) -> BoundaryProblem:
-        """Return the contact problem.
-
-        Raises:
-            CaseError: a contact node would start beyond the wall.
-        """
         return self.model.problem
 
     def faults(self, problem: Problem) -> Iterator[Fault]:
@@ -195,12 +183,10 @@ class MarchedNodes(MarchedStage):
             yield from node_coating_faults(case, problem.coating, self.speed)
 
     def hints(self) -> tuple[str, ...]:
-        """Return warnings about implausible values, one line each."""
         return tuple(superelement_hints(self.model))
 
 
-Marchable = Case | Stage | SuperelementStage | MarchedStage
-"""What `marched_stage` accepts."""
+Marchable = Case | Stage | SuperelementStage | MarchedStage  #: what `marched_stage` accepts
 
 
 def marched_stage(given: Marchable) -> MarchedStage:

@@ -44,8 +44,7 @@ suspension pair, and one more mode."""
 ROUNDING = 1e-11
 """Entries of a damping matrix below this share of its largest entry are set to zero."""
 
-MOST_ENTRIES = 5e8
-"""Largest number of entries in the mode shapes of a reduced model (4 GB)."""
+MOST_ENTRIES = 5e8  #: largest number of entries in the mode shapes of a reduced model (4 GB)
 
 
 SHOWN_FAMILIES = ("suspension", "1F", "2F", "3F", "4F", "5F")

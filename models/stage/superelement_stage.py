@@ -36,17 +36,14 @@ from bladewhirl.models.superelements.reduction import (
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
 
-GRID = 4096
-"""Number of angles at which the wall is tabulated; more if the profile has many points."""
+GRID = 4096  #: number of angles at which the wall is tabulated; more if the profile has many points
 
 PER_POINT = 8
 """Smallest number of angles at which the wall is tabulated per point of a measured profile."""
 
-LIMIT = 0.2
-"""Default of march.displacement_limit, divided by the largest radius of a contact node."""
+LIMIT = 0.2  #: default of march.displacement_limit, divided by the largest radius of a contact node
 
-HIGHEST = 1e5
-"""Highest plausible first natural frequency [Hz]."""
+HIGHEST = 1e5  #: highest plausible first natural frequency [Hz]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -269,7 +266,10 @@ def superelement_stage(case: Case) -> SuperelementStage:
         text = str(error).removeprefix("expected ")
         raise CaseError([case_fault(case, key, text)]) from None
     if table.kind == "blade":
-        _check_clamped(part, reduced)
+        rigid = int((reduced.frequency <= np.sqrt(rigid_limit(part))).sum())
+        if rigid:
+            expected = f"a blade that is clamped at its root; the matrices have {rigid} rigid modes"
+            raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])
     if reduced.damping is not None:
         rates = np.linalg.eigvalsh(0.5 * (reduced.damping + reduced.damping.T))
         if rates[0] < -NEGATIVE * abs(rates).max():
@@ -315,23 +315,7 @@ def _on_springs(case: Case, part: Superelement) -> Superelement:
         raise SuperelementError("a wheel without centre_dofs for shaft.clamped = true")
     assert part.centre_dofs is not None
     springs = sp.csr_array(
-        (
-            case.shaft.stiffnesses,
-            (part.centre_dofs, part.centre_dofs),
-        ),
-        shape=(part.size, part.size),
+        (case.shaft.stiffnesses, (part.centre_dofs, part.centre_dofs)), shape=(part.size, part.size)
     )
     added = springs if sp.issparse(part.stiffness) else springs.toarray()
     return replace(part, stiffness=part.stiffness + added)
-
-
-def _check_clamped(part: Superelement, reduced: ReducedSuperelement) -> None:
-    """Check that a blade has no rigid modes.
-
-    Raises:
-        CaseError: the blade can move without strain.
-    """
-    rigid = int((reduced.frequency <= np.sqrt(rigid_limit(part))).sum())
-    if rigid:
-        expected = f"a blade that is clamped at its root; the matrices have {rigid} rigid modes"
-        raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])

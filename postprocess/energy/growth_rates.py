@@ -140,7 +140,9 @@ def growth_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
         return windows
     length = max(shortest, (WINDOW_RECORDS + 1) * float(np.median(np.diff(time))))
     available = int((time[-1] - time[0]) / length)
-    since_load = int((time[-1] - load_end(dataset)) / length)
+    working = np.flatnonzero(np.diff(dataset["external_work"].values))  # records with load
+    load_end = time[working[-1] + 1] if len(working) else time[0]
+    since_load = int((time[-1] - load_end) / length)
     fitted = min(since_load if since_load >= FEWEST_LAST else available, FEWEST_WINDOWS)
     if fitted < FEWEST_LAST:
         return None
@@ -222,14 +224,6 @@ def rate_text(rate: float, error: float) -> str:
     """Return a growth rate ± `CERTAINTY` standard errors [1/s] as text; a dash if the rate is not
     finite."""
     return f"{rate:.3g} ± {CERTAINTY * error:.2g}" if np.isfinite(rate) else "–"
-
-
-def load_end(dataset: xr.Dataset) -> float:
-    """Return the time after which the load does no more work [s]; the time of the first record if
-    the load never does work."""
-    time, work = dataset["time"].values, dataset["external_work"].values
-    working = np.flatnonzero(np.diff(work))
-    return float(time[working[-1] + 1] if len(working) else time[0])
 
 
 def longest_half_period(dataset: xr.Dataset) -> float:

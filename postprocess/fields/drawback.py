@@ -17,11 +17,9 @@ from bladewhirl.postprocess.fields.kinematics import (
     table_of_result,
 )
 
-RECORDS = 1000
-"""Largest number of records that are examined."""
+RECORDS = 1000  #: largest number of records that are examined
 
-GAUSS = 3
-"""Number of Gauss points between two stations; the squares of slopes have degree four."""
+GAUSS = 3  #: number of Gauss points between two stations; the squares of slopes have degree four
 
 
 def largest_drawback(dataset: xr.Dataset) -> float:

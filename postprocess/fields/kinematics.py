@@ -33,8 +33,7 @@ def turn(dataset: xr.Dataset, records: IntArray) -> Array:
     return np.asarray(dataset.attrs["speed"] * dataset["time"].values[records])
 
 
-MOST_FRAMES = 100_000
-"""Largest number of pictures of a film or instants of a series."""
+MOST_FRAMES = 100_000  #: largest number of pictures of a film or instants of a series
 
 
 def frame_records(

@@ -98,9 +98,7 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def result_of(
-    stage: Arrays,
-    histories: Mapping[str, Array],
-    attributes: Mapping[str, Any],
+    stage: Arrays, histories: Mapping[str, Array], attributes: Mapping[str, Any]
 ) -> xr.Dataset:
     """Return a result from arrays in memory, with the content that `open_result` reads from a file.
 

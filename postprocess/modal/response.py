@@ -10,14 +10,12 @@ from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
 
-SHOWN = 4
-"""Largest number of nodal diameters drawn in colour: those with the largest peaks."""
+SHOWN = 4  #: largest number of nodal diameters drawn in colour: those with the largest peaks
 
 OTHER_COLOURS = [COLOURS[name] for name in ("suspension", "contact", "casing", "rest")]
 """Colours of nodal diameters above 1."""
 
-LOWEST = 1e-4
-"""Smallest amplitude that is drawn, divided by the largest amplitude."""
+LOWEST = 1e-4  #: smallest amplitude that is drawn, divided by the largest amplitude
 
 
 def amplitude(data: xr.Dataset) -> xr.DataArray:

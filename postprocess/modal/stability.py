@@ -144,7 +144,10 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     if many:
         _name_meetings(lower, data, _growing_frequencies(data, frequency, growing))
     else:
-        _name_branches(lower, data, frequency)
+        begins = frequency[0] > 0.0
+        names = [panels.spaced(str(name)) for name in data["branch_name"].values[begins]]
+        left, heights = float(speed[0]), frequency[0, begins]
+        panels.name_ends(lower, left, heights, names, COLOURS["total"], right=False)
     return figure
 
 
@@ -226,14 +229,6 @@ def _name_meetings(axes: Axes, data: xr.Dataset, heights: FloatArray) -> None:
         pair = str(data["zone_casing"].values[i]), str(data["zone_rotor"].values[i])
         text = _meeting(*pair, data.sizes["zone"])
         labels.add(middle[i], heights[i], text, COLOURS["k = 1"], panels.AROUND)
-
-
-def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray) -> None:
-    """Name each branch at its left end by the wave from which it begins."""
-    first = float(data["speed"].values[0])
-    shown = frequency[0] > 0.0
-    names = [panels.spaced(str(name)) for name in data["branch_name"].values[shown]]
-    panels.name_ends(axes, first, frequency[0, shown], names, COLOURS["total"], right=False)
 
 
 def _growing_frequencies(data: xr.Dataset, frequency: FloatArray, growing: BoolArray) -> FloatArray:

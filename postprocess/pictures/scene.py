@@ -89,7 +89,11 @@ class StageScene:
             self._outlines, self._ribbons, (picture.casing, picture.rotor), (0.0, edge), strict=True
         ):
             _move(outline, widened(ribbon.sides, inner, edge))
-            _move(mesh, _halves(widened(ribbon.sides, inner - edge, 0.0)))
+            # Each half of a ribbon has the colour of its surface throughout: a gradient across the
+            # thickness would hardly be visible.
+            sides = widened(ribbon.sides, inner - edge, 0.0)
+            middle = sides.mean(axis=2)
+            _move(mesh, np.stack([sides[:, :, 0], middle, middle, sides[:, :, 1]], axis=2))
             values = np.repeat(ribbon.values, 2, axis=-1)
             mesh.point_data["value"][:] = self.drawing.colouring.scale * values.ravel()
         for name, width, _, strokes in look.strokes_of(picture.symbols):
@@ -198,16 +202,6 @@ def _strip_quads(lines: int, stations: int, strips: int) -> IntArray:
     corners = np.array([0, 1, across + 1, across])
     quads: IntArray = start[..., None, None] + 2 * np.arange(strips)[:, None] + corners
     return quads.reshape(-1, 4)
-
-
-def _halves(sides: Array) -> Array:
-    """Divide ribbons (line, station, 2, 2) into halves; return their sides (line, station, 4, 2).
-
-    Each half has the colour of its surface throughout. With a gradient across the thickness the
-    colours of the surfaces would hardly be visible.
-    """
-    middle = sides.mean(axis=2)
-    return np.stack([sides[:, :, 0], middle, middle, sides[:, :, 1]], axis=2)
 
 
 def disc_triangles(discs: int) -> IntArray:

@@ -51,13 +51,7 @@ def frequency_axis(axes: Axes, reference_hz: float, label: str = FREQUENCY) -> N
 
 
 def draw_map(
-    axes: Axes,
-    x: ArrayLike,
-    y: ArrayLike,
-    values: ArrayLike,
-    *,
-    label: str = "",
-    **look: Any,
+    axes: Axes, x: ArrayLike, y: ArrayLike, values: ArrayLike, *, label: str = "", **look: Any
 ) -> QuadMesh:
     """Draw values (row, column) as coloured cells without grid lines; in a PDF the cells are a
     raster image.

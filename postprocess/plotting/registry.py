@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 from importlib import resources
 from typing import Any
 
-BEAMS, SUPERELEMENT = "beams", "superelement"
-"""Kinds of models."""
+BEAMS, SUPERELEMENT = "beams", "superelement"  #: kinds of models
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,8 +52,7 @@ def _figures(source: str) -> Mapping[str, FigureKind]:
 RUN_FIGURES, SWEEP_FIGURES = _figures("run"), _figures("sweep")
 """Figures of a run of beams, and of a sweep."""
 
-NODE_FIGURES = _figures("superelement")
-"""Figures of a run of a superelement."""
+NODE_FIGURES = _figures("superelement")  #: figures of a run of a superelement
 
 REPLACED: Mapping[str, str] = {"energy-cyclic": "energy-families"}
 """Deprecated figure names and their replacements."""

@@ -112,11 +112,6 @@ def new_figure(*, width: float = COLUMN_WIDTH, height: float) -> Figure:
     return Figure(figsize=((_width.get() or width) / INCH, height / INCH), layout="constrained")
 
 
-def is_narrow(figure: Figure) -> bool:
-    """Return true if a figure is too narrow for several panels side by side."""
-    return bool(figure.get_figwidth() * INCH < NARROW)
-
-
 def time_axis(*panels: Axes) -> None:
     """Show the times of panels in a suitable unit, and label the time axis of the last panel. The x
     values of the panels are times [s]."""

@@ -63,7 +63,12 @@ def instants(
         orbit: from `orbits.shaft_orbit`.
         energy: from `strain.strain_energies`.
     """
-    marked, where = _marked(dataset, orbit)
+    impulse = dataset["contact_impulse"].values.max(axis=1)
+    if impulse.any():
+        marked, where = int(impulse.argmax()), "largest contact force"
+    else:
+        marked = int(orbit["radius"].values.argmax())
+        where = "largest recorded displacement of the shaft"
     beams = dataset.sizes["rotor_line"]
     count = int(np.clip(MOST_PLACES / (24 * beams), FEWEST_INSTANTS, MOST_INSTANTS))
     even = np.linspace(0, dataset.sizes["time"] - 1, count).round().astype(np.int64)
@@ -83,15 +88,6 @@ def instants(
         places=[MILLI * orbit[frame].values[records] for frame in FRAMES],
         machine=_machine(drawing, pictures),
     )
-
-
-def _marked(dataset: xr.Dataset, orbit: xr.Dataset) -> tuple[int, str]:
-    """Return the record that is shown first, and its description: the record of the largest contact
-    force or, in a run without contact, of the largest displacement of the shaft."""
-    impulse = dataset["contact_impulse"].values.max(axis=1)
-    if impulse.any():
-        return int(impulse.argmax()), "largest contact force"
-    return int(orbit["radius"].values.argmax()), "largest recorded displacement of the shaft"
 
 
 def _machine(drawing: Drawing, pictures: list[Picture]) -> list[dict[str, Any]]:

@@ -149,16 +149,6 @@ def _as_png(figure: Figure) -> str:
     return base64.b64encode(file.getvalue()).decode("ascii")
 
 
-def page_html(page: Page) -> str:
-    """Return the page as HTML."""
-    draws = any(isinstance(block, Explorer) for part in page.sections for block in part.blocks)
-    plotly = resources.files("plotly").joinpath("package_data/plotly.min.js")
-    program = plotly.read_text("utf-8") if draws else ""  # five megabytes
-    return filled_template(
-        "bladewhirl.postprocess.reports", "page.html", page=page, program=program
-    )
-
-
 def write_page(page: Page, path: str | Path) -> Path:
     """Write a page; return its path. No incomplete file remains if writing fails.
 
@@ -167,5 +157,9 @@ def write_page(page: Page, path: str | Path) -> Path:
         OSError: the file cannot be written.
     """
     target = checked_target(path, ".html")
-    write_atomically(target, page_html(page))
+    draws = any(isinstance(block, Explorer) for part in page.sections for block in part.blocks)
+    plotly = resources.files("plotly").joinpath("package_data/plotly.min.js")
+    program = plotly.read_text("utf-8") if draws else ""  # five megabytes
+    package = "bladewhirl.postprocess.reports"
+    write_atomically(target, filled_template(package, "page.html", page=page, program=program))
     return target

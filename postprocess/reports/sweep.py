@@ -62,7 +62,8 @@ def sweep_report(
     done, failed = int((state == "done").sum()), int((state == "failed").sum())
     needed = state.size - int((state == "not-needed").sum())
     points = _points(dataset) if done else None
-    counts = _counts(points)
+    regimes = points["regime"].values if points is not None else np.empty(0)
+    counts = {name: n for name in REGIMES if (n := int((regimes == name).sum()))}
     verdict, tone = _verdict(counts, needed, done, failed)
     keys = [str(dataset[key].attrs["long_name"]) for key in _keys(dataset)]
     blocks: dict[str, list[page.Block]] = {
@@ -86,6 +87,7 @@ def sweep_report(
         for (name, parts), title in zip(blocks.items(), titles, strict=True)
         if parts
     ]
+    way = {"up": "rising", "down": "falling"}.get(str(dataset.attrs.get("carry")))
     return page.Page(
         title=(str(dataset.attrs.get("title", "")) or "Sweep") + ", sweep",
         subject=subject(dataset, provenance, name),
@@ -97,7 +99,7 @@ def sweep_report(
                 REGIMES[next(iter(counts))].meaning if counts else "",
                 _certainty(dataset) if done and DRAW in dataset.dims else "",
                 _screening(dataset) if done and SCREENED in dataset else "",
-                _carried(dataset),
+                f"The motion was carried from speed to speed, with {way} speed." if way else "",
             ]
         ),
         warnings=_warnings(needed, done, failed),
@@ -122,13 +124,6 @@ def _points(dataset: xr.Dataset) -> xr.Dataset:
     regime = points["regime"].where(points["state"] == "done", "no result")
     points = points.assign(touched=touched, regime=regime).drop_vars("contact_share")
     return points.rename({largest: "largest_displacement"}).assign_attrs(moving=what)
-
-
-def _counts(points: xr.Dataset | None) -> dict[str, int]:
-    if points is None:
-        return {}
-    counts = {name: int((points["regime"].values == name).sum()) for name in REGIMES}
-    return {name: count for name, count in counts.items() if count}
 
 
 def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> tuple[str, str]:
@@ -169,14 +164,6 @@ def _screening(dataset: xr.Dataset) -> str:
         " the random draws differed, draws were repeated with the time step of the case until the"
         " outcome was known."
     )
-
-
-def _carried(dataset: xr.Dataset) -> str:
-    """Return a sentence on the direction in which a sweep carries the motion from speed to speed;
-    an empty text for other sweeps."""
-    ways = {"up": "rising", "down": "falling"}
-    way = ways.get(str(dataset.attrs.get("carry")))
-    return f"The motion was carried from speed to speed, with {way} speed." if way else ""
 
 
 def _warnings(points: int, done: int, failed: int) -> list[str]:

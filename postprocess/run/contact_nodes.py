@@ -25,8 +25,7 @@ FEW = 6
 """Up to this number of blades each blade has a line; for more blades, the largest and the mean
 force are drawn."""
 
-LINES = 6
-"""Largest number of nodal diameters drawn, those with the largest energy."""
+LINES = 6  #: largest number of nodal diameters drawn, those with the largest energy
 
 
 def contact_nodes(result: xr.Dataset) -> xr.Dataset:

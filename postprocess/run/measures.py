@@ -155,11 +155,6 @@ class Motion:
         """True if any tip touched the casing."""
         return bool((self.result["contact_steps"] > 0).any())
 
-    @property
-    def touches_late(self) -> bool:
-        """True if any tip touched in the last third of the time."""
-        return self.blades["free"] < self.result.sizes["blade"]
-
     def section_scatter(self) -> float:
         """Return the largest distance of a point of the Poincaré map in the last third from the
         mean of all points, relative to the mean distance of the points from the origin."""

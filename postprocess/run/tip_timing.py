@@ -13,8 +13,7 @@ from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window
 from bladewhirl.postprocess.run.histories import radians
 
-STEPS = 12
-"""Number of Newton steps; each arrival converges quadratically."""
+STEPS = 12  #: number of Newton steps; each arrival converges quadratically
 
 
 def tip_timing(

@@ -183,11 +183,7 @@ def write_profile(result: xr.Dataset, path: Path) -> None:
     if "track" in last.dims:
         tracks = zip(last["axial"].values.tolist(), last["recess"].values, strict=True)
         columns = {f"recess at {axial!r} m [m]": depth for axial, depth in tracks}
-    write_columns(path, {"angle [rad]": last["angle"].values, **columns})
-
-
-def write_columns(path: Path, columns: Mapping[str, Array]) -> None:
-    """Write columns at full precision as a CSV file, with their headings."""
+    columns = {"angle [rad]": last["angle"].values, **columns}
     rows = zip(*(values.tolist() for values in columns.values()), strict=True)
     lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
     write_atomically(path, "\n".join(lines) + "\n")

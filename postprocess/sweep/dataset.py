@@ -47,8 +47,7 @@ is at most this fraction of the march."""
 LINE, GROUP, SAMPLE, SECTION = "mode", "energy_group", "sample", "section"
 DIRECTION = "direction"  #: name of the dimension of the directions of a contact node's displacement
 
-NATURAL = 8
-"""Number of natural frequencies of a superelement that are stored."""
+NATURAL = 8  #: number of natural frequencies of a superelement that are stored
 
 SECTIONS = 64
 """Largest number of points of the Poincaré map, and of local maxima of the displacement, that are
@@ -85,8 +84,9 @@ class Layout:
 
     @property
     def groups(self) -> tuple[str, ...]:
-        """Names of the groups of rotor modes whose strain energies are stored."""
-        return groups_of(self.nodal_diameters)
+        """Names of the groups of rotor modes whose strain energies are stored: the suspension, the
+        first blade family by nodal diameter, and all other modes."""
+        return ("suspension", *(f"1F k={k}" for k in range(self.nodal_diameters)), "rest")
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -114,12 +114,6 @@ class Layout:
             np.dtype(variable.kind).itemsize * int(np.prod(self.shape(name), dtype=np.int64))
             for name, variable in self.tables.sweep.items()
         )
-
-
-def groups_of(nodal_diameters: int) -> tuple[str, ...]:
-    """Return the names of the groups of rotor modes: the suspension, the first blade family by
-    nodal diameter, and all other modes."""
-    return ("suspension", *(f"1F k={k}" for k in range(nodal_diameters)), "rest")
 
 
 def flag(variable: str, meaning: str) -> int:

@@ -98,9 +98,9 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
         pictures.append((growth, "growth rate [1/s]", DIVERGING, norm))
     columns, height = 1 + len(pictures), 0.05 * len(shown)
     figure = style.new_figure(width=style.FULL_WIDTH, height=0.04 + height)
-    narrow, shape = style.is_narrow(figure), (len(shown), columns)
+    narrow = figure.get_figwidth() * style.INCH < style.NARROW
+    shape = (len(shown) * columns, 1) if narrow else (len(shown), columns)
     if narrow:  # panels one above another
-        shape = (len(shown) * columns, 1)
         figure.set_figheight((0.04 + columns * height) / style.INCH)
     rows = figure.subplots(*shape, sharex=True, sharey=True, squeeze=False)
     rows = rows.reshape(len(shown), columns)

@@ -1,6 +1,7 @@
 """Reduction of the result of a superelement to the data of a sweep."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,6 +24,12 @@ from bladewhirl.postprocess.sweep.digest import (
 
 TANGENTIAL = DIRECTIONS.index("tangential")
 
+DIGESTED = (
+    "regime end_reason end_time steps unsolved_steps growth_rate impulse_per_revolution"
+    " casing_displacement_max energy_residual complementarity_residual dt_over_critical"
+).split()
+"""Fields of a summary that a sweep stores under the same name."""
+
 
 def node_digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> Digest:
     """Reduce the result of a superelement to the data of a sweep.
@@ -43,32 +50,26 @@ def node_digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout
     late_steps = np.ptp(late["time"].values) / float(dataset.attrs["time_step"])
     share = late["contact_steps"].values[1:].sum(axis=0) / max(late_steps, 1.0)
     blade = dataset["blade"].values
+    natural = dataset["modal_frequency"].values[0] / (2.0 * np.pi)  # of the first copy
+    swing = moved[first:, :, TANGENTIAL]
+    swing = swing[:, int(np.abs(swing).max(axis=0).argmax())]  # of the node that moves most
+    spectrum = 2.0 * magnitudes(swing.astype(complex), step, layout.frequency)
     values = {
-        "regime": summary.regime,
-        "end_reason": summary.end_reason,
-        "end_time": summary.end_time,
-        "steps": summary.steps,
-        "unsolved_steps": summary.unsolved_steps,
+        **{name: _number(getattr(summary, name)) for name in DIGESTED},
         "rotation_speed": dataset.attrs["speed"],
         "reference_frequency": dataset.attrs["reference_frequency"],
-        "growth_rate": _number(summary.growth_rate),
         "growth_error": _number(summary.growth_rate_error),
         "smallest_clearance": smallest_node_clearance(dataset),
-        "impulse_per_revolution": _number(summary.impulse_per_revolution),
         "contact_force_max": summary.contact_force_max["force"],
         "contact_share": padded(_by_blade(blade, np.array(summary.contact_share)), layout.blades),
         "late_contact_share": padded(_by_blade(blade, share), layout.blades),
         "displacement_max": max(summary.contact_displacement_max.values()),
         "late_displacement": np.abs(late["contact_displacement"].values).max(axis=(0, 1)),
-        "casing_displacement_max": _number(summary.casing_displacement_max),
         **wear_numbers(dataset),
         "gap_violation_max": max(0.0, -summary.gap_min),
-        "energy_residual": summary.energy_residual,
-        "complementarity_residual": summary.complementarity_residual,
-        "dt_over_critical": summary.dt_over_critical,
         "window_start": time[first],
-        "natural_frequency": padded(_natural(dataset), NATURAL),
-        "spectrum": _amplitudes(moved[first:, :, TANGENTIAL], step, layout.frequency),
+        "natural_frequency": padded(np.sort(natural)[:NATURAL], NATURAL),
+        "spectrum": np.where(layout.frequency == 0.0, 0.5 * spectrum, spectrum),
         "energy_max": energy.max(),
         "history_time": padded(time[starts], layout.samples),
         "radial_history": padded(np.maximum.reduceat(radial, starts), layout.samples),
@@ -77,7 +78,7 @@ def node_digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout
     return coded(values, layout)
 
 
-def _number(value: float | None) -> float:
+def _number(value: Any) -> Any:
     return np.nan if value is None else value
 
 
@@ -86,16 +87,3 @@ def _by_blade(blade: IntArray, share: Array) -> Array:
     largest = np.zeros(int(blade.max()) + 1)
     np.maximum.at(largest, blade, share)
     return largest
-
-
-def _natural(dataset: xr.Dataset) -> Array:
-    """Return up to `NATURAL` of the lowest natural frequencies of the first copy [Hz]."""
-    return np.asarray(np.sort(dataset["modal_frequency"].values[0])[:NATURAL] / (2.0 * np.pi))
-
-
-def _amplitudes(motion: Array, step: float, frequency: Array) -> Array:
-    """Return the amplitudes of the node that moves most, (frequencies,). `motion` (records, nodes)
-    is the motion of all nodes; `frequency` [Hz] begins at zero."""
-    node = int(np.abs(motion).max(axis=0).argmax())
-    size = 2.0 * magnitudes(motion[:, node].astype(complex), step, frequency)
-    return np.where(frequency == 0.0, 0.5 * size, size)

@@ -20,8 +20,7 @@ from bladewhirl.postprocess.sweep.frequency_map import OUTLINE
 from bladewhirl.postprocess.sweep.quantities import along, need_a_grid
 from bladewhirl.postprocess.sweep.rows import plot_rows
 
-DECADES = 3
-"""Number of decades below the largest amplitude in a map."""
+DECADES = 3  #: number of decades below the largest amplitude in a map
 
 VISIBLE = 1e-2
 """The frequency range shown contains all amplitudes of at least this fraction of the largest
@@ -30,8 +29,7 @@ amplitude."""
 ABOVE = 1.3
 """Highest frequency shown, divided by the highest frequency with an amplitude above `VISIBLE`."""
 
-ORDERS = range(1, 13)
-"""Engine orders that are drawn as lines."""
+ORDERS = range(1, 13)  #: engine orders that are drawn as lines
 
 CONTACT: Mapping[str, tuple[float | None, str]] = {
     "impulse_per_revolution": (1.0, "impulse per\nrevolution [N s]"),
@@ -101,10 +99,7 @@ def plot_node_spectra(data: xr.Dataset) -> Figure:
     units = in_handy_units(data)["frequency"].attrs["units"]
     draw = partial(_draw_spectra, scale=scale, top=scale * largest or 1.0)
     return plot_rows(
-        data,
-        [draw],
-        label=f"tangential amplitude [{unit}]",
-        left=f"frequency [{units}]",
+        data, [draw], label=f"tangential amplitude [{unit}]", left=f"frequency [{units}]"
     )
 
 

@@ -5,8 +5,7 @@ from numpy.typing import NDArray
 
 from bladewhirl.postprocess.fields.kinematics import Array
 
-QUANTILE = 1.959963984540054
-"""Quantile of the normal distribution for intervals of 95 %."""
+QUANTILE = 1.959963984540054  #: quantile of the normal distribution for intervals of 95 %
 
 
 def wilson(hits: Array, draws: Array) -> tuple[Array, Array]:

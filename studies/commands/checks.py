@@ -6,14 +6,12 @@ from typing import Annotated
 import typer
 
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.terminal import emit, interruptible, progress_bar, table
-from bladewhirl.studies.runs.columns import Column
+from bladewhirl.studies.commands.terminal import emit, interruptible, progress_bar
+from bladewhirl.studies.runs.columns import Column, table
 
-FAILED = 1
-"""Exit code if the error of a case exceeds its tolerance."""
+FAILED = 1  #: exit code if the error of a case exceeds its tolerance
 
-FOLDER = Path("reproduction")
-"""Default folder of the results of `reproduce`."""
+FOLDER = Path("reproduction")  #: default folder of the results of `reproduce`
 
 
 def verify(

@@ -9,8 +9,8 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.terminal import emit, table
-from bladewhirl.studies.runs.columns import Column, facts
+from bladewhirl.studies.commands.terminal import emit
+from bladewhirl.studies.runs.columns import Column, facts, table
 
 if TYPE_CHECKING:
     from bladewhirl.meshes.files.groups import GroupedLines
@@ -26,8 +26,7 @@ NODES = (
     Column("z", "z [mm]", ".5g", scale=1e3),
 )
 
-MOST_NODES = 30
-"""Largest number of contact nodes that are listed."""
+MOST_NODES = 30  #: largest number of contact nodes that are listed
 
 
 def new(

@@ -17,15 +17,13 @@ from bladewhirl.studies.commands.terminal import (
     interruptible,
     progress_bar,
     reduction_bar,
-    table,
 )
-from bladewhirl.studies.runs.columns import Column, facts, rows_of
+from bladewhirl.studies.runs.columns import Column, facts, rows_of, table
 
 if TYPE_CHECKING:
     from bladewhirl.studies.runs.recorded_march import Activity
 
-RUNS = Path("runs")
-"""Default folder of runs."""
+RUNS = Path("runs")  #: default folder of runs
 
 QUANTITIES = (
     Column("end_time", "end [ms]", ".4g", 1e3),
@@ -191,8 +189,7 @@ def convergence(
         options.several("--time-steps", "STEP,STEP,...", options.in_si("s"), "times"),
     ] = None,
     modes: Annotated[
-        Sequence[int] | None,
-        options.several("--modes", "COUNT,COUNT,...", int, "whole numbers"),
+        Sequence[int] | None, options.several("--modes", "COUNT,COUNT,...", int, "whole numbers")
     ] = None,
     output: options.CaseFolder = None,
     overwrite: options.Overwrite = False,

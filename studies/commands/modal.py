@@ -3,32 +3,25 @@ computes."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.terminal import emit, progress_bar, reduction_bar, table
-from bladewhirl.studies.runs.columns import Column, facts, rows_of, texts
+from bladewhirl.studies.commands.terminal import emit, progress_bar, reduction_bar
+from bladewhirl.studies.runs.columns import rows_of, table
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
-    from rich.table import Table
-
     from bladewhirl.models.modal.full_stage import ModalStage
+    from bladewhirl.studies.modal.study import Study
 
 # Typer parses these defaults.
 CAMPBELL_SPEEDS: Any = "0:3"
 RESPONSE_SPEEDS: Any = "0.1:2:0.005"
 CHART_SPEEDS: Any = "0.6:3:0.004"
 CHART_KAPPAS: Any = "0:1000:4"
-
-SPECIAL_SPEEDS = (
-    Column("waves_meet", "two waves merge and grow without contact from", ".6g"),
-    Column("clearance_gone", "tip growth equals the clearance at rest at", ".6g"),
-)
 
 
 def modes(
@@ -84,8 +77,7 @@ def modes(
                 computed = study.modes(read, count=count)
             rows = rows_of(computed, study.OF_SUPERELEMENT)
             title = f"Superelement without contact, at {read.march.speed}"
-            printed = table(rows, study.OF_SUPERELEMENT, title)
-            emit({"bladed_disk": rows}, printed, json=json)
+            emit({"bladed_disk": rows}, table(rows, study.OF_SUPERELEMENT, title), json=json)
             if computed.attrs["left_out"]:
                 typer.echo(f"Hint: {computed.attrs['left_out']}.", err=True)
             return
@@ -93,18 +85,11 @@ def modes(
     if output is not None:
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
     computed = study.modes(stage)
-    centre, hertz = (computed.attrs[key] for key in ("centre", "reference_frequency_hz"))
-    tables: list[Table] = []
-    for title, body in (
-        (f"Bladed disk, {centre} centre", {"body": "bladed-disk", "centre": centre}),
-        ("Casing", {"body": "casing"}),
-    ):
-        rows, shown = study.printed_rows(computed, body, count)
-        tables.append(table(rows, shown, title))
     if output is not None:
         draw_modes(stage, plan, output, overwrite=overwrite)
-    lists = study.mode_lists(computed, count)
-    emit(lists, *tables, f"ω₁ = {hertz:.6g} Hz", json=json, written=[output])
+    report, hertz = study.report(computed, count), computed.attrs["reference_frequency_hz"]
+    unit = f"ω₁ = {hertz:.6g} Hz"
+    emit(report.document, *report.tables, unit, json=json, written=[output])
 
 
 def campbell(
@@ -136,7 +121,6 @@ def campbell(
     from bladewhirl.postprocess.plotting.files import checked_target
     from bladewhirl.studies.modal import campbell as study
 
-    folder = options.folder_of(case, "campbell", output, json=json or html is not None)
     if html is not None:
         checked_target(html, ".html")
     stage = _modal_stage(case, overrides)
@@ -145,19 +129,8 @@ def campbell(
     if operating is not None:
         ends = tuple(operating.values(stage.reference_frequency).tolist())
     diagram = study.campbell(stage, families=families, speeds=(first, last), operating=ends)
-    if folder is not None:
-        study.draw_campbell(diagram, folder, overwrite=overwrite)
-    if html is not None:
-        study.write_campbell_page(diagram, html, overwrite=overwrite)
-    document = study.coincidence_list(diagram)
-    rows = [row for row in document["coincidences"] if first <= row["speed"] <= last]
-    columns = study.COINCIDENCES[: None if ends else -1]
-    parts = [table(rows, columns, f"Coincidence speeds from {first:g} to {last:g} ω₁")]
-    if "critical_speeds" in document:
-        title = f"Critical speeds up to {last:g} ω₁"
-        parts.append(table(document["critical_speeds"], study.CRITICAL_SPEEDS, title))
-        parts.append(facts(texts(document, SPECIAL_SPEEDS)))
-    emit(document, *parts, json=json, written=[folder, html])
+    computed = study.report(diagram, page=html, overwrite=overwrite)
+    _present(computed, case, output, overwrite=overwrite, json=json)
 
 
 def veering(
@@ -183,14 +156,10 @@ def veering(
     from bladewhirl.studies.modal import veering as study
 
     interval = None if stiffnesses is None else stiffnesses.values()
-    folder = options.folder_of(case, "veering", output, json=json)
     stage = _modal_stage(case, overrides)
     springs = study.spring_stiffnesses(stage.case, interval)
-    diagrams = study.veering(stage, families=families, stiffnesses=springs)
-    if folder is not None:
-        study.draw_veering(diagrams, folder, overwrite=overwrite)
-    document = study.veering_document(diagrams)
-    emit(document, facts(study.veering_facts(diagrams)), json=json, written=[folder])
+    computed = study.report(study.veering(stage, families=families, stiffnesses=springs))
+    _present(computed, case, output, overwrite=overwrite, json=json)
 
 
 def critical_speeds(
@@ -212,25 +181,11 @@ def critical_speeds(
     Args:
         branches: Number of branches in each direction of whirl.
     """
-    from bladewhirl.postprocess.modal.veering import plot_critical_speeds
     from bladewhirl.studies.modal import critical_speeds as study
-    from bladewhirl.studies.modal.veering import spring_stiffnesses
-    from bladewhirl.studies.runs.figures_folder import save_figures
 
     interval = None if stiffnesses is None else stiffnesses.values()
-    folder = options.folder_of(case, "critical-speeds", output, json=json)
-    stage = _modal_stage(case, overrides)
-    at = stage.case.shaft.stiffness
-    rows = study.critical_speed_rows(stage, branches)
-    if folder is not None:
-        springs = spring_stiffnesses(stage.case, interval)
-        speeds = study.critical_speeds(stage, stiffnesses=springs, branches=branches)
-        figures = {"critical-speeds": (plot_critical_speeds(speeds), speeds)}
-        save_figures(folder, figures, overwrite=overwrite)
-    document = {"stiffness": at, "critical_speeds": rows}
-    springs_text = " and ".join(dict.fromkeys(f"{each:.4g}" for each in stage.case.shaft.springs))
-    title = f"Critical speeds with shaft springs of {springs_text} N/m"
-    emit(document, table(rows, study.AT_THE_CASE, title), json=json, written=[folder])
+    computed = study.report(_modal_stage(case, overrides), branches, interval)
+    _present(computed, case, output, overwrite=overwrite, json=json)
 
 
 def response(
@@ -254,21 +209,13 @@ def response(
             included.
     """
     from bladewhirl.models.stage.stage import build_stage
-    from bladewhirl.postprocess.modal.response import drawn_amplitudes, plot_response
     from bladewhirl.studies.modal import response as study
-    from bladewhirl.studies.runs.figures_folder import save_figures
 
-    folder = options.folder_of(case, "response", output, json=json)
     with options.case_of(case, overrides) as read, progress_bar("speeds") as progress:
         stage = build_stage(read)
         multiples = speeds.values(stage.reference_frequency).tolist()
         data = study.response(stage, speeds=multiples, progress=progress)
-    if folder is not None:
-        figures = {"response": (plot_response(data), drawn_amplitudes(data))}
-        save_figures(folder, figures, overwrite=overwrite)
-    document = study.response_document(data)
-    rows = table(document["largest"], study.PEAKS, "Largest amplitudes of the tips")
-    emit(document, rows, json=json, written=[folder])
+    _present(study.report(data), case, output, overwrite=overwrite, json=json)
 
 
 def stability(
@@ -327,7 +274,6 @@ def stability(
     if (speed is None) != (kappa is None):
         raise UserError("--speed, --kappa: expected both, for one point, or neither, for a chart")
     stiffnesses = kappas.values()
-    folder = options.folder_of(case, "stability", output, json=json or kappa is not None)
     system = couple(
         _modal_stage(case, overrides),
         modes=modes,
@@ -338,26 +284,14 @@ def stability(
     )
     if kappa is not None:
         omega = speed.rad_per_s(system.reference)
-        document = study.point_report(
-            system, omega, kappa, folder, films=films, overwrite=overwrite
+        computed = study.point_report(
+            system, omega, kappa, output, films=films, overwrite=overwrite
         )
-        verdict = "unstable" if document["unstable"] else "stable"
-        values = texts(document | {"stability": verdict}, (*study.POINT, *study.MOTION))
-        tables = []
     else:
         omegas = speeds.values(system.reference) * system.reference
         with progress_bar("growth rates") as update:
-            document = study.chart_report(
-                system, omegas, stiffnesses, folder, line=line, overwrite=overwrite, progress=update
-            )
-        values = texts(document, study.CHART)
-        zones = [
-            zone | {column.key: zone[column.key][-1] for column in study.BORDERS}
-            for zone in document.get("zones", [])
-        ]
-        tables = [table(zones, study.ZONES, "Unstable zones")] if "zones" in document else []
-    values |= texts(document | study.cause_of_growth(document), study.ROTOR_ALONE)
-    emit(document, *tables, facts(values), json=json, written=[folder])
+            computed = study.chart_report(system, omegas, stiffnesses, line=line, progress=update)
+    _present(computed, case, output, overwrite=overwrite, json=json)
 
 
 def _modal_stage(case: Path, overrides: list[str] | None) -> ModalStage:
@@ -366,3 +300,13 @@ def _modal_stage(case: Path, overrides: list[str] | None) -> ModalStage:
 
     with options.case_of(case, overrides) as read:
         return modal_stage(read)
+
+
+def _present(study: Study, case: Path, output: Path | None, *, overwrite: bool, json: bool) -> None:
+    """Draw the figures of a study into the folder that the user named, or into CASE-COMMAND if
+    nothing else is written; print the tables or the JSON document."""
+    unnamed = json or study.figures is None or study.page is not None
+    folder = output if output is not None or unnamed else Path(f"{case.stem}-{study.name}")
+    if folder is not None:
+        study.draw(folder, overwrite=overwrite)
+    emit(study.document, *study.tables, json=json, written=[folder, study.page])

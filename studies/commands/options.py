@@ -24,11 +24,7 @@ MOST_POINTS = 100_000
 
 
 def option(
-    name: str,
-    metavar: str,
-    read: Callable[[str], Any],
-    expected: str,
-    help_text: str | None = None,
+    name: str, metavar: str, read: Callable[[str], Any], expected: str, help_text: str | None = None
 ) -> Any:
     """Return a typer option whose text is converted by the function `read`.
 
@@ -158,8 +154,7 @@ Output = Annotated[Path | None, typer.Option("--output", "-o")]
 OutputFolder = Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR")]
 OutputFile = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE")]
 CaseFolder = Annotated[
-    Path | None,
-    typer.Option("--output", "-o", help="Folder to make; CASE-COMMAND by default."),
+    Path | None, typer.Option("--output", "-o", help="Folder to make; CASE-COMMAND by default.")
 ]
 CaseFile = Annotated[Path, typer.Argument(help="Case file.", show_default=False)]
 NewCase = Annotated[
@@ -230,12 +225,6 @@ def case_of(file: Path, overrides: list[str] | None) -> Iterator[Case]:
     case = read_case(file, overrides or [])
     with faults_from(file, overrides or []):
         yield case
-
-
-def folder_of(case: Path, command: str, output: Path | None, *, json: bool) -> Path | None:
-    """Return the folder of a study: the folder that the user named; without it None with --json,
-    otherwise CASE-COMMAND."""
-    return output if output is not None or json else Path(f"{case.stem}-{command}")
 
 
 def refuse_existing(target: Path | None, *, force: bool) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
 from math import degrees
 from pathlib import Path
@@ -12,13 +12,14 @@ import typer
 
 from bladewhirl.models.inputs.errors import CaseError, UserError, writing
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.terminal import emit, reduction_bar, table
-from bladewhirl.studies.runs.columns import Column, facts, texts
+from bladewhirl.studies.commands.terminal import emit, reduction_bar
+from bladewhirl.studies.runs.columns import Column, facts, table, texts
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from bladewhirl.models.case.case import Case
+    from bladewhirl.models.stage.stage import Stage
+    from bladewhirl.models.stage.superelement_stage import SuperelementStage
 
 RATES = (
     Column("name", " "),
@@ -101,8 +102,8 @@ OF_SUPERELEMENT = (
 )
 """Columns of the properties of a superelement."""
 
-Shown = tuple[dict[str, Any], Iterable[str], list["Table"], Callable[[Path], None]]
-"""Properties for JSON, hints, printed tables, and a function that draws the stage into a file."""
+Shown = tuple[dict[str, Any], list["Table"], Callable[[Path], None]]
+"""Properties for JSON, printed tables, and a function that draws the stage into a file."""
 
 
 def show(
@@ -125,13 +126,17 @@ def show(
         output: File of the drawing; by default the name of the case with .png.
     """
     from bladewhirl.models.case.template import dumps_case
+    from bladewhirl.models.stage.marched import MarchedBeams, marched_stage
 
     if output is not None and not png:
         raise UserError("--output: allowed only with --png, the option that draws the stage")
     with options.case_of(case, overrides) as checked:
-        beams = checked.bladed_disk.superelement is None
-        derived, hints, tables, draw = (_of_beams if beams else _of_superelement)(checked)
-        for hint in hints:
+        with reduction_bar():
+            stage = marched_stage(checked)
+        beams = isinstance(stage, MarchedBeams)
+        shown: Callable[[Any], Shown] = _of_beams if beams else _of_superelement
+        derived, tables, draw = shown(stage.model)
+        for hint in stage.hints():
             typer.echo(f"Hint: {hint}.", err=True)
         if png:
             target = output or Path(f"{case.stem}.png")
@@ -144,31 +149,23 @@ def show(
     emit(document, *tables, *full, json=json)
 
 
-def _of_superelement(case: Case) -> Shown:
-    from bladewhirl.models.stage.hints import superelement_hints
-    from bladewhirl.models.stage.superelement_stage import superelement_stage
+def _of_superelement(stage: SuperelementStage) -> Shown:
     from bladewhirl.studies.runs.properties import superelement_properties
     from bladewhirl.studies.runs.superelement_picture import draw_superelement
 
-    with reduction_bar():
-        stage = superelement_stage(case)
-        derived = superelement_properties(stage)
+    derived = superelement_properties(stage)
     tables = [
         facts(texts(derived, OF_SUPERELEMENT)),
         table(derived["contact_nodes"], NODES, "Contact nodes of a copy"),
     ]
-    return derived, superelement_hints(stage), tables, partial(draw_superelement, stage)
+    return derived, tables, partial(draw_superelement, stage)
 
 
-def _of_beams(case: Case) -> Shown:
+def _of_beams(stage: Stage) -> Shown:
     from bladewhirl.models.stage.build import time_step_faults
-    from bladewhirl.models.stage.hints import stage_hints
-    from bladewhirl.models.stage.stage import build_stage
     from bladewhirl.studies.runs.properties import MARCHES, stage_properties
 
-    stage = build_stage(case)
-    faults = list(time_step_faults(stage))
-    if faults:
+    if faults := list(time_step_faults(stage)):
         raise CaseError(faults)
     derived = stage_properties(stage)
     marched = {body: MARCHES[cyclic] for body, cyclic in derived["cyclic"].items()}
@@ -197,4 +194,4 @@ def _of_beams(case: Case) -> Shown:
         )
         draw_stage(at_rest, target, node_sets=stage.disk.mesh.node_sets)
 
-    return derived, stage_hints(stage), tables, draw
+    return derived, tables, draw

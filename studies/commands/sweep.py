@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from bladewhirl.studies.sweeps.sweep import Sweep
 
 
-SHOWN_FAILURES = 10
-"""Largest number of failed points printed; failures.json lists all."""
+SHOWN_FAILURES = 10  #: largest number of failed points printed; failures.json lists all
 
 
 def sweep(
@@ -96,16 +95,19 @@ def sweep(
 
             watch = Watch(planned=_print_plan, progress=progress)
             if resume is not None:
-                new_sweep: dict[str, object] = {"CASE": case, "--over": over}
-                new_sweep |= {} if draw is not None else {"--output": output}
-                new_sweep |= {"--table": table}
-                new_sweep |= {"--perturb": perturb, "--seed": seed}
-                new_sweep |= {
+                new_sweep: dict[str, object] = {
+                    "CASE": case,
+                    "--over": over,
+                    "--output": output if draw is None else None,
+                    "--table": table,
+                    "--perturb": perturb,
+                    "--seed": seed,
                     "--set": overrides,
                     "--histories": histories,
                     "--stop-when": stop_when,
+                    "--screen": screen,
+                    "--continue": carry,
                 }
-                new_sweep |= {"--screen": screen, "--continue": carry}
                 unused = ", ".join(name for name, value in new_sweep.items() if value)
                 if unused:
                     stored = f"{resume}/sweep.json contains the input of this sweep"

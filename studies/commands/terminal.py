@@ -9,67 +9,32 @@ import errno
 import io
 import os
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from datetime import timedelta
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NoReturn, Protocol
+from typing import TYPE_CHECKING, Any, NoReturn, Protocol
 
 import typer
 from typer.core import TyperGroup
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.studies.runs.columns import Column
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-LINES = 10
-"""Number of lines in a log for a complete job."""
+LINES = 10  #: number of lines in a log for a complete job
 
-RATE_PERIOD = 3600.0
-"""Time over which the rate of progress is averaged [s]."""
+RATE_PERIOD = 3600.0  #: time over which the rate of progress is averaged [s]
 
-ALL_FAILED = 1
-"""Exit code of a sweep without a finished point."""
+ALL_FAILED = 1  #: exit code of a sweep without a finished point
 
 USER_ERROR = 2
 """Exit code of errors that the user can correct; click uses the same code for wrong options."""
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C, as in shells."""
-
-
-def table(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], title: str = "") -> Table:
-    """Return a table with a line for each row; columns without a heading are left out.
-
-    On a narrow terminal, headings and texts of the first column break between words; numbers do
-    not break, and nothing is cut.
-    """
-    from rich import box
-    from rich.markup import escape
-    from rich.table import Table
-
-    printed = Table(
-        title=escape(title) or None,
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        title_style="bold",
-        pad_edge=False,
-        collapse_padding=True,
-    )
-    columns = [column for column in columns if column.heading]
-    cells = [[column.text(row) for column in columns] for row in rows]
-    for place, column in enumerate(columns):
-        whole = [*column.heading.split(), *(row[place] for row in cells if place)]
-        justify: Literal["left", "right"] = "right" if column.form else "left"
-        width = max(map(len, whole), default=1)
-        printed.add_column(escape(column.heading), justify=justify, min_width=width)
-    for row in cells:
-        printed.add_row(*map(escape, row))
-    return printed
+INTERRUPTED = 130  #: exit code after Ctrl-C, as in shells
 
 
 def emit(

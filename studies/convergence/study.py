@@ -30,15 +30,13 @@ from bladewhirl.studies.sweeps.cache import Progress, RunStore, run_key
 
 TIME_STEP, MODES = "march.time_step", "reduction.fixed_interface_modes"
 
-RUNS_NAME = "runs"
-"""Name of the folder of the marches."""
+RUNS_NAME = "runs"  #: name of the folder of the marches
 
 REFINEMENTS = (4.0, 2.0, 1.0, 0.5)
 """Default time steps, divided by the time step of the case. A step is used only if it is below the
 critical time step and divides the time between records."""
 
-SECTORS = (2, 3, 4, 5, 6)
-"""Default numbers of fixed-interface modes per blade."""
+SECTORS = (2, 3, 4, 5, 6)  #: default numbers of fixed-interface modes per blade
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 """Families for which the paper states frequency errors."""

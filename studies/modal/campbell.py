@@ -28,14 +28,13 @@ from bladewhirl.studies.modal.campbell_at_speed import (
     refuse_unequal_bearings,
 )
 from bladewhirl.studies.modal.modes import full_stage
-from bladewhirl.studies.runs.columns import Column, quantity, rows_of
-from bladewhirl.studies.runs.figures_folder import save_figures
+from bladewhirl.studies.modal.study import Figures, Study
+from bladewhirl.studies.runs.columns import Column, facts, quantity, rows_of, table, texts
 
 Interval = tuple[float | str, float | str]
 """First and last speed: each a multiple of the reference frequency, or text such as "2500 rpm"."""
 
-CASING_FAMILIES = ("rigid", "1F", "2F")
-"""Families of the casing: rigid motion, bending, extension."""
+CASING_FAMILIES = ("rigid", "1F", "2F")  #: families of the casing: rigid motion, bending, extension
 
 
 def campbell(
@@ -184,6 +183,11 @@ CRITICAL_SPEEDS = (
 )
 """Columns of critical speeds (variables "critical_...") and engine orders ("engine_order_...")."""
 
+SPECIAL_SPEEDS = (
+    Column("waves_meet", "two waves merge and grow without contact from", ".6g"),
+    Column("clearance_gone", "tip growth equals the clearance at rest at", ".6g"),
+)
+
 
 def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
     """Return the JSON document of `campbell`: coincidences, ascending, and critical speeds."""
@@ -210,30 +214,36 @@ def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def draw_campbell(diagram: xr.Dataset, folder: Path, *, overwrite: bool = False) -> None:
-    """Draw the diagrams in both frames (rotating, static) into a folder, and save their data.
+def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = False) -> Study:
+    """Return the document, tables and figures of `campbell`, with both frames (rotating, static).
+    Unless `page` is None, write both diagrams into this file, as an interactive page.
 
     Raises:
-        UserError: a file cannot be written, or exists and was not written by bladewhirl.
+        UserError: the page cannot be written, or exists and was not written by bladewhirl.
     """
-    data = drawn_part(diagram).reset_index("coincidence")
-    frames: tuple[Frame, ...] = get_args(Frame)
-    figures = {f"campbell-{frame}": (plot_campbell(diagram, frame), data) for frame in frames}
-    save_figures(folder, figures, overwrite=overwrite)
+    document = coincidence_list(diagram)
+    first, last = diagram.attrs["speeds"]
+    rows = [row for row in document["coincidences"] if first <= row["speed"] <= last]
+    columns = COINCIDENCES[: -1 if document["operating_range"] is None else None]
+    tables = [table(rows, columns, f"Coincidence speeds from {first:g} to {last:g} ω₁")]
+    if "critical_speeds" in document:
+        title = f"Critical speeds up to {last:g} ω₁"
+        tables.append(table(document["critical_speeds"], CRITICAL_SPEEDS, title))
+        tables.append(facts(texts(document, SPECIAL_SPEEDS)))
+    if page is not None:
+        # These modules take long to load.
+        from bladewhirl.postprocess.reports.campbell import campbell_page
+        from bladewhirl.postprocess.reports.page import write_page
 
+        with writing(page):
+            claim_file(page, overwrite=overwrite)
+            write_page(campbell_page(diagram), page)
 
-def write_campbell_page(diagram: xr.Dataset, path: Path, *, overwrite: bool = False) -> None:
-    """Write the diagrams in both frames as an interactive page.
+    def figures() -> Figures:
+        data, frames = drawn_part(diagram).reset_index("coincidence"), get_args(Frame)
+        return {f"campbell-{frame}": (plot_campbell(diagram, frame), data) for frame in frames}
 
-    Raises:
-        UserError: the file cannot be written, or exists and was not written by bladewhirl.
-    """
-    from bladewhirl.postprocess.reports.campbell import campbell_page  # takes long to load
-    from bladewhirl.postprocess.reports.page import write_page
-
-    with writing(path):
-        claim_file(path, overwrite=overwrite)
-        write_page(campbell_page(diagram), path)
+    return Study(name="campbell", document=document, tables=tables, figures=figures, page=page)
 
 
 def _of_families(modes: LabelledModes, families: set[str]) -> LabelledModes:

@@ -22,8 +22,7 @@ from bladewhirl.models.rotation.waves import REAL, Waves, waves
 from bladewhirl.solvers.stability.coincidence import Coincidences
 from bladewhirl.studies.runs.columns import quantity
 
-LINE_SPEEDS = 61
-"""Number of speeds at which the frequencies of a branch are computed."""
+LINE_SPEEDS = 61  #: number of speeds at which the frequencies of a branch are computed
 
 
 def disk_waves(case: Case, turning: TurningDisk) -> dict[int, Waves]:

@@ -22,8 +22,7 @@ from bladewhirl.studies.runs.folder import case_files
 ANIMATION = "animation.gif"
 MOTION_NAME = "mode.nc"
 
-SHAPES = 4
-"""Number of deformed shapes, over one turn of the whirl."""
+SHAPES = 4  #: number of deformed shapes, over one turn of the whirl
 
 
 def draw_coupled_mode(

@@ -13,7 +13,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.equations import CoupledEquations
-from bladewhirl.models.coupling.springs import SIX_NAMES, CouplingModes
+from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.models.coupling.stage_modes import StageModes, at_speed, stage_modes
 from bladewhirl.models.coupling.stage_waves import coupled_waves, standing_obstacles
 from bladewhirl.models.inputs.errors import UserError
@@ -81,11 +81,6 @@ class EvenSystem(System):
         """Six modes of the paper; their amplitudes are physical or unit, as in `modes`."""
         six = self.all_modes.six_modes()
         return (six if self.physical else six.with_unit_amplitudes()).modes
-
-    @property
-    def is_six(self) -> bool:
-        """True if the chosen modes are the six modes of the paper."""
-        return set(self.modes.name) == set(SIX_NAMES)
 
     def options(self) -> dict[str, object]:
         """Return the options for reports, including rotation effects if the case has any."""

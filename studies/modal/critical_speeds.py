@@ -1,7 +1,5 @@
 """Map of critical speeds against the stiffness of the shaft: Dataset, JSON document, figure."""
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
@@ -11,10 +9,12 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.rotation.unequal_bearings import EllipticWaves
 from bladewhirl.models.stage.stage import Stage
+from bladewhirl.postprocess.modal.veering import plot_critical_speeds
 from bladewhirl.studies.modal.campbell_at_speed import disk_waves
 from bladewhirl.studies.modal.modes import full_stage
+from bladewhirl.studies.modal.study import Figures, Study
 from bladewhirl.studies.modal.veering import spring_stiffnesses
-from bladewhirl.studies.runs.columns import Column, quantity, rows_of
+from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
 
 ORDERS = {"forward": 0, "backward": 2}
 """Ratio of the frequency in the rotating frame to the speed of rotation, for forward and backward
@@ -101,10 +101,21 @@ def critical_speeds(
     )
 
 
-def critical_speed_rows(stage: ModalStage, branches: int) -> list[dict[str, Any]]:
-    """Return the critical speeds at the shaft stiffness of the case as rows, forward first."""
-    at = np.array([stage.case.shaft.stiffness])
-    speeds = critical_speeds(stage, stiffnesses=at, branches=branches).isel(stiffness=0)
-    stacked = speeds.stack(row=("direction", "branch")).rename(critical_speed="rpm")
-    rows = rows_of(stacked.reset_index("row"), AT_THE_CASE)
-    return [row for row in rows if row["rpm"] is not None]
+def report(stage: ModalStage, branches: int, interval: FloatArray | None = None) -> Study:
+    """Return the critical speeds at the shaft stiffness of the case as document and table, forward
+    first, and the map over an interval of stiffnesses, see `spring_stiffnesses`, as figure."""
+    at, springs = stage.case.shaft.stiffness, stage.case.shaft.springs
+    speeds = critical_speeds(stage, stiffnesses=np.array([at]), branches=branches)
+    stacked = speeds.isel(stiffness=0).stack(row=("direction", "branch")).reset_index("row")
+    rows = rows_of(stacked.rename(critical_speed="rpm"), AT_THE_CASE)
+    rows = [row for row in rows if row["rpm"] is not None]
+
+    def figures() -> Figures:
+        over = spring_stiffnesses(stage.case, interval)
+        data = critical_speeds(stage, stiffnesses=over, branches=branches)
+        return {"critical-speeds": (plot_critical_speeds(data), data)}
+
+    each = " and ".join(dict.fromkeys(f"{spring:.4g}" for spring in springs))
+    tables = [table(rows, AT_THE_CASE, f"Critical speeds with shaft springs of {each} N/m")]
+    document = {"stiffness": at, "critical_speeds": rows}
+    return Study(name="critical-speeds", document=document, tables=tables, figures=figures)

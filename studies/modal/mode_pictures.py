@@ -36,8 +36,7 @@ BODIES: tuple[Body, ...] = get_args(Body)
 FED: dict[Body, Wave] = {"bladed-disk": "backward", "casing": "forward"}
 """Waves that contact amplifies."""
 
-PANELS = 6
-"""Default number of pictured modes of a body."""
+PANELS = 6  #: default number of pictured modes of a body
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,8 +154,7 @@ def _wave(stage: ModalStage, mode: ChosenMode, wave: str | None) -> Wave:
     return cast(Wave, wave)
 
 
-Drawn = Iterator[tuple[str, tuple[Figure, xr.Dataset]]]
-"""Names of figures, with figures and data."""
+Drawn = Iterator[tuple[str, tuple[Figure, xr.Dataset]]]  #: names of figures, with figures and data
 
 
 def _shapes(stage: ModalStage, modes: list[ChosenMode]) -> Drawn:

@@ -15,7 +15,8 @@ from bladewhirl.models.rotation.whirl_modes import Direction, WhirlModes, direct
 from bladewhirl.models.stage.hints import unused_matrices
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.superelement_stage import superelement_stage
-from bladewhirl.studies.runs.columns import Column, quantity, rows_of
+from bladewhirl.studies.modal.study import Study
+from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
 from bladewhirl.studies.runs.properties import superelement_frequencies
 
 LEVELS = {
@@ -217,17 +218,24 @@ def mode_lists(computed: xr.Dataset, count: int) -> dict[str, list[dict[str, Any
     }
 
 
-def printed_rows(
-    computed: xr.Dataset, body: dict[str, str], count: int
-) -> tuple[list[dict[str, Any]], list[Column]]:
-    """Return rows and columns of the `count` lowest modes of a body, with one row for both modes of
-    a pair; the columns "purity" and "at rest" are left out if they contain no information."""
-    data = computed.sel(body).isel(mode=slice(count))
-    single = data.isel(mode=(data["pattern"] != "sine").values)
-    plain = {
-        "purity": bool((single["purity"] > 0.9995).all()),
-        "family_at_rest": bool((single["family"] == single["family_at_rest"]).all()),
-    }
+def report(computed: xr.Dataset, count: int) -> Study:
+    """Return the document and the tables of the `count` lowest modes of each body.
+
+    A table has one row for both modes of a pair; the columns "purity" and "at rest" are left out if
+    they contain no information.
+    """
+    tables, centre = [], computed.attrs["centre"]
     columns = (*COLUMNS, *AT_SPEED) if "wave" in computed["pattern"].values else COLUMNS
-    shown = [column for column in columns if not plain.get(column.key, False)]
-    return rows_of(single, shown), shown
+    for title, body in (
+        (f"Bladed disk, {centre} centre", {"body": "bladed-disk", "centre": centre}),
+        ("Casing", LISTS["casing"]),
+    ):
+        data = computed.sel(body).isel(mode=slice(count))
+        single = data.isel(mode=(data["pattern"] != "sine").values)
+        plain = {
+            "purity": bool((single["purity"] > 0.9995).all()),
+            "family_at_rest": bool((single["family"] == single["family_at_rest"]).all()),
+        }
+        shown = [column for column in columns if not plain.get(column.key, False)]
+        tables.append(table(rows_of(single, shown), shown, title))
+    return Study(name="modes", document=mode_lists(computed, count), tables=tables)

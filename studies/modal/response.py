@@ -16,8 +16,14 @@ from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.rotation.at_speed import check_stable
 from bladewhirl.models.stage.engine_order import complex_factors, unit_forces
 from bladewhirl.models.stage.stage import Stage, build_stage, rotor_at
-from bladewhirl.postprocess.modal.response import amplitude, by_nodal_diameter
-from bladewhirl.studies.runs.columns import Column, quantity
+from bladewhirl.postprocess.modal.response import (
+    amplitude,
+    by_nodal_diameter,
+    drawn_amplitudes,
+    plot_response,
+)
+from bladewhirl.studies.modal.study import Study
+from bladewhirl.studies.runs.columns import Column, quantity, table
 
 PEAKS = (
     Column("order", "engine order", "d"),
@@ -178,14 +184,14 @@ def largest(data: xr.Dataset) -> list[dict[str, Any]]:
     return rows
 
 
-def response_document(data: xr.Dataset) -> dict[str, Any]:
-    """Return the JSON document of `response`; complex numbers are pairs of real and imaginary
-    part."""
+def report(data: xr.Dataset) -> Study:
+    """Return the document, table and figure of `response`; complex numbers in the document are
+    pairs of real and imaginary part."""
     pairs = {
         name: np.stack([data[name].values.real, data[name].values.imag], axis=-1).tolist()
         for name in ("tip_tangential", "tip_radial", "centre")
     }
-    return {
+    document = {
         "reference_frequency_hz": data.attrs["reference_frequency_hz"],
         "order": np.atleast_1d(data["order"].values).tolist(),
         "speed": data["speed"].values.tolist(),
@@ -193,3 +199,9 @@ def response_document(data: xr.Dataset) -> dict[str, Any]:
         **pairs,
         "largest": largest(data),
     }
+    return Study(
+        name="response",
+        document=document,
+        tables=[table(document["largest"], PEAKS, "Largest amplitudes of the tips")],
+        figures=lambda: {"response": (plot_response(data), drawn_amplitudes(data))},
+    )

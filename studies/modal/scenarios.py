@@ -22,11 +22,9 @@ from bladewhirl.solvers.stability.scenario import (
 from bladewhirl.studies.modal.campbell_at_speed import refuse_unequal_bearings
 from bladewhirl.studies.runs.columns import quantity
 
-TIMES, ANGLES = 97, 1440
-"""Number of instants in one turn, and of angles around the casing."""
+TIMES, ANGLES = 97, 1440  #: number of instants in one turn, and of angles around the casing
 
-SHAFT = 1
-"""Nodal diameter of the modes that move the shaft."""
+SHAFT = 1  #: nodal diameter of the modes that move the shaft
 
 HIGHEST = 2.0
 """Upper limit of the coincidence speed, divided by the sum of rotor and casing frequency."""

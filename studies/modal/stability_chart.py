@@ -16,8 +16,7 @@ from bladewhirl.studies.runs.columns import quantity
 
 StringArray = NDArray[np.str_]
 
-BORDER_STIFFNESSES = 61
-"""Number of stiffnesses at which the borders of zones are computed."""
+BORDER_STIFFNESSES = 61  #: number of stiffnesses at which the borders of zones are computed
 
 LINE_SPEEDS, ZONE_SPEEDS = 1201, 21
 """Number of speeds along a line of constant stiffness, and of the speeds that are added to them

@@ -1,4 +1,4 @@
-"""JSON documents and figures of a stability study."""
+"""Documents, tables and figures of a stability study."""
 
 from pathlib import Path
 from typing import Any
@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.coupling.springs import SIX_NAMES
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum, plot_truncation
 from bladewhirl.solvers.stability.growth import Progress, is_unstable
@@ -18,8 +19,8 @@ from bladewhirl.studies.modal.stability_chart import (
     truncation,
     zones,
 )
-from bladewhirl.studies.runs.columns import Column, rows_of
-from bladewhirl.studies.runs.figures_folder import save_figures
+from bladewhirl.studies.modal.study import Figures, Study
+from bladewhirl.studies.runs.columns import Column, facts, rows_of, table, texts
 
 BORDERS = (
     Column("kappa", "at [N/m]", ".4g"),
@@ -90,7 +91,7 @@ ROTOR_ALONE = (
 
 def point_report(
     system: System, omega: float, kappa: float, folder: Path | None, *, films: bool, overwrite: bool
-) -> dict[str, Any]:
+) -> Study:
     """Return growth rate and eigenvalues at a speed omega [rad/s] and a spring stiffness kappa
     [N/m]; draw the divergent mode into a folder unless the folder is None.
 
@@ -108,53 +109,54 @@ def point_report(
     point |= system.options()
     if isinstance(system, EvenSystem):
         point |= system.rotor_alone(omega)
-    if folder is None:
-        return point
-    if not isinstance(system, EvenSystem):
-        raise UserError(
-            f"--output {folder}: the divergent mode can be drawn only if each mode has one nodal"
-            " diameter, which requires cyclic symmetry, equal bearings and no dampers"
-        )
-    if not data["unstable"]:
-        raise UserError(
-            f"--output {folder}: expected an unstable point; at --speed"
-            f" {float(data['speed']):.6g} --kappa {kappa:g} there is no divergent mode to draw"
-        )
-    # Slow to load.
-    from bladewhirl.studies.modal.coupled_mode_figures import draw_coupled_mode
+    if folder is not None:
+        if not isinstance(system, EvenSystem):
+            raise UserError(
+                f"--output {folder}: the divergent mode can be drawn only if each mode has one"
+                " nodal diameter, which requires cyclic symmetry, equal bearings and no dampers"
+            )
+        if not data["unstable"]:
+            raise UserError(
+                f"--output {folder}: expected an unstable point; at --speed"
+                f" {float(data['speed']):.6g} --kappa {kappa:g} there is no divergent mode to draw"
+            )
+        # Slow to load.
+        from bladewhirl.studies.modal.coupled_mode_figures import draw_coupled_mode
 
-    draw_coupled_mode(system, omega, kappa, folder, films=films, overwrite=overwrite)
-    measures = [column.key.removeprefix("coupled_mode.") for column in MOTION]
-    return point | {"coupled_mode": {name: data[name].item() for name in measures if name in data}}
+        draw_coupled_mode(system, omega, kappa, folder, films=films, overwrite=overwrite)
+        measures = [column.key.removeprefix("coupled_mode.") for column in MOTION]
+        measured = {name: data[name].item() for name in measures if name in data}
+        point["coupled_mode"] = measured
+    verdict = {"stability": "unstable" if point["unstable"] else "stable"}
+    values = texts(point | verdict, (*POINT, *MOTION)) | _rotor_alone(point)
+    return Study(name="stability", document=point, tables=[facts(values)])
 
 
 def chart_report(
     system: System,
     omegas: FloatArray,
     kappas: FloatArray,
-    folder: Path | None,
     *,
     line: float,
-    overwrite: bool,
     progress: Progress | None = None,
-) -> dict[str, Any]:
-    """Return zones, coincidence speeds and largest growth rate of a chart; draw the chart into a
-    folder unless the folder is None.
+) -> Study:
+    """Return zones, coincidence speeds, largest growth rate and figures of a chart.
 
     Speeds omegas [rad/s] and spring stiffnesses kappas [N/m] are in ascending order. One figure
-    shows eigenvalues at the spring stiffness `line` [N/m]. With `overwrite`, files that bladewhirl
-    did not write are replaced.
+    shows eigenvalues at the spring stiffness `line` [N/m].
     """
     chart = stability_chart(system, omegas, kappas, progress)
-    if folder is not None:
-        figures = {"stability": (plot_chart(chart), chart)}
+
+    def figures() -> Figures:
+        drawn = {"stability": (plot_chart(chart), chart)}
         if isinstance(system, EvenSystem):
             spectrum = spectrum_along(system, omegas, line)
-            figures["spectrum"] = plot_spectrum(spectrum), spectrum
-        if isinstance(system, EvenSystem) and not system.is_six:
+            drawn["spectrum"] = plot_spectrum(spectrum), spectrum
+        if isinstance(system, EvenSystem) and set(system.modes.name) != set(SIX_NAMES):
             hidden = truncation(chart, zones(system, system.six, omegas, kappas))
-            figures["truncation"] = plot_truncation(hidden), hidden
-        save_figures(folder, figures, overwrite=overwrite)
+            drawn["truncation"] = plot_truncation(hidden), hidden
+        return drawn
+
     document = _zones(chart) if "zone" in chart.dims else {}
     growth = chart["growth"]
     largest = growth.isel(growth.argmax(...))
@@ -166,7 +168,13 @@ def chart_report(
     }
     if isinstance(system, EvenSystem):
         document |= system.rotor_alone(float(omegas[-1]))
-    return document | system.options()
+    document |= system.options()
+    tables = [facts(texts(document, CHART) | _rotor_alone(document))]
+    if "zones" in document:
+        lists = [column.key for column in BORDERS]
+        rows = [zone | {key: zone[key][-1] for key in lists} for zone in document["zones"]]
+        tables.insert(0, table(rows, ZONES, "Unstable zones"))
+    return Study(name="stability", document=document, tables=tables, figures=figures)
 
 
 def _zones(chart: xr.Dataset) -> dict[str, Any]:
@@ -180,16 +188,18 @@ def _zones(chart: xr.Dataset) -> dict[str, Any]:
     return {"zones": [*merged.values()], "coincidence_speeds": rows_of(chart, COINCIDENCES)}
 
 
-def cause_of_growth(document: dict[str, Any]) -> dict[str, str]:
-    """Return the cause of growth of the uncoupled bladed disk above a critical speed, if any; the
-    document is that of a point or of a chart."""
+def _rotor_alone(document: dict[str, Any]) -> dict[str, str]:
+    """Return the texts of `ROTOR_ALONE`, with the cause of growth of the uncoupled bladed disk
+    above a critical speed, if any; the document is that of a point or of a chart."""
+    cause = None
     if document.get("critical_speed") is None:
-        return {}
-    if document["rotation_effects"] == "centrifugal":
-        return {"cause": "no Coriolis forces; only rotation.effects = full stabilises a rotor"}
-    if document["waves_met"]:
-        return {"cause": "two waves of the bladed disk have merged; they grow without damping"}
-    if document["rotor_growth_rate"] <= 0.0:
-        return {}
-    limit = ", which no bearing damping stabilises" if document["holding_damping"] is None else ""
-    return {"cause": f"internal damping of the forward wave{limit}"}
+        pass
+    elif document["rotation_effects"] == "centrifugal":
+        cause = "no Coriolis forces; only rotation.effects = full stabilises a rotor"
+    elif document["waves_met"]:
+        cause = "two waves of the bladed disk have merged; they grow without damping"
+    elif document["rotor_growth_rate"] > 0.0:
+        unheld = document["holding_damping"] is None
+        limit = ", which no bearing damping stabilises" if unheld else ""
+        cause = f"internal damping of the forward wave{limit}"
+    return texts(document | {"cause": cause}, ROTOR_ALONE)

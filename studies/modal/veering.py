@@ -1,6 +1,5 @@
 """Frequencies against nodal diameter and shaft stiffness: Dataset, JSON document, figures."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,20 +16,17 @@ from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
 from bladewhirl.solvers.stability.veering import ShaftVeering, shaft_veering, whirl_veering
 from bladewhirl.studies.modal.modes import full_stage, modes
-from bladewhirl.studies.runs.columns import Column, quantity, rows_of
-from bladewhirl.studies.runs.figures_folder import save_figures
+from bladewhirl.studies.modal.study import Figures, Study
+from bladewhirl.studies.runs.columns import Column, facts, quantity, rows_of
 
 STIFFNESSES, DECADES = 241, 3
 """Number of shaft stiffnesses, and decades below and above the stiffness of the case."""
 
-BRANCHES = 5
-"""Number of modes drawn against the stiffness of the shaft."""
+BRANCHES = 5  #: number of modes drawn against the stiffness of the shaft
 
-CLOSE_UP = 2
-"""Number of families of the second diagram, which also shows the suspension pair."""
+CLOSE_UP = 2  #: number of families of the second diagram, which also shows the suspension pair
 
-MODE_LEVELS = ("centre", "family", "nodal_diameter")
-"""Coordinates that select a mode."""
+MODE_LEVELS = ("centre", "family", "nodal_diameter")  #: coordinates that select a mode
 
 
 def veering(
@@ -114,12 +110,12 @@ def veering_facts(diagrams: xr.Dataset) -> dict[str, str]:
     return texts | ({"suspension, rotating frame": ", ".join(frequencies)} if frequencies else {})
 
 
-def veering_document(diagrams: xr.Dataset) -> dict[str, Any]:
-    """Return the JSON document of `veering`."""
+def report(diagrams: xr.Dataset) -> Study:
+    """Return the document, facts and figures of `veering`."""
     columns = [Column(str(name)) for name in diagrams.indexes["mode"].names]
     columns += [Column("frequency_hz", variable="frequency")]
     columns += [Column("normalised", variable="normalised_frequency")]
-    return {
+    document = {
         "reference_frequency_hz": diagrams.attrs["reference_frequency_hz"],
         "modes": rows_of(diagrams, columns),
         "shaft": {
@@ -128,6 +124,18 @@ def veering_document(diagrams: xr.Dataset) -> dict[str, Any]:
             "spring_share": diagrams["branch_spring_share"].values.tolist(),
         },
     }
+
+    def figures() -> Figures:
+        families = diagrams.drop_dims(("stiffness", "branch")).reset_index("mode")
+        return {
+            "families": (plot_families(diagrams), families),
+            "first-families": (plot_families(diagrams, CLOSE_UP), families),
+            "shaft": (plot_shaft_veering(diagrams), diagrams.drop_dims("mode")),
+        }
+
+    return Study(
+        name="veering", document=document, tables=[facts(veering_facts(diagrams))], figures=figures
+    )
 
 
 def clamping_shifts(diagrams: xr.Dataset) -> dict[int, float]:
@@ -171,22 +179,6 @@ def spring_stiffnesses(
         raise UserError(f"--stiffnesses {interval[0]:g}: expected a START above zero")
     first, last = interval.tolist()
     return np.geomspace(first, last, STIFFNESSES)
-
-
-def draw_veering(diagrams: xr.Dataset, folder: Path, *, overwrite: bool = False) -> None:
-    """Draw the diagrams from `veering` into a folder; with `overwrite`, existing files that
-    bladewhirl did not write are replaced.
-
-    Raises:
-        UserError: a file cannot be written, or exists and was not written by bladewhirl.
-    """
-    families = diagrams.drop_dims(("stiffness", "branch")).reset_index("mode")
-    figures = {
-        "families": (plot_families(diagrams), families),
-        "first-families": (plot_families(diagrams, CLOSE_UP), families),
-        "shaft": (plot_shaft_veering(diagrams), diagrams.drop_dims("mode")),
-    }
-    save_figures(folder, figures, overwrite=overwrite)
 
 
 def _families(computed: xr.Dataset, families: int) -> xr.Dataset:

@@ -134,8 +134,7 @@ def check(row: Mapping[str, str], value: Any) -> Check:
     return Check(text=text, met=met, essential=row["essential"] == "yes")
 
 
-CLAIMS: dict[int, Claim] = {}
-"""All claims by number, filled by the modules claims_*."""
+CLAIMS: dict[int, Claim] = {}  #: all claims by number, filled by the modules claims_*
 
 
 ROWS = {int(row["number"]): row for row in packaged_rows(__package__, "claims.csv")}

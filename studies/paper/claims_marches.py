@@ -12,11 +12,9 @@ from bladewhirl.studies.paper.trials import NotTestableError
 
 MILLI, MICRO = 1e3, 1e6
 
-EARLY = 0.5
-"""End of the transient in the paper [s]."""
+EARLY = 0.5  #: end of the transient in the paper [s]
 
-STEADY_FROM = 1.1
-"""Time after which the paper's orbit is steady [s]."""
+STEADY_FROM = 1.1  #: time after which the paper's orbit is steady [s]
 
 
 def descending(values: Mapping[str, float]) -> list[str]:
@@ -111,7 +109,7 @@ def contact_side(motion: Motion) -> Measures:
     """Return whirl, scenario, phase shift [°] and numbers of blades by contact class."""
     return {
         "regime": motion.regime.name,
-        "touches": motion.touches_late,
+        "touches": motion.blades["free"] < motion.result.sizes["blade"],
         "direction": motion.late_whirl("static").direction,
         "scenario": motion.scenario,
         "lead": motion.lead,

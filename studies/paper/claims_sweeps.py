@@ -10,17 +10,14 @@ from bladewhirl.studies.paper.claim import Measures, measures
 from bladewhirl.studies.paper.claims_marches import MILLI, descending
 from bladewhirl.studies.paper.trials import KAPPAS, NotTestableError
 
-AROUND = (0.95, 1.15)
-"""Range of normalised speeds regarded as near the first coincidence, 1.05."""
+AROUND = (0.95, 1.15)  #: range of normalised speeds regarded as near the first coincidence, 1.05
 
-HIGH = (1.42, 1.75)
-"""Normalised speeds with high amplitudes in the paper."""
+HIGH = (1.42, 1.75)  #: normalised speeds with high amplitudes in the paper
 
 LIMIT = 1.52
 """Normalised speed above which the paper's march of six modes diverges under imbalance."""
 
-ROUNDING = 1e-9
-"""Rounding error of normalised speeds, for comparing their differences with a step."""
+ROUNDING = 1e-9  #: rounding error of normalised speeds, for comparing their differences with a step
 
 
 def done_points(sweep: xr.Dataset) -> xr.Dataset:
@@ -38,15 +35,6 @@ def _radii(sweep: xr.Dataset, ends: tuple[float, float]) -> tuple[Array, Array, 
     return speed, radius, float(np.median(radius[inside]) / np.median(radius[~inside]))
 
 
-def _divergent_groups(speeds: Array, divergent: Array) -> list[tuple[float, float]]:
-    """Return the first and last speed of each group of neighbouring divergent speeds."""
-    marks = np.flatnonzero(np.diff(np.concatenate([[0], divergent.astype(int), [0]])))
-    return [
-        (float(speeds[a]), float(speeds[b - 1]))
-        for a, b in zip(marks[::2], marks[1::2], strict=True)
-    ]
-
-
 @measures(18)
 def highest_around_the_coincidence(sweep: xr.Dataset) -> Measures:
     """Return the largest radius [mm], its speed, and the ratio of median radii near the first
@@ -61,7 +49,8 @@ def other_critical_speeds(motion: Motion, sweep: xr.Dataset) -> Measures:
     """Return groups of divergent speeds, and the number of groups above the first coincidence."""
     done = done_points(sweep)
     speeds, divergent = done["march_speed"].values, done["regime"].values == "divergent"
-    groups = _divergent_groups(speeds, divergent)
+    marks = np.flatnonzero(np.diff(np.concatenate([[0], divergent.astype(int), [0]])))
+    groups = np.column_stack([speeds[marks[::2]], speeds[marks[1::2] - 1]]).tolist()  # neighbours
     texts = [f"{a:.4g}" if a == b else f"{a:.4g}–{b:.4g}" for a, b in groups]
     return {
         "regime": motion.regime.name,

@@ -18,11 +18,10 @@ from bladewhirl.postprocess.reports.page import ReportFigure
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.solvers.stability.growth import is_unstable
-from bladewhirl.studies.modal.campbell import campbell, draw_campbell
+from bladewhirl.studies.modal import campbell, veering
 from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
 from bladewhirl.studies.modal.stability import fastest_mode
 from bladewhirl.studies.modal.stability_chart import spectrum_along, stability_chart
-from bladewhirl.studies.modal.veering import draw_veering, veering
 from bladewhirl.studies.paper.claims_modal import EXAMPLE, RANGE
 from bladewhirl.studies.paper.modal_numbers import OPERATING
 from bladewhirl.studies.paper.trials import Evidence, NotTestableError
@@ -121,10 +120,12 @@ _MODAL: Mapping[str, Draw] = {
     "modes": lambda evidence, folder: draw_modes(
         evidence.stage, plan_pictures(evidence.stage, shapes=None, animate="", wave=None), folder
     ),
-    "veering": lambda evidence, folder: draw_veering(veering(evidence.stage, families=5), folder),
-    "campbell": lambda evidence, folder: draw_campbell(
-        campbell(evidence.stage, families=2, operating=OPERATING), folder
-    ),
+    "veering": lambda evidence, folder: veering.report(
+        veering.veering(evidence.stage, families=5)
+    ).draw(folder),
+    "campbell": lambda evidence, folder: campbell.report(
+        campbell.campbell(evidence.stage, families=2, operating=OPERATING)
+    ).draw(folder),
     "stability": _draw_chart,
     "coupled-mode": _draw_coupled_mode,
 }

@@ -34,11 +34,9 @@ RUNS_NAME, FIGURES_NAME = "runs", "figures"
 CASES_IN_WORDS = "claims 1 to 15: fan_stage; claims 16 to 46: casing_distortion, imbalance"
 """Examples from which the claims are judged; the examples can have different stages."""
 
-SMALLEST_STEP = 1e-4
-"""Smallest step of a sweep over speed, which gives 10,500 speeds."""
+SMALLEST_STEP = 1e-4  #: smallest step of a sweep over speed, which gives 10,500 speeds
 
-REPEATS = 3
-"""Number of times that a march is judged, each time with a slightly different force."""
+REPEATS = 3  #: number of times that a march is judged, each time with a slightly different force
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,8 +17,7 @@ from bladewhirl.studies.modal.veering import clamping_shifts, suspension_frequen
 SHOWN_FAMILIES = 12
 """Number of families in the paper's Fig. 7(a)."""
 
-PURE = 0.99
-"""Smallest share of a nodal diameter in a mode that is assigned to this nodal diameter."""
+PURE = 0.99  #: smallest share of a nodal diameter in a mode that is assigned to this nodal diameter
 
 OPERATING = (0.6, 2.0)
 CROSSINGS = (0.7, 1.3)

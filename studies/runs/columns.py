@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,6 +51,36 @@ def texts(document: Mapping[str, Any], columns: Sequence[Column]) -> dict[str, s
     """Return the texts of values by heading; values that the document lacks are left out."""
     present = [column for column in columns if column.value(document) is not None]
     return {column.heading: column.text(document) for column in present}
+
+
+def table(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], title: str = "") -> Table:
+    """Return a table with a line for each row; columns without a heading are left out.
+
+    On a narrow terminal, headings and texts of the first column break between words; numbers do
+    not break, and nothing is cut.
+    """
+    from rich import box
+    from rich.markup import escape
+    from rich.table import Table
+
+    printed = Table(
+        title=escape(title) or None,
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+        title_style="bold",
+        pad_edge=False,
+        collapse_padding=True,
+    )
+    columns = [column for column in columns if column.heading]
+    cells = [[column.text(row) for column in columns] for row in rows]
+    for place, column in enumerate(columns):
+        whole = [*column.heading.split(), *(row[place] for row in cells if place)]
+        justify: Literal["left", "right"] = "right" if column.form else "left"
+        width = max(map(len, whole), default=1)
+        printed.add_column(escape(column.heading), justify=justify, min_width=width)
+    for row in cells:
+        printed.add_row(*map(escape, row))
+    return printed
 
 
 def facts(values: Mapping[str, str]) -> Table:

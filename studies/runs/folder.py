@@ -59,13 +59,8 @@ def check_free(directory: Path, *, overwrite: bool) -> None:
         )
     if not directory.is_dir():
         raise UserError(f"{directory}: expected a folder to overwrite, found a file")
-    if not is_run(directory):
+    if RESULT_NAME not in listed(directory) and PACKAGE not in read_provenance(directory):
         raise UserError(f"{directory}: expected an empty folder or the folder of a run")
-
-
-def is_run(directory: Path) -> bool:
-    """Return whether a folder contains a run, complete or only begun."""
-    return RESULT_NAME in listed(directory) or PACKAGE in read_provenance(directory)
 
 
 def read_provenance(directory: Path) -> dict[str, Any]:

@@ -25,8 +25,7 @@ from bladewhirl.solvers.march.recorder import result_bytes
 
 TURN = 2.0 * np.pi
 
-LOWEST = 12
-"""Number of frequencies listed for a body without cyclic symmetry."""
+LOWEST = 12  #: number of frequencies listed for a body without cyclic symmetry
 
 
 MARCHES = {True: "harmonic by harmonic", False: "by dense products"}
@@ -224,11 +223,7 @@ def superelement_properties(stage: SuperelementStage) -> dict[str, Any]:
         "coordinates": stage.part.size,
         "copies": stage.copies,
         "reference_frequency": {"hz": reference / (2.0 * np.pi), "rad_per_s": reference},
-        "speed": {
-            "rad_per_s": speed,
-            "rpm": speed * 30.0 / np.pi,
-            "normalised": speed / reference,
-        },
+        "speed": {"rad_per_s": speed, "rpm": speed * 30.0 / np.pi, "normalised": speed / reference},
         "modes": problem.frequency.shape[1],
         "smallest_clearance": float(problem.wall[:, 0].min() + stage.recess.min()),
         **({"coating": coating} if coating else {}),

@@ -116,10 +116,7 @@ def march_to_file(
 
 
 def march_in_memory(
-    prepared: Prepared,
-    room: dict[str, Values] | None = None,
-    *,
-    casing: bool = True,
+    prepared: Prepared, room: dict[str, Values] | None = None, *, casing: bool = True
 ) -> tuple[xr.Dataset, dict[str, float]]:
     """March with records in memory; return the result and the quality measures of `march_to_file`.
 

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 
     from bladewhirl.postprocess.pictures.choices import Field, Frame
 
-SHEET_PICTURES = 9
-"""Default number of pictures of a sheet."""
+SHEET_PICTURES = 9  #: default number of pictures of a sheet
 
 
 def render(

@@ -12,8 +12,7 @@ from bladewhirl.solvers.march.schema import NODES
 from bladewhirl.studies.runs.march_texts import attributes
 from bladewhirl.studies.runs.prepare import prepare
 
-CLEARANCE_SHARE = 0.1
-"""Largest drawn clearance, divided by the size of a blade."""
+CLEARANCE_SHARE = 0.1  #: largest drawn clearance, divided by the size of a blade
 
 
 def draw_superelement(stage: SuperelementStage, path: Path) -> None:

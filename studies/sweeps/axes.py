@@ -21,19 +21,16 @@ from bladewhirl.models.inputs.units import Speed
 from bladewhirl.postprocess.sweep.dataset import DRAW, POINT
 from bladewhirl.studies.sweeps.draws import PERTURB, Draws
 
-Value = int | float | str
-"""Value as in a case file: a number, or text with a unit."""
+Value = int | float | str  #: value as in a case file: a number, or text with a unit
 
 OVER, TABLE = "--over", "--table"
 
-ASKED_POINTS = 100_000
-"""Largest number of points of a sweep without confirmation."""
+ASKED_POINTS = 100_000  #: largest number of points of a sweep without confirmation
 
 MOST_POINTS = 10_000_000
 """Largest number of points of a range; a larger range is taken as a typing error."""
 
-ON_GRID = Decimal("1e-6")
-"""Tolerance for including the stop of a range, relative to the step."""
+ON_GRID = Decimal("1e-6")  #: tolerance for including the stop of a range, relative to the step
 
 NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*", re.ASCII)
 

@@ -17,11 +17,9 @@ from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 from bladewhirl.studies.sweeps.workers import march_points
 
-KEY_LENGTH = 16
-"""Number of characters in the name of a run."""
+KEY_LENGTH = 16  #: number of characters in the name of a run
 
-Progress = Callable[[int, int], None]
-"""Called with the numbers of finished runs and of all runs."""
+Progress = Callable[[int, int], None]  #: called with the numbers of finished runs and of all runs
 
 
 def run_key(case: Case) -> str:

@@ -6,7 +6,7 @@ chains are marched in parallel.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal, get_args
 from zipfile import BadZipFile
@@ -20,14 +20,13 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.boundary_problem import Problem
-from bladewhirl.models.stage.contact_problem import Load, Start
+from bladewhirl.models.stage.contact_problem import Start
 from bladewhirl.models.stage.marched import MarchedStage
 from bladewhirl.postprocess.sweep.dataset import DONE, flag
 
 CONTINUE = "--continue"
 
-Carry = Literal["up", "down"]
-"""Direction in which the speed changes."""
+Carry = Literal["up", "down"]  #: direction in which the speed changes
 
 CARRIES: tuple[Carry, ...] = get_args(Carry)
 
@@ -36,8 +35,7 @@ SPEED = "march.speed"
 STATES_NAME = "states"
 """Name of the folder with the final state of each march, until the sweep is complete."""
 
-LATE_SHARE = 1.0 / 3.0
-"""The state is taken from this fraction of a march, at its end."""
+LATE_SHARE = 1.0 / 3.0  #: the state is taken from this fraction of a march, at its end
 
 FEWEST_TURNS = 3.0
 """Smallest number of revolutions of a march, so that the state is from its last revolutions."""
@@ -53,22 +51,12 @@ CARRY_RULE = (
 COMPLETED = flag("end_reason", "completed")
 
 
-@dataclass(frozen=True, kw_only=True)
-class CarriedState:
-    """Motion that is carried to the next speed: fields on the free degrees of freedom of the bladed
-    disk, whose modes can depend on the speed, and modal coordinates of the casing. The bladed disk
-    of a superelement is in modal coordinates."""
+def late_state(stage: MarchedStage, result: xr.Dataset) -> Start:
+    """Return the motion of a result that is carried to the next speed, see `CARRY_RULE`.
 
-    rotor: FloatArray
-    """Displacements of the bladed disk [m, rad], (size,); of a superelement [kg^1/2 m], (copies,
-    modes)."""
-    rotor_velocity: FloatArray  #: rates of `rotor` in rotating axes
-    casing: FloatArray  #: modal displacements of the casing [kg^1/2 m], (casing modes,)
-    casing_velocity: FloatArray  #: modal velocities of the casing [kg^1/2 m/s], (casing modes,)
-
-
-def late_state(stage: MarchedStage, result: xr.Dataset) -> CarriedState:
-    """Return the motion of a result that is carried to the next speed, see `CARRY_RULE`."""
+    The modes of the bladed disk can depend on the speed; the motion of beams is therefore given on
+    the free degrees of freedom, see `MarchedStage.fields`.
+    """
     time = result["time"].values
     late = np.flatnonzero(time >= (1.0 - LATE_SHARE) * time[-1])[::-1]
     angle = stage.speed * time[late]
@@ -85,32 +73,28 @@ def late_state(stage: MarchedStage, result: xr.Dataset) -> CarriedState:
     }
     for name in ("rotor", "rotor_velocity"):
         motion[name] = stage.fields(motion[name])
-    return CarriedState(**motion)
+    return Start(**motion)
 
 
-def continued(stage: MarchedStage, problem: Problem, state: CarriedState) -> Problem:
+def continued(stage: MarchedStage, problem: Problem, state: Start) -> Problem:
     """Return the contact problem of a march that starts from a state, without ramps of its loads,
     and without loads that end."""
     start = replace(
-        Start(**vars(state)),
+        state,
         rotor=stage.coordinates(state.rotor),
         rotor_velocity=stage.coordinates(state.rotor_velocity),
     )
-    return replace(problem, start=start, loads=_lasting(problem.loads))
+    lasting = (replace(load, ramp=0.0) for load in problem.loads if np.isinf(load.end))
+    return replace(problem, start=start, loads=tuple(lasting))
 
 
-def _lasting(loads: tuple[Load, ...]) -> tuple[Load, ...]:
-    """Return the loads that do not end, without their ramps."""
-    return tuple(replace(load, ramp=0.0) for load in loads if np.isinf(load.end))
-
-
-def write_state(path: Path, state: CarriedState) -> None:
+def write_state(path: Path, state: Start) -> None:
     """Write a state, completely or not at all."""
     with replacing(path) as draft, draft.open("wb") as stream:
         np.savez(stream, **vars(state))
 
 
-def read_state(path: Path) -> CarriedState:
+def read_state(path: Path) -> Start:
     """Read a state.
 
     Raises:
@@ -118,7 +102,7 @@ def read_state(path: Path) -> CarriedState:
     """
     try:
         with np.load(path, allow_pickle=False) as content:
-            return CarriedState(**{name: content[name] for name in content.files})
+            return Start(**{name: content[name] for name in content.files})
     except (OSError, ValueError, KeyError, TypeError, BadZipFile, EOFError) as error:
         raise UserError(f"{path}: expected the state at the speed before ({error})") from None
 

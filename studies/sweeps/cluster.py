@@ -24,8 +24,7 @@ except ImportError as error:
 ENCRYPTION = "distributed.comm.require-encryption"
 """Setting of dask; an explicit false permits a scheduler without TLS."""
 
-PATIENCE = 30.0
-"""Time limit for the answer of a scheduler [s]."""
+PATIENCE = 30.0  #: time limit for the answer of a scheduler [s]
 
 IDLE, PAUSE = 10.0, 0.01
 """Time without a worker after which the user is warned, and time between two looks [s]."""

@@ -16,8 +16,7 @@ from bladewhirl.models.inputs.errors import UserError
 
 PERTURB, UNTIL = "--perturb", "--until"
 
-MOST_DRAWS = 10_000
-"""Largest number of random draws of a point."""
+MOST_DRAWS = 10_000  #: largest number of random draws of a point
 
 _FORM = re.compile(
     r"\s*([\w.]+)\s*=\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"

@@ -21,8 +21,7 @@ above the frequencies of the second blade family of the default stage."""
 MOST_LINES = 20_001
 """Largest number of frequencies of a spectrum; limits the frequency range of very long marches."""
 
-MOST_SAMPLES = 1000
-"""Largest number of samples of a decimated history."""
+MOST_SAMPLES = 1000  #: largest number of samples of a decimated history
 
 
 @dataclass(kw_only=True)

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -50,8 +50,7 @@ SCREEN_RULE = (
 )
 """Text of the rule, which every screened sweep contains."""
 
-PLAN_NAME = "sweep.json"
-"""Name of the file with the plan of a sweep, for resuming it."""
+PLAN_NAME = "sweep.json"  #: name of the file with the plan of a sweep, for resuming it
 
 CHECKED_STAGES = 32
 """Number of stages validated before a sweep; faults of other stages appear as failed points."""
@@ -63,17 +62,23 @@ hours, such a sweep weeks on many cores."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class SweepPlan:
+class SweepOptions:
+    """How the points of a sweep are marched."""
+
+    histories: bool = False  #: whether full histories are kept
+    stop_when: StopWhen | None = None  #: condition for ending a march early, see `free_motion.RULE`
+    screen: bool = False  #: whether points are screened, see `SCREEN_RULE`
+    carry: Carry | None = None  #: direction in which the motion is carried, see `CARRY_RULE`
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepPlan(SweepOptions):
     """Validated sweep with its points and cost."""
 
     case: Case
     grid: Grid
     coordinates: Coordinates
     layout: Layout
-    histories: bool
-    stop_when: StopWhen | None
-    screen: bool  #: whether points are screened, see `SCREEN_RULE`
-    carry: Carry | None  #: direction in which the motion is carried, see `CARRY_RULE`
     steps: int  #: number of steps of all marches together, if none ends early
     history_bytes: int  #: size of all full histories [bytes]
 
@@ -85,15 +90,7 @@ class SweepPlan:
     @property
     def digest(self) -> str:
         """Digest of the input of the points, see `plan_digest`."""
-        return plan_digest(
-            self.case,
-            self.grid.over,
-            self.stop_when,
-            self.grid.draws,
-            self.grid.listed,
-            screen=self.screen,
-            carry=self.carry,
-        )
+        return plan_digest(self.case, self.grid.over, self, self.grid.draws, self.grid.listed)
 
     @property
     def attributes(self) -> dict[str, str]:
@@ -130,14 +127,7 @@ class SweepPlan:
 
 
 def plan_sweep(
-    case: Case,
-    grid: Grid,
-    *,
-    histories: bool,
-    large: bool = True,
-    stop_when: StopWhen | None = None,
-    screen: bool = False,
-    carry: Carry | None = None,
+    case: Case, grid: Grid, options: SweepOptions | None = None, *, large: bool = True
 ) -> SweepPlan:
     """Validate every point of a sweep and estimate its cost.
 
@@ -146,16 +136,15 @@ def plan_sweep(
     Args:
         case: case that is varied.
         grid: points of the sweep.
-        histories: whether full histories are kept.
+        options: how the points are marched; the defaults if None.
         large: whether to allow more than a billion steps of a march, or a trillion of the sweep.
-        stop_when: condition for ending a march early, see `free_motion.RULE`.
-        screen: whether points are screened, see `SCREEN_RULE`.
-        carry: direction in which the motion is carried from speed to speed, see `CARRY_RULE`.
 
     Raises:
         UserError: the case has errors at a point, which the message names; there are more steps
             than allowed; or a case does not permit `stop_when` or `screen`.
     """
+    options = options or SweepOptions()
+    histories, screen, stop_when = options.histories, options.screen, options.stop_when
     with grid.naming(0):
         stage = stage_at(with_values(case, grid.values(0)))
     extent = march_extent(each.in_seconds(stage.reference_frequency) for each in grid.cases(case))
@@ -176,7 +165,7 @@ def plan_sweep(
             f"{SCREEN}: not allowed together with --histories: a screening march has no accurate"
             " stresses, nor spectra above its cut-off frequency"
         )
-    if carry is not None:
+    if options.carry is not None:
         others = histories or screen or stop_when or (grid.draws and grid.draws.until)
         _check_carry(case, grid, coordinates, others=bool(others))
     if stop_when is not None:
@@ -190,10 +179,7 @@ def plan_sweep(
         grid=grid,
         coordinates=coordinates,
         layout=make_layout(extent, stage),
-        histories=histories,
-        stop_when=stop_when,
-        screen=screen,
-        carry=carry,
+        **asdict(options),
         steps=extent.steps,
         history_bytes=history_bytes(extent, stage) if histories else 0,
     )
@@ -209,22 +195,19 @@ def _described(draws: Draws) -> dict[str, Any]:
 def plan_digest(
     case: Case,
     over: Mapping[str, Any],
-    stop_when: StopWhen | None,
-    draws: Draws | None = None,
-    table: Mapping[str, Any] | None = None,
-    *,
-    screen: bool = False,
-    carry: Carry | None = None,
+    options: SweepOptions,
+    draws: Draws | None,
+    table: Mapping[str, Any],
 ) -> str:
     """Return the SHA-256 digest of all input of the points; plan and dataset contain this
     digest."""
     # The last entry, 1, is the number of points marched together.
     made_by = [folder.version(), SWEEP_FORMAT, dict(over), 1]
-    made_by += [] if stop_when is None else [stop_when]
+    made_by += [] if options.stop_when is None else [options.stop_when]
     made_by += [] if draws is None else [_described(draws)]
     made_by += [dict(table)] if table else []
-    made_by += [SCREEN] if screen else []
-    made_by += [CONTINUE, carry] if carry else []
+    made_by += [SCREEN] if options.screen else []
+    made_by += [CONTINUE, options.carry] if options.carry else []
     whole = sha256(json.dumps(made_by).encode())
     for name, content in folder.case_files(case).items():
         whole.update(name.encode() + content)
@@ -282,12 +265,13 @@ def read_plan(directory: Path) -> SweepPlan:
             {str(key): tuple(values) for key, values in dict(given).items()}
             for given in (document["over"], document.get("table", {}))
         )
-        histories = bool(document["histories"])
-        stop_rule = document.get("stop_when")
-        stop_when = None if stop_rule is None else STOPS[STOPS.index(stop_rule)]
-        screen = bool(document.get("screen", False))
-        direction = document.get("carry")
-        carry = None if direction is None else CARRIES[CARRIES.index(direction)]
+        stop_rule, direction = document.get("stop_when"), document.get("carry")
+        options = SweepOptions(
+            histories=bool(document["histories"]),
+            stop_when=None if stop_rule is None else STOPS[STOPS.index(stop_rule)],
+            screen=bool(document.get("screen", False)),
+            carry=None if direction is None else CARRIES[CARRIES.index(direction)],
+        )
         drawn = document.get("draws")
         draws = drawn and parse_draws(
             drawn["count"], drawn["perturb"], drawn["seed"], drawn.get("until")
@@ -298,7 +282,7 @@ def read_plan(directory: Path) -> SweepPlan:
         raise UserError(f"{path}: expected the plan of a sweep ({error!r})") from None
     case = loads(text, file=str(path))
     try:
-        digest = plan_digest(case, over, stop_when, draws, table, screen=screen, carry=carry)
+        digest = plan_digest(case, over, options, draws, table)
     except OSError as error:  # raised for the mesh file
         raise UserError(f"{error.filename}: expected a readable file ({error.strerror})") from None
     if document.get("digest") != digest:
@@ -311,9 +295,7 @@ def read_plan(directory: Path) -> SweepPlan:
         )
     points = PointTable(values=table) if table else None
     grid = make_grid(case, over, large=True, draws=draws, table=points)
-    return plan_sweep(
-        case, grid, histories=histories, stop_when=stop_when, screen=screen, carry=carry
-    )
+    return plan_sweep(case, grid, options)
 
 
 def _coordinates(case: Case, grid: Grid) -> Coordinates:

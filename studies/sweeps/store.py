@@ -23,13 +23,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT
 from bladewhirl.postprocess.sweep import dataset
-from bladewhirl.solvers.march.schema import (
-    MODEL,
-    SCREENING,
-    SUPERELEMENT,
-    SWEEP_FORMAT,
-    tables_of,
-)
+from bladewhirl.solvers.march.schema import MODEL, SCREENING, SUPERELEMENT, SWEEP_FORMAT, tables_of
 from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
 from bladewhirl.studies.sweeps.axes import Grid
 from bladewhirl.studies.sweeps.points import Failure, Outcome

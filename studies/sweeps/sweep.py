@@ -9,6 +9,7 @@ import shutil
 import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -26,24 +27,29 @@ from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import OVER, TABLE, Grid, PointTable, Value, make_grid
 from bladewhirl.studies.sweeps.carried import STATES_NAME, Carry
 from bladewhirl.studies.sweeps.draws import UNTIL, parse_draws
-from bladewhirl.studies.sweeps.plan import SweepPlan, plan_sweep, read_plan, require_new, write_plan
+from bladewhirl.studies.sweeps.plan import (
+    SweepOptions,
+    SweepPlan,
+    plan_sweep,
+    read_plan,
+    require_new,
+    write_plan,
+)
 from bladewhirl.studies.sweeps.points import Work
 from bladewhirl.studies.sweeps.rounds import Rounds
 from bladewhirl.studies.sweeps.store import Store, create
 from bladewhirl.studies.sweeps.table import Columns, point_table
 from bladewhirl.studies.sweeps.workers import march_points
 
-HISTORIES_NAME = "histories"
-"""Name of the folder of full histories."""
+HISTORIES_NAME = "histories"  #: name of the folder of full histories
 
 
 @dataclass(frozen=True, kw_only=True)
 class Watch:
     """Progress callbacks of a sweep."""
 
-    planned: Callable[[SweepPlan], None] = lambda plan: (
-        None
-    )  #: called once, before anything is written
+    #: called once, before anything is written
+    planned: Callable[[SweepPlan], None] = lambda plan: None
     progress: Callable[[int, int, int], None] = lambda done, failed, points: None
     """Called after every point with the numbers of finished, failed and all points."""
 
@@ -155,15 +161,8 @@ def run_sweep(
         draws=parse_draws(draws, perturb, seed, until),
         table=None if table is None else point_table(table),
     )
-    plan = plan_sweep(
-        case,
-        grid,
-        histories=histories,
-        large=large,
-        stop_when=stop_when,
-        screen=screen,
-        carry=carry,
-    )
+    options = SweepOptions(histories=histories, stop_when=stop_when, screen=screen, carry=carry)
+    plan = plan_sweep(case, grid, options, large=large)
     for hint in plan.hints:
         warnings.warn(hint, Hint, stacklevel=2)
     watch = watch or Watch()
@@ -223,14 +222,8 @@ def _carry_out(
     if plan.carry is not None:
         states.mkdir(exist_ok=True)
     if not (directory / SWEEP_NAME).exists():
-        create(
-            directory,
-            plan.grid,
-            plan.coordinates,
-            plan.layout,
-            plan.attributes,
-            screen=plan.screen,
-        )
+        grid, attributes = plan.grid, plan.attributes
+        create(directory, grid, plan.coordinates, plan.layout, attributes, screen=plan.screen)
     with Store(directory, plan.grid, plan.digest) as store:
         # The data of a point must match the file, not the defaults of this computer.
         layout = replace(plan.layout, frequency=store.frequency)
@@ -309,25 +302,17 @@ def _add_draws(
     table = PointTable(values=plan.grid.listed) if plan.grid.table else None
     more = replace(draws, count=count, until=until or draws.until)
     grid = make_grid(plan.case, plan.grid.over, large=True, draws=more, table=table)
-    wider = plan_sweep(
-        plan.case, grid, histories=False, stop_when=plan.stop_when, screen=plan.screen
-    )
-    if not _is_dataset_of(wider, directory):
+    wider = plan_sweep(plan.case, grid, SweepOptions(stop_when=plan.stop_when, screen=plan.screen))
+    widened = False
+    with suppress(UserError), Store(directory, wider.grid, wider.digest):
+        widened = True
+    if not widened:
         with TemporaryDirectory(prefix=PREFIX, dir=directory) as draft:
             _copy_draws(plan, directory, wider, Path(draft))
             os.replace(Path(draft) / SWEEP_NAME, directory / SWEEP_NAME)
     (directory / folder.FAILURES_NAME).unlink(missing_ok=True)  # they are marched again
     write_plan(wider, directory)
     return wider
-
-
-def _is_dataset_of(plan: SweepPlan, directory: Path) -> bool:
-    """Return whether the dataset in a folder is that of a plan."""
-    try:
-        with Store(directory, plan.grid, plan.digest):
-            return True
-    except UserError:
-        return False
 
 
 def _copy_draws(plan: SweepPlan, directory: Path, more: SweepPlan, draft: Path) -> None:

@@ -18,8 +18,7 @@ from types import ModuleType
 from bladewhirl.studies.runs.interrupts import held_back, leave_with_parent
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 
-READY = 1
-"""Number of points that wait for each worker, so that no worker is ever idle."""
+READY = 1  #: number of points that wait for each worker, so that no worker is ever idle
 
 
 def march_points(

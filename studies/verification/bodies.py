@@ -23,8 +23,7 @@ from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.solvers.march.scheme import make_scheme
 
-FAR = 1e3
-"""Displacement limit that is never reached [m]."""
+FAR = 1e3  #: displacement limit that is never reached [m]
 
 
 def small_rotor(frequency: FloatArray, tips: int = 1, **rows: Any) -> ReducedRotor:

@@ -25,11 +25,9 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.files import packaged_rows
 
-Pair = tuple[ArrayLike, ArrayLike]
-"""Reference value and computed value."""
+Pair = tuple[ArrayLike, ArrayLike]  #: reference value and computed value
 
-Pairs = Mapping[str, Pair]
-"""Pairs of several cases, by name of the case."""
+Pairs = Mapping[str, Pair]  #: pairs of several cases, by name of the case
 
 Measure = Literal["relative", "of largest", "absolute"]
 """Kind of error: divided by the reference, divided by the largest entry of the reference, or the
@@ -102,8 +100,7 @@ class VerificationCase(Row):
         )
 
 
-CASES: list[VerificationCase] = []
-"""All cases of the modules imported so far."""
+CASES: list[VerificationCase] = []  #: all cases of the modules imported so far
 
 
 FOLDER = resources.files("bladewhirl.studies.verification") / "data"

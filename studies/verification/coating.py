@@ -9,12 +9,7 @@ from typing import Any
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    Load,
-    ReducedCasing,
-    WallCoating,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load, ReducedCasing, WallCoating
 from bladewhirl.postprocess.run.wear import lobe_shares
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords
 from bladewhirl.studies.verification.bodies import (

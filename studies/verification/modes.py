@@ -20,8 +20,7 @@ from bladewhirl.studies.verification import stages
 from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 
 CENTRES = ("free", "clamped")
-LISTED = 92
-"""Number of modes in the reference results."""
+LISTED = 92  #: number of modes in the reference results
 
 SPAN, TIP_MASS = 0.45, 0.1
 

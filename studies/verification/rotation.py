@@ -165,8 +165,7 @@ def steady_answer(stage: str) -> Pair:
     return [known_answer[1:] for known_answer in row["steady_per_newton"]], computed
 
 
-HUB, SHAFT = 0.05, 2e6
-"""Radius of the hub [m], and stiffness of a shaft spring [N/m]."""
+HUB, SHAFT = 0.05, 2e6  #: radius of the hub [m], and stiffness of a shaft spring [N/m]
 
 
 def blades_on(

@@ -74,8 +74,7 @@ def disk_modes(disk: BladedDiskModel, count: int | None = None) -> Modes:
     return structure_modes(disk.structure, tip_in_sector(disk), count)
 
 
-RADIUS = 0.501
-"""Radius of the rings of the reference results [m]."""
+RADIUS = 0.501  #: radius of the rings of the reference results [m]
 
 
 def ring(

@@ -98,10 +98,7 @@ def twisted_blade() -> Superelement:
     z = 0.05 * chord * np.cos(angle) - thickness * depth * np.sin(angle)
     radius = 0.235 + 0.065 * span
     mesh.points = np.column_stack([np.sqrt(radius**2 - y**2), y, z])
-    mesh.point_sets = {
-        "root": np.flatnonzero(span < 1e-9),
-        "tip": np.flatnonzero(span > 1 - 1e-9),
-    }
+    mesh.point_sets = {"root": np.flatnonzero(span < 1e-9), "tip": np.flatnonzero(span > 1 - 1e-9)}
     return mesh3d(mesh, young_modulus=2.1e11, poisson_ratio=0.3, density=7800.0, contacts=9)
 
 

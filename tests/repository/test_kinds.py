@@ -37,7 +37,6 @@ LEFT = {
     "studies/commands/modal.py": 1,
     "studies/commands/render.py": 1,
     "studies/commands/results.py": 1,
-    "studies/commands/show.py": 1,
     "studies/modal/modes.py": 1,
     "studies/runs/folder.py": 1,
     "studies/runs/outputs.py": 1,

@@ -7,7 +7,7 @@ import synthetic_result as synthetic
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.studies.modal import campbell, coupled_mode_figures, stability_report, veering
+from bladewhirl.studies.modal import coupled_mode_figures, study
 
 Figures = dict[str, tuple[Figure, xr.Dataset]]
 
@@ -24,7 +24,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def saved(monkeypatch: pytest.MonkeyPatch) -> Figures:
     """Collect figures of modal studies with their data instead of saving them."""
     figures: Figures = {}
-    for module in (campbell, coupled_mode_figures, stability_report, veering):
+    for module in (coupled_mode_figures, study):
         monkeypatch.setattr(
             module, "save_figures", lambda folder, drawn, **options: figures.update(drawn)
         )

@@ -24,7 +24,7 @@ from bladewhirl.studies.commands import cli, marches, show, terminal
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.commands.terminal import progress_bar
 from bladewhirl.studies.modal import campbell, modes, response, stability_report
-from bladewhirl.studies.runs.columns import Column
+from bladewhirl.studies.runs.columns import Column, table
 
 RUNNER = CliRunner()
 
@@ -185,7 +185,7 @@ def test_tables_of_80_columns_lose_no_heading_and_no_unit(
     monkeypatch.setenv("COLUMNS", "80")
     values = {"": "backward", "d": 12}
     row = {column.key: values.get(column.form[-1:], -1.2345e-7) for column in columns}
-    terminal.emit(None, terminal.table([row], columns), json=False)
+    terminal.emit(None, table([row], columns), json=False)
     printed = capsys.readouterr().out
     assert "…" not in printed
     head, line = printed.split("─")[0], printed.rsplit("─")[-1]

@@ -106,7 +106,7 @@ def test_a_sweep_keeps_its_mesh_and_varies_its_sections(tmp_path: Path) -> None:
     case = bw.with_values(bw.read_case(elsewhere / "shrouded_fan.toml"), {"march.duration": 1e-3})
     key = "bladed_disk.mesh.sections.blades.thickness"
     grid = make_grid(case, {key: [0.005, 0.006]}, large=False)
-    write_plan(plan_sweep(case, grid, histories=False), begun)
+    write_plan(plan_sweep(case, grid), begun)
     shutil.rmtree(elsewhere)
     begun.rename(tmp_path / "moved")
     again = read_plan(tmp_path / "moved")

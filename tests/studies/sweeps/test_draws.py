@@ -92,7 +92,7 @@ def test_a_sweep_has_a_dimension_of_draws(tmp_path: Path) -> None:
     assert dict(sections["radius_peak"].sizes) == {"line": 1, "march_speed": 2, "section": 128}
     np.testing.assert_array_equal(sections["radius_peak"].values[0], peaks.reshape(2, -1))
     draws = parse_draws(2, perturb, 3)
-    plan = plan_sweep(CASE, make_grid(CASE, OVER, large=False, draws=draws), histories=False)
+    plan = plan_sweep(CASE, make_grid(CASE, OVER, large=False, draws=draws))
     (tmp_path / "plan").mkdir()
     write_plan(plan, tmp_path / "plan")
     assert read_plan(tmp_path / "plan").grid == plan.grid

@@ -108,7 +108,7 @@ def test_points_that_share_their_room_are_those_marched_in_their_own() -> None:
     """The second is shorter, the third has more records than the room that the first left."""
     case = bw.case_from({"march": {"speed": 1.05, "record_step": "20 us"}})
     grid = make_grid(case, {"march.duration": [0.004, 0.002, 0.006]}, large=False)
-    layout = plan_sweep(case, grid, histories=False).layout
+    layout = plan_sweep(case, grid).layout
     work = Work(case=dumps_case(case), layout=layout, histories="")
     points = [Point(number=number, values=grid.values(number)) for number in range(grid.size)]
     for shared, at_point in zip(

@@ -173,7 +173,7 @@ def test_a_changed_plan_is_refused(
 
 def test_a_dataset_of_another_plan_is_refused(swept: Path, tmp_path: Path) -> None:
     grid = make_grid(CASE, {"march.speed": [1, 2]}, large=False)
-    write_plan(plan_sweep(CASE, grid, histories=False), tmp_path)
+    write_plan(plan_sweep(CASE, grid), tmp_path)
     (tmp_path / "sweep.nc").write_bytes((swept / "sweep.nc").read_bytes())
     with pytest.raises(bw.UserError, match="expected the dataset of the plan in this folder"):
         resume_sweep(tmp_path)
@@ -219,7 +219,7 @@ def test_what_is_no_sweep_is_refused(tmp_path: Path) -> None:
 
 def test_implausible_values_of_a_key_are_hinted_at(tmp_path: Path) -> None:
     grid = make_grid(CASE, {"contact.friction": [0.1, 0.2, 30.0]}, large=True)
-    (hint,) = plan_sweep(CASE, grid, histories=False).hints
+    (hint,) = plan_sweep(CASE, grid).hints
     assert hint.startswith("unusual contact.friction = 30.0")
 
 

@@ -85,13 +85,13 @@ def test_more_steps_than_a_cluster_marches_in_weeks_are_asked_for() -> None:
     over = {"march.duration": (500.0, 600.0), "march.speed": speeds}
     grid = make_grid(Case(), over, large=False)
     with pytest.raises(UserError, match=r"1.1e\+12 steps of all marches are more than 1e\+12"):
-        plan_sweep(Case(), grid, histories=False, large=False)
+        plan_sweep(Case(), grid, large=False)
 
 
 def test_coordinates_are_si_numbers_with_their_unit() -> None:
     over = {"casing.clearance": ("0.5 mm", "1 mm"), "march.speed": ("60 rpm", "120 rpm")}
     case = Case(march=March(duration=1e-3))
-    plan = plan_sweep(case, make_grid(case, over, large=False), histories=False)
+    plan = plan_sweep(case, make_grid(case, over, large=False))
     clearance, metre = plan.coordinates["casing.clearance"]
     assert (clearance.tolist(), metre) == ([5e-4, 1e-3], "m")
     speed, unit = plan.coordinates["march.speed"]

@@ -72,7 +72,7 @@ def test_draws_change_the_values_of_each_row(tmp_path: Path) -> None:
     assert [round(float(each["march.speed"]), 1) for each in values] == [1.1, 1.1, 0.9, 0.9]
     assert len({each["march.speed"] for each in values}) == 4
     assert [each["casing.clearance"] for each in values] == ["0.5 mm"] * 2 + ["0.7 mm"] * 2
-    plan = plan_sweep(CASE, grid, histories=False)
+    plan = plan_sweep(CASE, grid)
     np.testing.assert_allclose(plan.coordinates["march.speed"][0], [1.1, 0.9])
     write_plan(plan, tmp_path)
     again = read_plan(tmp_path)

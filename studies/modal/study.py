@@ -1,0 +1,37 @@
+"""A modal study as its command prints and draws it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladewhirl.studies.runs.figures_folder import save_figures
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+Figures = Mapping[str, tuple[Figure, xr.Dataset]]
+"""Figures and their data, by file name without suffix."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Results of a modal study."""
+
+    name: str  #: name of the command
+    document: dict[str, Any]  #: JSON document
+    tables: "list[Table]"  #: printed without --json
+    figures: Callable[[], Figures] | None = None  #: draws the figures
+    page: Path | None = None  #: page that is already written
+
+    def draw(self, folder: Path, *, overwrite: bool = False) -> None:
+        """Draw the figures, if any, into a folder, and save their data.
+
+        Raises:
+            UserError: a file cannot be written, or exists and was not written by bladewhirl.
+        """
+        if self.figures is not None:
+            save_figures(folder, self.figures(), overwrite=overwrite)
