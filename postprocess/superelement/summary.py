@@ -33,7 +33,6 @@ TANGENTIAL = DIRECTIONS.index("tangential")
 LATE = 10
 """The impulse per revolution is averaged over up to this many complete revolutions at the end."""
 
-
 DIGESTED = (
     "regime end_reason end_time steps unsolved_steps growth_rate impulse_per_revolution"
     " casing_displacement_max energy_residual complementarity_residual dt_over_critical"
