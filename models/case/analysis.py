@@ -18,7 +18,6 @@ MOST_STEPS = 1e12
 
 WHOLE = 1e-6  #: relative tolerance with which record_step / time_step must be an integer
 
-
 MODES = 110
 """Default number of fixed-interface modes; a bladed disk with fewer keeps all of its modes."""
 

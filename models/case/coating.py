@@ -15,7 +15,6 @@ from bladewhirl.models.sections.wall import TURN, LobeRows
 Stress = Annotated[float, fields.quantity("Pa", "not negative")]
 Point = tuple[fields.Angle, fields.LengthOrZero]
 
-
 Points = Annotated[tuple[Point, ...], fields.rows('[angle, recess], as in ["90 deg", "0.1 mm"]')]
 
 

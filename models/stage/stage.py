@@ -46,7 +46,6 @@ ROUNDING = 1e-11
 
 MOST_ENTRIES = 5e8  #: largest number of entries in the mode shapes of a reduced model (4 GB)
 
-
 SHOWN_FAMILIES = ("suspension", "1F", "2F", "3F", "4F", "5F")
 """Families of the bladed disk in the printed form of a stage."""
 

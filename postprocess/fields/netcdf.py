@@ -30,7 +30,6 @@ NUMBERS = (
 TEXTS = "title version symmetry case end_reason end_message over criterion window"
 """Attributes of results and sweeps that are validated if a file contains them."""
 
-
 ROOM, DENSEST = 1e9, 100
 """A file whose arrays declare more than `ROOM` bytes and more than `DENSEST` times the size of the
 file is rejected as damaged."""

@@ -30,7 +30,6 @@ SMALL = 0.6  #: relative size of the springs of a uniform support and of the sha
 SHAFT_SPRING = 2.4  #: length of the shaft springs, relative to the springs of a uniform support
 MASS = 0.02  #: radius of a point mass
 
-
 NO_STROKES = np.zeros((0, 2, 2))
 NO_MASSES = np.zeros((0, 2))
 

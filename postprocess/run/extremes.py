@@ -13,7 +13,6 @@ FORCE_TIME = 1e-3
 """Time over which contact forces are averaged [s], unless the time between two records is longer.
 Forces are averaged because the peak force of a march grows as the time step decreases."""
 
-
 STATIONS = 4  #: points of each casing element at which its displacement is computed
 
 

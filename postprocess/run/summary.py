@@ -47,7 +47,6 @@ MARCH_REPORT: Mapping[str, type[float]] = {
 }
 """Key figures of the march that the histories in a result do not contain, with their types."""
 
-
 ROUNDING = 1e-9
 """Displacements of the shaft below this fraction of those of the tips are rounding errors."""
 

@@ -43,7 +43,6 @@ WINDOW_SHARE = 0.5
 The window is at the end of every march, after the transient. In a march that ended early the window
 is at most this fraction of the march."""
 
-
 LINE, GROUP, SAMPLE, SECTION = "mode", "energy_group", "sample", "section"
 DIRECTION = "direction"  #: name of the dimension of the directions of a contact node's displacement
 

@@ -136,7 +136,6 @@ def check(row: Mapping[str, str], value: Any) -> Check:
 
 CLAIMS: dict[int, Claim] = {}  #: all claims by number, filled by the modules claims_*
 
-
 ROWS = {int(row["number"]): row for row in packaged_rows(__package__, "claims.csv")}
 CHECKS = packaged_rows(__package__, "checks.csv")
 

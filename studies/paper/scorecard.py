@@ -21,7 +21,6 @@ STYLES: Mapping[Verdict, str] = {
     "not testable": "dim",
 }
 
-
 PLURALS: Mapping[str, str] = {"holds": "hold", "does not hold": "do not hold"}
 """Verdicts in the plural, if different from the singular."""
 

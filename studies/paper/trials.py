@@ -38,7 +38,6 @@ diverge earlier, after 1.8 to 2.1 s."""
 KAPPAS = (0.0, 500.0, 1000.0)
 """Coupling stiffnesses of the marches with six modes [N/m] (paper, Section 4.3.3)."""
 
-
 CONTACT = {"casing.support": 7.975e6, "damping.ratio": 0.001}
 """Keys by which the stage of both scenarios differs from the stage of the modal analysis."""
 
@@ -122,7 +121,6 @@ TRIALS: Mapping[str, Trial] = {
     for row in packaged_rows(__package__, "trials.csv")
 }
 """Marches in trials.csv by name: a load of the paper, with changes of the case as by --set."""
-
 
 SURVEYS: Mapping[str, Survey] = {
     row["name"]: Survey(

@@ -27,7 +27,6 @@ TURN = 2.0 * np.pi
 
 LOWEST = 12  #: number of frequencies listed for a body without cyclic symmetry
 
-
 MARCHES = {True: "harmonic by harmonic", False: "by dense products"}
 """Name of the method that marches a body, with and without use of cyclic symmetry."""
 

@@ -55,7 +55,6 @@ PLAN_NAME = "sweep.json"  #: name of the file with the plan of a sweep, for resu
 CHECKED_STAGES = 32
 """Number of stages validated before a sweep; faults of other stages appear as failed points."""
 
-
 ASKED_STEPS, ASKED_STEPS_IN_ALL = 1_000_000_000, 1_000_000_000_000
 """Largest numbers of steps of one march and of a sweep without confirmation: such a march takes
 hours, such a sweep weeks on many cores."""

@@ -29,7 +29,6 @@ UNKNOWN, FAILED = -1, -2  #: codes of random draws without a regime
 REGIMES = np.arange(1, len(BEAMS.sweep["regime"].labels))
 """Codes of the regimes; zero means that there is no regime yet."""
 
-
 Rule = Callable[[NDArray[np.float64], NDArray[np.float64]], Mask]
 """Function that returns true for each n for which the first n draws of a point are enough,
 (draws,). Its arguments are the number of draws of each regime among the first n draws, (draws,

@@ -102,7 +102,6 @@ class VerificationCase(Row):
 
 CASES: list[VerificationCase] = []  #: all cases of the modules imported so far
 
-
 FOLDER = resources.files("bladewhirl.studies.verification") / "data"
 
 
