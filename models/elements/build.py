@@ -149,9 +149,10 @@ def numbers_within_reach(case: Case) -> Iterator[None]:
             warnings.simplefilter("error", la.LinAlgWarning)
             yield
     except (ArithmeticError, ValueError, la.LinAlgError, la.LinAlgWarning) as error:
-        stable = (
-            "" if case.rotation.effects == "none" else " and a speed at which blades are stable"
-        )
+        stable = ""
+        if case.rotation.effects != "none":
+            stable = f" and a speed, unlike {case.march.speed.given}, at which blades are stable"
         expected = f"sizes, material and springs that double precision can represent{stable}"
-        expected += f" ({error})"
+        singular = isinstance(error, la.LinAlgError | la.LinAlgWarning)
+        expected += f" ({'a matrix is singular' if singular else error})"
         raise CaseError([*unusual_values(case)] or [Fault(expected=expected)]) from None

@@ -7,8 +7,8 @@ MATERIAL = {
 """Smallest and largest plausible value of each quantity, and its unit with a remark."""
 
 SLIPS = {
-    "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa")),
-    "kg/m3": ((1e3, "g/cm3"), (1e12, "t/mm3"), (1e9, "kg/mm3")),
+    "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa, or MPa where GPa was meant")),
+    "kg/m3": ((1e3, "g/cm3"), (1e12, "t/mm3"), (1e9, "kg/mm3"), (1e-3, "g/m3")),
     "m": ((1e-3, "mm"), (1e3, "m, where mm was written")),
 }
 """Factors to SI units, and units that are mistaken for SI units, by SI unit."""

@@ -9,7 +9,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.analysis import MODES
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.file import case_fault, with_values
 from bladewhirl.models.coupling.stage_modes import tip_motion, wall_motion
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import (
@@ -234,7 +234,9 @@ def rotor_at(stage: Stage, omega: float) -> tuple[ReducedRotor, FloatArray]:
     turning = replace(turning, disk=replace(turning.disk, structure=structure), omega=omega)
     boundary = np.concatenate([*boundary_sets(turning.disk).values()])
     kept = case.reduction.fixed_interface_modes
-    with numbers_within_reach(case):
+    with numbers_within_reach(
+        with_values(case, {"march.speed": omega / stage.reference_frequency})
+    ):
         modes = craig_bampton(structure, boundary, kept, tip_in_sector(turning.disk)).modes
     return _reduced_rotor(case, turning.disk, modes, turning), modes.shapes
 

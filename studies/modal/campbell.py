@@ -1,5 +1,6 @@
 """Coincidence speeds of bladed disk and casing: Dataset, JSON document, figures, page."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, get_args
 
@@ -157,10 +158,10 @@ def campbell(
 def _multiples(name: str, ends: Interval, reference: float) -> tuple[float, float]:
     """Return both speeds as multiples of the reference frequency."""
     label = f"campbell: {name} {ends!r}"
-    first, last = (speed_of(end, label).multiple(reference) for end in ends)
-    if not 0.0 <= first < last:
+    multiples = [speed_of(end, label).multiple(reference) for end in ends]
+    if len(multiples) != 2 or not 0.0 <= multiples[0] < multiples[1]:
         raise UserError(f"{label}: expected two speeds of zero or more, the second above the first")
-    return first, last
+    return multiples[0], multiples[1]
 
 
 COINCIDENCES = (
@@ -189,12 +190,17 @@ SPECIAL_SPEEDS = (
 )
 
 
+def _coincidences(diagram: xr.Dataset) -> Sequence[Column]:
+    """Return the columns of coincidence speeds; the last only if an operating range is given."""
+    return COINCIDENCES[: -1 if operating_range(diagram) is None else None]
+
+
 def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
     """Return the JSON document of `campbell`: coincidences, ascending, and critical speeds."""
     document = {
         "reference_frequency_hz": diagram.attrs["reference_frequency_hz"],
         "operating_range": operating_range(diagram),
-        "coincidences": rows_of(diagram, COINCIDENCES),
+        "coincidences": rows_of(diagram, _coincidences(diagram)),
     }
     if "branch" not in diagram.dims:
         return document
@@ -224,8 +230,9 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
     document = coincidence_list(diagram)
     first, last = diagram.attrs["speeds"]
     rows = [row for row in document["coincidences"] if first <= row["speed"] <= last]
-    columns = COINCIDENCES[: -1 if document["operating_range"] is None else None]
-    tables = [table(rows, columns, f"Coincidence speeds from {first:g} to {last:g} ω₁")]
+    tables = [
+        table(rows, _coincidences(diagram), f"Coincidence speeds from {first:g} to {last:g} ω₁")
+    ]
     if "critical_speeds" in document:
         title = f"Critical speeds up to {last:g} ω₁"
         tables.append(table(document["critical_speeds"], CRITICAL_SPEEDS, title))

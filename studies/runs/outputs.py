@@ -35,8 +35,10 @@ class Window:
         Raises:
             UserError: the window or the number of frames is invalid.
         """
-        if self.frames < 0:
-            raise UserError(f"--frames {self.frames}: expected 0 or more")
+        from bladewhirl.postprocess.fields.kinematics import MOST_FRAMES  # loads xarray
+
+        if not 0 <= self.frames <= MOST_FRAMES:
+            raise UserError(f"--frames {self.frames}: expected 0 to {MOST_FRAMES}")
         start, end = self.start or 0.0, duration if self.end is None else self.end
         if self.frames and not 0.0 <= start <= min(end, duration):
             raise UserError(
@@ -149,7 +151,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
     """Write the ParaView series; yield hints for the user, for instance about too coarse
     sampling."""
-    if window.frames == 0 or not {"point_shape", "rotor_line"} & {*result}:
+    if window.frames == 0 or not {"point_shape", "rotor_line"} & {*result.variables}:
         return
     from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, sampling_hint
     from bladewhirl.postprocess.paraview.series import export_vtk

@@ -53,7 +53,9 @@ ARC = {"start": 0.0, "end": 1.0}
     [
         ("material.young_modulus", 114.0, "perhaps 114 is in GPa"),
         ("material.young_modulus", 210e3, "perhaps 210000 is in MPa"),
+        ("material.young_modulus", 210e6, "perhaps 2.1e+08 is in kPa, or MPa where GPa was meant"),
         ("material.density", 7.8, "perhaps 7.8 is in g/cm3"),
+        ("material.density", 4430e3, "perhaps 4.43e+06 is in g/m3"),
         ("material.density", 7.8e-9, "perhaps 7.8e-09 is in t/mm3"),
         ("material.density", 7.8e-6, "perhaps 7.8e-06 is in kg/mm3"),
         ("casing.stiffened_arcs", [ARC | {"density": 4.43}], "perhaps 4.43 is in g/cm3"),

@@ -16,6 +16,7 @@ from matplotlib.text import Text
 from places import EXAMPLES
 from report_pages import Parsed
 
+import bladewhirl as bw
 from bladewhirl.files import MANIFEST_NAME, listed
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.template import dumps_case
@@ -95,8 +96,14 @@ def test_every_nodal_diameter_and_family_has_its_speed() -> None:
         hertz = (row["rotor_frequency_hz"] + row["casing_frequency_hz"]) / row["nodal_diameter"]
         assert row["speed_rpm"] == pytest.approx(60.0 * hertz, rel=1e-9)
         assert row["speed"] * reference == pytest.approx(hertz)
-        assert row["in_operating_range"] is False  # the user gave no range
+        assert "in_operating_range" not in row  # the user gave no range
     assert content["operating_range"] is None
+
+
+@pytest.mark.parametrize("speeds", [[], [1.0], (0.0, 1.0, 2.0), (2.0, 1.0)])
+def test_a_diagram_has_two_ends(speeds: Any) -> None:
+    with pytest.raises(bw.UserError, match="expected two speeds of zero or more, the second above"):
+        bw.campbell(bw.Case(), speeds=speeds)
 
 
 Figures = dict[str, tuple[Figure, xr.Dataset]]
@@ -118,7 +125,9 @@ def test_campbell_diagrams_and_table(case: Path, saved: Figures) -> None:
 
 
 def test_an_operating_range_is_named_only_if_it_is_given(case: Path, saved: Figures) -> None:
-    printed = answer("campbell", case, "--html", case.parent / "page.html", "-o", "fan").stdout
+    printed = answer(
+        "campbell", case, *SMALL, "--html", case.parent / "page.html", "-o", "fan"
+    ).stdout
     page = (case.parent / "page.html").read_text(encoding="utf-8")
     assert "Coincidences in the speed range" in page
     figure, _ = saved["campbell-rotating"]
@@ -126,7 +135,7 @@ def test_an_operating_range_is_named_only_if_it_is_given(case: Path, saved: Figu
     for words in (printed, page, " ".join(labels)):
         assert not re.search(r"\boperating\b", words)
     ranged = ["--operating", "1:1.2", "--html", case.parent / "ranged.html"]
-    assert "operating" in answer("campbell", case, *ranged).stdout
+    assert "operating" in answer("campbell", case, *SMALL, *ranged).stdout
     assert "Coincidences in the operating range" in (case.parent / "ranged.html").read_text("utf-8")
 
 
