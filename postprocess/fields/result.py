@@ -142,11 +142,12 @@ def _entry(variable: schema.Variable, values: Any) -> tuple[Any, Array, dict[str
 
 
 @contextmanager
-def opened(result: xr.Dataset | str | PathLike[str]) -> Iterator[xr.Dataset]:
-    """Yield a result: a Dataset is yielded unchanged, a file or folder is opened and closed
-    afterwards."""
+def opened(result: xr.Dataset | str | PathLike[str], *, beams: bool = True) -> Iterator[xr.Dataset]:
+    """Yield a result, with `beams` only one of beams: a Dataset is yielded unchanged, a file or
+    folder is opened and closed afterwards."""
     with nullcontext(result) if isinstance(result, xr.Dataset) else open_result(result) as dataset:
-        check_beams(dataset)
+        if beams:
+            check_beams(dataset)
         yield dataset
 
 

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
+from bladewhirl.postprocess.modal.operating_range import operating_range
 from bladewhirl.postprocess.plotting.axes import AROUND, Labels, frequency_axis, speed_axis
 from bladewhirl.postprocess.plotting.legends import complete
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
@@ -31,7 +32,6 @@ RING: dict[str, Any] = {
 CROSS: dict[str, Any] = {"linestyle": "none", "marker": "X", "markersize": 6.0, "mec": "white"}
 FINE = 2001  #: number of speeds at which the frequency of a wave is computed
 ENDS = 0.9  #: engine orders are labelled beyond this fraction of the width or height of the axes
-UNKNOWN = (float("nan"), float("nan"))  #: operating range that the user did not give
 HEADROOM = 1.18  #: highest frequency shown divided by the highest coincidence or mode drawn
 
 
@@ -97,13 +97,6 @@ def waves(data: xr.Dataset, points: int) -> Iterator[Wave]:
                 speed=speed,
                 rotating=rotating,
             )
-
-
-def operating_range(data: xr.Dataset) -> tuple[float, float] | None:
-    """Return the ends of the operating range, in multiples of the reference frequency; None if the
-    user gave none."""
-    low, high = data.attrs["operating_range"]
-    return None if np.isnan(low) else (low, high)
 
 
 def drawn_part(data: xr.Dataset) -> xr.Dataset:

@@ -12,7 +12,7 @@ import xarray as xr
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields.enlarged import round_factor
-from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, nearest_records
+from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records
 from bladewhirl.postprocess.fields.nodes import (
     check_superelement,
     deformed_points,
@@ -22,7 +22,7 @@ from bladewhirl.postprocess.fields.nodes import (
     wall_at,
 )
 from bladewhirl.postprocess.pictures.films import write_pictures
-from bladewhirl.postprocess.pictures.offscreen import Pixels, off_screen_plotter, pixels_of
+from bladewhirl.postprocess.pictures.offscreen import Pixels, off_screen_plotter, pixels_of, tiled
 from bladewhirl.postprocess.plotting.style import SEQUENTIAL
 
 SIZE = (900, 700)  #: size of a picture [pixels]
@@ -40,6 +40,7 @@ BAR: dict[str, Any] = {
 }
 """Appearance of the scale of displacements."""
 
+SUFFIXES = (".png", ".gif", ".mp4")  #: files that can be drawn
 FRAMES = 60  #: default number of pictures of a film
 TURNS = 0.5  #: default length of a film, in revolutions around the largest force
 LARGE = 0.08  #: default of the largest drawn displacement, divided by the size of a blade
@@ -49,18 +50,38 @@ FORCE = "#CC79A7"  #: colour of forces
 ARROW = 0.35  #: length of the arrow of the largest force, divided by the size of a blade
 
 
+def strongest_force(dataset: xr.Dataset) -> int:
+    """Return the record of the largest normal force on a contact node; 0 without contact."""
+    return int(dataset["contact_force"].values[:, :, 0].min(axis=1).argmin())
+
+
+def film_records(
+    dataset: xr.Dataset, *, frames: int | None, start: float | None, end: float | None
+) -> IntArray:
+    """Return the records of a film, by default of half a revolution around the largest force.
+
+    Raises:
+        ViewError: the window or the number of frames is invalid.
+    """
+    if start is None and end is None:
+        turn = 2.0 * np.pi / max(abs(float(dataset.attrs["speed"])), 1e-9)
+        last = float(dataset["time"][-1])
+        length = min(TURNS * turn, last)
+        middle = float(dataset["time"][strongest_force(dataset)])
+        start = min(max(0.0, middle - 0.5 * length), last - length)
+        end = start + length
+    return frame_records(dataset, frames or FRAMES, start, end)
+
+
 def render_blades(
     dataset: xr.Dataset,
     path: str | Path,
+    records: IntArray,
     *,
-    time: float | None = None,
-    frames: int | None = None,
-    start: float | None = None,
-    end: float | None = None,
     exaggeration: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Draw a superelement in axes that rotate with it.
+    """Draw a superelement in axes that rotate with it; return the path.
 
     All displacements and the clearance are multiplied by `exaggeration`, so that blade and wall
     touch in the picture when they touch in the run. Colours show the size of the displacement.
@@ -68,42 +89,27 @@ def render_blades(
 
     Args:
         dataset: result of a superelement with points and triangles.
-        path: file, .png (a still), .gif or .mp4 (films).
-        time: instant of a still [s]; by default that of the largest force.
-        frames: number of pictures of a film.
-        start, end: time window of a film [s]; by default half a revolution around the largest
-            force.
+        path: file, .png (a still, or a sheet if there are several records), .gif or .mp4 (films).
+        records: records to draw.
         exaggeration: factor on displacements and clearance; automatic if None.
         progress: called with the numbers of finished and of all pictures.
 
     Raises:
-        ViewError: the result has no surface, or time, window or suffix are invalid.
+        ViewError: the result has no surface.
         OffScreenError: the system cannot draw without a display.
     """
     check_superelement(dataset)
     target = Path(path)
     if "triangle" not in dataset:
         raise ViewError("expected a superelement whose file has points, recovery and triangles")
-    suffix = target.suffix.lower()
-    if suffix not in (".png", ".gif", ".mp4"):
-        raise ViewError(f"{target}: expected .png, .gif or .mp4 for a superelement")
-    force = dataset["contact_force"].values[:, :, 0].min(axis=1)
-    strongest = float(dataset["time"][int(force.argmin())])
-    if suffix == ".png":
-        records = nearest_records(dataset, [strongest if time is None else time])
-    else:
-        if start is None and end is None:
-            turn = 2.0 * np.pi / max(abs(float(dataset.attrs["speed"])), 1e-9)
-            last = float(dataset["time"][-1])
-            length = min(TURNS * turn, last)
-            start = min(max(0.0, strongest - 0.5 * length), last - length)
-            end = start + length
-        records = frame_records(dataset, frames or FRAMES, start, end)
     scale = matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 1.0, LEVELS))[:, :3]
     shades = np.linspace(0.3, 1.0, SHADES)[:, None] * matplotlib.colors.to_rgb(FORCE)
+    colours = np.concatenate([np.ones((1, 3)), scale, shades])
     with blade_view(dataset, records, exaggeration) as picture:
-        colours = np.concatenate([np.ones((1, 3)), scale, shades])
-        return write_pictures(target, picture, len(records), colours, progress)
+        if target.suffix.lower() != ".png" or len(records) == 1:
+            return write_pictures(target, picture, len(records), colours, progress)
+        sheet = tiled([picture(index) for index in range(len(records))])
+        return write_pictures(target, lambda _: sheet, 1, colours, progress)
 
 
 @contextmanager

@@ -9,7 +9,7 @@ import ctypes
 import functools
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -91,6 +91,19 @@ def pixels_of(plotter: pyvista.Plotter) -> Pixels:
     pixels = plotter.screenshot(return_img=True)
     plotter.suppress_rendering = True
     return np.array(Image.fromarray(pixels).reduce(FINER))
+
+
+def tiled(pictures: Sequence[Pixels], columns: int | None = None) -> Pixels:
+    """Return a sheet of pictures of one size, row by row; it is about square if `columns` is
+    None."""
+    wide = columns or int(np.ceil(np.sqrt(len(pictures))))
+    height, width, _ = pictures[0].shape
+    sheet = np.full((-(-len(pictures) // wide) * height, wide * width, 3), 255, dtype=np.uint8)
+    for index, picture in enumerate(pictures):
+        row, column = divmod(index, wide)
+        place = slice(row * height, (row + 1) * height), slice(column * width, (column + 1) * width)
+        sheet[place] = picture
+    return sheet
 
 
 @contextmanager

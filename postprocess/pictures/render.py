@@ -17,7 +17,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import films
 from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE, scene_colours
 from bladewhirl.postprocess.pictures.drawing import Drawing
-from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view
+from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view, tiled
 from bladewhirl.postprocess.plotting.files import checked_target
 
 WINDOW = (1280, 960)  #: [pixels]; multiples of 16, for video codecs
@@ -96,29 +96,24 @@ def strongest_contact(dataset: xr.Dataset) -> int:
 def render_still(
     dataset: xr.Dataset,
     path: str | Path,
+    record: int,
     *,
-    time: float | None = None,
     orbit: bool = False,
     size: tuple[int, int] = WINDOW,
     **view: Any,
 ) -> Path:
-    """Draw the stage at the record nearest to `time` [s] as PNG; return the path.
+    """Draw the stage at a record as PNG; return the path.
 
-    Without a time, the record of the strongest contact is drawn. `view` is exaggeration, frame and
-    colour, see `Drawing`. With `orbit` an inset shows the orbit of the shaft in the previous
-    revolution.
+    `view` is exaggeration, frame and colour, see `Drawing`. With `orbit` an inset shows the orbit
+    of the shaft in the previous revolution.
 
     Raises:
-        ViewError: the time is outside the run, or the path does not end in .png.
+        ViewError: the path does not end in .png.
         OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".png")
-    if time is None:
-        records = np.array([strongest_contact(dataset)])
-    else:
-        records = kinematics.nearest_records(dataset, [time])
-    drawing = Drawing(dataset, records, **view)
-    trail = _revolution_before(dataset, int(records[0])) if orbit else None
+    drawing = Drawing(dataset, np.array([record]), **view)
+    trail = _revolution_before(dataset, record) if orbit else None
     with stage_view(dataset, drawing, size, trail=trail) as picture:
         return films.write_pictures(target, picture, 1, scene_colours(drawing.colouring, 90))
 
@@ -179,15 +174,12 @@ def render_sheet(
     """
     target = checked_target(path, ".png")
     drawing = Drawing(dataset, records, **view)
-    wide = columns or int(np.ceil(np.sqrt(len(records))))
-    rows = -(-len(records) // wide)
-    size = (round(cell / SQUARE), cell)
-    sheet = np.full((rows * cell, wide * cell, 3), 255, dtype=np.uint8)
-    with stage_view(dataset, drawing, size, sheet=True) as picture:
-        for index in range(len(records)):
-            row, column = divmod(index, wide)
-            place = (slice(row * cell, (row + 1) * cell), slice(column * cell, (column + 1) * cell))
-            sheet[place] = _labelled(picture(index)[:, :cell], float(drawing.times[index]))
+    with stage_view(dataset, drawing, (round(cell / SQUARE), cell), sheet=True) as picture:
+        cells = [
+            _labelled(picture(index)[:, :cell], float(time))
+            for index, time in enumerate(drawing.times)
+        ]
+    sheet = tiled(cells, columns)
     height = max(len(sheet), PANEL_HEIGHT)
     with stage_view(dataset, drawing, (round(height / SQUARE), height), sheet=True) as picture:
         picture(0)

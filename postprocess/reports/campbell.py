@@ -8,6 +8,7 @@ import xarray as xr
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.postprocess.modal import campbell
+from bladewhirl.postprocess.modal.operating_range import operating_range
 from bladewhirl.postprocess.plotting.style import COLOURS
 from bladewhirl.postprocess.reports.interactive import plot
 from bladewhirl.postprocess.reports.page import Explorer, Page, PageSection, PageTable
@@ -34,7 +35,7 @@ def campbell_page(data: xr.Dataset) -> Page:
     `campbell`."""
     inside = campbell.in_diagram(data)
     name, operated = "operating", inside & data["in_operating_range"].values.astype(bool)
-    if (ends := campbell.operating_range(data)) is None:
+    if (ends := operating_range(data)) is None:
         name, operated, ends = "speed", inside, data.attrs["speeds"]
     count = int(operated.sum())
     return Page(
@@ -76,7 +77,7 @@ def _glance(data: xr.Dataset) -> Iterator[tuple[str, str, str]]:
 def _table(data: xr.Dataset, inside: BoolArray) -> PageTable:
     names = ("nodal_diameter", *COINCIDENT, "normalised_speed", "speed", "in_operating_range")
     columns = (data[name].values[inside] for name in names)
-    shown = len(names) - (campbell.operating_range(data) is None)
+    shown = len(names) - (operating_range(data) is None)
     return PageTable(
         name="all-coincidences",
         title="Coincidences by speed",
@@ -107,7 +108,7 @@ def _explorer(data: xr.Dataset, frame: campbell.Frame) -> Explorer:
         yaxis={"title_text": f"frequency / ω₁, {frame} frame", **axis},
         hovermode="closest",
     )
-    if (ends := campbell.operating_range(data)) is not None:
+    if (ends := operating_range(data)) is not None:
         shade = {"fillcolor": "#f0f0f0", "line_width": 0, "layer": "below"}
         figure.add_vrect(x0=ends[0], x1=ends[1], **shade)
     return Explorer(

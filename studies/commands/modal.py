@@ -62,7 +62,6 @@ def modes(
     """
     from bladewhirl.models.modal.full_stage import modal_stage
     from bladewhirl.studies.modal import modes as study
-    from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
 
     for name, value in {"--shapes": shapes, "--animate": animate, "--wave": wave}.items():
         if output is None and value is not None:
@@ -83,6 +82,8 @@ def modes(
             return
         stage = modal_stage(read)
     if output is not None:
+        from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
+
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
     computed = study.modes(stage)
     if output is not None:

@@ -1,6 +1,6 @@
 """`bladewhirl render`: a film or a still of a run."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -57,10 +57,8 @@ def render(
     from bladewhirl.files import check_file
     from bladewhirl.postprocess.fields.kinematics import nearest_records, sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.pictures.blades import render_blades
-    from bladewhirl.solvers.march.schema import NODES, tables_of
-    from bladewhirl.studies.runs.render import render as draw_stage
-    from bladewhirl.studies.runs.render import window_records
+    from bladewhirl.studies.runs.render import check_view, window_records
+    from bladewhirl.studies.runs.render import render as draw
 
     flags = {"gif": gif, "mp4": mp4, "png": png, "sheet": sheet, "html": page}
     targets = _targets(directory, output, [kind for kind, flag in flags.items() if flag])
@@ -68,28 +66,19 @@ def render(
     window = {"frames": frames, "start": start, "end": end}
     _check_options(set(targets), times, {"--frames": frames, "--from": start, "--to": end})
     pictures = list(_pictures(targets, times, window))
-    look: dict[str, Any] = {"exaggeration": exaggeration}
+    view: dict[str, Any] = {"frame": frame, "colour": colour, "orbit": orbit}
     with open_result(directory) as result:
         for path, _ in pictures:
             with writing(path):
                 check_file(path, overwrite=overwrite)
-        of_nodes = tables_of(result.attrs) is NODES
         nearest_records(result, times)  # refuses times outside the run
-        draw: Callable[..., Path] = render_blades if of_nodes else draw_stage
-        if of_nodes:
-            if {"sheet", "html"} & set(targets):
-                raise UserError(
-                    "--sheet, --html: not allowed for a superelement; use --png, --gif or --mp4"
-                )
-            if frame != "static" or colour != "displacement" or orbit:
-                raise UserError("--frame, --colour, --orbit: not allowed for a superelement")
-        else:
-            look |= {"frame": frame, "colour": colour, "orbit": orbit}
+        for path, _ in pictures:
+            check_view(result, path, **view)
         for path, chosen in pictures:
             with progress_bar(path.name) as update, writing(path):
-                draw(result, path, **chosen, **look, progress=update)
+                draw(result, path, **chosen, **view, exaggeration=exaggeration, progress=update)
             options.claim_output(path, named=output is not None, overwrite=True)
-            if of_nodes or "time" in chosen:
+            if "time" in chosen:
                 typer.echo(f"Wrote {path}.")
                 continue
             records = window_records(result, path, **chosen)

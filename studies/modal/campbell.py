@@ -14,13 +14,7 @@ from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes, names_of
 from bladewhirl.models.stage.stage import Stage
-from bladewhirl.postprocess.modal.campbell import (
-    UNKNOWN,
-    Frame,
-    drawn_part,
-    operating_range,
-    plot_campbell,
-)
+from bladewhirl.postprocess.modal.operating_range import UNKNOWN, operating_range
 from bladewhirl.solvers.stability.coincidence import coincidences
 from bladewhirl.studies.modal.campbell_at_speed import (
     dataset_at_speed,
@@ -238,7 +232,6 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
         tables.append(table(document["critical_speeds"], CRITICAL_SPEEDS, title))
         tables.append(facts(texts(document, SPECIAL_SPEEDS)))
     if page is not None:
-        # These modules take long to load.
         from bladewhirl.postprocess.reports.campbell import campbell_page
         from bladewhirl.postprocess.reports.page import write_page
 
@@ -247,6 +240,8 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
             write_page(campbell_page(diagram), page)
 
     def figures() -> Figures:
+        from bladewhirl.postprocess.modal.campbell import Frame, drawn_part, plot_campbell
+
         data, frames = drawn_part(diagram).reset_index("coincidence"), get_args(Frame)
         return {f"campbell-{frame}": (plot_campbell(diagram, frame), data) for frame in frames}
 

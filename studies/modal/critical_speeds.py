@@ -9,7 +9,6 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.rotation.unequal_bearings import EllipticWaves
 from bladewhirl.models.stage.stage import Stage
-from bladewhirl.postprocess.modal.veering import plot_critical_speeds
 from bladewhirl.studies.modal.campbell_at_speed import disk_waves
 from bladewhirl.studies.modal.modes import full_stage
 from bladewhirl.studies.modal.study import Figures, Study
@@ -111,6 +110,8 @@ def report(stage: ModalStage, branches: int, interval: FloatArray | None = None)
     rows = [row for row in rows if row["rpm"] is not None]
 
     def figures() -> Figures:
+        from bladewhirl.postprocess.modal.veering import plot_critical_speeds
+
         over = spring_stiffnesses(stage.case, interval)
         data = critical_speeds(stage, stiffnesses=over, branches=branches)
         return {"critical-speeds": (plot_critical_speeds(data), data)}

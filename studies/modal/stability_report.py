@@ -9,7 +9,6 @@ import xarray as xr
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.coupling.springs import SIX_NAMES
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum, plot_truncation
 from bladewhirl.solvers.stability.growth import Progress, is_unstable
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System
 from bladewhirl.studies.modal.stability import stability_point
@@ -148,6 +147,12 @@ def chart_report(
     chart = stability_chart(system, omegas, kappas, progress)
 
     def figures() -> Figures:
+        from bladewhirl.postprocess.modal.stability import (
+            plot_chart,
+            plot_spectrum,
+            plot_truncation,
+        )
+
         drawn = {"stability": (plot_chart(chart), chart)}
         if isinstance(system, EvenSystem):
             spectrum = spectrum_along(system, omegas, line)

@@ -6,20 +6,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import xarray as xr
-from matplotlib.figure import Figure
-
-from bladewhirl.studies.runs.figures_folder import save_figures
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from rich.table import Table
 
-Figures = Mapping[str, tuple[Figure, xr.Dataset]]
+Figures = Mapping[str, tuple["Figure", xr.Dataset]]
 """Figures and their data, by file name without suffix."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """Results of a modal study."""
+    """Results of a modal study. The modules that draw take long to load and are loaded to draw."""
 
     name: str  #: name of the command
     document: dict[str, Any]  #: JSON document
@@ -34,4 +32,6 @@ class Study:
             UserError: a file cannot be written, or exists and was not written by bladewhirl.
         """
         if self.figures is not None:
+            from bladewhirl.studies.runs.figures_folder import save_figures
+
             save_figures(folder, self.figures(), overwrite=overwrite)

@@ -13,7 +13,6 @@ from bladewhirl.models.inputs.fields import SMALLEST
 from bladewhirl.models.inputs.units import ascending
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.stage.stage import Stage
-from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
 from bladewhirl.solvers.stability.veering import ShaftVeering, shaft_veering, whirl_veering
 from bladewhirl.studies.modal.modes import full_stage, modes
 from bladewhirl.studies.modal.study import Figures, Study
@@ -126,6 +125,8 @@ def report(diagrams: xr.Dataset) -> Study:
     }
 
     def figures() -> Figures:
+        from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
+
         families = diagrams.drop_dims(("stiffness", "branch")).reset_index("mode")
         return {
             "families": (plot_families(diagrams), families),

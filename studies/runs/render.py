@@ -7,8 +7,11 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import writing
+from bladewhirl.solvers.march.schema import NODES, tables_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,9 +50,9 @@ def render(
             contact, and a sheet covers the revolution with the strongest contact.
         end: end of a film or a sheet [s].
         exaggeration: factor on displacements and clearance, 1 for true size; automatic if None.
-        frame: "static" or "rotating" axes.
-        colour: field that colours beams and wall, such as "stress".
-        orbit: whether stills, GIF and MP4 have an inset with the orbit of the shaft.
+        frame: "static" or "rotating" axes. A superelement is drawn in rotating axes.
+        colour: field that colours beams and wall, such as "stress"; of beams only.
+        orbit: whether stills, GIF and MP4 have an inset with the orbit of the shaft of beams.
         progress: called with the numbers of finished and of all pictures of a film.
 
     Returns:
@@ -57,12 +60,14 @@ def render(
 
     Raises:
         ResultError: the result does not exist.
-        ViewError: the suffix is unknown, or a time or the window is invalid.
+        ViewError: the suffix is unknown, a time or the window is invalid, or a superelement cannot
+            be drawn in this way.
         OffScreenError: the system cannot draw without a display.
         UserError: the file cannot be written.
     """
     from bladewhirl.postprocess.fields.kinematics import ViewError, nearest_records
     from bladewhirl.postprocess.fields.result import opened
+    from bladewhirl.postprocess.pictures import blades
     from bladewhirl.postprocess.pictures import render as pictures
     from bladewhirl.postprocess.pictures.web_page import render_page
 
@@ -74,13 +79,22 @@ def render(
             f"{target}: omit time; it is allowed for .png only, without frames, start and end"
         )
     look: dict[str, Any] = {"exaggeration": exaggeration, "frame": frame, "colour": colour}
-    with opened(result) as dataset, writing(target):
-        if kind == ".png" and not windowed and not isinstance(time, Sequence):
-            return pictures.render_still(dataset, target, time=time, orbit=orbit, **look)
-        if isinstance(time, Sequence):
-            records = nearest_records(dataset, time)
+    with opened(result, beams=False) as dataset, writing(target):
+        of_nodes = _of_nodes(dataset)
+        check_view(dataset, target, frame=frame, colour=colour, orbit=orbit)
+        still = kind == ".png" and not windowed and not isinstance(time, Sequence)
+        if time is not None:
+            records = nearest_records(dataset, np.atleast_1d(time))
+        elif still:
+            strongest = blades.strongest_force if of_nodes else pictures.strongest_contact
+            records = np.array([strongest(dataset)])
         else:
             records = window_records(dataset, target, frames=frames, start=start, end=end)
+        if of_nodes:
+            look = {"exaggeration": exaggeration, "progress": progress}
+            return blades.render_blades(dataset, target, records, **look)
+        if still:
+            return pictures.render_still(dataset, target, int(records[0]), orbit=orbit, **look)
         if kind == ".png":
             return pictures.render_sheet(dataset, target, records, **look)
         if kind == ".html":
@@ -90,12 +104,36 @@ def render(
         )
 
 
+def check_view(result: xr.Dataset, path: Path, *, frame: Frame, colour: Field, orbit: bool) -> None:
+    """Raise a ViewError if a superelement cannot be drawn in this way."""
+    from bladewhirl.postprocess.fields.kinematics import ViewError
+    from bladewhirl.postprocess.pictures.blades import SUFFIXES
+
+    if not _of_nodes(result):
+        return
+    if path.suffix.lower() not in SUFFIXES:
+        raise ViewError(f"{path}: expected .png, .gif or .mp4 for a superelement")
+    if (frame, colour, orbit) != ("static", "displacement", False):
+        raise ViewError(
+            "frame, colour, orbit: not allowed for a superelement, which is drawn in rotating axes"
+            " and coloured by its displacement"
+        )
+
+
 def window_records(
     result: xr.Dataset, path: Path, *, frames: int | None, start: float | None, end: float | None
 ) -> IntArray:
     """Return the records of a sheet if the path ends in .png, otherwise the records of a film."""
+    from bladewhirl.postprocess.pictures import blades
     from bladewhirl.postprocess.pictures import render as pictures
 
     if path.suffix.lower() == ".png":
         return pictures.sheet_records(result, frames or SHEET_PICTURES, start=start, end=end)
+    if _of_nodes(result):
+        return blades.film_records(result, frames=frames, start=start, end=end)
     return pictures.animation_records(result, frames=frames, start=start, end=end)
+
+
+def _of_nodes(result: xr.Dataset) -> bool:
+    """Return whether blades are drawn by their surface, with the forces on contact nodes."""
+    return tables_of(result.attrs) is NODES

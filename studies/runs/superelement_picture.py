@@ -33,4 +33,4 @@ def draw_superelement(stage: SuperelementStage, path: Path) -> None:
     points, clearance = stage.arrays.point, float(np.abs(stage.wall[:, 0]).max())
     size = float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
     factor = round_factor(size, (CLEARANCE_SHARE, clearance))
-    render_blades(result, path, time=0.0, exaggeration=factor)
+    render_blades(result, path, np.array([0]), exaggeration=factor)

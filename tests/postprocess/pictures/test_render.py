@@ -72,7 +72,7 @@ class TestRecords:
 class TestStill:
     def test_contact_is_marked_where_it_is(self, result: xr.Dataset, tmp_path: Path) -> None:
         record = strongest_contact(result)
-        image = pixels(render_still(result, tmp_path / "contact.png", size=SMALL))
+        image = pixels(render_still(result, tmp_path / "contact.png", record, size=SMALL))
         assert image.shape == (240, 320, 3)
         row, column = np.nonzero(vermilion(image))
         seen = math.atan2(119.5 - row.mean(), column.mean() - 119.5)
@@ -82,8 +82,8 @@ class TestStill:
         assert abs(np.angle(np.exp(1j * (seen - expected)))) < 0.15
 
     def test_no_contact_shows_none(self, result: xr.Dataset, tmp_path: Path) -> None:
-        free = float(result.time[np.argmin(result.contacts.values)])
-        image = pixels(render_still(result, tmp_path / "free.png", time=free, size=SMALL))
+        free = int(np.argmin(result.contacts.values))
+        image = pixels(render_still(result, tmp_path / "free.png", free, size=SMALL))
         assert not vermilion(image).any()
         assert len(np.unique(image.reshape(-1, 3), axis=0)) > 100  # and yet a picture
 
@@ -138,7 +138,7 @@ class TestAnimation:
 class TestRefusals:
     def test_other_kinds_of_file(self, result: xr.Dataset, tmp_path: Path) -> None:
         with pytest.raises(ValueError, match=r"still\.jpg must end in \.png"):
-            render_still(result, tmp_path / "still.jpg")
+            render_still(result, tmp_path / "still.jpg", 0)
         with pytest.raises(ValueError, match=r"must end in \.gif or \.mp4"):
             render_animation(result, tmp_path / "run.avi", np.arange(3))
 
@@ -153,7 +153,7 @@ class TestRefusals:
         monkeypatch.setattr(ctypes, "CDLL", missing)
         require_off_screen.cache_clear()
         with pytest.raises(OffScreenError) as caught:
-            render_still(result, tmp_path / "still.png")
+            render_still(result, tmp_path / "still.png", 0)
         message = str(caught.value)
         assert "\n" not in message
         for package in ("libegl1", "libegl-mesa0", "libgl1-mesa-dri", "libx11-6"):

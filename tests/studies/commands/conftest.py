@@ -7,7 +7,8 @@ import synthetic_result as synthetic
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.studies.modal import coupled_mode_figures, study
+from bladewhirl.studies.modal import coupled_mode_figures
+from bladewhirl.studies.runs import figures_folder
 
 Figures = dict[str, tuple[Figure, xr.Dataset]]
 
@@ -24,7 +25,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def saved(monkeypatch: pytest.MonkeyPatch) -> Figures:
     """Collect figures of modal studies with their data instead of saving them."""
     figures: Figures = {}
-    for module in (coupled_mode_figures, study):
+    for module in (coupled_mode_figures, figures_folder):
         monkeypatch.setattr(
             module, "save_figures", lambda folder, drawn, **options: figures.update(drawn)
         )

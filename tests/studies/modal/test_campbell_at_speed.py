@@ -17,10 +17,10 @@ from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.postprocess.modal.campbell import Frame, plot_campbell
 from bladewhirl.postprocess.modal.veering import plot_critical_speeds
-from bladewhirl.studies.modal import study as modal_study
 from bladewhirl.studies.modal.campbell import campbell, coincidence_list
 from bladewhirl.studies.modal.critical_speeds import ORDERS, critical_speeds
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
+from bladewhirl.studies.runs import figures_folder
 
 SMALL = {"bladed_disk.blades": 8, "bladed_disk.elements_per_blade": 4, "shaft.stiffness": 1e7}
 
@@ -138,7 +138,7 @@ def test_the_command_prints_critical_speeds(
 ) -> None:
     file = tmp_path / "case.toml"
     file.write_text(bw.dumps_case(bw.with_values(stage_case(), SMALL)), encoding="utf-8")
-    monkeypatch.setattr(modal_study, "save_figures", lambda *figures, **options: None)
+    monkeypatch.setattr(figures_folder, "save_figures", lambda *figures, **options: None)
     done = answer("campbell", file, "--speeds", "0:2.5")
     (critical,) = coincidence_list(small_diagram("full"))["critical_speeds"]
     rows = [line.split()[:5] for line in done.stdout.splitlines()]

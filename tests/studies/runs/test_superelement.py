@@ -25,7 +25,7 @@ from bladewhirl.models.stage.coating import axial_tracks, spacing
 from bladewhirl.models.stage.hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.postprocess.fields.nodes import _blades, displacement, frame_meshes, wall_at
-from bladewhirl.postprocess.pictures.blades import blade_view, render_blades
+from bladewhirl.postprocess.pictures.blades import blade_view
 from bladewhirl.postprocess.run.contact_nodes import ring_motion, tip_orbits
 from bladewhirl.solvers.march.boundary import BoundaryMarch
 from bladewhirl.studies.runs.outputs import Run
@@ -206,8 +206,8 @@ def test_engine_order_forces_give_the_steady_answer_of_the_modes(file: Path) -> 
 def test_a_still_shows_contact_and_a_page_is_refused(file: Path, tmp_path: Path) -> None:
     case = bw.case_from(tables(file, bladed_disk={"superelement": {"file": str(file)}}))
     result, _ = march_in_memory(prepare(case))
-    render_blades(result, tmp_path / "contact.png")
-    render_blades(result, tmp_path / "start.png", time=0.0)
+    bw.render(result, tmp_path / "contact.png")
+    bw.render(result, tmp_path / "start.png", time=0.0)
     contact, start = (
         np.asarray(Image.open(tmp_path / name).convert("RGB"), dtype=int)
         for name in ("contact.png", "start.png")
@@ -216,7 +216,23 @@ def test_a_still_shows_contact_and_a_page_is_refused(file: Path, tmp_path: Path)
     assert arrows.sum() > 50  # forces are drawn in purple
     assert (np.abs(contact - start).sum(axis=-1) > 0).mean() > 0.01
     with pytest.raises(bw.ViewError, match=r"expected \.png, \.gif or \.mp4"):
-        render_blades(result, tmp_path / "page.html")
+        bw.render(result, tmp_path / "page.html")
+    with pytest.raises(bw.ViewError, match="frame, colour, orbit: not allowed for a superelement"):
+        bw.render(result, tmp_path / "orbit.png", orbit=True)
+
+
+@pytest.mark.usefixtures("can_draw")
+def test_a_sheet_has_a_picture_of_each_instant(file: Path, tmp_path: Path) -> None:
+    case = bw.case_from(tables(file, bladed_disk={"superelement": {"file": str(file)}}))
+    result, _ = march_in_memory(prepare(case))
+    times = result["time"].values[[0, -1]]
+    bw.render(result, tmp_path / "sheet.png", time=times.tolist())
+    sheet = np.asarray(Image.open(tmp_path / "sheet.png").convert("RGB"))
+    rest, moved = np.split(sheet, 2, axis=1)
+    bw.render(result, tmp_path / "still.png", time=float(times[1]))
+    still = np.asarray(Image.open(tmp_path / "still.png").convert("RGB"))
+    np.testing.assert_array_equal(moved, still)  # of the same scales, as nothing moves at t = 0
+    assert (rest != moved).any()
 
 
 @pytest.mark.parametrize(
@@ -224,7 +240,8 @@ def test_a_still_shows_contact_and_a_page_is_refused(file: Path, tmp_path: Path)
     [
         ("plot RUN orbit", "a run of a superelement has the figures contact, tips"),
         ("plot RUN casing", "expected one of contact, tips"),
-        ("render RUN --sheet", "use --png, --gif or --mp4"),
+        ("render RUN --html", "expected .png, .gif or .mp4 for a superelement"),
+        ("render RUN --orbit", "not allowed for a superelement"),
         ("export RUN --surface", "not allowed for a superelement"),
         ("campbell RUN/case.toml", "expected beams here; only run, sweep"),
     ],
