@@ -46,7 +46,7 @@ def render(
         page: An interactive animation for any browser, which works offline.
         output: File to write; its suffix replaces --gif, --mp4, --png or --html. By default
             animation.gif, animation.mp4, still.png, sheet.png or page.html in DIR.
-        frames: Number of pictures: by default 120, in a sheet 9.
+        frames: Number of pictures: by default 120, of a superelement 60, in a sheet 9.
         time: Instant of a still; may be given several times. By default the record with the largest
             mean contact force (normal and friction) since the previous record.
         exaggeration: Factor on displacements and clearance; 1: true to scale; automatic by default.

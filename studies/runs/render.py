@@ -45,7 +45,7 @@ def render(
         path: path of the file; an older file is replaced.
         time: instant of a still, or instants of a sheet [s]; if None, a still shows the instant of
             the largest contact force.
-        frames: number of pictures; if None, 120 in a film and 9 in a sheet.
+        frames: number of pictures; if None, 120 in a film, 60 of a superelement, 9 in a sheet.
         start: start of a film or a sheet [s]. Without start and end, a film is around the strongest
             contact, and a sheet covers the revolution with the strongest contact.
         end: end of a film or a sheet [s].
