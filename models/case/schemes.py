@@ -7,12 +7,8 @@ SCHEMES = {
     "moreau-jean": "bladewhirl.solvers.march.dense:MoreauJean",
     "penalty": "bladewhirl.solvers.march.dense:Penalty",
 }
-"""Module and class of each scheme for tips of beams, by its name in cases. The arguments of the
-class are a problem, the time step [s] and the number of steps between records, see
-`solvers.march.march.Scheme`."""
-
-NODE_SCHEMES = {"central-difference": "bladewhirl.solvers.march.boundary:BoundaryMarch"}
-"""The same for the contact nodes of a superelement."""
+"""Module and class of each scheme, by its name in cases. The arguments of the class are a problem,
+the time step [s] and the number of steps between records, see `solvers.march.march.Scheme`."""
 
 if TYPE_CHECKING:
     SchemeName = str

@@ -4,18 +4,20 @@ The rotor is described in its rotating frame, the casing in the static frame. Bo
 mass-normalised modal models; matrices give the motion of the tips, of the centre and of the nodes
 of the casing for unit modal coordinates. Rotor and casing can be any structures. Time integration
 uses their cyclic symmetry, if the modes have DFT columns.
+
+A tip is a place of the bladed disk that can touch the wall: the end of a blade of beams, or a
+contact node of a superelement.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.closure import Closure
-from bladewhirl.models.case.schemes import SCHEMES
 from bladewhirl.models.coupling.equations import difference_of_axes
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.elements.cyclic import evenly_spaced
@@ -26,17 +28,41 @@ the modes."""
 
 NEVER = np.inf  #: end time of a load that does not end
 
+ROUNDING = 1e-9
+"""A negative damping rate up to this fraction of the largest one is a rounding error."""
+
+RIGID = 1e-6
+"""An eigenvector of the residual flexibility counts as rigid if its eigenvalue is at most this
+fraction of the largest."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactNodes:
+    """Properties of tips whose contact forces have three directions: radial, tangential, axial."""
+
+    axial: FloatArray  #: axial displacement of the tips of a copy [kg^-1/2], (tips, modes)
+    radius: FloatArray  #: radius of the tips of a copy [m], (tips,)
+    compliance: FloatArray | None
+    """Residual flexibility of the tips of each copy [m/N], (copies, 3 * tips, 3 * tips); the first
+    three rows belong to tip 0. Tips with this flexibility have no mass. None: tips move with the
+    modes only."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedRotor:
-    """A bladed disk in modal coordinates in the rotating frame."""
+    """A bladed disk in modal coordinates in the rotating frame.
+
+    It consists of one structure, or of equal or similar structures, called copies, that do not
+    influence each other. Modal coordinates and tips of a copy follow those of the copy before.
+    """
 
     frequency: FloatArray
     """Frequency [rad/s], (modes,); negative if spin softening makes its square negative, see
     `stiffness`."""
     damping_ratio: FloatArray  #: damping ratio of each mode, (modes,)
-    tip_radial: FloatArray  #: radial displacement of each tip [kg^-1/2], (tips, modes)
-    tip_tangential: FloatArray  #: displacement of each tip towards +theta [kg^-1/2], (tips, modes)
+    tip_radial: FloatArray  #: radial displacement of the tips of a copy [kg^-1/2], (tips, modes)
+    tip_tangential: FloatArray
+    """Displacement of the tips of a copy towards +theta [kg^-1/2], (tips, modes)."""
     centre: FloatArray  #: x and y of the centre node [kg^-1/2], (2, modes); zero if clamped
     tip_angle: FloatArray  #: angle of each tip from +x [rad], (tips,)
     tip_radius: float  #: radius from which the clearance is measured [m]
@@ -51,11 +77,60 @@ class ReducedRotor:
     stiffness along x minus stiffness along y [N/m]."""
     by_velocity: FloatArray | None = None
     """Matrix of the Coriolis forces 2 Omega G and of the damping that does not follow from
-    `damping_ratio` and `dampers` [1/s], (modes, modes); None without Coriolis forces. With this
-    matrix, dampers respond to contact within the time step."""
+    `damping_ratio` and `dampers` [1/s], (modes, modes), of one copy; None without such forces. With
+    this matrix, dampers respond to contact within the time step."""
+    copies: int = 1  #: number of copies
+    nodes: ContactNodes | None = None  #: None: contact forces are radial and tangential
     circulation: float = 0.0
     """Damping at the centre in the static frame, times the speed [N/m]. In rotating axes a
     displacement (x, y) of the centre causes the force `circulation` times (y, -x)."""
+
+    @classmethod
+    def of_copies(
+        cls,
+        *,
+        frequency: FloatArray,
+        damping_ratio: FloatArray,
+        contact: FloatArray,
+        compliance: FloatArray | None,
+        angle: FloatArray,
+        radius: FloatArray,
+        recess: FloatArray,
+        tip_radius: float,
+        centre: FloatArray | None = None,
+        by_velocity: FloatArray | None = None,
+    ) -> "ReducedRotor":
+        """Return a rotor of copies with contact nodes.
+
+        Args:
+            frequency: frequency of each mode [rad/s], (copies, modes).
+            damping_ratio: damping ratio of each mode, (copies, modes).
+            contact: radial, tangential and axial displacements of the contact nodes of a copy
+                [kg^-1/2], (3 * nodes, modes).
+            compliance: see `ContactNodes`.
+            angle: angle of each contact node from +x [rad], (copies, nodes).
+            radius: radius of the contact nodes of a copy [m], (nodes,).
+            recess: `tip_radius` minus the radius of the contact nodes of a copy [m], (nodes,).
+            tip_radius: radius from which the clearance is measured [m].
+            centre: x and y of the centre of a copy [kg^-1/2], (2, modes); None if it is fixed.
+            by_velocity: see `ReducedRotor`.
+        """
+        copies, modes = frequency.shape
+        return cls(
+            frequency=frequency.ravel(),
+            damping_ratio=damping_ratio.ravel(),
+            tip_radial=contact[0::3],
+            tip_tangential=contact[1::3],
+            centre=np.zeros((2, copies * modes)) if centre is None else np.tile(centre, copies),
+            tip_angle=angle.ravel(),
+            tip_radius=tip_radius,
+            tip_recess=np.tile(recess, copies),
+            column=np.full(copies * modes, -1),
+            dampers=np.zeros((0, copies * modes)),
+            by_velocity=by_velocity,
+            copies=copies,
+            nodes=ContactNodes(axial=contact[2::3], radius=radius, compliance=compliance),
+        )
 
     @property
     def stiffness(self) -> FloatArray:
@@ -63,12 +138,57 @@ class ReducedRotor:
         return self.frequency * np.abs(self.frequency)
 
     @property
-    def damping(self) -> FloatArray:
-        """Matrix of all forces due to velocities, including Coriolis forces [1/s], (modes,
-        modes)."""
-        by_ratio = np.diag(2.0 * self.damping_ratio * np.abs(self.frequency))
+    def velocity_forces(self) -> FloatArray:
+        """Matrix of all forces due to velocities, damping and Coriolis forces, of each copy [1/s],
+        (copies, modes, modes). Dampers need a rotor of one copy."""
+        ratio, frequency = self.by_copy(self.damping_ratio), self.by_copy(self.frequency)
+        rates = 2.0 * ratio * np.abs(frequency)
         coupled = 0.0 if self.by_velocity is None else self.by_velocity
-        return np.asarray(by_ratio + self.dampers.T @ self.dampers + coupled)
+        joined = self.dampers.T @ self.dampers if len(self.dampers) else 0.0
+        return np.array([np.diag(row) + joined + coupled for row in rates])
+
+    @property
+    def damping(self) -> FloatArray:
+        """The only matrix of `velocity_forces` of a rotor of one copy [1/s], (modes, modes)."""
+        (only,) = self.velocity_forces
+        return np.asarray(only)
+
+    def by_copy(self, values: FloatArray) -> FloatArray:
+        """Return values of all modes or of all tips by copy, (copies, modes) or (copies, tips)."""
+        return values.reshape(self.copies, -1)
+
+    @property
+    def contact(self) -> FloatArray:
+        """Radial, tangential and axial displacements of the contact nodes of a copy [kg^-1/2],
+        (3 * tips, modes)."""
+        assert self.nodes is not None
+        components = (self.tip_radial, self.tip_tangential, self.nodes.axial)
+        return np.stack(components, axis=1).reshape(-1, self.tip_radial.shape[1])
+
+    def at_tips(self, rows: FloatArray, displacement: FloatArray) -> FloatArray:
+        """Return a component of the displacements of all tips, (tips,).
+
+        Args:
+            rows: `tip_radial` or another component for the tips of a copy, (tips, modes).
+            displacement: modal displacements, (modes,).
+        """
+        return np.concatenate([rows @ own for own in self.by_copy(displacement)])
+
+    @property
+    def highest_frequency(self) -> float:
+        """Highest frequency of the modes [rad/s]. Tips without mass are then fixed in each
+        direction with a residual flexibility."""
+        if self.nodes is None or self.nodes.compliance is None:
+            return float(np.abs(self.frequency).max(initial=0.0))
+        squares, stiffest, contact = self.by_copy(self.frequency) ** 2, 0.0, self.contact
+        for square, compliance in zip(squares, self.nodes.compliance, strict=True):
+            flexibility, ways = np.linalg.eigh(compliance)
+            flexible = flexibility > RIGID * flexibility[-1]
+            rows = (ways[:, flexible] / np.sqrt(flexibility[flexible])).T @ contact
+            stiffest = max(stiffest, np.linalg.eigvalsh(np.diag(square) + rows.T @ rows)[-1])
+            if (squares == squares[0]).all():
+                break
+        return float(np.sqrt(stiffest))
 
     @property
     def circulation_stiffness(self) -> FloatArray:
@@ -84,13 +204,14 @@ class ReducedRotor:
         """
         tips = len(self.tip_angle)
         return (
-            3 <= tips < len(self.column)
+            self.nodes is None
+            and 3 <= tips < len(self.column)
             and bool(np.all(self.column >= 0))
             and evenly_spaced(self.tip_angle)
         )
 
     def take(self, modes: IntArray) -> "ReducedRotor":
-        """Return the rotor with the chosen modes."""
+        """Return the rotor, which is of one copy, with the chosen modes."""
         return replace(
             self,
             frequency=self.frequency[modes],
@@ -112,13 +233,18 @@ class ReducedRotor:
             displacement: modal displacements, (modes,).
             velocity: modal velocities, (modes,).
         """
-        force = -self.circulation_stiffness @ displacement
-        return force if self.by_velocity is None else force - self.by_velocity @ velocity
+        force = np.zeros(len(displacement))
+        if self.circulation != 0.0:
+            force = -self.circulation_stiffness @ displacement
+        if self.by_velocity is None:
+            return force
+        each = [self.by_velocity @ own for own in self.by_copy(velocity)]
+        return np.asarray(force - np.concatenate(each))
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedCasing:
-    """A casing in modal coordinates in the static frame."""
+    """A casing in modal coordinates in the static frame; a rigid wall has no modes."""
 
     frequency: FloatArray  #: natural frequency [rad/s], (modes,)
     damping_ratio: FloatArray  #: damping ratio of each mode, (modes,)
@@ -132,6 +258,30 @@ class ReducedCasing:
     belongs, (modes,); -1 without symmetry."""
     dampers: FloatArray
     """Rows G of the damping matrix G^T G of point dampers [s^-1/2], (dampers, modes)."""
+
+    @classmethod
+    def rigid(cls, clearance: FloatArray, radius: float) -> "ReducedCasing":
+        """Return a rigid wall.
+
+        Args:
+            clearance: clearance and its derivative by the arc length at equal angles, (nodes, 2).
+            radius: radius of the wall [m].
+        """
+        none = np.zeros(0)
+        return cls(
+            frequency=none,
+            damping_ratio=none,
+            nodal=np.zeros((len(clearance), 4, 0)),
+            clearance=clearance,
+            radius=radius,
+            column=np.zeros(0, dtype=np.int64),
+            dampers=np.zeros((0, 0)),
+        )
+
+    @property
+    def is_flexible(self) -> bool:
+        """True if the casing has modes."""
+        return len(self.frequency) > 0
 
     @property
     def element_length(self) -> float:
@@ -169,10 +319,10 @@ class WallClosure:
 
     @classmethod
     def around(
-        cls, course: Closure | None, angle: FloatArray, radius: float = 1.0
+        cls, course: Closure | None, angle: FloatArray, radius: float
     ) -> "WallClosure | None":
-        """Return the closure at angles [rad] around a ring; None if `course` is None. Derivatives
-        are with respect to the arc length at the radius [m]; by default, to the angle."""
+        """Return the closure at angles [rad] around a wall of a radius [m]; None if `course` is
+        None."""
         if course is None:
             return None
         share = [course.around.value(angle), course.around.slope(angle) / radius]
@@ -278,8 +428,7 @@ def rod_angles(rods: int) -> FloatArray:
 class Load:
     """A force pattern times cos(frequency t + phase), with a half-cosine ramp and an end."""
 
-    rotor: FloatArray
-    """Modal force [N kg^-1/2], (rotor modes,); for a superelement (copies, modes)."""
+    rotor: FloatArray  #: modal force [N kg^-1/2], (rotor modes,)
     casing: FloatArray = field(default_factory=lambda: np.zeros(0))
     """Modal force [N kg^-1/2], (casing modes,); empty for a rigid wall."""
     end: float = NEVER  #: the load is zero from this time on [s]
@@ -326,20 +475,20 @@ class Start:
 class ContactProblem:
     """All data of a march except its time steps and its scheme."""
 
-    schemes: ClassVar[Mapping[str, str]] = SCHEMES  #: classes of the schemes, by name
-
     rotor: ReducedRotor
     casing: ReducedCasing
     speed: float  #: speed of rotation Omega, counter-clockwise [rad/s]
     friction: float  #: Coulomb friction coefficient
-    sliding: Literal["permanent", "signed"]  #: see `contact.sliding` of a case
+    sliding: Literal["permanent", "signed", "full"]
+    """See `contact.sliding` of a case; "full" needs `ContactNodes`."""
     tip_rotation: bool  #: true to add u_t / R to the angle of a tip
     displacement_limit: float  #: displacement at which a march ends as divergent [m]
     loads: tuple[Load, ...]
     start: Start
     springs: CouplingSprings | None = None  #: springs between the bodies
     closure: WallClosure | None = None  #: clearance that is lost over time
-    coating: WallCoating | None = None  #: abradable coating
+    coating: WallCoating | NodeCoating | None = None
+    """Abradable coating: a `NodeCoating` under `ContactNodes`."""
     foreshortening: Foreshortening | None = None  #: gaps that open as blades bend
     restitution: float = 0.0  #: restitution coefficient e of the scheme "moreau-jean"
     penalty_stiffness: float = 1e9  #: contact stiffness of the scheme "penalty" [N/m]
@@ -368,16 +517,58 @@ class ContactProblem:
         rotor, casing = self.rotor, self.casing
         if self.springs is not None or rotor.anisotropy or rotor.circulation:
             raise ValueError("springs or dampers in the static frame can feed energy to the rotor")
+        if rotor.by_velocity is not None:
+            rates = 2.0 * rotor.damping_ratio * np.abs(rotor.frequency)
+            coupled = 0.5 * (rotor.by_velocity + rotor.by_velocity.T)
+            lowest = np.diag(rotor.by_copy(rates).min(axis=0)) + coupled
+            losses = np.linalg.eigvalsh(lowest)
+            if losses[0] < -ROUNDING * max(losses[-1], 0.0):
+                raise ValueError(
+                    "the damping matrix of the superelement feeds energy to some motion"
+                )
         clearance = float(casing.clearance[:, 0].min() + rotor.tip_recess.min())
-        return clearance, [
-            (rotor.tip_radial, rotor.frequency),
-            (casing.nodal[:, 0], casing.frequency),
-        ]
+        bodies = [(rotor.tip_radial, frequency) for frequency in rotor.by_copy(rotor.frequency)]
+        if casing.is_flexible:
+            bodies.append((casing.nodal[:, 0], casing.frequency))
+        return clearance, bodies
+
+    def initial_gap(self, time: float = 0.0) -> FloatArray:
+        """Return the gap of each tip to the metal at the initial displacements, by Hermite
+        interpolation [m], (tips,).
+
+        Args:
+            time: time, which determines the angle of the rotor and the clearance [s].
+        """
+        casing, rotor, start = self.casing, self.rotor, self.start
+        nodes = len(casing.nodal)
+        angle = rotor.tip_angle + self.speed * time
+        if self.tip_rotation:
+            around = rotor.at_tips(rotor.tip_tangential, start.rotor)
+            angle = angle + around / rotor.tip_radius
+        position = np.mod(angle * nodes / (2.0 * np.pi), nodes)
+        element = position.astype(np.int64) % nodes
+        xi = position - np.floor(position)
+        field = casing.nodal[:, :2] @ start.casing + self.clearance(time)
+        first, second = field[element], field[(element + 1) % nodes]
+        at = cubic_weights(xi, casing.element_length)
+        surface = (
+            at[0] * first[:, 0] + at[1] * first[:, 1] + at[2] * second[:, 0] + at[3] * second[:, 1]
+        )
+        gap = surface + self.metal_recess - rotor.at_tips(rotor.tip_radial, start.rotor)
+        if self.foreshortening is not None:
+            gap = gap + self.foreshortening.opening(start.rotor)
+        return np.asarray(gap)
 
     @property
     def critical_time_step(self) -> float:
         """Stability limit of the time step for central differences [s]."""
         return critical_time_step(self.rotor, self.casing, self.springs)
+
+    def spring_force(self, angle: float, displacement: FloatArray) -> FloatArray:
+        """Return the modal forces -K* x on rotor and casing, see `spring_stiffness`, (n,)."""
+        if self.springs is None and self.rotor.anisotropy == 0.0:
+            return np.zeros(len(displacement))
+        return np.asarray(-self.spring_stiffness(angle) @ displacement)
 
     def spring_stiffness(self, angle: ArrayLike) -> FloatArray:
         """Return the stiffness K* of the coupling springs and of unequal static shaft springs.
@@ -408,7 +599,7 @@ def critical_time_step(
     neglected: they raise the limit slightly, to omega^2 dt^2 <= 2 + 2 sqrt(1 + (Omega g dt)^2) for
     an eigenvalue i g of M^-1 G.
     """
-    highest = max(np.abs(rotor.frequency).max(initial=0.0), casing.frequency.max(initial=0.0))
+    highest = max(rotor.highest_frequency, casing.frequency.max(initial=0.0))
     if springs is not None:
         highest = max(highest, springs.highest_frequency)
     # Upper bound of the increase of squared frequencies due to unequal bearings.

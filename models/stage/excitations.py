@@ -33,17 +33,17 @@ X, Y = range(2)
 
 @dataclass(frozen=True, kw_only=True)
 class LoadedStage:
-    """What excitations act on. The modal coordinates of the bladed disk have any shape (...)."""
+    """What excitations act on."""
 
     case: Case
     speed: float  #: speed of rotation [rad/s]
-    centre: FloatArray  #: x and y of the centre for unit modal coordinates [kg^-1/2], (2, ...)
-    rest: FloatArray  #: modal forces of zero on the bladed disk, (...)
+    centre: FloatArray  #: x and y of the centre for unit modal coordinates [kg^-1/2], (2, modes)
+    rest: FloatArray  #: modal forces of zero on the bladed disk, (modes,)
     ring: Ring | None  #: flexible casing; None for a rigid wall
     unbalance: Callable[[Imbalance], float]  #: function that returns m e of an imbalance [kg m]
     forces_of_order: Callable[[EngineOrder], Iterable[tuple[int, ComplexArray]]]
     """Function that returns for each engine order r the complex modal forces on the bladed disk for
-    the time factor exp(i r Omega t), (...)."""
+    the time factor exp(i r Omega t), (modes,)."""
 
     @property
     def casing_rest(self) -> FloatArray:

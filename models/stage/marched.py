@@ -17,7 +17,6 @@ from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.modal.stage_arrays import Arrays
-from bladewhirl.models.stage.boundary_problem import BoundaryProblem, Problem
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.coating import node_coating_faults, wall_coating
 from bladewhirl.models.stage.contact_problem import ContactProblem, NodeCoating, WallCoating
@@ -74,14 +73,14 @@ class MarchedStage(ABC):
         """Coating of the wall."""
 
     @abstractmethod
-    def contact_problem(self) -> Problem:
+    def contact_problem(self) -> ContactProblem:
         """Return the contact problem.
 
         Raises:
             CaseError: errors that prevent time integration.
         """
 
-    def faults(self, problem: Problem) -> Iterable[Fault]:
+    def faults(self, problem: ContactProblem) -> Iterable[Fault]:
         """Return further errors that prevent the time integration of a problem whose numbers are
         finite."""
         return ()
@@ -166,12 +165,11 @@ class MarchedNodes(MarchedStage):
     def coating(self) -> NodeCoating | None:
         return self.model.coating
 
-    def contact_problem(self) -> BoundaryProblem:
+    def contact_problem(self) -> ContactProblem:
         return self.model.problem
 
-    def faults(self, problem: Problem) -> Iterator[Fault]:
+    def faults(self, problem: ContactProblem) -> Iterator[Fault]:
         """Yield faults of the time step for the modes and for the coating."""
-        assert isinstance(problem, BoundaryProblem)
         case, limit = self.case, problem.critical_time_step
         if not case.march.time_step < limit:
             expected = (
@@ -180,7 +178,7 @@ class MarchedNodes(MarchedStage):
             )
             yield case_fault(case, "march.time_step", f"{expected}{probable_cause(case)}")
         else:
-            yield from node_coating_faults(case, problem.coating, self.speed)
+            yield from node_coating_faults(case, self.coating, self.speed)
 
     def hints(self) -> tuple[str, ...]:
         return tuple(superelement_hints(self.model))

@@ -27,7 +27,7 @@ def engine_order_forces(
     contact: FloatArray, angle: FloatArray, blade: IntArray, load: EngineOrder
 ) -> list[tuple[int, ComplexArray]]:
     """Return for each engine order r the complex forces on the modes for the time factor
-    exp(i r Omega t) [kg^1/2 m/s2], (copies, modes).
+    exp(i r Omega t) [kg^1/2 m/s2], (copies * modes,).
 
     The force on blade n is F cos(r (Omega t + theta_n) + phase), with equal parts on its contact
     nodes; theta_n is the mean angle of these nodes. The force acts on the modes; the residual
@@ -49,7 +49,7 @@ def engine_order_forces(
         (order, load.amplitude * factors * np.exp(1j * (order * middle + phases)))
         for order in load.order
     )
-    return [(order, force @ (member @ along)) for order, force in forces]
+    return [(order, (force @ (member @ along)).ravel()) for order, force in forces]
 
 
 def _means(blade: IntArray) -> FloatArray:
@@ -67,7 +67,7 @@ def static_shapes(
     copies: int,
 ) -> FloatArray:
     """Return the modal coordinates of least strain energy for the initial motion of the tips and of
-    the centre, (copies, modes). The motion of a tip is the mean of the contact nodes of a blade.
+    the centre, (copies * modes,). The motion of a tip is the mean of the contact nodes of a blade.
 
     Args:
         case: case whose table `initial` gives the motion.
@@ -81,7 +81,7 @@ def static_shapes(
     """
     tips, centre = getattr(case.initial, f"tip_{key}"), getattr(case.initial, f"centre_{key}")
     if tips is None and not any(centre):
-        return np.zeros((copies, len(reduced.frequency)))
+        return np.zeros(copies * len(reduced.frequency))
     name = f"initial.{'centre' if tips is None else 'tip'}_{key}"
     if reduced.frequency.min() <= RANK * reduced.frequency.max():
         expected = "not allowed for a superelement with rigid modes; remove this key"
@@ -105,4 +105,4 @@ def static_shapes(
             'a motion that the modes can have; use more modes, or reduction.boundary = "consistent"'
         )
         raise CaseError([case_fault(case, name, expected)])
-    return moved
+    return moved.ravel()

@@ -16,9 +16,15 @@ from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.imports.inspection import NEGATIVE
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.stage_arrays import SuperelementArrays
-from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.coating import node_coating
-from bladewhirl.models.stage.contact_problem import NodeCoating, Start, WallClosure
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    NodeCoating,
+    ReducedCasing,
+    ReducedRotor,
+    Start,
+    WallClosure,
+)
 from bladewhirl.models.stage.excitations import LoadedStage, loads_on
 from bladewhirl.models.stage.ring import Ring, flexible_ring
 from bladewhirl.models.stage.superelement_loads import (
@@ -103,61 +109,71 @@ class SuperelementStage:
         return np.asarray(radius - self.part.contact_radius)
 
     @property
-    def problem(self) -> BoundaryProblem:
+    def problem(self) -> ContactProblem:
         """The contact problem, see `problem_at`."""
         return self.problem_at(self.speed)
 
-    def problem_at(self, speed: float) -> BoundaryProblem:
+    def problem_at(self, speed: float) -> ContactProblem:
         """Return the contact problem at a speed of rotation [rad/s].
 
         Raises:
             CaseError: a contact node is beyond the wall at the start.
         """
-        case, reduced = self.case, self.reduced
-        modes, copies = len(reduced.frequency), self.copies
-        ratio = np.full(modes, case.damping.ratio)
-        if case.reduction.boundary == "consistent":
-            ratio[reduced.kept :] = case.damping.boundary_ratio
-        limit, coating = case.march.displacement_limit, self.coating
-        problem = BoundaryProblem(
-            frequency=np.sqrt(self.factor)[:, None] * reduced.frequency,
-            damping_ratio=np.tile(ratio, (copies, 1)),
-            by_velocity=_by_velocity(reduced, speed),
-            contact=reduced.contact,
-            compliance=reduced.compliance / self.factor[:, None, None],
-            massless=case.reduction.boundary == "massless",
-            angle=self.angle,
-            radius=self.part.contact_radius,
-            recess=self.recess + (0.0 if coating is None else coating.removable),
-            wall=self.wall,
+        case, blade = self.case, self.blade
+        limit = case.march.displacement_limit
+        rotor = self.rotor_at(speed)
+        problem = ContactProblem(
+            rotor=rotor,
+            casing=self.wall,
             speed=speed,
             friction=case.contact.friction,
-            full_sliding=case.contact.sliding == "full",
+            sliding="full" if case.contact.sliding == "full" else "permanent",
+            tip_rotation=False,
             displacement_limit=limit or LIMIT * float(self.part.contact_radius.max()),
             start=Start.of_rotor(
-                static_shapes(case, "displacement", reduced, self.blade, copies),
-                static_shapes(case, "velocity", reduced, self.blade, copies),
-                0 if self.ring is None else self.ring.casing_modes.count,
+                static_shapes(case, "displacement", self.reduced, blade, self.copies),
+                static_shapes(case, "velocity", self.reduced, blade, self.copies),
+                len(self.wall.frequency),
             ),
-            closure=WallClosure.around(case.casing.closure, self._wall_angle),
-            casing=None if self.ring is None else self.ring.reduced_casing,
-            coating=coating,
+            closure=WallClosure.around(case.casing.closure, self._wall_angle, self.wall.radius),
+            coating=self.coating,
             loads=loads_on(
                 LoadedStage(
                     case=case,
                     speed=speed,
-                    centre=centre_rows(reduced, self.table.angle)[:, None],
-                    rest=np.zeros((copies, modes)),
+                    centre=rotor.centre,
+                    rest=np.zeros(len(rotor.frequency)),
                     ring=self.ring,
                     unbalance=lambda load: load.unbalance or 0.0,
                     forces_of_order=partial(
-                        engine_order_forces, reduced.contact, self.angle, self.blade
+                        engine_order_forces, self.reduced.contact, self.angle, blade
                     ),
                 )
             ),
         )
         self._check_start(problem)
         return problem
+
+    def rotor_at(self, speed: float) -> ReducedRotor:
+        """Return the copies in modal coordinates at a speed of rotation [rad/s]."""
+        case, reduced = self.case, self.reduced
+        modes, copies = len(reduced.frequency), self.copies
+        ratio = np.full(modes, case.damping.ratio)
+        if case.reduction.boundary == "consistent":
+            ratio[reduced.kept :] = case.damping.boundary_ratio
+        massless = case.reduction.boundary == "massless"
+        return ReducedRotor.of_copies(
+            frequency=np.sqrt(self.factor)[:, None] * reduced.frequency,
+            damping_ratio=np.tile(ratio, (copies, 1)),
+            contact=reduced.contact,
+            compliance=reduced.compliance / self.factor[:, None, None] if massless else None,
+            angle=self.angle,
+            radius=self.part.contact_radius,
+            recess=self.recess,
+            tip_radius=self.case.tip_radius,
+            centre=centre_rows(reduced, self.table.angle),
+            by_velocity=_by_velocity(reduced, speed),
+        )
 
     @cached_property
     def coating(self) -> NodeCoating | None:
@@ -186,16 +202,19 @@ class SuperelementStage:
             point_shape=shapes,
             triangle=np.zeros((0, 3), np.int64) if part.triangles is None else part.triangles,
             wall_angle=self._wall_angle,
-            clearance=self.wall[:, 0],
+            clearance=self.case.casing.clearance_profile.value(self._wall_angle),
             **_ring_arrays(self.ring),
         )
 
     @cached_property
-    def wall(self) -> FloatArray:
-        """Clearance [m] and its derivative with respect to the angle [m], at equally spaced
-        angles from 0 or at the nodes of a flexible casing, (angles, 2)."""
+    def wall(self) -> ReducedCasing:
+        """The wall: at equally spaced angles from 0, or a flexible casing."""
+        if self.ring is not None:
+            return self.ring.reduced_casing
         profile, angles = self.case.casing.clearance_profile, self._wall_angle
-        return np.column_stack([profile.value(angles), profile.slope(angles)])
+        slope = profile.slope(angles) / self.casing_radius
+        clearance = np.column_stack([profile.value(angles), slope])
+        return ReducedCasing.rigid(clearance, self.casing_radius)
 
     @property
     def _wall_angle(self) -> FloatArray:
@@ -204,12 +223,12 @@ class SuperelementStage:
         angles = max(GRID, PER_POINT * len(self.case.casing.clearance_profile.points))
         return 2.0 * np.pi / angles * np.arange(float(angles))
 
-    def _check_start(self, problem: BoundaryProblem) -> None:
-        gap = problem.initial_gap
+    def _check_start(self, problem: ContactProblem) -> None:
+        gap = problem.initial_gap()
         if problem.coating is not None:
             gap = gap - problem.coating.removable
         if gap.min() < 0.0:
-            copy, node = np.unravel_index(int(gap.argmin()), gap.shape)
+            copy, node = divmod(int(gap.argmin()), self.part.contacts)
             expected = (
                 f"all contact nodes inside the wall at t = 0: node {node} of blade {copy} would be"
                 f" {-gap.min():.4g} m beyond the wall; use a larger clearance, another phase of its"

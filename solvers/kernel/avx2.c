@@ -4,15 +4,12 @@
 #if VARIANTS
 #define march march_avx2
 #define dense_march dense_march_avx2
-#define boundary_march boundary_march_avx2
 #define WIDTH 4
 #define HALF_WIDTH 4
 TARGET("avx2")
 #include "march.c"
 
 #include "dense.c"
-
-#include "boundary.c"
 TARGET_END
 #else
 typedef int nothing; /* ISO C forbids empty files */

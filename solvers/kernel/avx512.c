@@ -4,15 +4,12 @@
 #if VARIANTS
 #define march march_avx512
 #define dense_march dense_march_avx512
-#define boundary_march boundary_march_avx512
 #define WIDTH 8
 #define HALF_WIDTH 4
 TARGET("avx512f")
 #include "march.c"
 
 #include "dense.c"
-
-#include "boundary.c"
 TARGET_END
 #else
 typedef int nothing; /* ISO C forbids empty files */

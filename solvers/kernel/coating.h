@@ -90,9 +90,9 @@ static inline double add_rods(const Coating *coating, const RodSums *sums, int64
 }
 
 /* Return an upper bound of the slope of a nodal Hermite field on the element of a rod. */
-static inline double steepest(const Casing *casing, int64_t element, const double *value,
-                              const double *slope)
+static inline double steepest(const Casing *casing, int64_t element, const Matrix *nodal)
 {
+    const double *value = nodal->at, *slope = value + nodal->columns;
     double chord = fabs(value[element + 1] - value[element]) / casing->element_length;
     return 1.5 * chord + fabs(slope[element]) + fabs(slope[element + 1]);
 }
@@ -106,7 +106,8 @@ static inline double press_tip(const Coating *coating, const Casing *casing, con
                                double recess, double slides, const FieldScratch *f,
                                double *strain, CoatingScratch *s)
 {
-    const double *value = f->nodal.at, *slope = f->nodal_slope.at;
+    const Matrix *nodal = casing->modes > 0 ? &f->nodal : &casing->radial.start;
+    const double *value = nodal->at, *slope = value + nodal->columns;
     const double *share = closure ? closure->share.at : 0;
     int64_t rods = coating->element.size;
     double at = place * coating->rods_per_element, half = coating->half.at[tip], force = 0.0;
@@ -116,10 +117,9 @@ static inline double press_tip(const Coating *coating, const Casing *casing, con
         double most = 0.0;
         for (int64_t n = first; n <= last;) {
             int64_t rod = n < 0 ? n + rods : n < rods ? n : n - rods, e = coating->element.at[rod];
-            double here = steepest(casing, e, value, slope);
+            double here = steepest(casing, e, nodal);
             if (closure)
-                here += fabs(closed)
-                        * steepest(casing, e, share, share + closure->share.columns);
+                here += fabs(closed) * steepest(casing, e, &closure->share);
             most = larger(most, here);
             n += coating->until.at[rod] - rod;
         }

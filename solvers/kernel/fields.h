@@ -101,18 +101,22 @@ static inline void folded_fields(const Casing *casing, const Matrix *start, Fiel
         ce = muladd(last, splat(values[half + used - 1]), ce);
         de = muladd(last, splat(slopes[half + used - 1]), de);
         unfold(ce, co, se, so, i, middle, start->at, f->nodal.at);
-        unfold(de, d_o, te, to, i, middle, start->at + start->columns, f->nodal_slope.at);
+        unfold(de, d_o, te, to, i, middle, start->at + start->columns,
+               f->nodal.at + f->nodal.columns);
     }
 }
 
-/* Compute values and slopes of a field at the casing nodes from its columns; node 0 is repeated. */
-static void nodal_field(const Casing *casing, const NodalField *field, FieldScratch *f)
+/* Compute values and slopes of a field at the casing nodes from its columns; node 0 is repeated.
+ * Returns the values and slopes: those of the start for a rigid wall. */
+static const Matrix *nodal_field(const Casing *casing, const NodalField *field, FieldScratch *f)
 {
     const Matrix *start = &field->start;
-    double *value = f->nodal.at, *slope = f->nodal_slope.at;
+    double *value = f->nodal.at, *slope = f->nodal.at + f->nodal.columns;
+    if (casing->modes == 0)
+        return start;
     if (casing->fold.rows > 0) {
         folded_fields(casing, start, f);
-        return;
+        return &f->nodal;
     }
     combine_rows(&field->shape, f->value.at, value);
     combine_rows(&field->slope_shape, f->slope.at, slope);
@@ -122,6 +126,16 @@ static void nodal_field(const Casing *casing, const NodalField *field, FieldScra
         store(value + i, add(load(value + i), load(start->at + i)));
         store(slope + i, add(load(slope + i), load(start->at + start->columns + i)));
     }
+    return &f->nodal;
+}
+
+/* Return the value of a nodal Hermite field on an element, with the weights of a place on it. */
+static inline double hermite_value(const Matrix *nodal, int64_t element, const double *weight,
+                                   int64_t width)
+{
+    const double *value = nodal->at + element, *slope = value + nodal->columns;
+    return (weight[0] * value[0] + weight[width] * slope[0])
+           + (weight[2 * width] * value[1] + weight[3 * width] * slope[1]);
 }
 
 /* Compute the tangential displacement of each tip. */
@@ -185,16 +199,12 @@ static inline void sum_radial(const Rotor *rotor, const Casing *casing, const do
 }
 
 /* Compute the value of a nodal Hermite field under each tip. Returns 0 if any value is NaN. */
-static inline int field_at_tips(const FieldScratch *f, double *out)
+static inline int field_at_tips(const Matrix *nodal, const FieldScratch *f, double *out)
 {
-    const double *value = f->nodal.at, *slope = f->nodal_slope.at;
-    int64_t width = f->hermite.columns;
     int finite = 1;
     for (int64_t j = 0; j < f->element.size; j++) {
-        int64_t e = f->element.at[j];
-        const double *weight = f->hermite.at + j;
-        double at_tip = (weight[0] * value[e] + weight[width] * slope[e])
-                        + (weight[2 * width] * value[e + 1] + weight[3 * width] * slope[e + 1]);
+        double at_tip =
+            hermite_value(nodal, f->element.at[j], f->hermite.at + j, f->hermite.columns);
         out[j] = at_tip;
         finite &= at_tip == at_tip;
     }
@@ -208,14 +218,10 @@ static inline const double *recess_at(const Rotor *rotor, const Closure *closure
 {
     if (!closure)
         return rotor->recess.at;
-    const double *value = closure->share.at, *slope = value + closure->share.columns;
     double rate, closed = closure_at(closure, time, &rate);
-    int64_t width = f->hermite.columns;
     for (int64_t j = 0; j < f->element.size; j++) {
-        int64_t e = f->element.at[j];
-        const double *weight = f->hermite.at + j;
-        double share = (weight[0] * value[e] + weight[width] * slope[e])
-                       + (weight[2 * width] * value[e + 1] + weight[3 * width] * slope[e + 1]);
+        double share = hermite_value(&closure->share, f->element.at[j], f->hermite.at + j,
+                                     f->hermite.columns);
         f->recess.at[j] = rotor->recess.at[j] - closed * share;
     }
     return f->recess.at;
@@ -228,8 +234,7 @@ static inline int close_gaps(const Rotor *rotor, const Casing *casing, const dou
 {
     int64_t within = 0, tips = f->element.size;
     combine_rows(&rotor->shape, f->rotor.at, f->radial.at);
-    nodal_field(casing, &casing->radial, f);
-    if (!field_at_tips(f, gap))
+    if (!field_at_tips(nodal_field(casing, &casing->radial, f), f, gap))
         return 0;
     for (int64_t j = 0; j < tips; j++) {
         gap[j] += recess[j] - f->radial.at[j];
@@ -252,8 +257,7 @@ static inline void sliding_signs(const Rotor *rotor, const Casing *casing, doubl
     tip_tangential(rotor, on_rotor, f);
     column_sums(&field->weight, on_casing, field->half, f->value.at);
     column_sums(&field->slope_weight, on_casing, field->slope_half, f->slope.at);
-    nodal_field(casing, field, f);
-    field_at_tips(f, f->other.at);
+    field_at_tips(nodal_field(casing, field, f), f, f->other.at);
     for (int64_t j = 0; j < f->element.size; j++) {
         double speed = wheel_speed + (f->tangential.at[j] - f->other.at[j]) / time_step;
         sign[j] = (speed > 0.0) - (speed < 0.0);
@@ -266,10 +270,12 @@ static int keeps_limit(const Rotor *rotor, const Casing *casing, double limit, c
                        FieldScratch *f)
 {
     int within = 1;
-    tip_tangential(rotor, x, f);
-    for (int64_t j = 0; j < f->element.size; j++)
-        within &= fabs(f->tangential.at[j]) <= limit;
-    for (int64_t i = 0; i < casing->nodes; i++)
+    if (rotor->tangential.rows > 0) {
+        tip_tangential(rotor, x, f);
+        for (int64_t j = 0; j < f->element.size; j++)
+            within &= fabs(f->tangential.at[j]) <= limit;
+    }
+    for (int64_t i = 0; casing->modes > 0 && i < casing->nodes; i++)
         within &= fabs(f->nodal.at[i] - casing->radial.start.at[i]) <= limit;
     return within;
 }

@@ -96,13 +96,13 @@ typedef struct {
                            * a partner */
     IntVector to;         /* (rest) position of the mode that responds to each entry of `rest` */
     IntVector by;         /* (rest) position of the force of each entry of `rest` */
-    Matrix full;          /* (modes, entries) response to a force on each mode, without symmetry;
-                           * otherwise empty */
+    Matrix full;          /* (modes, columns) response of the modes of a copy to a force on each mode,
+                           * without symmetry; otherwise empty */
     Vector loss;          /* (loss) damping if equal for cosine and sine: the upper triangle, with
                            * twice the entries off the diagonal; for HALF columns, groups of ROWS
                            * rows, and rows from the first row of the group on */
-    Matrix full_loss;     /* (entries, entries) the upper triangle for all modes, if damping couples
-                           * columns; otherwise empty */
+    Matrix full_loss;     /* (entries, columns) the upper triangle for all modes of a copy, if damping
+                           * couples columns; otherwise empty */
     Matrix normal;        /* (rows, columns) response to normal forces in the same column, on a
                            * cyclic rotor; otherwise empty */
     Matrix normal_across; /* (rows, columns) response to normal forces in the partner column */
@@ -135,6 +135,7 @@ typedef struct {
     int64_t shared;        /* 1 if all nodal values have the same shape */
     Vector compliance;     /* (compliance) blocks of 4 x 4 for s = -1, 0, 1, see `delassus` */
     int64_t spacing;       /* number of blocks between consecutive elements */
+    int64_t modes;         /* number of modes; 0 for a rigid wall */
     int64_t nodes;         /* number of nodes, which is also the number of elements */
     double element_length; /* arc length of an element [m] */
 } Casing;
@@ -175,6 +176,7 @@ typedef struct {
     double friction;           /* friction coefficient mu */
     double sliding;            /* sign of permanent sliding */
     double is_signed;          /* 1 if the direction of sliding follows from velocities */
+    double speed;              /* Omega [rad/s] */
     double wheel_speed;        /* R Omega [m/s] */
     double elements_per_metre; /* casing elements per metre of u_t; 0 if u_t does not move tips */
     double displacement_limit; /* limit of tip displacements and of w of the casing [m] */
@@ -227,6 +229,39 @@ typedef struct {
     int64_t check;  /* number of steps between checks of all openings */
 } Foreshortening;
 
+/* Directions of the displacement of a contact node: radial, tangential, axial. */
+enum { RADIAL, TANGENTIAL, AXIAL, DIRECTIONS };
+
+/* Contact nodes, which are tips whose contact forces have three directions, see `nodes.h`. The rotor
+ * consists of copies, and has a row of entries for each copy. `components` is DIRECTIONS times the
+ * nodes of a copy. */
+typedef struct {
+    Matrix contact;    /* (components, modes) P: displacements of unit modal coordinates */
+    Matrix columns;    /* (modes, components) transpose of `contact` */
+    Matrix normal;     /* (modes, nodes) radial columns of `columns` */
+    Cube compliance;   /* (copies, components, components) change of the displacements due to unit
+                        * forces within the step [m/N] */
+    Vector radius;     /* (nodes) radius of each node [m] */
+    Matrix response;   /* (nodal, nodal) change of w, w', u, u' of each casing node, the first again
+                        * at the end, due to unit forces within the step; empty for a rigid wall */
+    double massless;   /* 1 if the nodes have no mass; forces then act in the next step */
+    double full;       /* 1 if friction is opposite to the slip velocity, 0 if tangential */
+} Nodes;
+
+/* Abradable coating under contact nodes: rods in tracks, see `rods.h`. */
+typedef struct {
+    Vector half;          /* (nodes) half of the footprint of each node of a copy, in rods */
+    IntVector track;      /* (nodes) track of each node of a copy */
+    Vector area;          /* (tracks) area of a rod of each track [m2] */
+    int64_t rods;         /* number of rods of a track */
+    double steepest;      /* largest slope of a rigid wall and of the closure by the angle [m] */
+    double thickness;     /* thickness h [m] */
+    double young_modulus; /* E [Pa] */
+    double yield_stress;  /* s_y [Pa] */
+    double hardening;     /* H, slope in plastic strain [Pa] */
+    double limit;         /* largest plastic strain */
+} NodeCoating;
+
 /* State of a march, which is advanced in place. */
 typedef struct {
     Matrix rotor;    /* (3, rotor_entries) x_{n-1}, x_n and scratch of the rotor */
@@ -239,10 +274,14 @@ typedef struct {
     Matrix gaps;     /* (2, tips) gaps at the last two steps, row by parity of the step [m] */
     Vector work;     /* (6) works since the start: EXTERNAL ... [J] */
     Vector counts;   /* (4) RESIDUAL ... */
-    Vector strain;   /* (rods_wide) plastic strain of each rod of the coating */
+    Matrix strain;   /* (tracks, rods_wide) plastic strain of each rod of the coating */
     Vector coating;  /* (coating_sums) COATING_WORK ... [J, m3] */
     Vector coating_impulse; /* (coated_tips) part of `impulse` on the coating [N s] */
     Matrix bend;     /* (bent_tips, term_lanes) y at the linearisation of each tip [m^1/2] */
+    Vector axial;    /* (node_tips) axial friction impulse since the last record [N s] */
+    Matrix force;    /* (node_copies, components) contact forces at step n [N] */
+    Matrix direction; /* (node_copies, twice_nodes) tangential and axial part of the direction of
+                       * sliding of each node */
     Vector until;    /* (bent_tips) last step of the linearisation of each tip */
     Matrix checked;  /* (3, bent_wide) opening at the last check, and its first and second
                       * differences between checks [m] */
@@ -259,6 +298,8 @@ typedef struct {
     Matrix gap;             /* (records, tips) smallest gap */
     Matrix impulse;         /* (records, tips) normal impulse */
     Matrix drag;            /* (records, tips) friction impulse */
+    Matrix axial;           /* (records, node_tips) axial friction impulse */
+    Matrix force;           /* (records, all_components) contact forces on nodes */
     Matrix touched;         /* (records, tips) steps with contact */
     Vector contacts;        /* (records) number of tips in contact */
     Vector energy;          /* (records) energy half a step before the record [J] */
@@ -271,8 +312,8 @@ typedef struct {
     Vector rotor;       /* (sums) sums by column of the rotor */
     Vector value;       /* (sums) sums by column for the nodal values of the casing */
     Vector slope;       /* (sums) sums by column for the nodal slopes of the casing */
-    Vector nodal;       /* (closed) nodal values of the field of the casing, node 0 repeated */
-    Vector nodal_slope; /* (closed) nodal slopes of the field of the casing */
+    Matrix nodal;       /* (2, closed) nodal values and slopes of the field of the casing, node 0
+                         * repeated */
     Matrix moved;       /* (2, entries) displacement in a step, of rotor and casing */
     Vector at;          /* (wide) position of each tip in elements */
     IntVector element;  /* (tips) element under each tip */
@@ -289,15 +330,15 @@ typedef struct {
     Vector sign;       /* (tips) direction of sliding */
     Vector multiplier; /* (tips) normal contact force [N] */
     IntVector active;  /* (tips) tips of the active set */
-    IntMatrix known;   /* (2, tips) tips and directions of sliding for which `on_rotor` is valid */
-    Matrix on_rotor;   /* (tips, wide) part of W due to the rotor, for the active tips, by column */
+    IntMatrix known;   /* (2, solved) tips and directions of sliding for which `on_rotor` is valid */
+    Matrix on_rotor;   /* (solved, solved_wide) part of W due to the rotor, for the active tips, by column */
     Vector ends;       /* (ends) Hermite weights by active tip */
-    Matrix system;     /* (bordered, wide) W by column, then a right-hand side */
-    Matrix others;     /* (tips, wide) 1 off the diagonal, 0 on it */
+    Matrix system;     /* (bordered, solved_wide) W by column, then a right-hand side */
+    Matrix others;     /* (solved, solved_wide) 1 off the diagonal, 0 on it */
     Vector diagonal;   /* (tips) W_jj of the active tips */
-    Vector solution;   /* (tips) solution of the linear system */
-    Matrix tableau;    /* (tips, tableau) tableau of Lemke's method */
-    IntVector basis;   /* (tips) basic variables of Lemke's method */
+    Vector solution;   /* (solved) solution of the linear system */
+    Matrix tableau;    /* (solved, tableau) tableau of Lemke's method */
+    IntVector basis;   /* (solved) basic variables of Lemke's method */
     IntVector rows;    /* (twice_wide) numbers of the rows in a product */
     Matrix factor;     /* (6, twice_wide) factors of these rows */
     Matrix columns;    /* (6, sums) forces by column: casing w, w', u, u', rotor normal, friction */
@@ -346,12 +387,61 @@ typedef struct {
     IntVector pushed; /* (bent_tips) tips near the wall that are in contact */
 } BendScratch;
 
+/* Working arrays of contact nodes. `group` is the largest number of nodes that are solved together;
+ * arrays of a group have a place for each of its nodes, see `group.h`. */
+typedef struct {
+    Vector modal;      /* (modes) modal forces or changes of a copy */
+    Vector moved;      /* (components) displacements of a copy in the step */
+    Vector further;    /* (components) scratch */
+    Matrix force;      /* (node_copies, components) contact forces at step n + 1 */
+    Matrix slip;       /* (node_copies, components) displacements in the step relative to those of the
+                        * last contact forces, without new ones */
+    Vector free;       /* (node_casing) y_{n+1} without contact forces */
+    Vector change;     /* (node_casing) change of y in the step */
+    Vector along;      /* (wide) tangential displacement of the casing under each node in the step */
+    IntVector listed;  /* (node_tips) 1 for nodes of the group */
+    IntVector list;    /* (group) numbers of the nodes of the group */
+    Vector radius;     /* (group) */
+    Vector gap;        /* (group) gaps without contact, then with it */
+    Vector before;     /* (group_components) forces at step n */
+    Vector slide;      /* (group_components) displacements in the step relative to the wall */
+    Vector group_force; /* (group_components) forces at step n + 1 */
+    Vector direction;  /* (twice_group) direction of sliding */
+    Matrix compliance; /* (group_components, group_components) */
+    Vector closed;     /* (group) gaps with contact */
+    Vector miss;       /* (twice_group) difference between the directions of slip and of sliding */
+    Vector multiplier; /* (group) normal forces */
+    Matrix response;   /* (group, group) change of the gaps due to unit normal forces with their
+                        * friction */
+    Matrix system;     /* (group, group_bordered) equations of the active nodes */
+    IntVector active;  /* (group) numbers of the active nodes */
+    IntVector held;    /* (group) 1 for active nodes */
+} NodeScratch;
+
+/* Working arrays of a coating, for all contact nodes and for the nodes of a group. */
+typedef struct {
+    IntVector near;   /* (coated_nodes) 1 for nodes whose rods are known, 2 for nodes that touch
+                       * them */
+    IntMatrix range;  /* (coated_nodes, 2) first and last rod under each node */
+    Matrix offset;    /* (coated_nodes, under) wall at each of these rods, less the wall at the
+                       * node */
+    Vector force;     /* (coated_group) force of the rods at the gaps of an iteration [N] */
+    Vector slope;     /* (coated_group) its decrease with the gap [N/m] */
+    Vector gap;       /* (coated_group) gaps of an iteration */
+    Vector free;      /* (coated_group) gaps without forces of the metal */
+    Vector metal;     /* (coated_group) forces of the metal [N] */
+    Matrix response;  /* (coated_group, coated_group) change of the gaps due to such forces */
+    Matrix system;    /* (coated_group, augmented) equations of an iteration */
+} RodScratch;
+
 typedef struct {
     FieldScratch fields;
     ContactScratch contact;
     SpringScratch springs;
     CoatingScratch coating;
     BendScratch bending;
+    NodeScratch nodes;
+    RodScratch rods;
     Vector turned;          /* (rotor_entries) modal forces on the rotor */
     Vector amplitude;       /* (patterns) factor of each load pattern */
     Vector stroke;          /* (dampers) displacement of each damper in two steps */
@@ -368,6 +458,8 @@ typedef struct {
     const Closure *closure;       /* or NULL */
     const Coating *coating;       /* or NULL */
     const Foreshortening *foreshortening; /* or NULL */
+    const Nodes *nodes;           /* or NULL */
+    const NodeCoating *node_coating; /* or NULL */
     const Numbers *numbers;
 } Stage;
 
@@ -451,168 +543,5 @@ typedef struct {
 int64_t dense_march(const DenseStage *stage, const Closure *closure, const DenseLaw *law,
                     DenseState *state, DenseScratch *scratch, double h, int64_t first,
                     int64_t steps);
-
-/* Directions of the displacement of a contact node: radial, tangential, axial. */
-enum { RADIAL, TANGENTIAL, AXIAL, DIRECTIONS };
-
-/* Constants of a march of equal structures, the copies, with many contact nodes, see `boundary.c`.
- * `components` is DIRECTIONS times the nodes of a copy. */
-typedef struct {
-    Matrix a;          /* (copies, modes) factor of q_n */
-    Matrix b;          /* (copies, modes) factor of q_{n-1} */
-    Matrix c;          /* (copies, modes) factor of forces [s2] */
-    Matrix stiffness;  /* (copies, modes) omega^2 [rad2/s2] */
-    Matrix damping;    /* (copies, modes) 2 xi omega [rad/s] */
-    Cube response;     /* (answered, modes, modes) inverse of A of each copy if velocities couple its
-                        * modes, otherwise empty; a, b, c then give A (q_{n+1} - q_{n-1}) [s2] */
-    Matrix coupled;    /* (coupled, modes) symmetric part of that coupling, or empty [1/s] */
-    Matrix contact;    /* (components, modes) P: displacements of unit modal coordinates */
-    Matrix columns;    /* (modes, components) transpose of `contact` */
-    Matrix normal;     /* (modes, nodes) radial columns of `columns` */
-    Cube compliance;   /* (copies, components, components) change of the displacements due to unit
-                        * forces within the step [m/N] */
-    Matrix angle;      /* (copies, nodes) angle of each contact node from +x at t = 0 [rad] */
-    Vector recess;     /* (nodes) radius from which the clearance is measured, less that of the
-                        * node [m] */
-    Vector radius;     /* (nodes) radius of each node [m] */
-    Matrix wall;       /* (2, grid) clearance [m] at equal angles, the first again at the end, and
-                        * its derivative by the angle times the distance of two angles [m] */
-    Cube load;         /* (patterns, copies, modes) load patterns */
-    Matrix load_times; /* (patterns, 4) end, ramp, frequency, phase of each pattern */
-    double massless;   /* 1 if contact nodes have no mass; forces then act in the next step */
-    double full;       /* 1 if friction is opposite to the slip velocity, 0 if tangential */
-    double friction;   /* friction coefficient */
-    double speed;      /* speed of rotation [rad/s] */
-    double time_step;  /* [s] */
-    double limit;      /* limit of radial displacements [m] */
-    double gap_scale;  /* smallest reference length of the residual [m] */
-} Boundary;
-
-/* A flexible casing around the contact nodes, in place of a rigid wall. */
-typedef struct {
-    Casing casing;
-    Matrix response;   /* (nodal, nodal) change of w, w', u, u' of each node, the first again at the
-                        * end, due to unit forces within the step */
-    DamperEnds dampers;
-    Vector place;      /* (wide) angle of each contact node at t = 0, in elements */
-    double elements_per_step; /* rotation of the rotor in a step, in elements */
-} Ring;
-
-/* Abradable coating under contact nodes: rods in tracks, see `rods.h`. */
-typedef struct {
-    Vector half;          /* (nodes) half of the footprint of each node of a copy, in rods */
-    IntVector track;      /* (nodes) track of each node of a copy */
-    Vector area;          /* (tracks) area of a rod of each track [m2] */
-    int64_t rods;         /* number of rods of a track */
-    double steepest;      /* largest slope of a rigid wall and of the closure by the angle [m] */
-    double thickness;     /* thickness h [m] */
-    double young_modulus; /* E [Pa] */
-    double yield_stress;  /* s_y [Pa] */
-    double hardening;     /* H, slope in plastic strain [Pa] */
-    double limit;         /* largest plastic strain */
-} NodeCoating;
-
-/* State between two steps, which is advanced in place. */
-typedef struct {
-    Cube q;           /* (2, copies, modes) q_{n-1} and q_n */
-    Matrix casing;    /* (3, casing_entries) x_{n-1}, x_n and scratch of the ring */
-    Matrix force;     /* (copies, components) contact forces at step n [N] */
-    Matrix direction; /* (copies, twice_nodes) tangential and axial part of the direction of sliding
-                       * of each node */
-    Matrix gap;       /* (copies, nodes) smallest gap since the last record [m] */
-    Matrix impulse;   /* (copies, components) impulse on the wall since the last record, outward,
-                       * and of friction on the nodes [N s] */
-    Matrix touched;   /* (copies, nodes) steps with contact since the last record */
-    Vector work;      /* (6) works since the start, see above [J] */
-    Vector counts;    /* (4) RESIDUAL ... */
-    Matrix strain;    /* (tracks, rods) plastic strain of each rod of the coating */
-    Vector coating;   /* (coating_sums) COATING_WORK (not used), REMOVED ... [J, m3] */
-    Matrix coating_impulse; /* (coated_copies, nodes) part of `impulse` on the coating [N s] */
-} BoundaryState;
-
-typedef struct {
-    IntVector step;   /* (records) */
-    Cube q;           /* (records, copies, modes) */
-    Cube velocity;    /* (records, copies, modes) */
-    Matrix casing;    /* (records, casing_entries) displacements of the ring */
-    Matrix casing_velocity; /* (records, casing_entries) velocities of the ring */
-    Cube force;       /* (records, copies, components) */
-    Cube gap;         /* (records, copies, nodes) */
-    Cube impulse;     /* (records, copies, components) */
-    Cube touched;     /* (records, copies, nodes) */
-    Vector energy;    /* (records) */
-    Matrix work;      /* (records, 6) */
-    Matrix coating;   /* (records, coating_sums) */
-    Cube coating_impulse; /* (records, coated_copies, nodes) */
-} BoundaryRecords;
-
-/* Working arrays of a ring; `tips` is the number of contact nodes of all copies. The arrays of a
- * group have a place for each node that may touch. */
-typedef struct {
-    FieldScratch fields;
-    ContactScratch contact;
-    Vector start;        /* (casing_entries) y_{n+1} without contact forces */
-    Vector change;       /* (casing_entries) change of y in the step */
-    Vector stroke;       /* (dampers) displacement of each damper in two steps */
-    Vector damper_force; /* (dampers) force of each damper */
-    Vector wall;         /* (wide) clearance, less closure, and displacement of the ring */
-    Vector reach;        /* (wide) recess less displacement of the node without contact */
-    Vector closed;       /* (wide) gaps with contact */
-    IntVector listed;    /* (tips) 1 for nodes of the group */
-    IntVector list;      /* (tips) numbers of the nodes of the group */
-    IntVector pushed;    /* (copies) 1 for copies with nodes in the group */
-    Vector radius;       /* (tips) arrays of the group, see `boundary.c` */
-    Vector gap;          /* (tips) */
-    Vector before;       /* (all_components) */
-    Vector slip;         /* (all_components) */
-    Vector force;        /* (all_components) */
-    Vector direction;    /* (twice_tips) */
-    Matrix compliance;   /* (all_components, all_components) */
-} RingScratch;
-
-/* Working arrays of a coating, for all contact nodes and for the nodes of a group. */
-typedef struct {
-    IntVector near;   /* (coated_tips) 1 for nodes whose rods are known, 2 for nodes that touch them */
-    IntMatrix range;  /* (coated_tips, 2) first and last rod under each node */
-    Matrix offset;    /* (coated_tips, under) wall at each of these rods, less the wall at the node */
-    Vector pressed;   /* (coated_tips) force of the rods on each node [N] */
-    Vector force;     /* (coated_group) force of the rods at the gaps of an iteration [N] */
-    Vector slope;     /* (coated_group) its decrease with the gap [N/m] */
-    Vector gap;       /* (coated_group) gaps of an iteration */
-    Vector free;      /* (coated_group) gaps without forces of the metal */
-    Vector metal;     /* (coated_group) forces of the metal [N] */
-    Matrix response;  /* (coated_group, coated_group) change of the gaps due to such forces */
-    Matrix system;    /* (coated_group, augmented) equations of an iteration */
-} RodScratch;
-
-/* Working arrays; `group` is the largest number of nodes that are solved together. */
-typedef struct {
-    RingScratch ring;
-    RodScratch rods;
-    Cube q;            /* (1, copies, modes) q_{n+1} */
-    Vector modal;      /* (modes) modal forces */
-    Vector change;     /* (modes) change of q in the step */
-    Matrix gap;        /* (copies, nodes) gaps without contact, then with it */
-    Matrix force;      /* (copies, components) contact forces at step n + 1 */
-    Matrix moved;      /* (copies, components) change of the displacements without contact */
-    Matrix slip;       /* (copies, components) the same, less the flexible part at step n */
-    Vector further;    /* (components) scratch */
-    IntVector number;  /* (nodes) numbers of the nodes of a copy among all nodes */
-    Vector closed;     /* (group) gaps with contact */
-    Vector miss;       /* (twice_group) difference between the directions of slip and of sliding */
-    Vector multiplier; /* (group) normal forces */
-    Matrix response;   /* (group, group) change of the gaps due to unit normal forces with their
-                        * friction */
-    Matrix system;     /* (group, bordered) equations of the active nodes */
-    IntVector active;  /* (group) numbers of the active nodes */
-    IntVector held;    /* (group) 1 for active nodes */
-    Vector amplitude;  /* (patterns) factor of each load pattern */
-} BoundaryScratch;
-
-/* Advance a march with many contact nodes; arguments and results as those of `march`. */
-int boundary_march(const Boundary *boundary, const Ring *ring, const NodeCoating *coating,
-                   const Closure *closure, BoundaryState *state, BoundaryRecords *records,
-                   BoundaryScratch *scratch, int64_t step, int64_t steps, int64_t record_every,
-                   int64_t *reached);
 
 #endif

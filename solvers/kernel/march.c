@@ -33,17 +33,7 @@
  *
  * `solvers.march.reference` is the same scheme in NumPy, which follows the definitions directly.
  */
-#include "coating.h"
-
-/* The stage and the working data of a march. */
-typedef struct {
-    Stage stage;
-    State *state;
-    Scratch *scratch;
-    Motion x, y; /* motion of rotor and of casing */
-    int loaded;  /* whether any load acts at this step */
-    int coated;  /* whether any tip touches the coating at this step */
-} March;
+#include "nodes.h"
 
 /* Compute x_p of both bodies. */
 static inline void predict(const March *m)
@@ -73,6 +63,8 @@ static inline void predict(const March *m)
         force += s->damper_force.columns;
         add_dampers(&m->stage.dampers->casing, casing->c.at, y, s->stroke.at, force);
     }
+    if (m->stage.nodes && m->stage.nodes->massless > 0.0)
+        add_node_forces(m);
     if (m->stage.gyroscopic) {
         add_circulation(m->stage.gyroscopic, x);
         turn(m->stage.rotor, m->stage.gyroscopic, x, s->turned.at);
@@ -186,6 +178,8 @@ static inline int solve_step(March *m, int64_t step, int64_t *penetrating)
     const double *recess;
     m->coated = 0;
     predict(m);
+    if (m->stage.nodes)
+        return solve_nodes(m, step, penetrating);
     int within = find_gaps(m, step, &recess);
     if (m->stage.foreshortening && within) {
         if (bend_tips(m->stage.foreshortening, rotor, state, f->free_gap.at, step + 1, m->x,
@@ -235,7 +229,9 @@ static inline void account(const March *m, int64_t step, int touching)
     const double *gap = touching ? s->fields.gap.at : s->fields.free_gap.at;
     double *before = state->gaps.at + (step + 1) % 2 * state->gaps.columns;
     state->counts.at[STEP_CONTACTS] = 0.0;
-    if (touching) {
+    if (m->stage.nodes)
+        account_nodes(m, touching);
+    else if (touching) {
         double worst = complementarity_residual(m->stage.numbers->gap_scale, &s->fields, &s->contact);
         state->counts.at[RESIDUAL] = larger(state->counts.at[RESIDUAL], worst);
         work[NORMAL] += s->contact.work.at[0];
@@ -274,10 +270,10 @@ static inline void account(const March *m, int64_t step, int touching)
 static void begin(const March *m, int64_t step)
 {
     ContactScratch *c = &m->scratch->contact;
-    for (int64_t j = 0; j < c->sign.size; j++) {
+    for (int64_t j = 0; j < c->sign.size; j++)
         c->sign.at[j] = m->stage.numbers->sliding;
+    for (int64_t j = 0; j < c->known.columns; j++)
         c->known.at[j] = -1;
-    }
     if (m->stage.foreshortening)
         resume_bending(m->stage.foreshortening, m->state, step, &m->scratch->bending);
     if (m->stage.springs) {
@@ -309,9 +305,11 @@ int march(const Stage *stage, State *state, Records *records, Scratch *scratch, 
         if (within && (step + 1) % CHECK_EVERY == 0)
             within = keeps_limit(rotor, casing, numbers->displacement_limit, m.x.new,
                                  &scratch->fields);
-        if (step % record_every == 0 || !within)
-            write_record(records, written++, state, rotor, casing, m.x, m.y, dt, energy[0], step,
+        if (step % record_every == 0 || !within) {
+            double stored = energy[0] + (stage->nodes ? flexible_energy(&m) : 0.0);
+            write_record(records, written++, state, rotor, casing, m.x, m.y, dt, stored, step,
                          within);
+        }
         if (!within) {
             status = DIVERGED;
             break;

@@ -22,6 +22,16 @@ typedef struct {
     int64_t entries;
 } Motion;
 
+/* The stage and the working data of a march. */
+typedef struct {
+    Stage stage;
+    State *state;
+    Scratch *scratch;
+    Motion x, y; /* motion of rotor and of casing */
+    int loaded;  /* whether any load acts at this step */
+    int coated;  /* whether any tip touches the coating at this step */
+} March;
+
 static inline Motion motion_of(const Matrix *state)
 {
     double *x = state->at;
@@ -267,17 +277,17 @@ static void record_motion(Motion x, const double *later, double interval, double
 
 /* Write a record of step n before x_{n+1} is accepted, and reset the sums since the last record.
  * The velocity is a central difference or, if x_{n+1} is not within the limit, a backward
- * difference. */
+ * difference. `stored` is the energy of springs and of residual flexibilities. */
 static void write_record(Records *r, int64_t row, State *state, const Rotor *rotor,
                          const Casing *casing, Motion x, Motion y, double time_step,
-                         double energy_of_springs, int64_t step, int within)
+                         double stored, int64_t step, int within)
 {
     double interval = within ? 2.0 * time_step : time_step;
     int64_t tips = state->gap.size, first = row * tips;
     r->step.at[row] = step;
     r->contacts.at[row] = state->counts.at[STEP_CONTACTS];
     r->energy.at[row] = half_step_energy(&rotor->body, x, time_step)
-                        + half_step_energy(&casing->body, y, time_step) + energy_of_springs;
+                        + half_step_energy(&casing->body, y, time_step) + stored;
     record_motion(x, within ? x.new : x.now, interval, r->rotor.at + row * x.entries,
                   r->rotor_velocity.at + row * x.entries);
     if (r->casing.columns > 0)
@@ -299,6 +309,13 @@ static void write_record(Records *r, int64_t row, State *state, const Rotor *rot
         state->gap.at[j] = INFINITY;
         state->impulse.at[j] = state->drag.at[j] = state->touched.at[j] = 0.0;
     }
+    for (int64_t j = 0; j < state->axial.size; j++) {
+        r->axial.at[first + j] = state->axial.at[j];
+        state->axial.at[j] = 0.0;
+    }
+    int64_t components = state->force.rows * state->force.columns;
+    for (int64_t i = 0; i < components; i++)
+        r->force.at[row * components + i] = state->force.at[i];
 }
 
 /* Store x_{n-1} and x_n in rows 0 and 1. */

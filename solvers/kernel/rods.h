@@ -13,12 +13,11 @@
 #define RODS_H
 
 #include "coating.h"
-#include "ring.h"
 
-/* Return the first and the last rod under the footprint of a node at an angle [rad]. */
-static void rods_under(const NodeCoating *c, int64_t node, double angle, int64_t range[2])
+/* Return the first and the last rod under the footprint of a node; `turns` is its angle in
+ * revolutions. */
+static void rods_under(const NodeCoating *c, int64_t node, double turns, int64_t range[2])
 {
-    double turns = angle / (2.0 * PI);
     double at = (turns - floor(turns)) * (double)c->rods, half = c->half.at[node];
     range[0] = (int64_t)ceil(at - half - 0.5);
     range[1] = (int64_t)floor(at + half - 0.5);
@@ -34,13 +33,13 @@ static int64_t wrapped(const NodeCoating *c, int64_t rod)
  * decrease with the gap [N/m]. If `sums` is given, plastic strains are updated, and changes are added
  * to it. */
 static double press_rods(const NodeCoating *c, int64_t node, const int64_t range[2],
-                         const double *offset, double gap, double *strain, double *slope,
+                         const double *offset, double gap, const Matrix *strain, double *slope,
                          double *sums)
 {
     int64_t track = c->track.at[node];
     double area = c->area.at[track], young = c->young_modulus, h = c->hardening, force = 0.0;
     double removable = c->limit * c->thickness, volume = area * c->thickness;
-    double *plastic = strain + track * c->rods;
+    double *plastic = strain->at + track * strain->columns;
     *slope = 0.0;
     for (int64_t n = range[0]; n <= range[1]; n++) {
         double *p = plastic + wrapped(c, n);
@@ -66,6 +65,88 @@ static double press_rods(const NodeCoating *c, int64_t node, const int64_t range
         }
     }
     return force;
+}
+
+/* Return the wall at a place in elements, less a closure, for the present field of the casing. */
+static double wall_near(const March *m, const Matrix *nodal, double place, double closed)
+{
+    const Casing *casing = m->stage.casing;
+    double weight[4];
+    int64_t e;
+    hermite_weights(&place, 0.0, (double)casing->nodes, casing->element_length, 1, 1, &e, weight);
+    double wall = hermite_value(nodal, e, weight, 1);
+    return m->stage.closure ? wall - closed * hermite_value(&m->stage.closure->share, e, weight, 1)
+                            : wall;
+}
+
+/* Return the rods under a node, and store the wall there relative to the wall at the node. */
+static void place_rods(const March *m, const Matrix *nodal, int64_t n, double closed, double turned)
+{
+    const NodeCoating *c = m->stage.node_coating;
+    RodScratch *r = &m->scratch->rods;
+    int64_t *range = r->range.at + 2 * n;
+    double nodes = (double)m->stage.casing->nodes, place = m->stage.rotor->position.at[n] + turned;
+    double *offset = r->offset.at + n * r->offset.columns;
+    rods_under(c, n % m->stage.nodes->radius.size, place / nodes, range);
+    double here = wall_near(m, nodal, place, closed);
+    for (int64_t k = range[0]; k <= range[1]; k++) {
+        double middle = nodes * ((double)wrapped(c, k) + 0.5) / (double)c->rods;
+        offset[k - range[0]] = wall_near(m, nodal, middle, closed) - here;
+    }
+    r->near.at[n] = 1;
+}
+
+/* Return the gap to the metal below which the rods under a node have to be evaluated. */
+static double reach_of_rods(const March *m, const Matrix *nodal)
+{
+    const NodeCoating *c = m->stage.node_coating;
+    const Casing *casing = m->stage.casing;
+    double slope = 0.0, half = 0.0;
+    for (int64_t i = 0; i < c->half.size; i++)
+        half = larger(half, c->half.at[i]);
+    for (int64_t e = 0; casing->modes > 0 && e < casing->nodes; e++)
+        slope = larger(slope, steepest(casing, e, nodal));
+    slope *= casing->element_length * (double)casing->nodes / (2.0 * PI);
+    slope += c->steepest;
+    return c->limit * c->thickness + slope * (half + 0.5) * 2.0 * PI / (double)c->rods;
+}
+
+/* Return the force of the rods under a node at a gap to the metal, see `press_rods`. */
+static double press_node(const March *m, int64_t n, double gap, double *slope, double *sums)
+{
+    const RodScratch *r = &m->scratch->rods;
+    return press_rods(m->stage.node_coating, n % m->stage.nodes->radius.size, r->range.at + 2 * n,
+                      r->offset.at + n * r->offset.columns, gap, &m->state->strain, slope, sums);
+}
+
+/* Find the nodes that touch the coating without contact forces of this step. */
+static void find_rods(const March *m, const Matrix *nodal, double closed, double turned)
+{
+    RodScratch *r = &m->scratch->rods;
+    const double *gap = m->scratch->fields.free_gap.at;
+    double reach = reach_of_rods(m, nodal), slope;
+    for (int64_t n = 0; n < r->near.size; n++) {
+        r->near.at[n] = 0;
+        m->scratch->coating.push.at[n] = 0.0;
+        if (!(gap[n] < reach))
+            continue;
+        place_rods(m, nodal, n, closed, turned);
+        if (press_node(m, n, gap[n], &slope, NULL) > 0.0)
+            r->near.at[n] = 2;
+    }
+}
+
+/* Wear the rods under the nodes at their gaps after the step, and add to the sums of the coating. */
+static void wear_rods(const March *m, const double *gap)
+{
+    State *state = m->state;
+    const RodScratch *r = &m->scratch->rods;
+    double slope, *push = m->scratch->coating.push.at;
+    for (int64_t n = 0; n < r->near.size; n++)
+        if (m->scratch->nodes.listed.at[n] && r->near.at[n]) {
+            push[n] = press_node(m, n, gap[n], &slope, state->coating.at);
+            state->coating_impulse.at[n] += push[n] * m->stage.numbers->time_step;
+        }
 }
 
 /* Solve (I + W K) x = right for the diagonal K of slopes and `count` right-hand sides, in place;

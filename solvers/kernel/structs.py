@@ -184,26 +184,3 @@ def dense_march(*structs: Struct | None, time_step: float, first: int, steps: in
     """
     pointers = [ffi.NULL if struct is None else struct.pointer for struct in structs]
     return int(lib.dense_march(*pointers, time_step, first, steps))
-
-
-def boundary_march(
-    constants: tuple[Struct | None, ...],
-    records: tuple[Struct, Struct],
-    step: int,
-    steps: int,
-    record_every: int,
-) -> tuple[int, int, int]:
-    """Advance a march with many contact nodes; returns the same values as `march`.
-
-    Args:
-        constants: structs `Boundary`, `Ring`, `NodeCoating`, `Closure` (None for options that the
-            march does not have) and `BoundaryState`, which is advanced.
-        records: structs `BoundaryRecords` and `BoundaryScratch`.
-        step: number of the first step.
-        steps: number of steps to do.
-        record_every: number of steps between records.
-    """
-    reached = ffi.new("int64_t[2]")
-    pointers = [ffi.NULL if struct is None else struct.pointer for struct in (*constants, *records)]
-    status = lib.boundary_march(*pointers, step, steps, record_every, reached)
-    return status, reached[0], reached[1]

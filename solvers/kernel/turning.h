@@ -41,13 +41,15 @@ static inline double circulation_work(const Gyroscopic *g, Motion x)
 /* Return d^T D d from the upper triangle for all modes. */
 static double full_loss(const Gyroscopic *g, const double *moved)
 {
-    int64_t entries = g->full_loss.columns;
+    int64_t columns = g->full_loss.columns;
     Lanes loss = splat(0.0);
     for (int64_t n = 0; n < g->full_loss.rows; n++) {
+        int64_t own = n % columns;
+        const double *others = moved + n - own; /* the modes of the same copy */
         Lanes by = splat(moved[n]);
-        for (int64_t i = n - n % LANES; i < entries; i += LANES) {
-            Lanes force = mul(by, load(g->full_loss.at + n * entries + i));
-            loss = muladd(force, load(moved + i), loss);
+        for (int64_t i = own - own % LANES; i < columns; i += LANES) {
+            Lanes force = mul(by, load(g->full_loss.at + n * columns + i));
+            loss = muladd(force, load(others + i), loss);
         }
     }
     return 0.25 * total(loss);
@@ -87,13 +89,14 @@ static double turning_loss(const Rotor *rotor, const Gyroscopic *g, Motion x, do
     return 0.25 * half_total(lost);
 }
 
-/* Store `from` + A^-1 f in `out`, for any rotor. */
-static void add_full(const Matrix *full, const double *f, const double *from, double *out)
+/* Store `from` + A^-1 f of a copy in `out`, for any rotor; `full` has `modes` rows for each copy. */
+static void add_full(const Matrix *full, int64_t copy, int64_t modes, const double *f,
+                     const double *from, double *out)
 {
     for (int64_t i = 0; i < full->columns; i += 2 * LANES) {
         Lanes first = load(from + i), second = load(from + i + LANES);
-        const double *row = full->at + i;
-        for (int64_t n = 0; n < full->rows; n++, row += full->columns) {
+        const double *row = full->at + copy * modes * full->columns + i;
+        for (int64_t n = 0; n < modes; n++, row += full->columns) {
             Lanes force = splat(f[n]);
             first = muladd(load(row), force, first);
             second = muladd(load(row + LANES), force, second);
@@ -142,10 +145,15 @@ static inline void turn(const Rotor *rotor, const Gyroscopic *g, Motion x, doubl
 {
     for (int64_t i = 0; i < x.entries; i += LANES)
         store(f + i, load(x.new + i));
-    if (rotor->half == 0)
-        add_full(&g->full, f, x.old, x.new);
-    else
+    if (rotor->half > 0) {
         add_blocks(rotor, g, f, x);
+        return;
+    }
+    int64_t columns = g->full.columns, copies = x.entries / columns;
+    for (int64_t copy = 0; copy < copies; copy++) {
+        int64_t at = copy * columns;
+        add_full(&g->full, copy, g->full.rows / copies, f + at, x.old + at, x.new + at);
+    }
 }
 
 /* Do the same as `correct_rotor` for coupled modes; x_{n+1} contains the response to `along`, and
@@ -162,7 +170,7 @@ static void correct_turning_rotor(const Rotor *rotor, const Gyroscopic *g, int64
     if (half == 0) {
         for (int64_t i = 0; i < columns; i += LANES)
             store(forces + i, muladd(slides, load(drag_at + i), load(push_at + i)));
-        add_full(&g->full, forces, x.new, x.new);
+        add_full(&g->full, 0, g->full.rows, forces, x.new, x.new);
     }
     for (int64_t h = 0; h < columns; h += LANES) {
         Lanes push = load(push_at + h), pull = load(push_at + half + h), column = splat(0.0);

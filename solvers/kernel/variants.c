@@ -5,19 +5,15 @@
 #if VARIANTS
 #define march march_baseline
 #define dense_march dense_march_baseline
-#define boundary_march boundary_march_baseline
 #endif
 
 #include "march.c"
 
 #include "dense.c"
 
-#include "boundary.c"
-
 #if VARIANTS
 #undef march
 #undef dense_march
-#undef boundary_march
 
 /* Declare a march for two more instruction sets, and define the function that calls the march for
  * this processor. */
@@ -41,10 +37,4 @@ CHOOSE(int64_t, dense_march,
        (const DenseStage *stage, const Closure *closure, const DenseLaw *law, DenseState *state,
         DenseScratch *scratch, double h, int64_t first, int64_t steps),
        (stage, closure, law, state, scratch, h, first, steps))
-CHOOSE(int, boundary_march,
-       (const Boundary *boundary, const Ring *ring, const NodeCoating *coating,
-        const Closure *closure, BoundaryState *state, BoundaryRecords *records,
-        BoundaryScratch *scratch, int64_t step, int64_t steps, int64_t record_every,
-        int64_t *reached),
-       (boundary, ring, coating, closure, state, records, scratch, step, steps, record_every, reached))
 #endif

@@ -1,13 +1,11 @@
 """Time integration by central differences with forward-increment Lagrange multipliers."""
 
 from dataclasses import replace
-from typing import ClassVar
+from typing import Any
 
 import numpy as np
 
-from bladewhirl.meshes.hermite import cubic_weights
-from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.contact_problem import ContactProblem, WallCoating
 from bladewhirl.solvers.kernel.structs import (
     Arrays,
     Struct,
@@ -17,15 +15,23 @@ from bladewhirl.solvers.kernel.structs import (
     zeros,
 )
 from bladewhirl.solvers.march.march import (
+    BoundaryChunk,
     Chunk,
     CoatingRecords,
     EndReason,
     KernelState,
+    MarchRecords,
     check_time_step,
 )
 from bladewhirl.solvers.packing.arrangement import load_times
 from bladewhirl.solvers.packing.casing import pack_casing, pack_closure, pack_coating
 from bladewhirl.solvers.packing.foreshortening import pack_foreshortening
+from bladewhirl.solvers.packing.nodes import (
+    DIRECTIONS,
+    node_sizes,
+    pack_node_coating,
+    pack_nodes,
+)
 from bladewhirl.solvers.packing.rotor import pack_gyroscopic, pack_rotor
 from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs
 
@@ -51,8 +57,6 @@ class CentralDifference:
         ValueError: the time step is not below the critical time step.
     """
 
-    chunk: ClassVar[type[Chunk]] = Chunk
-
     def __init__(
         self, problem: ContactProblem, time_step: float, record_every: int, *, cyclic: bool = True
     ) -> None:
@@ -68,9 +72,9 @@ class CentralDifference:
             [load.casing for load in problem.loads],
             time_step,
             cyclic=self.cyclic[1],
-            friction=problem.friction,
+            friction=problem.friction if problem.rotor.nodes is None else None,
         )
-        self._arrangements = rotor, casing
+        self._arrangements, self._nodes = (rotor, casing), pack_nodes(problem, time_step)
         bodies = self._rotor.body, self._casing.body
         self._stage = {
             "rotor": self._rotor,
@@ -81,6 +85,8 @@ class CentralDifference:
             "closure": pack_closure(problem.closure),
             "coating": pack_coating(problem),
             "foreshortening": pack_foreshortening(problem, rotor, time_step, cyclic=self.cyclic[0]),
+            "nodes": self._nodes,
+            "node_coating": pack_node_coating(problem),
             "numbers": _numbers(problem, time_step),
         }
         self._scratch = Struct("Scratch", **self._working_arrays())
@@ -91,13 +97,18 @@ class CentralDifference:
         #: whether records contain the motion of the casing; if not, its arrays have no columns
         self.records_casing = True
 
+    @property
+    def chunk(self) -> type[MarchRecords]:
+        """Class of the records."""
+        return Chunk if self._nodes is None else BoundaryChunk
+
     def init(self) -> KernelState:
         """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
         problem, start, dt = self._problem, self._problem.start, self._time_step
         amplitudes = np.array(
             [np.cos(load.phase) * (load.ramp <= 0.0) * (load.end > 0.0) for load in problem.loads]
         )
-        springs = -problem.spring_stiffness(0.0) @ np.concatenate([start.rotor, start.casing])
+        springs = problem.spring_force(0.0, np.concatenate([start.rotor, start.casing]))
         pulls = np.split(springs, [len(start.rotor)])
         pulls[0] = pulls[0] + problem.rotor.turning_force(start.rotor, start.rotor_velocity)
         slots = []
@@ -114,16 +125,18 @@ class CentralDifference:
             before = x - dt * v + 0.5 * dt**2 * acceleration
             slots.append(arrangement.pack(np.array([before, x, np.zeros_like(x)])))
         arrays = zeros("State", self._sizes())
-        arrays |= {"rotor": slots[0], "casing": slots[1], "gap": initial_gap(problem)}
+        arrays |= {"rotor": slots[0], "casing": slots[1], "gap": problem.initial_gap()}
         arrays["until"] -= 1.0
+        arrays["direction"][:, 0::2] = np.sign(problem.speed)
         if problem.coating is not None:
-            arrays["strain"][: len(problem.coating.strain)] = problem.coating.strain
+            strain = np.atleast_2d(problem.coating.strain)
+            arrays["strain"][:, : strain.shape[1]] = strain
         rotor, casing = (
             arrangement.unpack(slot[0])
             for arrangement, slot in zip(self._arrangements, slots, strict=True)
         )
         earlier = replace(problem, start=replace(start, rotor=rotor, casing=casing))
-        arrays["gaps"][:] = arrays["gap"], initial_gap(earlier, -dt)
+        arrays["gaps"][:] = arrays["gap"], earlier.initial_gap(-dt)
         return KernelState(step=0, arrays=arrays)
 
     def advance(
@@ -157,11 +170,14 @@ class CentralDifference:
         rotor, casing = self._arrangements
         tips, coating = len(self._problem.rotor.tip_angle), self._problem.coating
         bending = self._stage["foreshortening"]
+        tracks, rods = (0, 0) if coating is None else np.atleast_2d(coating.strain).shape
         return {
+            **node_sizes(self._problem),
             "rotor_entries": rotor.entries,
             "casing_entries": casing.entries,
             "tips": tips,
-            "rods_wide": 0 if coating is None else len(coating.strain) + lib.HALF,
+            "tracks": tracks,
+            "rods_wide": 0 if coating is None else rods + lib.HALF,
             "coated_tips": 0 if coating is None else tips,
             "coating_sums": 0 if coating is None else lib.COATING_SUMS,
             "bent_tips": 0 if bending is None else tips,
@@ -173,10 +189,10 @@ class CentralDifference:
         """Return the working arrays of the kernel, which every call overwrites."""
         rotor, casing = self._arrangements
         springs, dampers = self._stage["springs"], self._stage["dampers"]
-        tips, wide = len(self._rotor.spread), len(self._rotor.position)
-        closed = self._casing.radial.start.shape[1]
+        wide, closed = len(self._rotor.position), self._casing.radial.start.shape[1]
         # Contact forces act at two nodes a tip, forces of a coating at all nodes at most.
-        coated = 0 if self._problem.coating is None else 1
+        coated = int(isinstance(self._problem.coating, WallCoating))
+        solved = 0 if self._nodes else len(self._problem.rotor.tip_angle)
         bending = self._stage["foreshortening"]
         most = [len(dampers.rotor.rows), len(dampers.casing.rows)] if dampers else [0]
         scratch = zeros(
@@ -184,6 +200,9 @@ class CentralDifference:
             self._sizes()
             | {
                 "wide": wide,
+                "solved": solved,
+                "solved_wide": padded(solved),
+                "node_casing": casing.entries if self._nodes else 0,
                 "twice_wide": max(2 * wide, coated * closed),
                 "closed": closed,
                 "bent_entries": 0 if bending is None else rotor.entries,
@@ -195,14 +214,14 @@ class CentralDifference:
                 "sums": max(padded(a.columns + a.half + lib.LANES) for a in self._arrangements),
                 "entries": max(rotor.entries, casing.entries),
                 "ends": lib.HALF * wide,
-                "bordered": tips + 1,
-                "tableau": 2 * tips + 2,
+                "bordered": solved + 1,
+                "tableau": 2 * solved + 2,
                 "waves": len(springs.factor) if springs else 0,
                 "patterns": len(self._problem.loads),
                 "dampers": max(most),
             },
         )
-        scratch["contact"]["others"] += 1.0 - np.eye(tips, wide)
+        scratch["contact"]["others"] += 1.0 - np.eye(solved, padded(solved))
         return scratch
 
     def _chunk(self, written: int, after: KernelState) -> Chunk:
@@ -212,67 +231,60 @@ class CentralDifference:
         wall = [records.casing[:written], records.casing_velocity[:written]]
         if self.records_casing:
             wall = [casing.unpack(each) for each in wall]
-        coating = None
-        if self._problem.coating is not None:
-            sums = records.coating[:written].copy()
-            coating = CoatingRecords(
-                coating_impulse=records.coating_impulse[:written].copy(),
-                coating_work=sums[:, lib.COATING_WORK],
-                wear_volume=sums[:, lib.REMOVED],
-                wear_dissipated=sums[:, lib.DISSIPATED],
-                coating_energy=sums[:, lib.STORED],
-                wear_time=np.array([after.step * self._time_step]),
-                coating_strain=after.arrays["strain"][None, : -lib.HALF],
-            )
-        return Chunk(
-            step=step,
-            time=step * self._time_step,
-            rotor_displacement=rotor.unpack(records.rotor[:written]),
-            rotor_velocity=rotor.unpack(records.rotor_velocity[:written]),
-            casing_displacement=wall[0],
-            casing_velocity=wall[1],
-            gap=records.gap[:written].copy(),
-            contact_impulse=records.impulse[:written].copy(),
-            friction_impulse=records.drag[:written].copy(),
-            contact_steps=records.touched[:written].astype(np.int64),
-            contacts=records.contacts[:written].astype(np.int64),
-            energy=records.energy[:written].copy(),
-            external_work=work[:, lib.EXTERNAL],
-            normal_work=work[:, lib.NORMAL],
-            friction_work=work[:, lib.FRICTION],
-            damping_work=work[:, lib.DAMPING],
-            coupling_work=work[:, lib.PARAMETRIC],
-            closing_work=work[:, lib.CLOSING],
-            coating=coating,
+        common: dict[str, Any] = {
+            "step": step,
+            "time": step * self._time_step,
+            "casing_displacement": wall[0],
+            "casing_velocity": wall[1],
+            "gap": records.gap[:written].copy(),
+            "contact_impulse": records.impulse[:written].copy(),
+            "friction_impulse": records.drag[:written].copy(),
+            "contact_steps": records.touched[:written].astype(np.int64),
+            "contacts": records.contacts[:written].astype(np.int64),
+            "energy": records.energy[:written].copy(),
+            "external_work": work[:, lib.EXTERNAL],
+            "normal_work": work[:, lib.NORMAL],
+            "friction_work": work[:, lib.FRICTION],
+            "damping_work": work[:, lib.DAMPING],
+            "rotor_displacement": rotor.unpack(records.rotor[:written]),
+            "rotor_velocity": rotor.unpack(records.rotor_velocity[:written]),
+            "coupling_work": work[:, lib.PARAMETRIC],
+            "closing_work": work[:, lib.CLOSING],
+            "coating": self._coating_records(written, after),
+        }
+        if self._nodes is None:
+            return Chunk(**common)
+        copies, tips = self._problem.rotor.copies, len(self._problem.rotor.tip_angle)
+        components, modes = self._nodes.contact.shape
+        motion = common["rotor_displacement"].reshape(written, copies, modes)
+        force = records.force[:written].reshape(written, copies, components)
+        moved = motion @ self._nodes.columns
+        if self._nodes.massless:
+            moved = moved + np.einsum("rcj,cij->rci", force, self._nodes.compliance)
+        return BoundaryChunk(
+            modal_displacement=motion,
+            modal_velocity=common["rotor_velocity"].reshape(motion.shape),
+            contact_displacement=moved.reshape(written, tips, DIRECTIONS),
+            contact_force=force.reshape(written, tips, DIRECTIONS).copy(),
+            axial_impulse=records.axial[:written].copy(),
+            **common,
         )
 
-
-def initial_gap(problem: ContactProblem, time: float = 0.0) -> FloatArray:
-    """Return the gap of each tip at the initial displacements, by Hermite interpolation [m],
-    (tips,).
-
-    Args:
-        problem: contact problem with the initial displacements.
-        time: time, which determines the angle of the rotor and the clearance [s].
-    """
-    casing, rotor, start = problem.casing, problem.rotor, problem.start
-    nodes = len(casing.nodal)
-    angle = rotor.tip_angle + problem.speed * time
-    if problem.tip_rotation:
-        angle = angle + rotor.tip_tangential @ start.rotor / rotor.tip_radius
-    position = np.mod(angle * nodes / (2.0 * np.pi), nodes)
-    element = position.astype(np.int64) % nodes
-    xi = position - np.floor(position)
-    field = casing.nodal[:, :2] @ start.casing + problem.clearance(time)
-    first, second = field[element], field[(element + 1) % nodes]
-    at = cubic_weights(xi, casing.element_length)
-    surface = (
-        at[0] * first[:, 0] + at[1] * first[:, 1] + at[2] * second[:, 0] + at[3] * second[:, 1]
-    )
-    gap = surface + problem.metal_recess - rotor.tip_radial @ start.rotor
-    if problem.foreshortening is not None:
-        gap = gap + problem.foreshortening.opening(start.rotor)
-    return np.asarray(gap)
+    def _coating_records(self, written: int, after: KernelState) -> CoatingRecords | None:
+        coating, records = self._problem.coating, self._records
+        if coating is None:
+            return None
+        sums = records.coating[:written].copy()
+        strain = after.arrays["strain"][:, : -lib.HALF]
+        return CoatingRecords(
+            coating_impulse=records.coating_impulse[:written].copy(),
+            coating_work=sums[:, lib.COATING_WORK] if self._nodes is None else sums[:, :0],
+            wear_volume=sums[:, lib.REMOVED],
+            wear_dissipated=sums[:, lib.DISSIPATED],
+            coating_energy=sums[:, lib.STORED],
+            wear_time=np.array([after.step * self._time_step]),
+            coating_strain=strain.reshape(1, *coating.strain.shape),
+        )
 
 
 def _numbers(problem: ContactProblem, dt: float) -> Struct:
@@ -285,9 +297,10 @@ def _numbers(problem: ContactProblem, dt: float) -> Struct:
         friction=problem.friction,
         sliding=float(np.sign(problem.speed)),
         is_signed=float(problem.sliding == "signed"),
+        speed=problem.speed,
         wheel_speed=rotor.tip_radius * problem.speed,
         elements_per_metre=per_radian / rotor.tip_radius if problem.tip_rotation else 0.0,
         displacement_limit=problem.displacement_limit,
-        gap_scale=float(casing.clearance[:, 0].min()),
+        gap_scale=float(np.abs(casing.clearance[:, 0]).min()),
         loads=load_times(problem.loads),
     )

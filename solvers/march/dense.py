@@ -31,7 +31,6 @@ import scipy.linalg as la
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.structs import Struct, dense_march, lib, zeros
-from bladewhirl.solvers.march.central_difference import initial_gap
 from bladewhirl.solvers.march.march import Chunk, EndReason, KernelState, check_time_step
 from bladewhirl.solvers.packing.arrangement import load_times
 from bladewhirl.solvers.packing.casing import pack_closure
@@ -75,7 +74,7 @@ class _Dense:
         arrays = zeros("DenseState", self._sizes)
         arrays["displacement"][:] = np.concatenate([start.rotor, start.casing])
         arrays["velocity"][:] = np.concatenate([start.rotor_velocity, start.casing_velocity])
-        arrays["sums"][lib.DENSE_GAP] = initial_gap(self._problem)
+        arrays["sums"][lib.DENSE_GAP] = self._problem.initial_gap()
         return KernelState(step=0, arrays=arrays)
 
     def advance(

@@ -7,7 +7,7 @@ from typing import Literal, Self, get_args
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.boundary_problem import Problem
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.march.march import CHUNK_STEPS, Chunk
 
 StopWhen = Literal["damped"]
@@ -45,7 +45,7 @@ class FreeMotion:
     since: float  #: time at which free motion began [s]
 
     @classmethod
-    def of(cls, problem: Problem, time_step: float) -> Self:
+    def of(cls, problem: ContactProblem, time_step: float) -> Self:
         """Return the detector for a contact problem.
 
         Raises:

@@ -4,7 +4,7 @@ each state from the previous state only. A march can therefore be stopped, store
 exactly."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, Protocol, TypeVar
 
@@ -110,6 +110,30 @@ class Chunk(MarchRecords):
                 text = name, f" ({moved[place]:.4g} m {way})"
                 largest = ahead[place]
         return text
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoundaryChunk(Chunk):
+    """Consecutive records of a march with many contact nodes. Nodes of all copies are numbered
+    copy by copy."""
+
+    modal_displacement: FloatArray  #: [kg^1/2 m], (records, copies, modes)
+    modal_velocity: FloatArray  #: [kg^1/2 m/s], (records, copies, modes)
+    contact_displacement: FloatArray
+    """Radial, tangential and axial displacement of each node [m], (records, nodes, 3)."""
+    contact_force: FloatArray
+    """Radial, tangential and axial contact force on each node [N], (records, nodes, 3)."""
+    axial_impulse: FloatArray
+    """Axial friction impulse on each node since the last record [N s], (records, nodes)."""
+    rotor_displacement: FloatArray = field(default_factory=lambda: np.zeros(0))
+    rotor_velocity: FloatArray = field(default_factory=lambda: np.zeros(0))
+    closing_work: FloatArray = field(default_factory=lambda: np.zeros(0))
+    coupling_work: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+    def beyond(self, problem: Any, arrays: Any, time_step: float) -> tuple[str, str]:
+        """Return the contact node that passed the displacement limit as text, see `Chunk`."""
+        node = int(np.abs(self.contact_displacement[-1, :, 0]).argmax())
+        return f"contact node {arrays.node[node]} of blade {arrays.blade[node]}", ""
 
 
 PartT = TypeVar("PartT")

@@ -20,8 +20,13 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.modal.stage_arrays import Arrays, SuperelementArrays
 from bladewhirl.models.stage.contact_problem import NodeCoating, WallCoating, rod_angles
-from bladewhirl.solvers.march.boundary import BoundaryChunk
-from bladewhirl.solvers.march.march import Chunk, CoatingRecords, coating_steps, joined
+from bladewhirl.solvers.march.march import (
+    BoundaryChunk,
+    Chunk,
+    CoatingRecords,
+    coating_steps,
+    joined,
+)
 from bladewhirl.solvers.march.schema import (
     BEAMS,
     NODES,

@@ -3,13 +3,13 @@
 from importlib import import_module
 from typing import Any
 
-from bladewhirl.models.case.schemes import SchemeName
-from bladewhirl.models.stage.boundary_problem import Problem
+from bladewhirl.models.case.schemes import SCHEMES, SchemeName
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.march.march import Scheme
 
 
 def make_scheme(
-    problem: Problem,
+    problem: ContactProblem,
     time_step: float,
     record_every: int,
     name: SchemeName = "central-difference",
@@ -25,6 +25,6 @@ def make_scheme(
     Raises:
         ValueError: the time step is too long.
     """
-    module, _, scheme = problem.schemes[name].partition(":")
+    module, _, scheme = SCHEMES[name].partition(":")
     made: Scheme[Any] = getattr(import_module(module), scheme)(problem, time_step, record_every)
     return made

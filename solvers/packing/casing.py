@@ -75,7 +75,9 @@ def pack_casing(
         )
     )
     blocks = np.zeros(0)
-    if friction is not None:
+    if friction is not None and not modes:
+        blocks = np.zeros((3, lib.HALF, lib.HALF))  # one block for all elements
+    elif friction is not None:
         blocks = _compliance(casing, nodal_response(casing, dt), friction, cyclic=cyclic)
     return arrangement, Struct(
         "Casing",
@@ -86,7 +88,8 @@ def pack_casing(
         half=half,
         shared=cyclic,
         compliance=aligned_copy(blocks.reshape(-1)),
-        spacing=1 if cyclic else nodes if nodes > 1 else 0,  # a single node has one block
+        spacing=1 if cyclic else nodes if nodes > 1 and modes else 0,
+        modes=modes,
         nodes=nodes,
         element_length=casing.element_length,
     )
@@ -98,15 +101,14 @@ def _closed(values: FloatArray) -> FloatArray:
     return lengthened(values[np.append(np.arange(len(values)), 0)].T)
 
 
-def pack_closure(closure: WallClosure | None, length: float = 1.0) -> Struct | None:
-    """Return the closure of the wall; None if the clearance is constant. Slopes of the share are
-    multiplied by a length."""
+def pack_closure(closure: WallClosure | None) -> Struct | None:
+    """Return the closure of the wall; None if the clearance is constant."""
     if closure is None:
         return None
     course = closure.course
     return Struct(
         "Closure",
-        share=_closed(closure.share * np.array([1.0, length])),
+        share=_closed(closure.share),
         table=np.reshape(course.table, (-1, 2)).astype(np.float64),
         amount=course.amount,
         rate=1.0 / (course.time_constant or np.inf),
@@ -116,7 +118,7 @@ def pack_closure(closure: WallClosure | None, length: float = 1.0) -> Struct | N
 def pack_coating(problem: ContactProblem) -> Struct | None:
     """Return the coating; None if the casing has none."""
     coating, casing = problem.coating, problem.casing
-    if coating is None:
+    if not isinstance(coating, WallCoating):
         return None
     rods = len(coating.strain)
     per_element = rods / len(casing.nodal)

@@ -6,7 +6,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor
 from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
 from bladewhirl.solvers.packing.arrangement import Arrangement, Harmonics, lengthened
-from bladewhirl.solvers.packing.rotor import rotor_inverse
+from bladewhirl.solvers.packing.rotor import rotor_inverses
 
 FAR = 1e100
 """Gap that is larger than the gap of any tip [m]."""
@@ -61,7 +61,7 @@ def pack_foreshortening(
     if shortening is None:
         return None
     tips, terms, modes = shortening.rows.shape
-    inverse = rotor_inverse(rotor, dt)
+    (inverse,) = rotor_inverses(rotor, dt)
     rows, weights, spread = _waves(rotor, shortening.rows, arrangement, cyclic=cyclic)
     answers = rows @ inverse.T  # response A^-1 F^T to each row
     flat = answers.reshape(-1, modes)

@@ -1,5 +1,5 @@
-"""Arrays of the rotor: by harmonic for a cyclic rotor, otherwise dense. Arrays for the coupling of
-its modes by Coriolis forces and damping."""
+"""Arrays of the rotor: by harmonic for a cyclic rotor, otherwise dense for each copy. Arrays for
+the coupling of its modes by Coriolis forces and damping."""
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor
 from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
 from bladewhirl.solvers.packing.arrangement import (
     FIT,
+    PAIR,
     Arrangement,
     Harmonics,
     by_column,
@@ -38,8 +39,10 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
         ValueError: modes do not vary as their DFT columns.
     """
     rotor = problem.rotor
+    if rotor.nodes is not None:
+        return _pack_copies(problem, dt)
     tips, modes = rotor.tip_radial.shape
-    inverse, turning = rotor_inverse(rotor, dt), rotor.by_velocity is not None
+    (inverse,), turning = rotor_inverses(rotor, dt), rotor.by_velocity is not None
     if cyclic:
         harmonics = Harmonics(tips, fold=False, unit=lib.HALF, alone=turning)
         arrangement = harmonics.arrangement(harmonics.place[rotor.column])
@@ -60,17 +63,9 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
         for rows in (rotor.tip_radial, rotor.tip_tangential)
     )
     spread = aligned_copy(shape)
-    loads = [load.rotor for load in problem.loads]
     return arrangement, Struct(
         "Rotor",
-        body=pack_body(
-            rotor.frequency,
-            rotor.damping_ratio,
-            loads,
-            arrangement,
-            dt,
-            coupled=turning,
-        ),
+        body=_body(problem, arrangement, dt),
         radial=arrangement.grid(radial),
         tangential=arrangement.grid(tangential),
         crossed=arrangement.grid(crossed),
@@ -81,17 +76,52 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
         half=arrangement.half,
         shared=cyclic,
         w=by_sliding(pressed, dragged, problem.friction),
-        position=lengthened(rotor.tip_angle * len(problem.casing.nodal) / (2.0 * np.pi)),
-        recess=lengthened(problem.metal_recess),
+        **_places(problem),
     )
 
 
-def rotor_inverse(rotor: ReducedRotor, dt: float) -> FloatArray:
-    """Return A^-1 of the rotor [s2], (modes, modes); see `CentralDifference`."""
+def _pack_copies(problem: ContactProblem, dt: float) -> tuple[Arrangement, Struct]:
+    """Return the arrangement and the arrays of a rotor with `ContactNodes`: a row of modes for each
+    copy. Its contact nodes have arrays of their own, see `pack_nodes`."""
+    rotor = problem.rotor
+    modes = rotor.tip_radial.shape[1]
+    columns = padded(modes, PAIR)
+    place = columns * np.arange(rotor.copies)[:, None] + np.arange(modes)
+    arrangement = Arrangement(rows=rotor.copies, columns=columns, entry=place.ravel(), used=modes)
+    names = "radial tangential crossed shape cross_shape spread drag_spread"
+    return arrangement, Struct(
+        "Rotor",
+        body=_body(problem, arrangement, dt),
+        **{name: aligned((0, lib.LANES)) for name in names.split()},
+        w=aligned((3, 0, 0)),
+        half=0,
+        shared=0,
+        **_places(problem),
+    )
+
+
+def _body(problem: ContactProblem, arrangement: Arrangement, dt: float) -> Struct:
+    rotor, loads = problem.rotor, [load.rotor for load in problem.loads]
+    coupled = rotor.by_velocity is not None
+    return pack_body(rotor.frequency, rotor.damping_ratio, loads, arrangement, dt, coupled=coupled)
+
+
+def _places(problem: ContactProblem) -> dict[str, FloatArray]:
+    angle, elements = problem.rotor.tip_angle, len(problem.casing.nodal)
+    return {
+        "position": lengthened(angle * elements / (2.0 * np.pi)),
+        "recess": lengthened(problem.metal_recess),
+    }
+
+
+def rotor_inverses(rotor: ReducedRotor, dt: float) -> FloatArray:
+    """Return A^-1 of each copy of the rotor [s2], (copies, modes, modes); see
+    `CentralDifference`."""
     if rotor.by_velocity is None:
-        return np.diag(scheme_inverse(rotor.frequency, rotor.damping_ratio, dt))
-    damping = rotor.damping
-    return np.asarray(np.linalg.inv(np.eye(len(damping)) / dt**2 + damping / (2.0 * dt)))
+        inverse = scheme_inverse(rotor.frequency, rotor.damping_ratio, dt)
+        return np.array([np.diag(row) for row in rotor.by_copy(inverse)])
+    damping = rotor.velocity_forces
+    return np.asarray(np.linalg.inv(np.eye(damping.shape[-1]) / dt**2 + damping / (2.0 * dt)))
 
 
 def pack_gyroscopic(
@@ -108,17 +138,17 @@ def pack_gyroscopic(
     rotor = problem.rotor
     if rotor.by_velocity is None:
         return None
-    damping = rotor.damping
-    inverse = rotor_inverse(rotor, dt)
-    loss, full_loss = _losses((damping + damping.T) / 2.0, arrangement)
+    inverses = rotor_inverses(rotor, dt)
+    cyclic, none = arrangement.half > 0, np.zeros(0, dtype=np.int64)
+    damping = rotor.velocity_forces
+    loss, full_loss = _losses((damping + damping.swapaxes(1, 2)) / 2.0, arrangement)
     stands_still = [0, 1] if rotor.circulation != 0.0 else []
     pull = rotor.circulation * rotor.centre * np.array([[1.0], [-1.0]])
-    cyclic, none = arrangement.half > 0, np.zeros(0, dtype=np.int64)
     blocks, rest, to, by = (
-        _blocks(inverse, arrangement) if cyclic else (aligned(0), aligned(0), none, none)
+        _blocks(inverses[0], arrangement) if cyclic else (aligned(0), aligned(0), none, none)
     )
     normal, normal_across, shear, shear_across = (
-        _answers(inverse, arrangement, packed) if cyclic else 4 * [aligned((0, lib.LANES))]
+        _answers(inverses[0], arrangement, packed) if cyclic else 4 * [aligned((0, lib.LANES))]
     )
     return Struct(
         "Gyroscopic",
@@ -126,7 +156,7 @@ def pack_gyroscopic(
         rest=rest,
         to=to,
         by=by,
-        full=arrangement.pack(inverse.T[: 0 if cyclic else None]),
+        full=aligned((0, lib.LANES)) if cyclic else _rows_by_copy(inverses, arrangement),
         loss=loss,
         full_loss=full_loss,
         normal=normal,
@@ -136,6 +166,14 @@ def pack_gyroscopic(
         circulation=arrangement.pack(pull[stands_still]),
         centre=arrangement.pack(rotor.centre[::-1][stands_still]),
     )
+
+
+def _rows_by_copy(inverses: FloatArray, arrangement: Arrangement) -> FloatArray:
+    """Return the response of the modes of a copy to a force on each mode, (modes, columns)."""
+    copies, modes, _ = inverses.shape
+    rows = aligned((copies * modes, arrangement.entries // copies))
+    rows[:, :modes] = inverses.swapaxes(1, 2).reshape(copies * modes, modes)
+    return rows
 
 
 def _blocks(
@@ -182,26 +220,30 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
     diagonal.
 
     Args:
-        damping: D, symmetric [1/s], (modes, modes).
+        damping: D of each copy, symmetric [1/s], (copies, modes, modes).
         arrangement: arrangement of the modes.
 
     Returns:
-        the blocks, in the order of `Gyroscopic`, and the matrix of all modes, (entries, entries);
-        one of the two is empty.
+        the blocks, in the order of `Gyroscopic`, and the matrix of all modes of each copy,
+        (entries, columns); one of the two is empty.
     """
     rows, half, entries = arrangement.rows, arrangement.half, arrangement.entries
-    full = aligned((entries, entries))
-    full[np.ix_(arrangement.entry, arrangement.entry)] = damping
-    twice = np.triu(2.0 * full) - np.diag(np.diag(full))
-    grid = twice.copy().reshape(2 * [rows, arrangement.columns])
+    copies, modes, _ = damping.shape
+    full = aligned((copies, entries // copies, entries // copies))
+    entry = arrangement.entry[:modes]
+    full[np.ix_(np.arange(copies), entry, entry)] = damping
+    twice = np.triu(2.0 * full) - full * np.eye(entries // copies)
+    if half == 0:
+        return aligned(0), aligned_copy(twice.reshape(entries, -1))
+    grid = twice[0].copy().reshape(2 * [rows, arrangement.columns])
     cosine = np.arange(half)
     direct = np.zeros((half, padded(rows, lib.ROWS), rows))
     direct[:, :rows] = grid[:, cosine, :, cosine]
     for column in (cosine, half + cosine):
         grid[:, column, :, column] -= direct[:, :rows]
-    left = grid.reshape(entries, entries)[np.ix_(arrangement.entry, arrangement.entry)]
-    if half == 0 or np.abs(left).max(initial=0.0) > ALIKE * np.abs(damping).max(initial=0.0):
-        return aligned(0), aligned_copy(twice)
+    left = grid.reshape(entries, entries)[np.ix_(entry, entry)]
+    if np.abs(left).max(initial=0.0) > ALIKE * np.abs(damping).max(initial=0.0):
+        return aligned(0), aligned_copy(twice[0])
     registers = direct.reshape(half // lib.HALF, lib.HALF, -1, lib.ROWS, rows).transpose(
         0, 2, 4, 3, 1
     )

@@ -11,7 +11,6 @@ from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.inputs.timing import Timing
-from bladewhirl.models.stage.boundary_problem import Problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.marched import Marchable, MarchedStage, marched_stage
 from bladewhirl.models.stage.mass_scaling import screening_problem
@@ -20,7 +19,7 @@ from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.solvers.march.march import Scheme
 from bladewhirl.solvers.march.scheme import make_scheme
 
-Change = Callable[[Problem, Timing], tuple[Problem, Timing]]
+Change = Callable[[ContactProblem, Timing], tuple[ContactProblem, Timing]]
 """Function that changes a contact problem and its timing."""
 
 DataT = TypeVar("DataT")
@@ -31,7 +30,7 @@ class Prepared:
     """A case that is ready to march, with all checks passed."""
 
     stage: MarchedStage
-    problem: Problem
+    problem: ContactProblem
     timing: Timing
     scheme: Scheme[Any]
     stop: FreeMotion | None = None  #: rule by which the march ends early; None: no early end
@@ -77,7 +76,7 @@ def _finite(data: DataT) -> DataT:
     return data
 
 
-def screened(case: Case, problem: Problem, timing: Timing) -> tuple[ContactProblem, Timing]:
+def screened(case: Case, problem: ContactProblem, timing: Timing) -> tuple[ContactProblem, Timing]:
     """Return contact problem and timing of a screening march, see `screening_problem`.
 
     Raises:
@@ -86,14 +85,12 @@ def screened(case: Case, problem: Problem, timing: Timing) -> tuple[ContactProbl
     try:
         if case.march.scheme != "central-difference":
             raise ValueError('march.scheme = "central-difference"')
-        if not isinstance(problem, ContactProblem):
-            raise ValueError("tips of beams, whose casing modes can be scaled")
         return screening_problem(problem, timing)
     except ValueError as error:
         raise UserError(f"--screen: expected {error}") from None
 
 
-def problem_of(stage: MarchedStage) -> Problem:
+def problem_of(stage: MarchedStage) -> ContactProblem:
     """Return the contact problem of a stage, see `MarchedStage.contact_problem`.
 
     Raises:

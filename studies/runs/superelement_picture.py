@@ -30,7 +30,7 @@ def draw_superelement(stage: SuperelementStage, path: Path) -> None:
     _, chunk, _ = prepared.scheme.advance(prepared.scheme.init(), 1)
     histories = {name: getattr(chunk, name) for name in NODES.history}
     result = result_of(stage.arrays, histories, attributes(prepared, ""))
-    points, clearance = stage.arrays.point, float(np.abs(stage.wall[:, 0]).max())
+    points, clearance = stage.arrays.point, float(np.abs(stage.wall.clearance[:, 0]).max())
     size = float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
     factor = round_factor(size, (CLEARANCE_SHARE, clearance))
     render_blades(result, path, np.array([0]), exaggeration=factor)

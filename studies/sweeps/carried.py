@@ -19,8 +19,7 @@ from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.boundary_problem import Problem
-from bladewhirl.models.stage.contact_problem import Start
+from bladewhirl.models.stage.contact_problem import ContactProblem, Start
 from bladewhirl.models.stage.marched import MarchedStage
 from bladewhirl.postprocess.sweep.dataset import DONE, flag
 
@@ -63,7 +62,7 @@ def late_state(stage: MarchedStage, result: xr.Dataset) -> Start:
     record = int(late[np.abs(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi))).argmin()])
     rotor = "rotor" if "rotor_displacement" in result else "modal"
     motion = {
-        name: result[variable][record].values if variable in result else np.zeros(0)
+        name: result[variable][record].values.ravel() if variable in result else np.zeros(0)
         for name, variable in (
             ("rotor", f"{rotor}_displacement"),
             ("rotor_velocity", f"{rotor}_velocity"),
@@ -76,7 +75,7 @@ def late_state(stage: MarchedStage, result: xr.Dataset) -> Start:
     return Start(**motion)
 
 
-def continued(stage: MarchedStage, problem: Problem, state: Start) -> Problem:
+def continued(stage: MarchedStage, problem: ContactProblem, state: Start) -> ContactProblem:
     """Return the contact problem of a march that starts from a state, without ramps of its loads,
     and without loads that end."""
     start = replace(

@@ -9,17 +9,21 @@ from typing import Any, cast
 import numpy as np
 
 from bladewhirl.models.case.check import case_from
-from bladewhirl.models.stage.boundary_problem import BoundaryProblem
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import ContactProblem, Start
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    ReducedCasing,
+    ReducedRotor,
+    Start,
+)
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.file import write_superelement
 from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement
 from bladewhirl.models.superelements.wheel import massless_wheel
-from bladewhirl.solvers.march.boundary import BoundaryChunk, BoundaryMarch
-from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.solvers.march.march import BoundaryChunk, Chunk
 from bladewhirl.studies.verification.bodies import marched
 from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 
@@ -38,11 +42,11 @@ COATING = {
 
 
 def march_of_nodes(
-    problem: BoundaryProblem, dt: float, duration: float, *, every: int
+    problem: ContactProblem, dt: float, duration: float, *, every: int
 ) -> BoundaryChunk:
     """March many contact nodes for a duration [s], with a record of every `every`-th step."""
-    scheme = BoundaryMarch(problem, dt, every)
-    return scheme.advance(scheme.init(), round(duration / dt) + 1)[1]
+    scheme = CentralDifference(problem, dt, every)
+    return cast(BoundaryChunk, scheme.advance(scheme.init(), round(duration / dt) + 1)[1])
 
 
 @verifies()
@@ -52,21 +56,25 @@ def rebound() -> Pairs:
     The impulse is compared with the closed-form solution, and the force at every step with the
     penetration divided by the flexibility.
     """
-    problem = BoundaryProblem(
-        frequency=np.array([[OMEGA]]),
-        damping_ratio=np.zeros((1, 1)),
-        contact=np.array([[1.0], [0.0], [0.0]]),
-        compliance=FLEXIBILITY * np.eye(3)[None],
-        massless=True,
-        angle=np.zeros((1, 1)),
-        radius=np.array([0.5]),
-        recess=np.zeros(1),
-        wall=np.column_stack([np.full(8, GAP), np.zeros(8)]),
+    problem = ContactProblem(
+        rotor=ReducedRotor.of_copies(
+            frequency=np.array([[OMEGA]]),
+            damping_ratio=np.zeros((1, 1)),
+            contact=np.array([[1.0], [0.0], [0.0]]),
+            compliance=FLEXIBILITY * np.eye(3)[None],
+            angle=np.zeros((1, 1)),
+            radius=np.array([0.5]),
+            recess=np.zeros(1),
+            tip_radius=0.5,
+        ),
+        casing=ReducedCasing.rigid(np.column_stack([np.full(8, GAP), np.zeros(8)]), 0.5),
         speed=0.0,
         friction=0.0,
-        full_sliding=False,
+        sliding="permanent",
+        tip_rotation=False,
         displacement_limit=1.0,
-        start=Start.of_rotor(np.zeros((1, 1)), np.ones((1, 1))),
+        loads=(),
+        start=Start.of_rotor(np.zeros(1), np.ones(1)),
     )
     chunk = march_of_nodes(problem, 5e-6, 6e-3, every=1)
     rate = np.sqrt(OMEGA**2 + 1.0 / FLEXIBILITY)
@@ -109,22 +117,28 @@ def rub(*, by_massless: bool, dt: float) -> BoundaryChunk:
     ratio = np.where(np.arange(len(reduced.frequency)) < 30, 0.005, 0.05)
     grid = 2.0 * np.pi / 1024 * np.arange(1024)
     wave = 2.0 * (grid - part.contact_angle.mean()) + np.pi
-    wall = np.column_stack([1e-4 + 1.2e-4 * np.cos(wave + np.pi), -2.4e-4 * np.sin(wave + np.pi)])
-    problem = BoundaryProblem(
-        frequency=reduced.frequency[None],
-        damping_ratio=ratio[None],
-        contact=reduced.contact,
-        compliance=reduced.compliance[None],
-        massless=by_massless,
-        angle=part.contact_angle[None],
-        radius=part.contact_radius,
-        recess=np.zeros(part.contacts),
-        wall=wall,
+    radius = float(part.contact_radius.max())
+    slope = -2.4e-4 * np.sin(wave + np.pi) / radius
+    wall = np.column_stack([1e-4 + 1.2e-4 * np.cos(wave + np.pi), slope])
+    problem = ContactProblem(
+        rotor=ReducedRotor.of_copies(
+            frequency=reduced.frequency[None],
+            damping_ratio=ratio[None],
+            contact=reduced.contact,
+            compliance=reduced.compliance[None] if by_massless else None,
+            angle=part.contact_angle[None],
+            radius=part.contact_radius,
+            recess=np.zeros(part.contacts),
+            tip_radius=radius,
+        ),
+        casing=ReducedCasing.rigid(wall, radius),
         speed=SPEED,
         friction=0.15,
-        full_sliding=True,
+        sliding="full",
+        tip_rotation=False,
         displacement_limit=0.05,
-        start=Start.of_rotor(*np.zeros((2, 1, len(reduced.frequency)))),
+        loads=(),
+        start=Start.of_rotor(*np.zeros((2, len(reduced.frequency)))),
     )
     return march_of_nodes(problem, dt, TURNS * 2.0 * np.pi / SPEED, every=1000)
 
@@ -184,7 +198,7 @@ def wheel_of_sectors() -> Pair:
 
 def exported(
     kind: str, *, coated: bool = False
-) -> tuple[ContactProblem, BoundaryProblem, Chunk, BoundaryChunk]:
+) -> tuple[ContactProblem, ContactProblem, Chunk, BoundaryChunk]:
     """Return the contact problem of a stage of beams that a closing oval casing pinches, that of
     the same stage as superelements with mass at the contact nodes, and records of both over
     0.05 s."""
@@ -239,7 +253,7 @@ def exported_stage(kind: str) -> Pairs:
     return {
         "frequencies_of_an_exported_stage": (
             np.sort(problem.rotor.frequency),
-            np.sort(same.frequency.ravel()),
+            np.sort(same.rotor.frequency),
         ),
         "march_of_an_exported_stage": (tips, nodes.contact_displacement[:, :, 0]),
     }

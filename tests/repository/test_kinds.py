@@ -39,7 +39,6 @@ LEFT = {
     "studies/modal/modes.py": 1,
     "studies/runs/folder.py": 1,
     "studies/runs/outputs.py": 1,
-    "studies/runs/prepare.py": 1,
     "studies/runs/render.py": 1,
     "studies/sweeps/layout.py": 1,
     "studies/sweeps/points.py": 2,

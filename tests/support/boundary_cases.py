@@ -9,20 +9,27 @@ import scipy.optimize as so
 from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.stage.boundary_problem import BoundaryProblem
-from bladewhirl.models.stage.contact_problem import NodeCoating, ReducedCasing, Start
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    NodeCoating,
+    ReducedCasing,
+    ReducedRotor,
+    Start,
+)
 from bladewhirl.models.stage.ring import flexible_ring
-from bladewhirl.solvers.march.boundary import BoundaryChunk, BoundaryMarch
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.solvers.march.march import BoundaryChunk
 
 CLEARANCE = 2e-4
 E, YIELD, HARD, THICK = 1e9, 1e7, 5e7, 2e-3
 
 
-def advanced(problem: BoundaryProblem, dt: float, steps: int, every: int = 1) -> BoundaryChunk:
+def advanced(problem: ContactProblem, dt: float, steps: int, every: int = 1) -> BoundaryChunk:
     """Records of x_0 .. x_steps."""
-    scheme = BoundaryMarch(problem, dt, every)
+    scheme = CentralDifference(problem, dt, every)
     state, chunk, end = scheme.advance(scheme.init(), steps + 1)
     assert end is None
+    assert isinstance(chunk, BoundaryChunk)
     assert state.statistics.lcp_failures == 0
     return chunk
 
@@ -41,8 +48,9 @@ def bladed(
     massless: bool = True,
     ring: ReducedCasing | None = None,
     coating: NodeCoating | None = None,
+    by_velocity: FloatArray | None = None,
     **changes: Any,
-) -> BoundaryProblem:
+) -> ContactProblem:
     """Equal blades of random modes that move outward, in an oval wall or in a ring."""
     random, modes = np.random.default_rng(7), 8
     square = random.standard_normal((3 * nodes, 3 * nodes))
@@ -51,29 +59,35 @@ def bladed(
     contact[::3, 0] = np.linspace(1.4, 1.6, nodes)
     pitch, grid = 2.0 * np.pi / copies * np.arange(copies), 2.0 * np.pi / 64 * np.arange(64)
     oval = np.column_stack([CLEARANCE + 1e-4 * np.cos(2 * grid), -2e-4 * np.sin(2 * grid)])
+    radius = 0.3 if ring is None else ring.radius
+    rotor = ReducedRotor.of_copies(
+        frequency=np.tile(np.linspace(900.0, 3e4, modes), (copies, 1)),
+        damping_ratio=np.full((copies, modes), 0.002),
+        contact=contact,
+        compliance=np.tile(flexibility, (copies, 1, 1)) if massless else None,
+        angle=pitch[:, None] + np.linspace(-0.06, 0.06, nodes) * (nodes > 1),
+        radius=np.full(nodes, radius),
+        recess=np.linspace(2e-5, -2e-5, nodes),
+        tip_radius=radius,
+        by_velocity=by_velocity,
+    )
     given: dict[str, Any] = {
-        "frequency": np.tile(np.linspace(900.0, 3e4, modes), (copies, 1)),
-        "damping_ratio": np.full((copies, modes), 0.002),
-        "contact": contact,
-        "compliance": np.tile(massless * flexibility, (copies, 1, 1)),
-        "massless": massless,
-        "angle": pitch[:, None] + np.linspace(-0.06, 0.06, nodes),
-        "radius": np.full(nodes, 0.3 if ring is None else ring.radius),
-        "recess": np.linspace(2e-5, -2e-5, nodes) + (0.0 if coating is None else coating.removable),
-        "wall": oval if ring is None else ring.clearance * [1.0, ring.radius],
+        "rotor": rotor,
+        "casing": ReducedCasing.rigid(oval / [1.0, radius], radius) if ring is None else ring,
         "speed": 150.0,
         "friction": 0.1,
-        "full_sliding": False,
+        "sliding": "permanent",
+        "tip_rotation": False,
         "displacement_limit": 1.0,
+        "loads": (),
         "start": Start.of_rotor(
-            np.zeros((copies, modes)),
-            (1.0 + 0.5 * np.cos(pitch - 0.4))[:, None] * np.eye(modes)[0],
+            np.zeros(copies * modes),
+            np.outer(1.0 + 0.5 * np.cos(pitch - 0.4), np.eye(modes)[0]).ravel(),
             0 if ring is None else len(ring.frequency),
         ),
-        "casing": ring,
         "coating": coating,
     }
-    return BoundaryProblem(**given | changes)
+    return ContactProblem(**given | changes)
 
 
 @cache
@@ -109,7 +123,7 @@ def coating(tracks: FloatArray, footprint: float, *, limit: float = 0.9) -> Node
     )
 
 
-def rubbing(*, massless: bool = True) -> BoundaryProblem:
+def rubbing(*, massless: bool = True) -> ContactProblem:
     """Two blades in a coated wall, with two tracks."""
     worn = coating(np.array([0.0, 0.0, 1.0, 1.0]), 4e-3, limit=0.06)
     return bladed(2, 4, massless=massless, coating=worn)
@@ -131,9 +145,9 @@ def around(values: FloatArray, length: float, angle: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("qn,nq...->n...", weight, ends))
 
 
-def clearance_at(p: BoundaryProblem, angle: FloatArray) -> FloatArray:
+def clearance_at(p: ContactProblem, angle: FloatArray) -> FloatArray:
     """Clearance of the wall at rest [m], (angles,)."""
-    return around(p.wall, 2.0 * np.pi / len(p.wall), angle)
+    return around(p.casing.clearance, p.casing.element_length, angle)
 
 
 class Rods:
@@ -146,8 +160,8 @@ class Rods:
         angle: place of the node.
     """
 
-    def __init__(self, p: BoundaryProblem, strain: FloatArray, node: int, angle: float) -> None:
-        assert p.coating is not None
+    def __init__(self, p: ContactProblem, strain: FloatArray, node: int, angle: float) -> None:
+        assert isinstance(p.coating, NodeCoating)
         self._coating, self._track = p.coating, int(p.coating.track[node])
         middle = 2.0 * np.pi * (np.arange(strain.shape[1]) + 0.5) / strain.shape[1]
         apart = np.abs(np.angle(np.exp(1j * (middle - angle)))) * p.coating.radius
@@ -184,7 +198,7 @@ class Rods:
 
 
 def contact_forces(
-    p: BoundaryProblem,
+    p: ContactProblem,
     flexible: FloatArray,
     gap: FloatArray,
     change: FloatArray,
@@ -211,7 +225,7 @@ def contact_forces(
         for i, unit in enumerate(-np.diag(answer[:, 0])):
             free = gap[i] - answer[i, 0] @ normal - unit * normal[i]
             normal[i] = rods[i].force(free, unit) if rods else max(0.0, -free / unit)
-        if p.full_sliding:
+        if p.sliding == "full":
             slip = change[:, 1:] + (answer @ normal)[:, 1:]
             touching = normal > 0.0
             length = np.linalg.norm(slip, axis=1)[:, None]
@@ -221,35 +235,39 @@ def contact_forces(
     return normal[:, None] * ways, direction
 
 
-def pushes(p: BoundaryProblem, time: float) -> tuple[FloatArray, FloatArray]:
+def pushes(p: ContactProblem, time: float) -> tuple[FloatArray, FloatArray]:
     """Modal forces of the loads on the copies and on a flexible casing."""
-    copies = np.zeros_like(p.frequency)
-    casing = np.zeros(0 if p.casing is None else len(p.casing.frequency))
+    copies = np.zeros(len(p.rotor.frequency))
+    casing = np.zeros(len(p.casing.frequency))
     for load in p.loads:
         rise = 0.5 - 0.5 * np.cos(np.pi * min(1.0, time / load.ramp)) if load.ramp else 1.0
         size = rise * np.cos(load.frequency * time + load.phase) * (time < load.end)
         copies, casing = copies + size * load.rotor, casing + size * load.casing
-    return copies, casing
+    return p.rotor.by_copy(copies), casing
 
 
-def plain(p: BoundaryProblem, dt: float, steps: int) -> dict[str, FloatArray]:
+def plain(p: ContactProblem, dt: float, steps: int) -> dict[str, FloatArray]:
     """March in NumPy only: dense products, and Gauss-Seidel iterations for all nodes together."""
-    copies, nodes = p.angle.shape
-    rows, count, modes = p.contact.reshape(nodes, 3, -1), copies * nodes, p.contact.shape[1]
-    turning = np.zeros((modes, modes)) if p.by_velocity is None else p.by_velocity
-    squares, loss = p.frequency**2, 2.0 * p.damping_ratio * p.frequency
+    rotor, extra = p.rotor, p.rotor.nodes
+    assert extra is not None
+    copies, (nodes, modes) = rotor.copies, rotor.tip_radial.shape
+    contact, flexibility = rotor.contact, extra.compliance
+    rows, count = contact.reshape(nodes, 3, -1), copies * nodes
+    turning = np.zeros((modes, modes)) if rotor.by_velocity is None else rotor.by_velocity
+    frequency, massless = rotor.by_copy(rotor.frequency), flexibility is not None
+    squares, loss = frequency**2, 2.0 * rotor.by_copy(rotor.damping_ratio) * frequency
     drag = np.array([0.5 / dt * (np.diag(row) + turning) for row in loss])
     inverse = np.linalg.inv(np.eye(modes) / dt**2 + drag)
-    ring = p.casing
-    stiff = np.zeros(0) if ring is None else ring.frequency
-    lost = np.zeros(0) if ring is None else ring.damping_ratio * stiff / dt
-    now, rate, slow = p.start.rotor, p.start.rotor_velocity, np.zeros(len(stiff))
+    ring, stiff = p.casing, p.casing.frequency
+    lost = ring.damping_ratio * stiff / dt
+    now, rate = rotor.by_copy(p.start.rotor), rotor.by_copy(p.start.rotor_velocity)
+    slow = np.zeros(len(stiff))
     slowing = squares * now + loss * rate + rate @ turning.T
     pushed, blown = pushes(p, 0.0)
     old = now - dt * rate + 0.5 * dt**2 * (pushed - slowing)
     slow_old = 0.5 * dt**2 * blown
     force, direction = np.zeros((count, 3)), np.tile([np.sign(p.speed), 0.0], (count, 1))
-    strain = np.zeros((0, 0)) if p.coating is None else p.coating.strain
+    strain = p.coating.strain if isinstance(p.coating, NodeCoating) else np.zeros((0, 0))
     names = ("force", "q", "casing", "strain")
     out: dict[str, list[FloatArray]] = {name: [] for name in names}
     for step in range(steps + 1):
@@ -257,32 +275,32 @@ def plain(p: BoundaryProblem, dt: float, steps: int) -> dict[str, FloatArray]:
             out[name].append(value)
         time, by_copy = step * dt, force.reshape(copies, nodes, 3)
         pushed, blown = pushes(p, time)
-        if p.massless:
+        if massless:
             pushed = pushed + np.einsum("ikm,cik->cm", rows, by_copy)
         pulled = (2.0 / dt**2 - squares) * now - old / dt**2 + np.einsum("cij,cj->ci", drag, old)
         new = np.einsum("cij,cj->ci", inverse, pulled + pushed)
         heavy = 1.0 / dt**2 + lost
         later = (2.0 / dt**2 - stiff**2) * slow + (lost - 1.0 / dt**2) * slow_old + blown
         later = later / heavy
-        angle = (p.angle + p.speed * (time + dt)).ravel()
+        angle = rotor.tip_angle + p.speed * (time + dt)
         on_wall = np.zeros((count, 3, len(stiff)))
-        if ring is not None:
+        if ring.is_flexible:
             fields = ring.nodal.reshape(len(ring.nodal), 2, 2, -1).swapaxes(1, 2)
             on_wall[:, :2] = around(fields, ring.element_length, angle)  # w and u
         flexible = np.einsum("iam,m,jbm->iajb", on_wall, 1.0 / heavy, on_wall)
         for copy in range(copies):
             own = slice(copy * nodes, (copy + 1) * nodes)
-            moving = p.contact @ inverse[copy] @ p.contact.T
-            block = p.compliance[copy] if p.massless else moving
+            moving = contact @ inverse[copy] @ contact.T
+            block = moving if flexibility is None else flexibility[copy]
             flexible[own, :, own] += block.reshape(nodes, 3, nodes, 3)
         moved = np.einsum("ikm,cm->cik", rows, new).reshape(count, 3)
         change = moved - np.einsum("ikm,cm->cik", rows, now).reshape(count, 3)
-        if p.massless:
-            bent = np.einsum("cij,cj->ci", p.compliance, by_copy.reshape(copies, -1))
+        if flexibility is not None:
+            bent = np.einsum("cij,cj->ci", flexibility, by_copy.reshape(copies, -1))
             change = change - bent.reshape(count, 3)
         change = change - on_wall @ (later - slow)
-        change[:, 1] += p.speed * np.tile(p.radius, copies) * dt
-        gap = clearance_at(p, angle) + np.tile(p.recess, copies) - moved[:, 0]
+        change[:, 1] += p.speed * np.tile(extra.radius, copies) * dt
+        gap = clearance_at(p, angle) + p.metal_recess - moved[:, 0]
         gap = gap + on_wall[:, 0] @ later
         rods: list[Rods] = []
         if p.coating is not None:
@@ -295,7 +313,7 @@ def plain(p: BoundaryProblem, dt: float, steps: int) -> dict[str, FloatArray]:
             apart = gap - np.einsum("ijb,jb->i", flexible[:, 0], after)
             for rod, distance in zip(rods, apart.tolist(), strict=True):
                 rod.wear(strain, max(0.0, distance))
-        if not p.massless:
+        if not massless:
             answered = np.einsum("ikm,cik->cm", rows, after.reshape(copies, nodes, 3))
             new = new + np.einsum("cij,cj->ci", inverse, answered)
         later = later - np.einsum("iam,ia->m", on_wall, after) / heavy

@@ -24,7 +24,7 @@ import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.contact_problem import ContactProblem, WallCoating
 from bladewhirl.solvers.march.march import (
     Chunk,
     CoatingRecords,
@@ -394,7 +394,7 @@ class Reference:
         """Press the tips at displacements x at step n into the rods of the coating."""
         problem, rotor, coating = self._problem, self._problem.rotor, self._problem.coating
         none, tips = np.zeros(len(x)), np.zeros(len(rotor.tip_angle))
-        if coating is None:
+        if not isinstance(coating, WallCoating):
             return Coated(strain, tips, tips, none, none, 0.0)
         strain = strain.copy()
         angle = rotor.tip_angle + problem.speed * n * self._dt
@@ -494,7 +494,7 @@ class Reference:
         self, states: list[ReferenceState], work: FloatArray, after: ReferenceState
     ) -> CoatingRecords | None:
         coating = self._problem.coating
-        if coating is None:
+        if not isinstance(coating, WallCoating):
             return None
         rows = (len(states), len(coating.strain))
         strain = np.reshape([state.strain for state in states], rows)

@@ -21,7 +21,6 @@ from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.sections.wall import Lobe, RingProfile
 from bladewhirl.models.stage.build import contact_problem, march_faults
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.solvers.march.central_difference import initial_gap
 
 ELLIPSE = EXAMPLES / "elliptical_clearance.toml"
 
@@ -40,7 +39,7 @@ def test_gaps_at_rest_are_the_lobes_to_fourth_order() -> None:
     errors = []
     for elements in (20, 40):
         problem = contact_problem(build_stage(lobed(elements, *rows)))
-        errors.append(np.abs(initial_gap(problem) - exact).max())
+        errors.append(np.abs(problem.initial_gap() - exact).max())
     assert errors[0] < 1e-6
     assert observed_order(np.array(errors)) == pytest.approx(4.0, abs=0.5)
 

@@ -19,7 +19,6 @@ from scipy.interpolate import CubicHermiteSpline
 
 from bladewhirl.models.case.schemes import SCHEMES
 from bladewhirl.models.stage.contact_problem import Load, ReducedCasing
-from bladewhirl.solvers.march.central_difference import initial_gap
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.solvers.march.scheme import make_scheme
 
@@ -235,7 +234,7 @@ def test_a_short_blade_touches_later_and_a_long_one_sooner(recess: float) -> Non
     rotor = small_rotor(np.zeros(1), tip_radial=np.ones((1, 1)), tip_recess=np.array([recess]))
     start = {"rotor_velocity": np.full(1, velocity)}
     touching = problem(rotor, wall(clearance), start=start)
-    assert initial_gap(touching) == pytest.approx(clearance + recess)
+    assert touching.initial_gap() == pytest.approx(clearance + recess)
     _, chunk, _ = run(touching, dt, 800)
     first = chunk.time[np.flatnonzero(chunk.contact_impulse[:, 0])[0]]
     assert first == pytest.approx((clearance + recess) / velocity, abs=2.0 * dt)

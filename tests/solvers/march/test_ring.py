@@ -11,13 +11,15 @@ from boundary_cases import advanced, bladed, casing, ledger
 def test_blades_in_a_ring_keep_energy_momentum_and_symmetries(massless: bool) -> None:
     copies, nodes, dt, steps = 22, 9, 4e-6, 250
     ring = casing(44, support=0.0)
-    problem = bladed(copies, nodes, massless=massless, ring=ring, full_sliding=True)
+    problem = bladed(copies, nodes, massless=massless, ring=ring, sliding="full")
     chunk = advanced(problem, dt, steps)
     force = chunk.contact_force
     assert (force[:, :, 0] < 0.0).any(axis=0).sum() > 40  # nodes in contact
     assert ledger(chunk) < 1e-9
     # Momentum: the wall gets the forces on the nodes with the opposite sign.
-    angle = problem.angle.ravel() + problem.speed * chunk.time[:, None]
+    rotor = problem.rotor
+    assert rotor.nodes is not None
+    angle = rotor.tip_angle + problem.speed * chunk.time[:, None]
     outward, along = force[:, :, 0], force[:, :, 1]
     pushed = -(np.exp(1j * angle) * (outward + 1j * along)).sum(axis=1)
     impulse = dt * pushed.cumsum()
@@ -28,15 +30,18 @@ def test_blades_in_a_ring_keep_energy_momentum_and_symmetries(massless: bool) ->
     assert mass * velocity == pytest.approx(0.5 * (impulse[-2] + impulse[-1]), rel=1e-5)
     # Turned by a pitch, which is two elements, every blade does the same. The mirror image turns
     # the other way; tangential displacements change their sign.
-    flip = np.tile([1.0, -1.0, 1.0], nodes)
-    mirrored = replace(
-        problem,
-        contact=flip[:, None] * problem.contact,
-        compliance=flip[:, None] * problem.compliance * flip,
-        angle=-problem.angle,
-        speed=-problem.speed,
+    flip, compliance = np.tile([1.0, -1.0, 1.0], nodes), rotor.nodes.compliance
+    flipped = None if compliance is None else flip[:, None] * compliance * flip
+    image = replace(
+        rotor,
+        tip_tangential=-rotor.tip_tangential,
+        nodes=replace(rotor.nodes, compliance=flipped),
+        tip_angle=-rotor.tip_angle,
     )
-    turned = replace(problem, angle=problem.angle + 2.0 * np.pi / copies)
-    for image, sign in ((turned, 1.0), (mirrored, -1.0)):
-        again = advanced(image, dt, steps).contact_force * [1.0, sign, 1.0]
+    mirrored = replace(problem, rotor=image, speed=-problem.speed)
+    turned = replace(
+        problem, rotor=replace(rotor, tip_angle=rotor.tip_angle + 2.0 * np.pi / copies)
+    )
+    for other, sign in ((turned, 1.0), (mirrored, -1.0)):
+        again = advanced(other, dt, steps).contact_force * [1.0, sign, 1.0]
         assert again == pytest.approx(force, abs=1e-6 * np.abs(force).max())

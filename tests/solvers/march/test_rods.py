@@ -1,7 +1,6 @@
 """Abradable coating under many contact nodes, against closed forms."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from boundary_cases import (
     YIELD,
     E,
     advanced,
-    bladed,
     casing,
     coating,
     ledger,
@@ -20,11 +18,16 @@ from boundary_cases import (
 )
 
 from bladewhirl.models.case.closure import Closure
-from bladewhirl.models.stage.boundary_problem import BoundaryProblem
-from bladewhirl.models.stage.contact_problem import Start, WallClosure
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    ReducedCasing,
+    ReducedRotor,
+    Start,
+    WallClosure,
+)
 
 
-def still_node(*depths: float, footprint: float = 0.01) -> BoundaryProblem:
+def still_node(*depths: float, footprint: float = 0.01) -> ContactProblem:
     """A node that hardly moves, into which a coated wall comes to depths, one after another."""
     wall = np.column_stack([np.full(64, CLEARANCE), np.zeros(64)])
     table = [(0.0, 0.0)]
@@ -32,18 +35,28 @@ def still_node(*depths: float, footprint: float = 0.01) -> BoundaryProblem:
         table += [(0.01 * n + 0.005, CLEARANCE + depth), (0.01 * n + 0.01, 0.0)]
     worn = coating(np.zeros(1), footprint)
     closure = WallClosure(course=Closure(table=tuple(table)), share=wall * 0.0 + [1.0, 0.0])
-    given: dict[str, Any] = {
-        "contact": np.zeros((3, 8)),
-        "compliance": 1e-15 * np.eye(3)[None],
-        "angle": np.full((1, 1), 0.3),
-        "recess": np.full(1, worn.removable),
-        "wall": wall,
-        "speed": 0.0,
-        "friction": 0.0,
-        "start": Start.of_rotor(*np.zeros((2, 1, 8))),
-        "closure": closure,
-    }
-    return bladed(1, 1, coating=worn, **given)
+    return ContactProblem(
+        rotor=ReducedRotor.of_copies(
+            frequency=np.linspace(900.0, 3e4, 8)[None],
+            damping_ratio=np.zeros((1, 8)),
+            contact=np.zeros((3, 8)),
+            compliance=1e-15 * np.eye(3)[None],
+            angle=np.full((1, 1), 0.3),
+            radius=np.full(1, 0.3),
+            recess=np.zeros(1),
+            tip_radius=0.3,
+        ),
+        casing=ReducedCasing.rigid(wall, 0.3),
+        speed=0.0,
+        friction=0.0,
+        sliding="permanent",
+        tip_rotation=False,
+        displacement_limit=1.0,
+        loads=(),
+        start=Start.of_rotor(*np.zeros((2, 8))),
+        closure=closure,
+        coating=worn,
+    )
 
 
 def test_an_intrusion_has_the_closed_form_and_its_repetition_removes_nothing() -> None:
@@ -72,7 +85,7 @@ def test_rods_are_touched_where_a_short_closure_is_steep() -> None:
     """The wall is even, but a closure of some milliseconds leaves a narrow ridge beside a node."""
     problem = still_node(1e-4, footprint=0.2)
     grid = 2.0 * np.pi / 64 * np.arange(64)
-    share = np.column_stack([np.cos(8 * grid), -8.0 * np.sin(8 * grid)])
+    share = np.column_stack([np.cos(8 * grid), -8.0 * np.sin(8 * grid) / 0.3])
     assert problem.closure is not None
     ridged = replace(problem, closure=replace(problem.closure, share=share))
     worn = advanced(ridged, 1e-5, 1001).coating
@@ -89,7 +102,7 @@ def test_rods_are_touched_where_a_short_closure_is_steep() -> None:
 def test_a_stiff_ring_is_a_rigid_wall() -> None:
     ring = casing(24, support=1e12, thickness=0.2, width=10.0)
     even = np.column_stack([np.full(24, CLEARANCE), np.zeros(24)])
-    rigid = replace(rubbing(), wall=even)
+    rigid = replace(rubbing(), casing=ReducedCasing.rigid(even, 0.3))
     start = Start.of_rotor(rigid.start.rotor, rigid.start.rotor_velocity, len(ring.frequency))
     soft = replace(rigid, casing=ring, start=start)
     dt = 0.5 * min(soft.critical_time_step, 4e-6)

@@ -93,7 +93,7 @@ def test_it_has_figures_and_a_report(swept: Path, tmp_path: Path) -> None:
 def test_what_only_beams_can_do_is_refused(case: bw.Case, tmp_path: Path) -> None:
     draws: Any = {"screen": True, "draws": 5, "perturb": ["contact.friction = 0.1"]}
     line = fault(bw.run_sweep, case, SPEEDS, tmp_path / "s", **draws)
-    assert "--screen: expected tips of beams" in line
+    assert '--screen: expected casing.type = "ring"' in line
     line = fault(bw.run_sweep, case, {"casing.clearance": (3e-4, 1e-4)}, tmp_path / "w")
     assert "point casing.clearance = 1e-4: " in line
     assert "all contact nodes inside the wall" in line
@@ -127,17 +127,17 @@ def test_a_stopped_march_begins_as_the_whole_one_and_nothing_touches_later(file:
 
 
 def test_no_motion_with_so_little_energy_closes_the_gap(file: Path) -> None:
-    problem: Any = prepare(
-        bw.case_from(tables(file, casing={"type": "rigid", "clearance": 3e-4}))
-    ).problem
+    case = bw.case_from(tables(file, casing={"type": "rigid", "clearance": 3e-4}))
+    problem = prepare(case).problem
+    rotor = problem.rotor
     stop = FreeMotion.of(problem, 2e-6)
     reach = []
-    for frequency in problem.frequency:
-        way = problem.contact[::3] / frequency  # of each node, scaled by the worst state
+    for frequency in rotor.by_copy(rotor.frequency):
+        way = rotor.tip_radial / frequency  # of each node, scaled by the worst state
         reach.append(np.sqrt(2.0 * stop.enough) * np.linalg.norm(way, axis=1).max())
     share = np.sqrt(1.0 - (2e-6 / problem.critical_time_step) ** 2)
     assert max(reach) <= 0.8 * 3e-4 * share
-    feeding = replace(problem, by_velocity=-1e6 * np.eye(problem.frequency.shape[1]))
+    feeding = replace(problem, rotor=replace(rotor, by_velocity=-1e6 * np.eye(len(frequency))))
     with pytest.raises(ValueError, match="feeds energy"):
         FreeMotion.of(feeding, 2e-6)
 
