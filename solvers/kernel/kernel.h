@@ -413,9 +413,7 @@ typedef struct {
     Vector multiplier; /* (group) normal forces */
     Matrix response;   /* (group, group) change of the gaps due to unit normal forces with their
                         * friction */
-    Matrix system;     /* (group, group_bordered) equations of the active nodes */
-    IntVector active;  /* (group) numbers of the active nodes */
-    IntVector held;    /* (group) 1 for active nodes */
+    Vector held;       /* (group) 1 for active nodes */
 } NodeScratch;
 
 /* Working arrays of a coating, for all contact nodes and for the nodes of a group. */

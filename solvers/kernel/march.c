@@ -204,10 +204,13 @@ static inline int solve_step(March *m, int64_t step, int64_t *penetrating)
     if (m->stage.numbers->is_signed != 0.0)
         sliding_signs(rotor, casing, numbers->wheel_speed, numbers->time_step, m->x, m->y, f,
                       c->sign.at);
+    Candidates tips = {c->multiplier.size, f->free_gap.at, state->held.at, c->multiplier.at, NULL};
+    int solved = 1;
     for (int64_t trial = 1;; trial++) {
         if (trial > 1)
             predict(m);
-        int64_t size = contact_multipliers(&trial, &m->stage, state, f, bending, c);
+        int64_t size = contact_multipliers(&trial, &solved, m, &tips, fill_tips);
+        state->counts.at[UNSOLVED] += !solved;
         correct(m, size);
         within = close_gaps(rotor, casing, recess, limit, f, f->gap.at);
         if (m->stage.foreshortening && within)

@@ -192,7 +192,7 @@ class CentralDifference:
         wide, closed = len(self._rotor.position), self._casing.radial.start.shape[1]
         # Contact forces act at two nodes a tip, forces of a coating at all nodes at most.
         coated = int(isinstance(self._problem.coating, WallCoating))
-        solved = 0 if self._nodes else len(self._problem.rotor.tip_angle)
+        solved = self._sizes()["group"] if self._nodes else len(self._problem.rotor.tip_angle)
         bending = self._stage["foreshortening"]
         most = [len(dampers.rotor.rows), len(dampers.casing.rows)] if dampers else [0]
         scratch = zeros(

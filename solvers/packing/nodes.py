@@ -76,7 +76,6 @@ def node_sizes(problem: ContactProblem) -> dict[str, int]:
         "all_components": copies * DIRECTIONS * nodes,
         "group": group,
         "group_components": DIRECTIONS * group,
-        "group_bordered": group + 1,
         "twice_group": 2 * group,
         "coated_nodes": coated * copies * nodes,
         "coated_group": coated * group,
