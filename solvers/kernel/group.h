@@ -116,12 +116,9 @@ static double turn_directions(const March *m, int64_t size, double *share, int r
         double miss[2] = {0.0, 0.0};
         if (s->multiplier.at[i] > 0.0) {
             for (int k = 0; k < 2; k++) {
-                const double *row = s->compliance.at + (DIRECTIONS * i + TANGENTIAL + k) * width;
-                slip[k] = s->slide.at[DIRECTIONS * i + TANGENTIAL + k];
-                for (int64_t j = 0; j < size; j++)
-                    if (s->multiplier.at[j] > 0.0)
-                        for (int64_t n = DIRECTIONS * j; n < DIRECTIONS * (j + 1); n++)
-                            slip[k] += row[n] * force[n];
+                int64_t component = DIRECTIONS * i + TANGENTIAL + k;
+                slip[k] = s->slide.at[component]
+                          + dot(s->compliance.at + component * width, force, DIRECTIONS * size);
             }
             slip[0] += numbers->speed * s->radius.at[i] * numbers->time_step;
             double length = sqrt(slip[0] * slip[0] + slip[1] * slip[1]);

@@ -168,29 +168,27 @@ static void add_casing(const March *m, int64_t one, int64_t two, double *block, 
     const Matrix *response = &m->stage.nodes->response;
     int64_t width = f->hermite.columns, columns = response->columns;
     const double *row = response->at + 4 * f->element.at[one] * columns + 4 * f->element.at[two];
-    double sum[2][2] = {{0.0, 0.0}, {0.0, 0.0}};
-    for (int64_t p = 0; p < 4; p++) {
-        double weight = f->hermite.at[p * width + one];
-        for (int64_t kind = 0; kind < 2; kind++) { /* w, w' then u, u' of a node */
-            const double *from = row + ((p & 1) + 4 * (p >> 1) + 2 * kind) * columns;
-            for (int64_t q = 0; q < 4; q++) {
-                double product = weight * f->hermite.at[q * width + two];
-                const double *at = from + (q & 1) + 4 * (q >> 1);
-                sum[kind][0] += product * at[0];
-                sum[kind][1] += product * at[2];
-            }
+    const double *from = f->hermite.at + one, *to = f->hermite.at + two;
+    Half near[2] = {half_splat(0.0), half_splat(0.0)}, far[2] = {near[0], near[0]};
+    for (int64_t p = 0; p < 8; p++, row += columns) { /* w, w', u, u' of two casing nodes */
+        int64_t kind = p / 2 % 2, weight = p % 2 + 2 * (p / 4);
+        Half factor = half_splat(from[weight * width]);
+        near[kind] = half_muladd(half_load(row), factor, near[kind]);
+        far[kind] = half_muladd(half_load(row + HALF), factor, far[kind]);
+    }
+    for (int64_t kind = 0; kind < 2; kind++) {
+        double sums[2][HALF], by[2];
+        half_store(sums[0], near[kind]);
+        half_store(sums[1], far[kind]);
+        for (int64_t l = 0; l < 2; l++)
+            by[l] = (sums[0][2 * l] * to[0] + sums[0][2 * l + 1] * to[width])
+                    + (sums[1][2 * l] * to[2 * width] + sums[1][2 * l + 1] * to[3 * width]);
+        for (int64_t l = 0; l < 2; l++) {
+            block[kind * stride + l] += by[l];
+            if (back != block) /* the response of the casing is symmetric */
+                back[l * stride + kind] += by[l];
         }
     }
-    block[0] += sum[0][0];
-    block[1] += sum[0][1];
-    block[stride] += sum[1][0];
-    block[stride + 1] += sum[1][1];
-    if (back == block)
-        return;
-    back[0] += sum[0][0]; /* the response of the casing is symmetric */
-    back[1] += sum[1][0];
-    back[stride] += sum[0][1];
-    back[stride + 1] += sum[1][1];
 }
 
 /* Compute the compliance of the nodes from number `from` of the list on with all nodes of the list.
@@ -203,15 +201,16 @@ static void add_compliance(const March *m, int64_t from, int64_t size)
     for (int64_t i = from; i < size; i++)
         for (int64_t j = 0; j <= i; j++) {
             int64_t n = s->list.at[i], other = s->list.at[j], copy = n / count;
-            int64_t row = DIRECTIONS * (n % count), column = DIRECTIONS * (other % count);
             double *to = s->compliance.at + DIRECTIONS * (i * wide + j);
             double *back = s->compliance.at + DIRECTIONS * (j * wide + i);
             const double *own = nodes->compliance.at + copy * width * width;
-            for (int64_t k = 0; k < DIRECTIONS; k++)
+            const double *there = own + DIRECTIONS * (n % count * width + other % count);
+            const double *here = own + DIRECTIONS * (other % count * width + n % count);
+            int same = copy == other / count;
+            for (int64_t k = 0; k < DIRECTIONS; k++) /* Coriolis forces: not symmetric */
                 for (int64_t l = 0; l < DIRECTIONS; l++) {
-                    int same = copy == other / count; /* Coriolis forces: not symmetric */
-                    to[k * wide + l] = same ? own[(row + k) * width + column + l] : 0.0;
-                    back[k * wide + l] = same ? own[(column + k) * width + row + l] : 0.0;
+                    to[k * wide + l] = same ? there[k * width + l] : 0.0;
+                    back[k * wide + l] = same ? here[k * width + l] : 0.0;
                 }
             if (nodes->response.rows > 0)
                 add_casing(m, n, other, to, back, wide);
