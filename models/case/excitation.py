@@ -41,6 +41,15 @@ def _position(value: Any) -> str | float | tuple[float, float]:
     return shares[0] if len(shares) == 1 else (shares[0], shares[1])
 
 
+def _points(value: Any) -> tuple[int, ...]:
+    phrase = "different whole numbers of zero or more"
+    points = listed(value, phrase, least=0)
+    whole = all(isinstance(each, int) and not isinstance(each, bool) for each in points)
+    if not whole or min(points, default=0) < 0 or len(set(points)) < len(points):
+        raise expectation(phrase)
+    return points
+
+
 def _amplitude(value: Any, info: ValidationInfo) -> float:
     spread = isinstance((info.data or {}).get("position"), tuple)
     return float(converted(quantity("N/m" if spread else "N", "not negative"), value))
@@ -157,6 +166,9 @@ class EngineOrder(Table):
     """Point of application: "tip"; a number from 0 at the root to 1 at the tip, measured along the
     centre line of the blades; two such numbers for a load distributed between them; or the name of
     a node set with one node on each blade."""
+    points: Annotated[tuple[int, ...], BeforeValidator(_points)] = ()
+    """Numbers of points of a superelement file, on which the force of each blade acts in equal
+    parts, in place of position; of a file of kind "wheel", the points of all blades."""
     amplitude: Annotated[float, BeforeValidator(_amplitude)] = 1.0
     """Amplitude F of the force on each blade [N]; for a distributed load, force per length of the
     blade [N/m]."""
@@ -178,7 +190,10 @@ class EngineOrder(Table):
         return self.direction
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error if a static load has a phase for each blade."""
+        """Yield an error if a static load has a phase for each blade, or if the place of a force is
+        given twice."""
+        if self.points and "position" in self.model_fields_set:
+            yield Inconsistency("points", "not allowed together with position", ("position",))
         if isinstance(self.phase, tuple) and 0 in self.order:
             yield Inconsistency("phase", "one number with the engine order 0", ("order",))
 

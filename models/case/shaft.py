@@ -19,7 +19,8 @@ class Rotation(Table):
     effects: Effects = "none"
     """"none", as in the paper; "centrifugal": tension in blades and disk with its geometric
     stiffness, spin softening and static growth of the tips; "full": Coriolis forces as well. The
-    effects are those at march.speed."""
+    effects are those at march.speed. A superelement has the stiffness of its file, and the Coriolis
+    forces of its matrix gyroscopic, which "full" requires."""
     clearance: Literal["hot", "cold"] = "hot"
     """State in which casing.clearance is measured: "hot", at march.speed; "cold", at rest: the
     static growth of the tips at march.speed is then subtracted. The growth is computed only with

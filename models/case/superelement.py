@@ -82,6 +82,10 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
     if case.bladed_disk.superelement is None:
         if case.casing.type != "ring":
             yield Inconsistency("casing.type", f'"ring", or a {SOURCE}', (SOURCE,))
+        for key, load in case.excitations.items():
+            if getattr(load, "points", ()):
+                expected = f"not allowed without {SOURCE}; give position"
+                yield Inconsistency(f"{key}.points", expected, (SOURCE,))
         if case.contact.sliding == "full":
             expected = f'"permanent" or "signed", or a {SOURCE}'
             yield Inconsistency("contact.sliding", expected, (SOURCE,))
@@ -104,13 +108,13 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         elif load.type in ("imbalance", "harmonic") and table.part.centre_dofs is None:
             expected = "another excitation, or a superelement with centre_dofs"
             yield Inconsistency(f"{key}.type", expected, (SOURCE,))
-        elif getattr(load, "clearance_speed", None) is not None:
-            expected = f"not allowed together with {SOURCE}; give unbalance instead"
-            yield Inconsistency(f"{key}.clearance_speed", expected, (SOURCE,))
         elif getattr(load, "position", "tip") != "tip":
-            yield Inconsistency(f"{key}.position", f'"tip" with {SOURCE}', (SOURCE,))
+            expected = f'"tip" with {SOURCE}, whose matrices have no centre line; give points'
+            yield Inconsistency(f"{key}.position", expected, (SOURCE,))
+        elif (points := getattr(load, "points", ())) and max(points) >= table.part.point_count:
+            expected = f"numbers of points of the file, below {table.part.point_count}"
+            yield Inconsistency(f"{key}.points", expected, (SOURCE,))
     rules: tuple[tuple[str, object, tuple[object, ...]], ...] = (
-        ("rotation.effects", case.rotation.effects, ("none",)),
         ("march.scheme", case.march.scheme, ("central-difference",)),
         ("contact.sliding", case.contact.sliding, ("full", "permanent")),
         ("contact.tip_rotation", case.contact.tip_rotation, (False,)),
@@ -127,12 +131,7 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
     if coating is not None and coating.friction not in (None, case.contact.friction):
         expected = f"the value of contact.friction with {SOURCE}"
         yield Inconsistency("casing.coating.friction", expected, (SOURCE,))
-    if table.kind == "wheel" and not case.shaft.clamped:
-        if case.shaft.dampings != (0.0, 0.0):
-            yield Inconsistency("shaft.damping", forbidden, (SOURCE,))
-        if case.shaft.anisotropy:
-            expected = f'the value of shaft.stiffness, or shaft.frame = "rotating", with {SOURCE}'
-            yield Inconsistency("shaft.stiffness_y", expected, (SOURCE,))
+    yield from _rotation_faults(case, table)
     moved = [key for key, value in case.initial.model_dump(exclude_defaults=True).items() if value]
     for key in moved:
         if key.startswith("centre") and (table.kind != "wheel" or table.part.centre_dofs is None):
@@ -142,6 +141,22 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
     if table.kind == "wheel" and table.copies == 1 and (moved or by_order):
         reason = f"initial.{moved[0]}" if moved else f'{by_order[0]}.type = "engine-order"'
         yield Inconsistency(f"{SOURCE}.copies", f"the number of blades of the wheel, for {reason}")
+
+
+def _rotation_faults(case: "Case", table: SuperelementTable) -> Iterator[Inconsistency]:
+    """Yield effects of the rotation that need matrices which the file does not have."""
+    if case.rotation.effects == "centrifugal":
+        expected = (
+            '"none", or "full" for Coriolis forces; the stiffness of the file has to contain the'
+            " centrifugal effects of its speed"
+        )
+        yield Inconsistency("rotation.effects", expected, (SOURCE,))
+    if case.rotation.effects == "full" and table.part.gyroscopic is None:
+        expected = f'"none", or a {SOURCE} with a matrix gyroscopic for the Coriolis forces'
+        yield Inconsistency("rotation.effects", expected, (SOURCE,))
+    if case.rotation.clearance == "cold":
+        expected = f'"hot" with {SOURCE}, which has no centrifugal forces that make tips grow'
+        yield Inconsistency("rotation.clearance", expected, (SOURCE,))
 
 
 def _listed(allowed: tuple[object, ...]) -> str:

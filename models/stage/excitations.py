@@ -134,6 +134,22 @@ def _(load: EngineOrder, stage: LoadedStage) -> tuple[Load, ...]:
     return tuple(loads[:1] if load.order == (0,) else loads)
 
 
+def closing_unbalance(outward: FloatArray, gap: FloatArray, speed: float) -> float:
+    """Return the unbalance whose static response just brings a tip to the casing [kg m], infinite
+    if no unbalance does.
+
+    Args:
+        outward: static radial displacement of each tip per force along x at the centre [m/N],
+            (tips,).
+        gap: smallest gap of each tip around the casing [m], (tips,).
+        speed: speed of rotation [rad/s].
+    """
+    reaching = outward > 0.0
+    if not reaching.any() or speed == 0.0:
+        return float("inf")
+    return float((gap[reaching] / outward[reaching]).min() / speed**2)
+
+
 def radial_mode(stage: Ring, k: int, key: str = "excitation") -> int:
     """Return the number of the lowest casing mode whose radial displacement varies as +cos k theta;
     `key` is the dotted key of the excitation that needs the mode.

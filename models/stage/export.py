@@ -21,18 +21,19 @@ BLADES = "blades"  #: name of the lines of the blades
 
 
 def wheel_superelement(
-    disk: BladedDiskModel, shaft_stiffness: tuple[float, float], name: str
+    disk: BladedDiskModel, shaft_stiffness: tuple[float, float], speed: float, name: str
 ) -> Superelement:
     """Return the full finite element model of a bladed disk as a wheel, without the springs of the
     shaft.
 
     Coordinates are the free degrees of freedom of the beams; at the tips, x and y displacements
     replace the radial and tangential ones. Points are all nodes. Rotation effects of the stage are
-    included in the stiffness, Coriolis forces are not.
+    those of its speed.
 
     Args:
         disk: finite element model.
         shaft_stiffness: stiffness of the springs along x and y [N/m], which is subtracted.
+        speed: speed of rotation of the stage [rad/s].
         name: name of the superelement.
     """
     structure, size = disk.structure, disk.structure.size
@@ -43,6 +44,9 @@ def wheel_superelement(
     springs = np.zeros(size)
     springs[disk.centre] = shaft_stiffness[: len(disk.centre)]
     stiffness = sp.csr_array(stiffness - sp.diags_array(springs))
+    gyroscopic = None
+    if structure.gyroscopic is not None:
+        gyroscopic = sp.csr_array(turn.T @ structure.gyroscopic @ turn) / speed
     tips = len(disk.tip_radial)
     axial = np.full(tips, FIXED)
     motion = disk.cartesian(turn.toarray())
@@ -51,6 +55,7 @@ def wheel_superelement(
     return Superelement(
         mass=mass,
         stiffness=stiffness,
+        gyroscopic=gyroscopic,
         contact_position=np.pad(flat[disk.model.tips], ((0, 0), (0, 1))),
         contact_dofs=np.column_stack([disk.tip_radial, disk.tip_tangential, axial]),
         centre_dofs=disk.centre if len(disk.centre) else None,

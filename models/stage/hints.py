@@ -94,10 +94,8 @@ ROUNDING = 1e-9  #: a flexibility up to this fraction of the radial one is a rou
 
 
 def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
-    """Yield warnings about matrices of the file that are not used, about a damping matrix that adds
-    to the modal damping, and about a contact node that the given friction locks against the
-    wall."""
-    yield from unused_matrices(stage)
+    """Yield warnings about a damping matrix that adds to the modal damping, about a long time step,
+    and about a contact node that the given friction locks against the wall."""
     ratio = stage.case.damping.ratio
     if stage.reduced.damping is not None and ratio > 0.0:
         yield (
@@ -134,16 +132,6 @@ def _lossy_ring(stage: SuperelementStage) -> Iterator[str]:
             f" loses energy as with a damping ratio of up to {loss:.2g} %, a numerical error of"
             " first order in the step"
         )
-
-
-def unused_matrices(stage: SuperelementStage) -> Iterator[str]:
-    """Yield a warning for each matrix of a sector that its wheel leaves out."""
-    for key in ("damping", "gyroscopic"):
-        if getattr(stage.table.part, key) is not None and getattr(stage.reduced, key) is None:
-            yield (
-                f"the matrix {key} of a sector is not used with massless contact nodes;"
-                ' reduction.boundary = "consistent" uses it'
-            )
 
 
 def locking_friction(stage: SuperelementStage) -> dict[int, float]:

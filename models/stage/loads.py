@@ -13,7 +13,7 @@ from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.rotation.at_speed import tip_recess
 from bladewhirl.models.stage.contact_problem import Load, ReducedRotor, Start
 from bladewhirl.models.stage.engine_order import engine_order_forces
-from bladewhirl.models.stage.excitations import LoadedStage, X, loads_on
+from bladewhirl.models.stage.excitations import LoadedStage, X, closing_unbalance, loads_on
 from bladewhirl.models.stage.stage import Stage
 
 
@@ -58,30 +58,20 @@ def _unbalance(stage: Stage, load: Imbalance) -> float:
     if load.unbalance is not None:
         return load.unbalance
     assert load.clearance_speed is not None  # a case has unbalance or clearance_speed
-    return closing_unbalance(stage, load.clearance_speed.rad_per_s(stage.reference_frequency))
+    return unbalance_to_touch(stage, load.clearance_speed.rad_per_s(stage.reference_frequency))
 
 
-def closing_unbalance(stage: Stage, speed: float) -> float:
-    """Return the unbalance whose static response just brings a tip to the casing [kg m].
-
-    Args:
-        stage: the stage.
-        speed: speed of rotation [rad/s].
-
-    Returns:
-        the unbalance, infinite if no unbalance brings a tip to the casing.
-    """
+def unbalance_to_touch(stage: Stage, speed: float) -> float:
+    """Return the unbalance whose static response at a speed [rad/s] just brings a tip to the casing
+    [kg m], see `closing_unbalance`."""
     rotor = stage.rotor
     if stage.turning is None:
         outward = rotor.tip_radial @ (rotor.centre[X] / rotor.frequency**2)
     else:
         outward = stage.turning.tip_answer(X, speed)
     recess = tip_recess(stage.case, stage.disk, stage.turning, speed)
-    smallest_gap = stage.reduced_casing.clearance[:, 0].min() + recess
-    reaching = outward > 0.0
-    if not reaching.any() or speed == 0.0:
-        return float("inf")
-    return float((smallest_gap[reaching] / outward[reaching]).min() / speed**2)
+    gap = stage.reduced_casing.clearance[:, 0].min() + recess
+    return closing_unbalance(outward, gap, speed)
 
 
 def imbalance_force(stage: Stage) -> float:

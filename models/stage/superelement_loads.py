@@ -23,26 +23,35 @@ def centre_rows(reduced: ReducedSuperelement, turned: float) -> FloatArray:
     return rotate(np.eye(2), -turned) @ reduced.centre
 
 
+def blade_angles(angle: FloatArray, blade: IntArray) -> FloatArray:
+    """Return the mean angle of the contact nodes of each blade [rad], (copies, blades of a copy).
+
+    Args:
+        angle: angle of each contact node at t = 0 [rad], (copies, nodes).
+        blade: blade of each contact node of a copy, (nodes,).
+    """
+    return np.asarray(np.angle(np.exp(1j * angle) @ _means(blade).T))
+
+
 def engine_order_forces(
-    contact: FloatArray, angle: FloatArray, blade: IntArray, load: EngineOrder
+    acting: FloatArray, middle: FloatArray, blade: IntArray, load: EngineOrder
 ) -> list[tuple[int, ComplexArray]]:
     """Return for each engine order r the complex forces on the modes for the time factor
     exp(i r Omega t) [kg^1/2 m/s2], (copies * modes,).
 
-    The force on blade n is F cos(r (Omega t + theta_n) + phase), with equal parts on its contact
-    nodes; theta_n is the mean angle of these nodes. The force acts on the modes; the residual
-    flexibility of the contact nodes does not respond to it.
+    The force on blade n is F cos(r (Omega t + theta_n) + phase), with equal parts on its places;
+    theta_n is the angle of the blade. The force acts on the modes; the residual flexibility of the
+    contact nodes does not respond to it.
 
     Args:
-        contact: displacements of the contact nodes of a copy for unit modal coordinates
-            [kg^-1/2], (3 * nodes, modes).
-        angle: angle of each contact node at t = 0 [rad], (copies, nodes).
-        blade: blade of each contact node of a copy, (nodes,).
-        load: the excitation, at the tip.
+        acting: radial and tangential displacements of the places at which the force acts, of a
+            copy, for unit modal coordinates [kg^-1/2], (places, 2, modes).
+        middle: angle of each blade at t = 0 [rad], (copies, blades of a copy).
+        blade: blade of each place of a copy, (places,).
+        load: the excitation.
     """
-    along = np.cos(load.inclination) * contact[::3] + np.sin(load.inclination) * contact[1::3]
-    member = _means(blade)
-    middle = np.angle(np.exp(1j * angle) @ member.T)  # (copies, blades of a copy)
+    direction = np.array([np.cos(load.inclination), np.sin(load.inclination)])
+    along, member = np.einsum("d,pdm->pm", direction, acting), _means(blade)
     factors = np.broadcast_to(np.asarray(load.factors or 1.0), middle.size).reshape(middle.shape)
     phases = np.broadcast_to(np.asarray(load.phase), middle.size).reshape(middle.shape)
     forces = (

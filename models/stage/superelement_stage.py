@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.analysis import MODES
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.excitation import EngineOrder, Imbalance
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.imports.inspection import NEGATIVE
@@ -25,9 +26,10 @@ from bladewhirl.models.stage.contact_problem import (
     Start,
     WallClosure,
 )
-from bladewhirl.models.stage.excitations import LoadedStage, loads_on
+from bladewhirl.models.stage.excitations import LoadedStage, X, closing_unbalance, loads_on
 from bladewhirl.models.stage.ring import Ring, flexible_ring
 from bladewhirl.models.stage.superelement_loads import (
+    blade_angles,
     centre_rows,
     engine_order_forces,
     static_shapes,
@@ -144,10 +146,8 @@ class SuperelementStage:
                     centre=rotor.centre,
                     rest=np.zeros(len(rotor.frequency)),
                     ring=self.ring,
-                    unbalance=lambda load: load.unbalance or 0.0,
-                    forces_of_order=partial(
-                        engine_order_forces, self.reduced.contact, self.angle, blade
-                    ),
+                    unbalance=partial(self._unbalance, rotor),
+                    forces_of_order=self._forces_of_order,
                 )
             ),
         )
@@ -162,7 +162,8 @@ class SuperelementStage:
         if case.reduction.boundary == "consistent":
             ratio[reduced.kept :] = case.damping.boundary_ratio
         massless = case.reduction.boundary == "massless"
-        return ReducedRotor.of_copies(
+        centre = centre_rows(reduced, self.table.angle)
+        rotor = ReducedRotor.of_copies(
             frequency=np.sqrt(self.factor)[:, None] * reduced.frequency,
             damping_ratio=np.tile(ratio, (copies, 1)),
             contact=reduced.contact,
@@ -171,9 +172,51 @@ class SuperelementStage:
             radius=self.part.contact_radius,
             recess=self.recess,
             tip_radius=self.case.tip_radius,
-            centre=centre_rows(reduced, self.table.angle),
+            centre=centre,
             by_velocity=_by_velocity(reduced, speed),
         )
+        if not centre.any():
+            return rotor
+        return replace(
+            rotor,
+            dampers=np.sqrt(case.shaft.dampings)[:, None] * centre,
+            anisotropy=case.shaft.anisotropy,
+            circulation=(
+                case.shaft.damping * speed if case.shaft.damping_frame == "static" else 0.0
+            ),
+        )
+
+    def _unbalance(self, rotor: ReducedRotor, load: Imbalance) -> float:
+        """Return the unbalance m e of an imbalance [kg m]."""
+        if load.clearance_speed is None:
+            return load.unbalance or 0.0
+        outward = rotor.at_tips(rotor.tip_radial, rotor.centre[X] / rotor.frequency**2)
+        gap = self.wall.clearance[:, 0].min() + rotor.tip_recess
+        speed = load.clearance_speed.rad_per_s(self.reference_frequency)
+        return closing_unbalance(outward, gap, speed)
+
+    def _forces_of_order(self, load: EngineOrder) -> list[tuple[int, ComplexArray]]:
+        """Return the complex modal forces of each engine order, see `engine_order_forces`."""
+        reduced, middle = self.reduced, blade_angles(self.angle, self.blade)
+        if not load.points:
+            acting = reduced.contact.reshape(self.part.contacts, 3, -1)[:, :2]
+            return engine_order_forces(acting, middle, self.blade, load)
+        number = np.asarray(load.points)
+        if self.table.kind == "sector":  # the points of the wheel are those of all sectors
+            count = self.table.part.point_count
+            number = (number + count * np.arange(self.table.copies)[:, None]).ravel()
+        assert self.part.points is not None  # the case has points of the file only
+        x, y, _ = self.part.points[number].T
+        angle = np.arctan2(y, x)
+        moved = reduced.points.reshape(self.part.point_count, 3, -1)[number, :2]
+        acting = np.stack([rotate(each, -a, axis=0) for each, a in zip(moved, angle, strict=True)])
+        apart = np.angle(np.exp(1j * (angle[:, None] + self.table.angle - middle[0])))
+        blade = np.abs(apart).argmin(axis=1)
+        if len(np.unique(blade)) < middle.shape[1]:
+            key = f"{self.case.key_of(load)}.points"
+            expected = "points on every blade of the file"
+            raise CaseError([case_fault(self.case, key, expected)])
+        return engine_order_forces(acting, middle, blade, load)
 
     @cached_property
     def coating(self) -> NodeCoating | None:

@@ -82,10 +82,9 @@ class Superelement:
 
     def __repr__(self) -> str:
         """Return the name, and the numbers of coordinates, contact nodes and points."""
-        points = 0 if self.points is None else len(self.points)
         return (
             f'Superelement "{self.name}": {self.size} coordinates, {self.contacts} contact nodes,'
-            f" {points} points"
+            f" {self.point_count} points"
         )
 
     @property
@@ -97,6 +96,11 @@ class Superelement:
     def contacts(self) -> int:
         """Number of contact nodes."""
         return len(self.contact_position)
+
+    @property
+    def point_count(self) -> int:
+        """Number of points for pictures."""
+        return 0 if self.points is None else len(self.points)
 
     @property
     def contact_radius(self) -> FloatArray:

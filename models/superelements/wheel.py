@@ -7,7 +7,7 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.reduction import ReducedSuperelement, rigid_limit
@@ -45,6 +45,8 @@ def massless_wheel(
     rows = part.contact_rows
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
     frequency, contact, points = [], [], []
+    given = {"damping": part.damping, "gyroscopic": part.gyroscopic}
+    blocks: dict[str, list[FloatArray]] = {key: [] for key, m in given.items() if m is not None}
     flexibility = np.zeros((sectors, rows.shape[0], rows.shape[0]))
     recovery = sp.csr_array((0, part.size)) if part.recovery is None else part.recovery
     for k in range(sectors // 2 + 1):
@@ -65,6 +67,8 @@ def massless_wheel(
         pair = 0 < 2 * k < sectors
         for n, angle in enumerate(spread):  # sector n under a force on sector 0
             flexibility[n] += (1 + pair) / sectors * (residual * np.exp(1j * k * angle)).real
+        for key, by_diameter in blocks.items():
+            by_diameter.append(_real_form(fields.conj().T @ (given[key] @ fields), pair=pair))
         scale = np.sqrt((1 + pair) / sectors)
         for phase in (1.0, -1j) if pair else (1.0,):
             phases = [scale * phase * np.exp(1j * k * angle) for angle in spread]
@@ -85,8 +89,17 @@ def massless_wheel(
         centre=np.zeros((2, len(values))),
         points=np.hstack(points)[:, order],
         kept=len(values),
+        **{key: la.block_diag(*each)[np.ix_(order, order)] for key, each in blocks.items()},
     )
     return _wheel(part, spread, np.asarray(values, dtype=np.float64)), reduced
+
+
+def _real_form(block: ComplexArray, *, pair: bool) -> FloatArray:
+    """Return a matrix of complex modal amplitudes a - i b as a matrix of a, then b; only of a if
+    there is no pair of waves."""
+    if not pair:
+        return np.asarray(block.real)
+    return np.block([[block.real, block.imag], [-block.imag, block.real]])
 
 
 def whole_wheel(part: Superelement, sectors: int) -> Superelement:

@@ -77,8 +77,6 @@ def modes(
             rows = rows_of(computed, study.OF_SUPERELEMENT)
             title = f"Superelement without contact, at {read.march.speed}"
             emit({"bladed_disk": rows}, table(rows, study.OF_SUPERELEMENT, title), json=json)
-            if computed.attrs["left_out"]:
-                typer.echo(f"Hint: {computed.attrs['left_out']}.", err=True)
             return
         stage = modal_stage(read)
     if output is not None:

@@ -1,18 +1,16 @@
 """Natural modes of a case: Dataset and JSON document."""
 
-import warnings
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.inputs.errors import Hint, UserError
+from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import LabelledWhirlModes, ModalStage, modal_stage
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import is_first_of_pair
 from bladewhirl.models.rotation.whirl_modes import Direction, WhirlModes, directions
-from bladewhirl.models.stage.hints import unused_matrices
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.studies.modal.study import Study
@@ -116,12 +114,10 @@ def modes(case_or_stage: Case | Stage | ModalStage, *, count: int = 60) -> xr.Da
 
 
 def _of_superelement(case: Case, count: int) -> xr.Dataset:
-    """Return the lowest modes of a superelement; warn of matrices that they leave out."""
+    """Return the lowest modes of a superelement."""
     if count < 1:
         raise UserError(f"modes: count {count}: expected at least 1")
     stage = superelement_stage(case)
-    for hint in (hints := [*unused_matrices(stage)]):
-        warnings.warn(hint, Hint, stacklevel=3)
     frequency, reference = superelement_frequencies(stage, count), stage.reference_frequency
     return xr.Dataset(
         {
@@ -134,7 +130,6 @@ def _of_superelement(case: Case, count: int) -> xr.Dataset:
         },
         attrs={
             "title": "natural modes",
-            "left_out": "; ".join(hints),
             "reference_frequency_hz": reference / (2.0 * np.pi),
         },
     ).set_index(mode=["body", "number"])

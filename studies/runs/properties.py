@@ -17,7 +17,7 @@ from bladewhirl.models.stage.coating import wall_coating
 from bladewhirl.models.stage.contact_problem import WallCoating, critical_time_step
 from bladewhirl.models.stage.excitations import radial_mode
 from bladewhirl.models.stage.hints import locking_friction, static_response
-from bladewhirl.models.stage.loads import closing_unbalance, imbalance_force, unbalance
+from bladewhirl.models.stage.loads import imbalance_force, unbalance, unbalance_to_touch
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.models.superelements.reduction import lowest_modes
@@ -163,7 +163,7 @@ def _imbalance(stage: Stage) -> dict[str, float] | None:
         "unbalance": size,  # m e [kg m]
         "force": imbalance_force(stage),  # m e Omega^2 [N]
         # The share of the clearance closed by the static response, at the nearest tip.
-        "closing": size / closing_unbalance(stage, stage.speed),
+        "closing": size / unbalance_to_touch(stage, stage.speed),
     }
 
 

@@ -193,3 +193,26 @@ def test_a_wheel_from_a_sector_is_the_whole_wheel(sectors: int) -> None:
     assert dense(assembled.damping) == pytest.approx(dense(assembled.mass))
     whole_coriolis = np.kron(np.eye(3 * sectors), coriolis[:3, :3])
     assert dense(assembled.gyroscopic) == pytest.approx(whole_coriolis, abs=1e-15)
+    # In the modes of the wheel, these matrices give nearly the response of the assembled wheel.
+    fast, damped = 20.0 * coriolis, 30.0 * np.asarray(sector.mass)
+    turning = whole_wheel(replace(sector, damping=damped, gyroscopic=fast), sectors)
+    _, modal = massless_wheel(replace(sector, damping=damped, gyroscopic=fast), sectors, 8)
+    w = 0.6 * whole[0]
+    matrices = (turning.stiffness, turning.damping, turning.gyroscopic, turning.mass)
+    stiffness, loss, skew, inertia = map(dense, matrices)
+    system = stiffness + 1j * w * (loss + 3000.0 * skew) - w**2 * inertia
+    expected = rows @ np.linalg.solve(system, rows.toarray().T)
+    assert modal.damping is not None
+    assert modal.gyroscopic is not None
+    squares = np.diag(modal.frequency**2 - w**2)
+    answers = [
+        modal.compliance
+        + modal.contact
+        @ np.linalg.solve(
+            squares + 1j * w * (modal.damping + turn), modal.contact.T.astype(complex)
+        )
+        for turn in (3000.0 * modal.gyroscopic, -3000.0 * modal.gyroscopic)
+    ]
+    right, wrong = (np.abs(answer - expected).max() / np.abs(expected).max() for answer in answers)
+    assert right < 0.001
+    assert wrong > 0.05

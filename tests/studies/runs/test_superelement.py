@@ -121,7 +121,10 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
         {"excitation": {"type": "engine-order", "position": 0.5}},
         'excitation.position = 0.5: expected "tip"',
     ),
-    ({"rotation": {"effects": "full"}}, 'rotation.effects = "full": expected "none" with'),
+    (
+        {"rotation": {"effects": "full"}},
+        'rotation.effects = "full": expected "none", or a bladed_disk.superelement with a matrix',
+    ),
     ({"casing__coating": UNMARKED}, "are at the same angle"),
     ({"casing__coating": UNMARKED | {"footprint": 1e-4}}, "less than one rod in a time step"),
     ({"casing__coating": UNMARKED | {"footprint": 1e-12}}, "for at most 100000 rods"),
