@@ -127,11 +127,11 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
             texts = _listed(allowed)
             expected = f"{texts} with {SOURCE}" if texts else forbidden
             yield Inconsistency(key, expected, (SOURCE,))
+    yield from _rotation_faults(case, table.part)
     coating = case.casing.coating
     if coating is not None and coating.friction not in (None, case.contact.friction):
         expected = f"the value of contact.friction with {SOURCE}"
         yield Inconsistency("casing.coating.friction", expected, (SOURCE,))
-    yield from _rotation_faults(case, table)
     moved = [key for key, value in case.initial.model_dump(exclude_defaults=True).items() if value]
     for key in moved:
         if key.startswith("centre") and (table.kind != "wheel" or table.part.centre_dofs is None):
@@ -143,19 +143,20 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         yield Inconsistency(f"{SOURCE}.copies", f"the number of blades of the wheel, for {reason}")
 
 
-def _rotation_faults(case: "Case", table: SuperelementTable) -> Iterator[Inconsistency]:
-    """Yield effects of the rotation that need matrices which the file does not have."""
-    if case.rotation.effects == "centrifugal":
-        expected = (
-            '"none", or "full" for Coriolis forces; the stiffness of the file has to contain the'
-            " centrifugal effects of its speed"
-        )
-        yield Inconsistency("rotation.effects", expected, (SOURCE,))
-    if case.rotation.effects == "full" and table.part.gyroscopic is None:
-        expected = f'"none", or a {SOURCE} with a matrix gyroscopic for the Coriolis forces'
-        yield Inconsistency("rotation.effects", expected, (SOURCE,))
+def _rotation_faults(case: "Case", part: Superelement) -> Iterator[Inconsistency]:
+    """Yield errors for rotation effects whose matrices the file lacks."""
+    effects = case.rotation.effects
+    for key, without, needed in (
+        ("stiffness_speed", "tension stiffens no blade and the rotation softens none", effects),
+        ("gyroscopic", "there are no Coriolis forces", effects == "full"),
+    ):
+        if needed not in ("none", False) and getattr(part, key) is None:
+            expected = f'"none", or a file with {key}, without which {without}'
+            yield Inconsistency("rotation.effects", expected, (SOURCE,))
     if case.rotation.clearance == "cold":
-        expected = f'"hot" with {SOURCE}, which has no centrifugal forces that make tips grow'
+        expected = (
+            '"hot": the file does not give the static growth of the contact nodes by rotation'
+        )
         yield Inconsistency("rotation.clearance", expected, (SOURCE,))
 
 

@@ -42,7 +42,7 @@ def case_beam_model(case: Case) -> BeamModel:
     """
     mesh = case.bladed_disk.mesh
     if case.bladed_disk.superelement is not None:
-        expected = "beams here; only run, sweep, modes and show accept a superelement"
+        expected = "beams here: a superelement has no lines, sections and nodes of beams"
         raise CaseError([case_fault(case, "bladed_disk.superelement.file", expected)])
     if mesh is not None:
         model = mesh_beam_model(mesh, case.material)

@@ -9,6 +9,7 @@ import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import (
     case_bladed_disk,
@@ -19,15 +20,19 @@ from bladewhirl.models.elements.build import (
 )
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
 from bladewhirl.models.elements.cost import modal_cost, tell_cost
-from bladewhirl.models.elements.cyclic import NO_COLUMN, nodal_diameter_of
+from bladewhirl.models.elements.cyclic import NO_COLUMN, nodal_diameter_of, nodal_diameters
 from bladewhirl.models.elements.structure import Structure
+from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.describe import stage_arrays
 from bladewhirl.models.modal.labels import LabelledModes, labelled_modes, whirl_families
+from bladewhirl.models.modal.modal_model import UNEQUAL_SECTORS, LabelledWhirlModes, ModalModel
 from bladewhirl.models.modal.modes import DENSE_LIMIT, Modes, lowest_pairs, natural_frequencies
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
-from bladewhirl.models.rotation.at_speed import TurningDisk, turning_disk
-from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, WhirlModes, whirl_modes
+from bladewhirl.models.rotation.at_speed import TurningDisk, speed_of_growth, turning_disk
+from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
+from bladewhirl.models.rotation.waves import Waves, waves
+from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, whirl_modes
 
 Frequencies = Mapping[int, FloatArray]
 """Frequencies by nodal diameter in ascending order [rad/s]; a pair has one entry. The key -1 has
@@ -89,57 +94,18 @@ WHIRL_FAMILIES = 6
 
 
 @dataclass(frozen=True, kw_only=True)
-class LabelledWhirlModes:
-    """Modes of a bladed disk with Coriolis forces."""
-
-    modes: WhirlModes
-    family: tuple[str, ...]  #: family of each mode, (modes,)
-    at_rest: tuple[str, ...]  #: family of each mode's branch at rest, (modes,)
-
-    @property
-    def nodal_diameter(self) -> IntArray:
-        """Dominant nodal diameter of each mode, (modes,)."""
-        return self.modes.nodal_diameter
-
-    def find(self, family: str, nodal_diameter: int) -> IntArray:
-        """Return the numbers of the modes of one family and nodal diameter, ascending."""
-        named = np.array(self.family) == family
-        return np.flatnonzero(named & (self.nodal_diameter == nodal_diameter))
-
-    def real_parts(self, chosen: IntArray) -> Modes:
-        """Return two real fields for each chosen mode: Re p and -Im p.
-
-        The motion of a mode is Re p cos(w t) - Im p sin(w t).
-        """
-        fields, twice = self.modes.fields(chosen), np.repeat(chosen, 2)
-        return Modes(
-            frequency=self.modes.frequency[twice],
-            column=np.full(len(twice), NO_COLUMN),
-            nodal_diameter=self.nodal_diameter[twice],
-            purity=self.modes.purity[twice],
-            spring_share=self.modes.spring_share[twice],
-            shapes=np.stack([fields.real, -fields.imag], axis=-1).reshape(len(fields), -1),
-            sectors=0,
-        )
-
-
-@dataclass(frozen=True, kw_only=True)
-class ModalStage:
+class ModalStage(ModalModel):
     """Full models of the casing and of the bladed disk, with a free and with a clamped centre.
 
     With rotation.effects = "centrifugal", the modes are computed at the speed of the case. With
     "full", the modes are computed at rest, and the whirling modes at the speed of the case.
     """
 
-    case: Case
     free_disk: BladedDiskModel
     clamped_disk: BladedDiskModel
     casing: CasingModel
-    reference_frequency: float
-    """Lowest natural frequency of the bladed disk at rest, with a free centre [rad/s]."""
     free_modes: LabelledModes
     clamped_modes: LabelledModes
-    casing_modes: LabelledModes
     at_speed: tuple[TurningDisk, ...] | None
     """Bladed disk at speed with a free and with a clamped centre; None without rotation effects."""
 
@@ -179,9 +145,46 @@ class ModalStage:
         return LabelledWhirlModes(modes=modes, family=family, at_rest=at_rest)
 
     @property
-    def speed(self) -> float:
-        """Speed of rotation of the case [rad/s], counter-clockwise."""
-        return self.case.march.speed.rad_per_s(self.reference_frequency)
+    def effects(self) -> Effects:
+        return self.case.rotation.effects
+
+    @property
+    def centre(self) -> str:
+        return "clamped" if self.case.shaft.clamped else "free"
+
+    @property
+    def by_centre(self) -> dict[str, LabelledModes | LabelledWhirlModes]:
+        return {
+            "free": self.free_whirl or self.free_modes,
+            "clamped": self.clamped_whirl or self.clamped_modes,
+        }
+
+    @property
+    def waves(self) -> dict[int, Waves]:
+        assert self.turning is not None  # `turns`
+        return _disk_waves(self.case, self.turning)
+
+    @property
+    def shaft_waves(self) -> Waves:
+        if self.at_speed is None or self.case.rotation.effects != "full":
+            raise UserError(
+                'critical speeds: expected rotation.effects = "full" (--set rotation.effects=full),'
+                f" got {self.case.rotation.effects}"
+            )
+        return _disk_waves(self.case, self.at_speed[0])[1]
+
+    def growth(self, omegas: FloatArray) -> FloatArray | None:
+        turning = self.turning
+        if turning is None:
+            return None
+        return np.array([turning.growth_at(omega).max() if omega else 0.0 for omega in omegas])
+
+    @property
+    def clearance_gone(self) -> float:
+        assert self.turning is not None  # `turns`
+        disk = self.turning.disk
+        smallest_gap = self.case.casing.clearance_profile.smallest + disk.model.tip_recess
+        return speed_of_growth(disk, self.turning.matrices, smallest_gap)
 
     @property
     def disk(self) -> BladedDiskModel:
@@ -232,6 +235,23 @@ class ModalStage:
             tuple(self.casing_modes.family[i] for i in casing_modes),
             self.turning,
         )
+
+
+def _disk_waves(case: Case, turning: TurningDisk) -> dict[int, Waves]:
+    """Return the waves of each nodal diameter of the bladed disk of a case.
+
+    Raises:
+        UserError: the sectors of the bladed disk differ.
+    """
+    matrices, structure = turning.matrices, turning.matrices.structure
+    if not structure.is_cyclic or structure.layout is None:
+        raise UserError(UNEQUAL_SECTORS)
+    effects, sectors = case.rotation.effects, structure.layout.sectors
+    disk = {k: waves(matrices, k, effects) for k in nodal_diameters(sectors)}
+    if case.shaft.anisotropy and turning.disk.centre.size:
+        along_x = structure.layout.basis(1).conj().T[:, turning.disk.centre[:1]].toarray()
+        disk[1] = on_unequal_bearings(disk[1], along_x.ravel(), case.shaft.anisotropy)
+    return disk
 
 
 def modal_stage(case: Case, count: int | None = None) -> ModalStage:

@@ -280,6 +280,14 @@ def whirl_families(
         parts = np.abs(at_rest.fields(np.arange(at_rest.count)).T @ impulse) ** 2
         names = _largest_share(at_rest.family, at_rest.family, parts)
         return names, names
+    return wave_families(at_rest, modes)
+
+
+def wave_families(
+    at_rest: LabelledModes, modes: WhirlModes
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the family of each wave of a structure with equal sectors, and the family of the same
+    branch at rest; see `whirl_families`."""
     family, before = [""] * modes.count, [""] * modes.count
     for k, names_at_rest in names_of(at_rest).items():
         for backward in (True, False):

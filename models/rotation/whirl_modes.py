@@ -138,35 +138,37 @@ def whirl_modes(structure: Structure, count: int | None = None) -> WhirlModes:
     else:
         matrices = structure.mass, structure.stiffness, gyroscopic
         energies = structure.springs, structure.elastic
-        modes = _joined(
+        modes = joined_modes(
             [
-                _block_modes(k, layout, block[:3], block[3:])
+                wave_modes(k, layout.sectors, block[:3], block[3:], layout)
                 for k, block in layout.blocks(*matrices, *energies)
             ]
         )
     return modes.take(np.argsort(modes.frequency, kind="stable")[:count])
 
 
-def _block_modes(
+def wave_modes(
     k: int,
-    layout: SectorLayout,
+    sectors: int,
     matrices: tuple[ComplexArray, ...],
     energies: tuple[ComplexArray, ...],
+    layout: SectorLayout | None = None,
 ) -> WhirlModes:
     """Return the modes of nodal diameter k.
 
     Args:
         k: nodal diameter.
-        layout: sectors of the structure.
+        sectors: number of sectors.
         matrices: mass, stiffness and Coriolis matrix of the nodal diameter.
         energies: stiffness of the springs, and elastic stiffness.
+        layout: degrees of freedom of the sectors; None if fields of all sectors are not needed.
     """
     w, vectors = gyroscopic_eigen(*matrices)
     size = len(vectors)
     rank = np.concatenate([np.arange(size)[::-1], np.arange(size)])  # w descends
     backward = np.repeat([True, False], size)
     ways: list[Direction] = ["backward" if each > 0.0 else "forward" for each in w.real]
-    if not is_pair(k, layout.sectors):  # w and -w describe the same motion
+    if not is_pair(k, sectors):  # w and -w describe the same motion
         w, vectors, rank, ways = w[:size], vectors[:, :size], rank[:size], ["standing"] * size
         backward = backward[:size]
     return WhirlModes(
@@ -248,7 +250,7 @@ def travelling(
     )
 
 
-def _joined(parts: Sequence[WhirlModes]) -> WhirlModes:
+def joined_modes(parts: Sequence[WhirlModes]) -> WhirlModes:
     """Return the modes of all parts in one object, one part after the other."""
     joined: dict[str, Any] = {}
     for name, first in vars(parts[0]).items():

@@ -94,8 +94,10 @@ ROUNDING = 1e-9  #: a flexibility up to this fraction of the radial one is a rou
 
 
 def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
-    """Yield warnings about a damping matrix that adds to the modal damping, about a long time step,
-    and about a contact node that the given friction locks against the wall."""
+    """Yield warnings about matrices of the file that are not used, about a damping matrix that adds
+    to the modal damping, about a long time step, and about a contact node that the given friction
+    locks against the wall."""
+    yield from unused_matrices(stage)
     ratio = stage.case.damping.ratio
     if stage.reduced.damping is not None and ratio > 0.0:
         yield (
@@ -131,6 +133,15 @@ def _lossy_ring(stage: SuperelementStage) -> Iterator[str]:
             f"march.time_step is {share:.2g} of the critical step: in contact, the flexible casing"
             f" loses energy as with a damping ratio of up to {loss:.2g} %, a numerical error of"
             " first order in the step"
+        )
+
+
+def unused_matrices(stage: SuperelementStage) -> Iterator[str]:
+    """Yield a warning for a matrix of the file that the case does not use."""
+    if stage.table.part.stiffness_speed is not None and stage.case.rotation.effects == "none":
+        yield (
+            "the matrix stiffness_speed of the superelement is not used with"
+            ' rotation.effects = "none": the stiffness is that of the file at every speed'
         )
 
 

@@ -119,7 +119,7 @@ class Stage(Ring):
         """
         case = self.case
         if kind == "wheel":
-            return wheel_superelement(self.disk, case.shaft.stiffnesses, self.speed, case.title)
+            return wheel_superelement(self.disk, case.shaft.stiffnesses, self.turning, case.title)
         if self.turning is not None:
             raise SuperelementError(f'expected rotation.effects = "none" for a {kind}')
         return part_superelement(self.disk, kind, case.title)

@@ -13,6 +13,7 @@ from bladewhirl.models.case.analysis import MODES
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder, Imbalance
 from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.shaft import Rotation
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.imports.inspection import NEGATIVE
 from bladewhirl.models.inputs.errors import CaseError, Fault
@@ -34,6 +35,7 @@ from bladewhirl.models.stage.superelement_loads import (
     engine_order_forces,
     static_shapes,
 )
+from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
     boundary_size,
@@ -64,6 +66,8 @@ class SuperelementStage:
     factor: FloatArray  #: factor on the stiffness of each copy, (copies,)
     blade: IntArray  #: number of the blade of each contact node of a copy, (nodes,)
     ring: Ring | None  #: flexible casing; None: a rigid wall
+    frequency_at_rest: float | None = None
+    """Reference frequency of the structure at rest [rad/s], if `part` has effects of rotation."""
 
     @property
     def table(self) -> SuperelementTable:
@@ -76,6 +80,8 @@ class SuperelementStage:
     def reference_frequency(self) -> float:
         """Lowest natural frequency of the modes that are not rigid [rad/s]. Speeds are in multiples
         of it."""
+        if self.frequency_at_rest is not None:
+            return self.frequency_at_rest
         frequency = self.reduced.frequency
         elastic = frequency > np.sqrt(rigid_limit(self.part))
         return float(frequency[elastic].min() if elastic.any() else frequency.max())
@@ -306,11 +312,15 @@ def superelement_stage(case: Case) -> SuperelementStage:
     """
     table = case.bladed_disk.superelement
     assert table is not None
-    part = table.part
+    part, at_rest = table.part, None
     key = "bladed_disk.superelement.file"
+    if case.rotation.effects != "none":
+        at_rest = superelement_stage(without_rotation(case)).reference_frequency
+        omega = case.march.speed.rad_per_s(at_rest)
+        part = at_speed(part, omega, coriolis=case.rotation.effects == "full")
     try:
         if part.centre_dofs is not None:
-            part = _on_springs(case, part)
+            part = on_springs(case, part)
         if table.kind == "sector" and case.reduction.boundary == "consistent":
             part = whole_wheel(part, table.copies)
         if table.kind == "sector" and case.reduction.boundary == "massless":
@@ -325,6 +335,9 @@ def superelement_stage(case: Case) -> SuperelementStage:
                 kept = min(kept, part.size - boundary_size(part))
             reduced = consistent(part, kept, kept)
     except SuperelementError as error:
+        if at_rest is not None:
+            expected = "a speed below the lowest critical speed, at which the stiffness is lost"
+            raise CaseError([case_fault(case, "march.speed", expected)]) from None
         text = str(error).removeprefix("expected ")
         raise CaseError([case_fault(case, key, text)]) from None
     if table.kind == "blade":
@@ -346,6 +359,7 @@ def superelement_stage(case: Case) -> SuperelementStage:
         factor=factor if table.kind == "blade" else np.ones(1),
         blade=np.arange(part.contacts) // per_blade,
         ring=flexible_ring(case) if case.casing.type == "ring" else None,
+        frequency_at_rest=at_rest,
     )
     hertz = stage.reference_frequency / (2.0 * np.pi)
     if hertz > HIGHEST:
@@ -371,7 +385,12 @@ def _by_velocity(reduced: ReducedSuperelement, speed: float) -> FloatArray | Non
     )
 
 
-def _on_springs(case: Case, part: Superelement) -> Superelement:
+def without_rotation(case: Case) -> Case:
+    """Return a case whose bladed disk has no effects of the rotation."""
+    return case.model_copy(update={"rotation": Rotation()})
+
+
+def on_springs(case: Case, part: Superelement) -> Superelement:
     """Return a wheel with the springs of the shaft at its centre."""
     if case.shaft.clamped:
         raise SuperelementError("a wheel without centre_dofs for shaft.clamped = true")

@@ -26,7 +26,7 @@ from bladewhirl.models.superelements.superelement import (
     errors_of,
 )
 
-MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "recovery")
+MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_speed", "recovery")
 NUMBERS = ("contact_position", "points")
 INTEGERS = ("contact_dofs", "centre_dofs", "triangles", "left_dofs", "right_dofs")
 TEXTS = ("name", "source")

@@ -165,6 +165,7 @@ def consistent(part: Superelement, fixed_interface_modes: int, kept: int) -> Red
                 v0=_start(len(inside)),
             )
     squares, vectors = la.eigh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))
+    _check_definite(part, squares)
     compliance = np.zeros((3 * part.contacts, 3 * part.contacts))
     return _reduced(part, squares, basis @ vectors, compliance, kept)
 
@@ -215,12 +216,16 @@ def lowest_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArray
             squares, shapes = _sparse_modes(part, count)
     except la.LinAlgError:
         raise SuperelementError("mass: expected a positive definite matrix") from None
+    _check_definite(part, squares)
+    return squares, shapes
+
+
+def _check_definite(part: Superelement, squares: FloatArray) -> None:
     if squares[0] < -rigid_limit(part):
         raise SuperelementError(
             "stiffness: expected a matrix that is not indefinite; the lowest squared frequency is"
             f" {squares[0]:.4g} rad2/s2"
         )
-    return squares, shapes
 
 
 def _sparse_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArray]:
@@ -255,13 +260,13 @@ def static_flexibility(part: Superelement, rows: sp.csr_array, rigid: FloatArray
     loads = dense(rows).T
     if rigid.size:
         loads = loads - (part.mass @ rigid) @ (rigid.T @ loads)
-    moved = _solve(part.stiffness, part.mass @ rigid, loads)
+    moved = static_solution(part.stiffness, part.mass @ rigid, loads)
     if rigid.size:
         moved -= rigid @ (rigid.T @ (part.mass @ moved))
     return np.asarray(rows @ moved)
 
 
-def _solve(stiffness: Matrix, excluded: FloatArray, loads: FloatArray) -> FloatArray:
+def static_solution(stiffness: Matrix, excluded: FloatArray, loads: FloatArray) -> FloatArray:
     """Return displacements orthogonal to the columns of `excluded`, (n, e), under loads, (n, m)."""
     n, extra = excluded.shape
     padded = np.vstack([loads, np.zeros((extra, loads.shape[1]))])

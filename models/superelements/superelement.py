@@ -60,6 +60,9 @@ class Superelement:
     damping: Matrix | None = None  #: damping matrix [N s/m], (n, n), symmetric
     gyroscopic: Matrix | None = None
     """Skew matrix of the Coriolis forces, for a speed of 1 rad/s [kg], (n, n)."""
+    stiffness_speed: Matrix | None = None
+    """Change of the stiffness by steady rotation (geometric stiffness minus spin softening), for a
+    speed of 1 rad/s [kg], (n, n), symmetric; it grows with the square of the speed."""
     centre_dofs: IntArray | None = None
     """Numbers of the x and y displacement of the centre of a wheel, (2,)."""
     points: FloatArray | None = None  #: undeformed points for pictures [m], (p, 3)
@@ -135,7 +138,7 @@ class Superelement:
 def _faults(part: Superelement) -> Iterator[str]:
     """Yield the faults of the arrays of a superelement, each as "KEY: expected ..."."""
     n = part.size
-    square = ("mass", "stiffness", "damping", "gyroscopic")
+    square = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_speed")
     for key in (*square, "recovery", "contact_position", "points"):
         given = getattr(part, key)
         if given is not None and not np.isfinite(given.data if sp.issparse(given) else given).all():
@@ -153,7 +156,7 @@ def _faults(part: Superelement) -> Iterator[str]:
         largest = abs(values).max() if values.size else 0.0
         if abs(matrix + sign * matrix.T).max() > SYMMETRIC * largest:
             yield f"{key}: expected a {word} matrix"
-        if key != "gyroscopic" and np.any(diagonal(matrix) < 0.0):
+        if key not in ("gyroscopic", "stiffness_speed") and np.any(diagonal(matrix) < 0.0):
             yield f"{key}: expected no negative numbers on the diagonal"
     masses = diagonal(part.mass)
     if not masses.any():

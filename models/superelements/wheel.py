@@ -45,8 +45,9 @@ def massless_wheel(
     rows = part.contact_rows
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
     frequency, contact, points = [], [], []
-    given = {"damping": part.damping, "gyroscopic": part.gyroscopic}
-    blocks: dict[str, list[FloatArray]] = {key: [] for key, m in given.items() if m is not None}
+    by_velocity: dict[str, list[FloatArray]] = {
+        key: [] for key in ("damping", "gyroscopic") if getattr(part, key) is not None
+    }
     flexibility = np.zeros((sectors, rows.shape[0], rows.shape[0]))
     recovery = sp.csr_array((0, part.size)) if part.recovery is None else part.recovery
     for k in range(sectors // 2 + 1):
@@ -67,8 +68,6 @@ def massless_wheel(
         pair = 0 < 2 * k < sectors
         for n, angle in enumerate(spread):  # sector n under a force on sector 0
             flexibility[n] += (1 + pair) / sectors * (residual * np.exp(1j * k * angle)).real
-        for key, by_diameter in blocks.items():
-            by_diameter.append(_real_form(fields.conj().T @ (given[key] @ fields), pair=pair))
         scale = np.sqrt((1 + pair) / sectors)
         for phase in (1.0, -1j) if pair else (1.0,):
             phases = [scale * phase * np.exp(1j * k * angle) for angle in spread]
@@ -77,6 +76,8 @@ def massless_wheel(
             each = each.reshape(sectors, -1, 3, modes)
             points.append(rotate(each, spread[:, None, None], axis=2).reshape(-1, modes))
             frequency.append(np.sqrt(squares))
+        for key, blocks in by_velocity.items():
+            blocks.append(_on_waves(fields.conj().T @ (getattr(part, key) @ fields), pair=pair))
     order = np.argsort(np.concatenate(frequency), kind="stable")
     compliance = np.block(
         [[flexibility[(i - j) % sectors] for j in range(sectors)] for i in range(sectors)]
@@ -89,17 +90,17 @@ def massless_wheel(
         centre=np.zeros((2, len(values))),
         points=np.hstack(points)[:, order],
         kept=len(values),
-        **{key: la.block_diag(*each)[np.ix_(order, order)] for key, each in blocks.items()},
+        **{key: la.block_diag(*blocks)[order][:, order] for key, blocks in by_velocity.items()},
     )
     return _wheel(part, spread, np.asarray(values, dtype=np.float64)), reduced
 
 
-def _real_form(block: ComplexArray, *, pair: bool) -> FloatArray:
-    """Return a matrix of complex modal amplitudes a - i b as a matrix of a, then b; only of a if
-    there is no pair of waves."""
+def _on_waves(matrix: ComplexArray, *, pair: bool) -> FloatArray:
+    """Return a matrix of the complex amplitudes of one nodal diameter as a matrix of its real
+    modes: those of the cosine, then those of the sine if it has two waves."""
     if not pair:
-        return np.asarray(block.real)
-    return np.block([[block.real, block.imag], [-block.imag, block.real]])
+        return matrix.real
+    return np.block([[matrix.real, matrix.imag], [-matrix.imag, matrix.real]])
 
 
 def whole_wheel(part: Superelement, sectors: int) -> Superelement:
@@ -149,6 +150,7 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
         stiffness=assembled(part.stiffness),
         damping=None if part.damping is None else assembled(part.damping),
         gyroscopic=None if part.gyroscopic is None else assembled(part.gyroscopic),
+        stiffness_speed=None,
         contact_dofs=dofs,
         recovery=recovery,
     )
@@ -182,6 +184,7 @@ def _wheel(part: Superelement, spread: FloatArray, frequency: FloatArray) -> Sup
         stiffness=np.diag(frequency**2),
         damping=None,
         gyroscopic=None,
+        stiffness_speed=None,
         contact_position=positions,
         contact_dofs=np.full((len(positions), 3), -1),
         left_dofs=None,

@@ -11,10 +11,9 @@ import typer
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import emit, progress_bar, reduction_bar
-from bladewhirl.studies.runs.columns import rows_of, table
 
 if TYPE_CHECKING:
-    from bladewhirl.models.modal.full_stage import ModalStage
+    from bladewhirl.models.modal.modal_model import ModalModel
     from bladewhirl.studies.modal.study import Study
 
 # Typer parses these defaults.
@@ -60,35 +59,25 @@ def modes(
             amplifies: backward on the bladed disk, forward on the casing.
         films: Write films, as GIF and as VTK series.
     """
-    from bladewhirl.models.modal.full_stage import modal_stage
     from bladewhirl.studies.modal import modes as study
 
     for name, value in {"--shapes": shapes, "--animate": animate, "--wave": wave}.items():
         if output is None and value is not None:
             raise UserError(f"{name}: needs a folder for the pictures, -o DIR")
-    with options.case_of(case, overrides) as read:
-        if read.bladed_disk.superelement is not None:
-            if output is not None:
-                raise UserError(
-                    "--output: not allowed for a superelement; bladewhirl run makes its pictures"
-                )
-            with reduction_bar():
-                computed = study.modes(read, count=count)
-            rows = rows_of(computed, study.OF_SUPERELEMENT)
-            title = f"Superelement without contact, at {read.march.speed}"
-            emit({"bladed_disk": rows}, table(rows, study.OF_SUPERELEMENT, title), json=json)
-            return
-        stage = modal_stage(read)
+    stage = _model(case, overrides, count=count)
     if output is not None:
-        from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
+        from bladewhirl.models.stage.marched import full_models
+        from bladewhirl.studies.modal.mode_pictures import NEEDS, draw_modes, plan_pictures
 
-        plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
+        full = full_models(stage, "--output", NEEDS)
+        plan = plan_pictures(full, shapes=shapes, animate=animate if films else "", wave=wave)
     computed = study.modes(stage)
     if output is not None:
-        draw_modes(stage, plan, output, overwrite=overwrite)
+        draw_modes(full, plan, output, overwrite=overwrite)
     report, hertz = study.report(computed, count), computed.attrs["reference_frequency_hz"]
     unit = f"ω₁ = {hertz:.6g} Hz"
     emit(report.document, *report.tables, unit, json=json, written=[output])
+    _print_hints(report)
 
 
 def campbell(
@@ -122,7 +111,7 @@ def campbell(
 
     if html is not None:
         checked_target(html, ".html")
-    stage = _modal_stage(case, overrides)
+    stage = _model(case, overrides, families=families)
     first, last = speeds.values(stage.reference_frequency).tolist()
     ends = None
     if operating is not None:
@@ -155,7 +144,7 @@ def veering(
     from bladewhirl.studies.modal import veering as study
 
     interval = None if stiffnesses is None else stiffnesses.values()
-    stage = _modal_stage(case, overrides)
+    stage = _model(case, overrides)
     springs = study.spring_stiffnesses(stage.case, interval)
     computed = study.report(study.veering(stage, families=families, stiffnesses=springs))
     _present(computed, case, output, overwrite=overwrite, json=json)
@@ -183,7 +172,7 @@ def critical_speeds(
     from bladewhirl.studies.modal import critical_speeds as study
 
     interval = None if stiffnesses is None else stiffnesses.values()
-    computed = study.report(_modal_stage(case, overrides), branches, interval)
+    computed = study.report(_model(case, overrides), branches, interval)
     _present(computed, case, output, overwrite=overwrite, json=json)
 
 
@@ -267,14 +256,16 @@ def stability(
         physical: Use the physical amplitude of each mode, not unit amplitudes.
         films: Also write the divergent mode as VTK series and GIF.
     """
+    from bladewhirl.models.stage.marched import full_models
     from bladewhirl.studies.modal import stability_report as study
     from bladewhirl.studies.modal.coupled_system import couple
+    from bladewhirl.studies.modal.stability import NEEDS
 
     if (speed is None) != (kappa is None):
         raise UserError("--speed, --kappa: expected both, for one point, or neither, for a chart")
     stiffnesses = kappas.values()
     system = couple(
-        _modal_stage(case, overrides),
+        full_models(_model(case, overrides), "stability", NEEDS),
         modes=modes,
         damped=damped,
         with_pi=not no_pi,
@@ -293,12 +284,13 @@ def stability(
     _present(computed, case, output, overwrite=overwrite, json=json)
 
 
-def _modal_stage(case: Path, overrides: list[str] | None) -> ModalStage:
-    """Return the finite element models and modes of a case file with changes."""
-    from bladewhirl.models.modal.full_stage import modal_stage
+def _model(case: Path, overrides: list[str] | None, **numbers: int) -> ModalModel:
+    """Return bladed disk and casing of a case file with changes, in their modes; `numbers` are
+    those of `modal_model`."""
+    from bladewhirl.models.stage.marched import modal_model
 
-    with options.case_of(case, overrides) as read:
-        return modal_stage(read)
+    with options.case_of(case, overrides) as read, reduction_bar():
+        return modal_model(read, **numbers)
 
 
 def _present(study: Study, case: Path, output: Path | None, *, overwrite: bool, json: bool) -> None:
@@ -309,3 +301,9 @@ def _present(study: Study, case: Path, output: Path | None, *, overwrite: bool, 
     if folder is not None:
         study.draw(folder, overwrite=overwrite)
     emit(study.document, *study.tables, json=json, written=[folder, study.page])
+    _print_hints(study)
+
+
+def _print_hints(study: Study) -> None:
+    if study.hints:
+        typer.echo(f"Hint: {study.hints}.", err=True)

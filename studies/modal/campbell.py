@@ -8,21 +8,17 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.files import claim_file
-from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.inputs.units import speed_of
-from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes, names_of
-from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.stage.marched import Modelled, modal_model
 from bladewhirl.postprocess.modal.operating_range import UNKNOWN, operating_range
 from bladewhirl.solvers.stability.coincidence import coincidences
 from bladewhirl.studies.modal.campbell_at_speed import (
     dataset_at_speed,
-    disk_waves,
     meetings,
     refuse_unequal_bearings,
 )
-from bladewhirl.studies.modal.modes import full_stage
 from bladewhirl.studies.modal.study import Figures, Study
 from bladewhirl.studies.runs.columns import Column, facts, quantity, rows_of, table, texts
 
@@ -33,7 +29,7 @@ CASING_FAMILIES = ("rigid", "1F", "2F")  #: families of the casing: rigid motion
 
 
 def campbell(
-    case_or_stage: Case | Stage | ModalStage,
+    case_or_stage: Modelled,
     *,
     families: int = 5,
     speeds: Interval = (0.0, 3.0),
@@ -83,7 +79,7 @@ def campbell(
         CaseError: finite elements cannot be computed with the numbers of the case.
         UserError: a range does not consist of two speeds in ascending order.
     """
-    stage = full_stage(case_or_stage)
+    stage = modal_model(case_or_stage, families=families)
     refuse_unequal_bearings("campbell", stage.case, allowed="full")
     reference = stage.reference_frequency
     shown = _multiples("speeds", speeds, reference)
@@ -107,12 +103,12 @@ def campbell(
             "critical_rpm": quantity("critical", np.empty(0), "rpm", name),
         }
     )
-    if stage.turning is not None:
-        waves, names = disk_waves(stage.case, stage.turning), names_of(stage.disk_modes)
+    if stage.turns:
+        waves, names = stage.waves, names_of(stage.disk_modes)
         met, rotor_frequency, renamed = meetings(waves, rotor, casing, names, shown[1] * reference)
         family = np.array(renamed, dtype=object)
         at_rest = np.array(rotor.at_rest or rotor.family, dtype=object)[met.rotor]
-        at_speed = dataset_at_speed(stage, stage.turning, waves, names, chosen, shown)
+        at_speed = dataset_at_speed(stage, waves, names, chosen, shown)
     normalised, hertz = met.speed / reference, 2.0 * np.pi
     frequency = np.concatenate([rotor.frequency, casing.frequency])
     diameter = np.concatenate([rotor.nodal_diameter, casing.nodal_diameter])
@@ -143,6 +139,7 @@ def campbell(
             "case": stage.case.title,
             "reference_frequency_hz": reference / hertz,
             "speeds": shown,
+            "hints": "; ".join(stage.hints),
             "operating_range": operated,
         },
     ).set_index(coincidence=["family", "casing_family", "nodal_diameter"])
@@ -245,7 +242,14 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
         data, frames = drawn_part(diagram).reset_index("coincidence"), get_args(Frame)
         return {f"campbell-{frame}": (plot_campbell(diagram, frame), data) for frame in frames}
 
-    return Study(name="campbell", document=document, tables=tables, figures=figures, page=page)
+    return Study(
+        name="campbell",
+        document=document,
+        tables=tables,
+        figures=figures,
+        hints=diagram.attrs["hints"],
+        page=page,
+    )
 
 
 def _of_families(modes: LabelledModes, families: set[str]) -> LabelledModes:

@@ -12,38 +12,14 @@ import xarray as xr
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes, families_at_speed
-from bladewhirl.models.rotation.at_speed import TurningDisk, speed_of_growth
-from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
-from bladewhirl.models.rotation.waves import REAL, Waves, waves
+from bladewhirl.models.modal.modal_model import ModalModel
+from bladewhirl.models.rotation.waves import REAL, Waves
 from bladewhirl.solvers.stability.coincidence import Coincidences
 from bladewhirl.studies.runs.columns import quantity
 
 LINE_SPEEDS = 61  #: number of speeds at which the frequencies of a branch are computed
-
-
-def disk_waves(case: Case, turning: TurningDisk) -> dict[int, Waves]:
-    """Return the waves of each nodal diameter of the bladed disk of a case.
-
-    Raises:
-        UserError: the sectors of the bladed disk differ.
-    """
-    matrices, structure = turning.matrices, turning.matrices.structure
-    if not structure.is_cyclic or structure.layout is None:
-        raise UserError(
-            "expected equal sectors, without bladed_disk.mistuning, on equal shaft"
-            ' springs or on springs with shaft.frame = "static"; each wave then has one nodal'
-            " diameter"
-        )
-    effects, sectors = case.rotation.effects, structure.layout.sectors
-    disk = {k: waves(matrices, k, effects) for k in nodal_diameters(sectors)}
-    if case.shaft.anisotropy and turning.disk.centre.size:
-        along_x = structure.layout.basis(1).conj().T[:, turning.disk.centre[:1]].toarray()
-        disk[1] = on_unequal_bearings(disk[1], along_x.ravel(), case.shaft.anisotropy)
-    return disk
 
 
 def refuse_unequal_bearings(name: str, case: Case, *, allowed: str | None = None) -> None:
@@ -110,8 +86,7 @@ def meetings(
 
 
 def dataset_at_speed(
-    stage: ModalStage,
-    turning: TurningDisk,
+    stage: ModalModel,
     disk: Mapping[int, Waves],
     names: Mapping[int, list[str]],
     chosen: set[str],
@@ -140,9 +115,10 @@ def dataset_at_speed(
     ]
     diameters, families, at_rest, directions, frequencies = zip(*branches, strict=True)
     rates = np.abs(np.array(frequencies).imag)
-    growth = [turning.growth_at(omega).max() if omega else 0.0 for omega in omegas]
-    smallest_gap = stage.case.casing.clearance_profile.smallest + turning.disk.model.tip_recess
-    closing = speed_of_growth(turning.disk, turning.matrices, smallest_gap)
+    growth = stage.growth(omegas)
+    of_tips = {}
+    if growth is not None:
+        of_tips = {"tip_growth": quantity("line_speed", growth, "m", "growth of the tips")}
     growing = [np.abs(s.imag).max(axis=1) > REAL * omegas for s in spectra.values()]
     first = _first_meeting(disk, omegas, np.any(growing, axis=0))
     plane, hertz = ("branch", "line_speed"), np.array(frequencies).real / (2.0 * np.pi)
@@ -153,7 +129,7 @@ def dataset_at_speed(
         {
             "branch_frequency": quantity(plane, hertz, "Hz", positive_backward),
             "branch_growth": quantity(plane, merged, "1/s", of_merged),
-            "tip_growth": quantity("line_speed", growth, "m", "growth of the tips"),
+            **of_tips,
             **_speeds("critical", disk, names, chosen, omegas[-1], reference),
             **_speeds("engine_order", disk, names, chosen, omegas[-1], reference),
         },
@@ -166,8 +142,8 @@ def dataset_at_speed(
         },
         attrs={
             "waves_meet": first / reference,
-            "clearance_gone": closing / reference,
-            "rotation_effects": stage.case.rotation.effects,
+            "clearance_gone": stage.clearance_gone / reference,
+            "rotation_effects": stage.effects,
         },
     )
 

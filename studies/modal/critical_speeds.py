@@ -4,13 +4,9 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.rotation.unequal_bearings import EllipticWaves
-from bladewhirl.models.stage.stage import Stage
-from bladewhirl.studies.modal.campbell_at_speed import disk_waves
-from bladewhirl.studies.modal.modes import full_stage
+from bladewhirl.models.stage.marched import Modelled, modal_model
 from bladewhirl.studies.modal.study import Figures, Study
 from bladewhirl.studies.modal.veering import spring_stiffnesses
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
@@ -30,7 +26,7 @@ AT_THE_CASE = (
 
 
 def critical_speeds(
-    case_or_stage: Case | Stage | ModalStage,
+    case_or_stage: Modelled,
     *,
     stiffnesses: FloatArray | None = None,
     branches: int = 2,
@@ -61,13 +57,8 @@ def critical_speeds(
         UserError: the case has no Coriolis forces, the sectors of the bladed disk differ, or a
             stiffness is not positive.
     """
-    stage = full_stage(case_or_stage)
-    if stage.at_speed is None or stage.case.rotation.effects != "full":
-        raise UserError(
-            'critical speeds: expected rotation.effects = "full" (--set rotation.effects=full),'
-            f" got {stage.case.rotation.effects}"
-        )
-    nominal, at = disk_waves(stage.case, stage.at_speed[0])[1], stage.case.shaft.stiffness
+    stage = modal_model(case_or_stage)
+    nominal, at = stage.shaft_waves, stage.case.shaft.stiffness
     orders, count = ORDERS, branches
     if isinstance(nominal, EllipticWaves):
         orders, count = {"elliptic": 0}, 2 * branches
@@ -100,7 +91,7 @@ def critical_speeds(
     )
 
 
-def report(stage: ModalStage, branches: int, interval: FloatArray | None = None) -> Study:
+def report(stage: ModalModel, branches: int, interval: FloatArray | None = None) -> Study:
     """Return the critical speeds at the shaft stiffness of the case as document and table, forward
     first, and the map over an interval of stiffnesses, see `spring_stiffnesses`, as figure."""
     at, springs = stage.case.shaft.stiffness, stage.case.shaft.springs

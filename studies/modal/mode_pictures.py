@@ -18,8 +18,9 @@ from bladewhirl.files import claim
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.inputs.mode_names import CASING
-from bladewhirl.models.modal.full_stage import LabelledWhirlModes, ModalStage
+from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body, LabelledModes
+from bladewhirl.models.modal.modal_model import LabelledWhirlModes
 from bladewhirl.postprocess.modal.mode_shapes import (
     mode_title,
     plot_mode_shapes,
@@ -35,6 +36,9 @@ from bladewhirl.studies.runs.figures_folder import save_figures
 BODIES: tuple[Body, ...] = get_args(Body)
 FED: dict[Body, Wave] = {"bladed-disk": "backward", "casing": "forward"}
 """Waves that contact amplifies."""
+
+NEEDS = "its pictures show beams"
+"""Reason why a superelement has no pictures of modes."""
 
 PANELS = 6  #: default number of pictured modes of a body
 

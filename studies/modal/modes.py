@@ -5,17 +5,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.modal.full_stage import LabelledWhirlModes, ModalStage, modal_stage
 from bladewhirl.models.modal.labels import LabelledModes
+from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
 from bladewhirl.models.modal.modes import is_first_of_pair
 from bladewhirl.models.rotation.whirl_modes import Direction, WhirlModes, directions
-from bladewhirl.models.stage.stage import Stage
-from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.stage.marched import Modelled, modal_model
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
-from bladewhirl.studies.runs.properties import superelement_frequencies
 
 LEVELS = {
     "body": "bladed-disk or casing",
@@ -42,8 +39,6 @@ COLUMNS = (
     Column("purity", "purity", ".3f"),
     Column("spring_share", "springs", ".1%"),
 )
-OF_SUPERELEMENT = tuple(COLUMNS[position] for position in (0, 3, 4))
-"""Columns of a superelement: number and frequencies."""
 AT_SPEED = (
     Column("family_at_rest", "at rest"),
     Column("direction", "rotating"),
@@ -52,14 +47,7 @@ AT_SPEED = (
 """Further columns with rotation effects: the name at rest and the directions of waves."""
 
 
-def full_stage(case_or_stage: Case | Stage | ModalStage) -> ModalStage:
-    """Return the full finite element models with all their modes."""
-    if isinstance(case_or_stage, ModalStage):
-        return case_or_stage
-    return modal_stage(case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case)
-
-
-def modes(case_or_stage: Case | Stage | ModalStage, *, count: int = 60) -> xr.Dataset:
+def modes(case_or_stage: Modelled, *, count: int = 60) -> xr.Dataset:
     """Compute natural modes of the casing and of the full bladed disk, with free and clamped
     centre.
 
@@ -80,13 +68,15 @@ def modes(case_or_stage: Case | Stage | ModalStage, *, count: int = 60) -> xr.Da
     the same branch at rest.
     `modes.reset_index("mode")` can be saved to a file.
 
-    For a superelement, the Dataset has frequency and normalised_frequency only, of one copy or of
-    the wheel of a sector, with the Coriolis forces of its file at the speed of the case; a mode is
-    selected by body and number, and the reference is the lowest mode that is not rigid, at rest.
+    A superelement is a wheel, a wheel of sectors, or one of several equal blades. The centre of a
+    wheel with centre_dofs is free or clamped; otherwise it is as in the file, and counts as
+    clamped. Modes of a blade have a family but no nodal diameter (-1); so have modes of a wheel
+    whose blades are not known, which have no family either. Coriolis forces act if the file has
+    their matrix. The casing has modes if it is a ring.
 
     Args:
         case_or_stage: a case, or its stage.
-        count: number of modes of a superelement; of beams, all modes are returned.
+        count: number of modes of a superelement and each state of its centre; all of beams.
 
     Returns:
         The modes of each body, ascending. Attributes: `centre`, free or clamped as in the case, and
@@ -95,48 +85,27 @@ def modes(case_or_stage: Case | Stage | ModalStage, *, count: int = 60) -> xr.Da
     Raises:
         CaseError: finite elements cannot be computed with the numbers of the case.
     """
-    if isinstance(case_or_stage, Case) and case_or_stage.bladed_disk.superelement is not None:
-        return _of_superelement(case_or_stage, count)
-    stage = full_stage(case_or_stage)
-    lists = (
-        ("bladed-disk", "free", stage.free_whirl or stage.free_modes),
-        ("bladed-disk", "clamped", stage.clamped_whirl or stage.clamped_modes),
-        ("casing", "", stage.casing_modes),
-    )
+    if count < 1:
+        raise UserError(f"modes: count {count}: expected at least 1")
+    stage = modal_model(case_or_stage, count=count)
+    lists: list[tuple[str, str, LabelledModes | LabelledWhirlModes]] = [
+        ("bladed-disk", centre, source) for centre, source in stage.by_centre.items()
+    ]
+    if stage.casing_modes.count:
+        lists.append(("casing", "", stage.casing_modes))
     return xr.concat(
         [_modes_of(source, body, centre, stage) for body, centre, source in lists], "mode"
     ).assign_attrs(
         title="natural modes",
-        centre="clamped" if stage.case.shaft.clamped else "free",
-        rotation_effects=stage.case.rotation.effects,
+        centre=stage.centre,
+        rotation_effects=stage.effects,
+        hints="; ".join(stage.hints),
         reference_frequency_hz=stage.reference_frequency / (2.0 * np.pi),
     )
 
 
-def _of_superelement(case: Case, count: int) -> xr.Dataset:
-    """Return the lowest modes of a superelement."""
-    if count < 1:
-        raise UserError(f"modes: count {count}: expected at least 1")
-    stage = superelement_stage(case)
-    frequency, reference = superelement_frequencies(stage, count), stage.reference_frequency
-    return xr.Dataset(
-        {
-            "frequency": quantity("mode", frequency / (2.0 * np.pi), "Hz", "natural frequency"),
-            "normalised_frequency": quantity("mode", frequency / reference, "1"),
-        },
-        coords={
-            "body": ("mode", ["bladed-disk"] * len(frequency)),
-            "number": ("mode", np.arange(1, len(frequency) + 1)),
-        },
-        attrs={
-            "title": "natural modes",
-            "reference_frequency_hz": reference / (2.0 * np.pi),
-        },
-    ).set_index(mode=["body", "number"])
-
-
 def _modes_of(
-    source: LabelledModes | LabelledWhirlModes, body: str, centre: str, stage: ModalStage
+    source: LabelledModes | LabelledWhirlModes, body: str, centre: str, stage: ModalModel
 ) -> xr.Dataset:
     """Return all modes of one body."""
     modes = source.modes if isinstance(source, LabelledWhirlModes) else source
@@ -208,9 +177,16 @@ def mode_lists(computed: xr.Dataset, count: int) -> dict[str, list[dict[str, Any
     columns = (*COLUMNS, *AT_SPEED) if effects else COLUMNS
     lists = {"bladed_disk": {"body": "bladed-disk", "centre": computed.attrs["centre"]}} | LISTS
     return {
-        name: rows_of(computed.sel(selection).isel(mode=slice(count)), columns)
+        name: rows_of(data.isel(mode=slice(count)), columns)
         for name, selection in lists.items()
+        if (data := _selected(computed, selection)) is not None
     }
+
+
+def _selected(computed: xr.Dataset, selection: dict[str, str]) -> xr.Dataset | None:
+    """Return the modes of a body; None if it has none."""
+    chosen = [computed[level].values == value for level, value in selection.items()]
+    return computed.isel(mode=np.all(chosen, axis=0)) if np.all(chosen, axis=0).any() else None
 
 
 def report(computed: xr.Dataset, count: int) -> Study:
@@ -225,7 +201,10 @@ def report(computed: xr.Dataset, count: int) -> Study:
         (f"Bladed disk, {centre} centre", {"body": "bladed-disk", "centre": centre}),
         ("Casing", LISTS["casing"]),
     ):
-        data = computed.sel(body).isel(mode=slice(count))
+        listed = _selected(computed, body)
+        if listed is None:
+            continue
+        data = listed.isel(mode=slice(count))
         single = data.isel(mode=(data["pattern"] != "sine").values)
         plain = {
             "purity": bool((single["purity"] > 0.9995).all()),
@@ -233,4 +212,9 @@ def report(computed: xr.Dataset, count: int) -> Study:
         }
         shown = [column for column in columns if not plain.get(column.key, False)]
         tables.append(table(rows_of(single, shown), shown, title))
-    return Study(name="modes", document=mode_lists(computed, count), tables=tables)
+    return Study(
+        name="modes",
+        document=mode_lists(computed, count),
+        tables=tables,
+        hints=computed.attrs["hints"],
+    )

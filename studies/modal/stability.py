@@ -7,11 +7,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import ascending, speed_of
-from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.stage.marched import Modelled, full_models
 from bladewhirl.postprocess.modal.motion import radial_shapes, shown_clearance
 from bladewhirl.solvers.stability.coupled_modes import (
     CoupledMode,
@@ -23,7 +21,6 @@ from bladewhirl.solvers.stability.floquet import coupled_floquet
 from bladewhirl.solvers.stability.growth import Progress, is_unstable
 from bladewhirl.solvers.stability.scenario import motion_scenario
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System, couple
-from bladewhirl.studies.modal.modes import full_stage
 from bladewhirl.studies.modal.stability_chart import GROWTH, MULTIPLES, STIFFNESS, stability_chart
 from bladewhirl.studies.runs.columns import quantity
 
@@ -31,6 +28,12 @@ SPEEDS, KAPPAS = np.linspace(0.6, 3.0, 601), np.linspace(0.0, 1000.0, 251)
 """Default speeds (multiples of the reference frequency) and stiffnesses [N/m] of a chart."""
 
 ASCENDING = "one or more numbers of zero or more, ascending"
+
+NEEDS = (
+    "its springs of stiffness kappa join the wall to one tip of each blade, which moves in the"
+    " plane of the ring; blades with several contact nodes have no such tip"
+)
+"""Reason why the stability of a superelement is not computed."""
 
 RECORDS_PER_TURN = 48
 """Number of records in a turn of the rotor: twice as many as a smooth animation needs."""
@@ -44,7 +47,7 @@ FEWEST_TURNS, MOST_TURNS = 3, 40
 
 
 def stability(
-    case_or_stage: Case | Stage | ModalStage,
+    case_or_stage: Modelled,
     *,
     speed: float | str | ArrayLike = SPEEDS,
     kappa: float | ArrayLike = KAPPAS,
@@ -76,7 +79,7 @@ def stability(
     """
     chart = not (isinstance(speed, str) or np.ndim(speed) == 0) or np.ndim(kappa) > 0
     system = couple(
-        full_stage(case_or_stage),
+        full_models(case_or_stage, "stability", NEEDS),
         modes=modes,
         damped=damped,
         with_pi=with_pi,

@@ -23,6 +23,7 @@ class Study:
     document: dict[str, Any]  #: JSON document
     tables: "list[Table]"  #: printed without --json
     figures: Callable[[], Figures] | None = None  #: draws the figures
+    hints: str = ""  #: warnings about the results, separated by semicolons
     page: Path | None = None  #: page that is already written
 
     def draw(self, folder: Path, *, overwrite: bool = False) -> None:

@@ -12,9 +12,9 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.fields import SMALLEST
 from bladewhirl.models.inputs.units import ascending
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.stage.marched import Modelled, full_models
 from bladewhirl.solvers.stability.veering import ShaftVeering, shaft_veering, whirl_veering
-from bladewhirl.studies.modal.modes import full_stage, modes
+from bladewhirl.studies.modal.modes import modes
 from bladewhirl.studies.modal.study import Figures, Study
 from bladewhirl.studies.runs.columns import Column, facts, quantity, rows_of
 
@@ -25,11 +25,17 @@ BRANCHES = 5  #: number of modes drawn against the stiffness of the shaft
 
 CLOSE_UP = 2  #: number of families of the second diagram, which also shows the suspension pair
 
+NEEDS = (
+    "it compares a free with a clamped centre and follows the modes of a disk on shaft springs of"
+    " any stiffness; bladewhirl modes lists frequencies by nodal diameter"
+)
+"""Reason why a superelement has no veering diagram."""
+
 MODE_LEVELS = ("centre", "family", "nodal_diameter")  #: coordinates that select a mode
 
 
 def veering(
-    case_or_stage: Case | Stage | ModalStage,
+    case_or_stage: Modelled,
     *,
     families: int = 12,
     stiffnesses: FloatArray | None = None,
@@ -63,7 +69,7 @@ def veering(
         UserError: the stage has no cyclic symmetry, so that modes with one nodal diameter cannot be
             separated.
     """
-    stage = full_stage(case_or_stage)
+    stage = full_models(case_or_stage, "veering", NEEDS)
     families = min(families, stage.disk_modes.count)
     springs = spring_stiffnesses(stage.case, None, stiffnesses)
     branches, computed = _over_shaft(stage, springs), modes(stage)

@@ -11,7 +11,6 @@ from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.modal.modes import Modes
-from bladewhirl.models.rotation.eigenproblems import gyroscopic_frequencies
 from bladewhirl.models.stage.build import marched_bodies
 from bladewhirl.models.stage.coating import wall_coating
 from bladewhirl.models.stage.contact_problem import WallCoating, critical_time_step
@@ -20,7 +19,6 @@ from bladewhirl.models.stage.hints import locking_friction, static_response
 from bladewhirl.models.stage.loads import imbalance_force, unbalance, unbalance_to_touch
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
-from bladewhirl.models.superelements.reduction import lowest_modes
 from bladewhirl.solvers.march.recorder import result_bytes
 
 TURN = 2.0 * np.pi
@@ -184,27 +182,6 @@ def _distortion(stage: Stage) -> dict[str, Any] | None:
         "frequency": _rate(stage, frequency),
         "static_displacement": float(wall * load.modal_force / frequency**2),
     }
-
-
-COUPLED = 100
-"""Number of further modes that Coriolis forces may couple to the listed modes of a superelement."""
-
-
-def superelement_frequencies(stage: SuperelementStage, count: int) -> FloatArray:
-    """Return the lowest natural frequencies of one copy of a superelement, or of its wheel, with
-    the Coriolis forces of its file at the speed of the case [rad/s], (count,) or fewer."""
-    part, reduced = stage.part, stage.reduced
-    squares, coriolis = reduced.frequency**2, reduced.gyroscopic
-    if stage.table.kind != "sector":
-        more = 0 if part.gyroscopic is None else COUPLED
-        squares, shapes = lowest_modes(part, min(count + more, part.size - 1))
-        coriolis = None if part.gyroscopic is None else shapes.T @ (part.gyroscopic @ shapes)
-    squares = np.maximum(squares, 0.0)
-    if coriolis is None or stage.speed == 0.0:
-        return np.sqrt(squares[:count])
-    skew = 0.5 * stage.speed * (coriolis - coriolis.T)
-    w = gyroscopic_frequencies(np.eye(len(skew)), np.diag(squares), skew).real
-    return np.sort(w)[len(skew) :][:count]
 
 
 def superelement_properties(stage: SuperelementStage) -> dict[str, Any]:

@@ -26,7 +26,7 @@ PINCHED = {"closure": {"amount": 6e-4, "time_constant": 1e-3}}
 
 
 def pair(
-    folder: Path, kind: str = "wheel", *, own: Any = None, **tables: dict[str, Any]
+    folder: Path, kind: Any = "wheel", *, own: Any = None, **tables: Any
 ) -> tuple[ContactProblem, ContactProblem]:
     """Contact problems of a stage of six beams, and of the same stage as a superelement; `own` is
     an excitation of the superelement alone."""
@@ -35,7 +35,7 @@ def pair(
         for key, value in tables.items()
     }
     shaft = {"clamped": kind != "wheel"} | tables.get("shaft", {})
-    beams = {"blades": 6, "elements_per_blade": 2}
+    beams: dict[str, Any] = {"blades": 6, "elements_per_blade": 2}
     if kind == "blade":
         beams["disk_kind"] = "rigid"
     reduction = {"fixed_interface_modes": 6}
@@ -62,7 +62,7 @@ def marched(
 
 
 BEARINGS = {"stiffness": 3e7, "stiffness_y": 1e7, "frame": "static", "damping": 2e3}
-CASES: dict[str, dict[str, dict[str, Any]]] = {
+CASES: dict[str, Any] = {
     "unequal bearings and dampers": {
         "shaft": BEARINGS,
         "excitation": {"type": "imbalance", "clearance_speed": "1500 rpm", "ramp": "1 ms"},

@@ -13,7 +13,6 @@ from command_line import answer
 from rod_blade import blade, tables
 
 import bladewhirl as bw
-from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.modal.campbell import drawn_part
@@ -119,21 +118,6 @@ def test_modes_of_a_superelement_include_its_coriolis_forces(tmp_path: Path) -> 
     (tmp_path / "case.toml").write_text(bw.dumps_case(case), encoding="utf-8")
     rows = json.loads(answer("modes", tmp_path / "case.toml", "--count", 10, "--json").stdout)
     assert [row["frequency_hz"] for row in rows["bladed_disk"]] == pytest.approx(exact, rel=1e-6)
-
-
-def test_modes_warn_of_a_matrix_that_a_wheel_of_sectors_leaves_out(tmp_path: Path) -> None:
-    part = blade(levels=3)
-    faces: Any = {"left_dofs": np.array([[0, 1, 2]]), "right_dofs": np.array([[3, 4, 5]])}
-    bw.write_superelement(
-        file := tmp_path / "part.npz", replace(part, gyroscopic=0.0 * part.mass, **faces)
-    )
-    table = {"file": str(file), "copies": 4, "kind": "sector"}
-    given = tables(file, reduction={"free_interface_modes": 4})
-    case = bw.case_from(given | {"bladed_disk": {"superelement": table}})
-    with pytest.warns(Hint, match='gyroscopic of a sector is not used .* "consistent" uses it'):
-        bw.modes(case)
-    (tmp_path / "case.toml").write_text(bw.dumps_case(case), encoding="utf-8")
-    assert "Hint: the matrix gyroscopic" in answer("modes", tmp_path / "case.toml").stderr
 
 
 @pytest.mark.parametrize("wrong", [[], [-1.0], [0.0, 1.0], [2e6, 1e6], [np.nan], "soft", 3e7])

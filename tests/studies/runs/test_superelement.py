@@ -121,10 +121,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
         {"excitation": {"type": "engine-order", "position": 0.5}},
         'excitation.position = 0.5: expected "tip"',
     ),
-    (
-        {"rotation": {"effects": "full"}},
-        'rotation.effects = "full": expected "none", or a bladed_disk.superelement with a matrix',
-    ),
+    ({"rotation": {"effects": "full"}}, '"none", or a file with stiffness_speed, without which'),
     ({"casing__coating": UNMARKED}, "are at the same angle"),
     ({"casing__coating": UNMARKED | {"footprint": 1e-4}}, "less than one rod in a time step"),
     ({"casing__coating": UNMARKED | {"footprint": 1e-12}}, "for at most 100000 rods"),
@@ -248,7 +245,9 @@ def test_a_sheet_has_a_picture_of_each_instant(file: Path, tmp_path: Path) -> No
         ("render RUN --html", "expected .png, .gif or .mp4 for a superelement"),
         ("render RUN --orbit", "not allowed for a superelement"),
         ("export RUN --surface", "not allowed for a superelement"),
-        ("campbell RUN/case.toml", "expected beams here; only run, sweep"),
+        ("veering RUN/case.toml", "a free with a clamped centre"),
+        ("stability RUN/case.toml", "join the wall to one tip of each blade"),
+        ("critical-speeds RUN/case.toml", "this blade has no centre that whirls"),
     ],
 )
 def test_commands_for_beams_refuse_a_superelement(run: Run, command: str, expected: str) -> None:

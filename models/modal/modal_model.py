@@ -1,0 +1,134 @@
+"""Bladed disk and casing in their modes: what modal studies need, whatever the disk was built
+from."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.shaft import Effects
+from bladewhirl.models.elements.cyclic import NO_COLUMN
+from bladewhirl.models.modal.labels import LabelledModes
+from bladewhirl.models.modal.modes import Modes
+from bladewhirl.models.rotation.waves import Waves
+from bladewhirl.models.rotation.whirl_modes import WhirlModes
+
+UNEQUAL_SECTORS = (
+    "expected equal sectors, without bladed_disk.mistuning, on equal shaft"
+    ' springs or on springs with shaft.frame = "static"; each wave then has one nodal'
+    " diameter"
+)
+"""Error of studies of waves, which need a nodal diameter of each wave."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LabelledWhirlModes:
+    """Modes of a bladed disk with Coriolis forces."""
+
+    modes: WhirlModes
+    family: tuple[str, ...]  #: family of each mode, (modes,)
+    at_rest: tuple[str, ...]  #: family of each mode's branch at rest, (modes,)
+
+    @property
+    def nodal_diameter(self) -> IntArray:
+        """Dominant nodal diameter of each mode, (modes,)."""
+        return self.modes.nodal_diameter
+
+    def find(self, family: str, nodal_diameter: int) -> IntArray:
+        """Return the numbers of the modes of one family and nodal diameter, ascending."""
+        named = np.array(self.family) == family
+        return np.flatnonzero(named & (self.nodal_diameter == nodal_diameter))
+
+    def real_parts(self, chosen: IntArray) -> Modes:
+        """Return two real fields for each chosen mode: Re p and -Im p.
+
+        The motion of a mode is Re p cos(w t) - Im p sin(w t).
+        """
+        fields, twice = self.modes.fields(chosen), np.repeat(chosen, 2)
+        return Modes(
+            frequency=self.modes.frequency[twice],
+            column=np.full(len(twice), NO_COLUMN),
+            nodal_diameter=self.nodal_diameter[twice],
+            purity=self.modes.purity[twice],
+            spring_share=self.modes.spring_share[twice],
+            shapes=np.stack([fields.real, -fields.imag], axis=-1).reshape(len(fields), -1),
+            sectors=0,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModalModel(ABC):
+    """Bladed disk and casing in their modes, at any speed of rotation."""
+
+    case: Case
+    reference_frequency: float
+    """Lowest natural frequency of the bladed disk at rest, with a free centre [rad/s]."""
+    casing_modes: LabelledModes  #: modes of the casing; none for a rigid wall
+
+    @property
+    def speed(self) -> float:
+        """Speed of rotation of the case [rad/s], counter-clockwise."""
+        return self.case.march.speed.rad_per_s(self.reference_frequency)
+
+    @property
+    @abstractmethod
+    def effects(self) -> Effects:
+        """Effects of the rotation that act on the bladed disk."""
+
+    @property
+    def turns(self) -> bool:
+        """True if the frequencies depend on the speed of rotation."""
+        return self.effects != "none"
+
+    @property
+    @abstractmethod
+    def centre(self) -> str:
+        """State of the centre as the case requires it, "free" or "clamped"."""
+
+    @property
+    @abstractmethod
+    def by_centre(self) -> Mapping[str, LabelledModes | LabelledWhirlModes]:
+        """Modes of the bladed disk at the speed of the case, by the state of its centre."""
+
+    @property
+    @abstractmethod
+    def disk_modes(self) -> LabelledModes:
+        """Modes of the bladed disk without Coriolis forces, with a free or a clamped centre as the
+        case requires."""
+
+    @property
+    @abstractmethod
+    def waves(self) -> Mapping[int, Waves]:
+        """Waves of each nodal diameter, with a free or a clamped centre as the case requires.
+
+        Raises:
+            UserError: the sectors of the bladed disk differ.
+        """
+
+    @property
+    @abstractmethod
+    def shaft_waves(self) -> Waves:
+        """Waves of nodal diameter 1 with a free centre on the springs of the shaft.
+
+        Raises:
+            UserError: the sectors differ, or the bladed disk has no centre that moves, or its
+                critical speeds do not follow from its matrices.
+        """
+
+    @abstractmethod
+    def growth(self, omegas: FloatArray) -> FloatArray | None:
+        """Return the largest static growth of a tip at each speed [m], (speeds,); None if it is not
+        known."""
+
+    @property
+    @abstractmethod
+    def clearance_gone(self) -> float:
+        """Speed at which the growth of the tips equals the clearance [rad/s]; nan if not known."""
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """Warnings about what the modes leave out, one line each."""
+        return ()

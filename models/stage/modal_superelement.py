@@ -1,0 +1,309 @@
+"""Modes and waves of a superelement in its case, at any speed of rotation."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg as la
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.shaft import Effects
+from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
+from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL
+from bladewhirl.models.elements.cyclic import NO_COLUMN, is_pair
+from bladewhirl.models.inputs.errors import CaseError, UserError
+from bladewhirl.models.modal.labels import (
+    LabelledModes,
+    families_at_speed,
+    labelled_modes,
+    names_of,
+    wave_families,
+)
+from bladewhirl.models.modal.modal_model import UNEQUAL_SECTORS, LabelledWhirlModes, ModalModel
+from bladewhirl.models.modal.modes import Modes, families, is_first_of_pair
+from bladewhirl.models.rotation.waves import Waves
+from bladewhirl.models.rotation.whirl_modes import joined_modes, wave_modes
+from bladewhirl.models.stage.hints import unused_matrices
+from bladewhirl.models.stage.superelement_stage import (
+    SuperelementStage,
+    on_springs,
+    superelement_stage,
+    without_rotation,
+)
+from bladewhirl.models.superelements.nodal_blocks import (
+    UNKNOWN,
+    Blocks,
+    NodalBlock,
+    blade_blocks,
+    sector_blocks,
+    wheel_blocks,
+    with_clamped_centre,
+)
+from bladewhirl.models.superelements.superelement import SuperelementError
+
+FAMILIES = 12
+"""Number of modes of each nodal diameter, by default."""
+
+COUPLED, COUPLED_AT_ONE_SPEED = 20, 100
+"""Number of further modes of each nodal diameter, which rotation may couple to the chosen ones: for
+modes at many speeds, and for those at the speed of the case."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModalSuperelement(ModalModel):
+    """A superelement, or its copies, and the casing in their modes."""
+
+    stage: SuperelementStage  #: the structure at rest
+    blocks: Blocks  #: matrices of each nodal diameter
+    clamped_blocks: Blocks | None  #: the same with a clamped centre; None if no centre moves
+    count: int | None  #: number of modes to list; all if None
+
+    @property
+    def effects(self) -> Effects:
+        """Effects of the rotation; Coriolis forces act whenever the file has their matrix, unless
+        the case excludes them."""
+        effects = self.case.rotation.effects
+        if effects == "none" and self._table.part.gyroscopic is not None:
+            return "full"
+        return effects
+
+    @property
+    def centre(self) -> str:
+        return "clamped" if self.clamped_blocks is None else "free"
+
+    @cached_property
+    def by_centre(self) -> dict[str, LabelledModes | LabelledWhirlModes]:
+        listed = self.blocks
+        if self._table.kind == "blade":  # the same for every nodal diameter
+            listed = {UNKNOWN: self.blocks[0]}
+        found: dict[str, LabelledModes | LabelledWhirlModes] = {self.centre: self._modes(listed)}
+        if self.clamped_blocks is not None:
+            found["clamped"] = self._modes(self.clamped_blocks)
+        return found
+
+    @cached_property
+    def disk_modes(self) -> LabelledModes:
+        return self._labelled(self.blocks, self.speed if self.effects == "centrifugal" else 0.0)
+
+    @property
+    def waves(self) -> dict[int, Waves]:
+        if UNKNOWN in self.blocks or np.ptp(self.stage.factor) > 0.0:
+            raise UserError(UNEQUAL_SECTORS)
+        return {k: self._wave(k, block) for k, block in self.blocks.items()}
+
+    @property
+    def shaft_waves(self) -> Waves:
+        if self.clamped_blocks is None:
+            raise UserError(
+                f'critical speeds: expected {SOURCE}.kind = "wheel" with centre_dofs: this'
+                f" {self._table.kind} has no centre that whirls on the springs of the shaft"
+            )
+        if self.case.rotation.effects != "full":
+            raise UserError(
+                'critical speeds: expected rotation.effects = "full" (--set rotation.effects=full),'
+                f" got {self.case.rotation.effects}: without spin softening no whirl is stationary"
+                " in rotating axes"
+            )
+        return self.waves[1]
+
+    def growth(self, omegas: FloatArray) -> FloatArray | None:
+        return None
+
+    @property
+    def clearance_gone(self) -> float:
+        return float("nan")
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        hints = tuple(unused_matrices(replace(self.stage, case=self.case)))
+        if self._table.part.stiffness_speed is None:
+            hints += (
+                "the stiffness of the superelement is the same at every speed: its file has no"
+                " stiffness_speed",
+            )
+        return hints
+
+    @property
+    def _table(self) -> SuperelementTable:
+        return self.stage.table
+
+    def _softening(self, block: NodalBlock) -> ComplexArray:
+        """Return the change of the stiffness at 1 rad/s, if the case includes it."""
+        return block.stiffness_speed * float(self.case.rotation.effects != "none")
+
+    def _wave(self, k: int, block: NodalBlock) -> Waves:
+        return Waves(
+            nodal_diameter=k,
+            mass=np.eye(block.size, dtype=np.complex128),
+            stiffness=block.stiffness,
+            coriolis=0.5 * block.gyroscopic * float(self.effects == "full"),
+            softening=self._softening(block),
+            springs=block.springs,
+        )
+
+    def _modes(self, blocks: Blocks) -> LabelledModes | LabelledWhirlModes:
+        """Return the lowest modes at the speed of the case."""
+        copies, omega = self._table.copies, self.speed
+        if self.effects != "full":
+            labelled = self._labelled(blocks, omega)
+            count = min(self.count or labelled.count, labelled.count)
+            labelled = labelled.take(slice(count + is_first_of_pair(labelled.column, count - 1)))
+            found = self._dominant(blocks, labelled.amplitudes)
+            if found is not None:
+                labelled = replace(labelled, nodal_diameter=found[0], purity=found[1])
+            return labelled
+        modes = joined_modes(
+            [
+                wave_modes(
+                    k,
+                    copies,
+                    (
+                        np.eye(block.size, dtype=np.complex128),
+                        block.stiffness + omega**2 * self._softening(block),
+                        omega * block.gyroscopic,
+                    ),
+                    (block.springs, block.stiffness),
+                )
+                for k, block in blocks.items()
+            ]
+        )
+        modes = modes.take(np.argsort(modes.frequency, kind="stable")[: self.count])
+        family, before = wave_families(self._labelled(blocks, 0.0), modes)
+        if (found := self._dominant(blocks, modes.amplitudes)) is not None:
+            modes = replace(modes, nodal_diameter=found[0], purity=found[1])
+        return LabelledWhirlModes(modes=modes, family=family, at_rest=before)
+
+    def _labelled(self, blocks: Blocks, omega: float) -> LabelledModes:
+        """Return the modes without Coriolis forces at a speed [rad/s], with their families; the
+        modes of a wheel whose blades differ or are not known have none."""
+        copies, softens = self._table.copies, self.case.rotation.effects != "none"
+        at_rest = _collected(blocks, copies, 0.0)
+        table = Modes(shapes=np.zeros((0, at_rest.count)), sectors=copies, **at_rest.numbers())
+        if UNKNOWN not in blocks or self._table.kind == "blade":
+            at_rest = replace(at_rest, family=tuple(families(table, "bladed-disk")))
+        if omega == 0.0 or not softens:
+            return at_rest
+        turning = _collected(blocks, copies, omega)
+        now, before, ranked = [""] * turning.count, [""] * turning.count, names_of(at_rest)
+        for column in np.unique(turning.column).tolist():
+            here = np.flatnonzero(turning.column == column)
+            of_rest = ranked[int(turning.nodal_diameter[here[0]])]
+            at_speed = families_at_speed(of_rest, turning.spring_share[here])
+            for mode, new, old in zip(here.tolist(), at_speed, of_rest, strict=True):
+                now[mode], before[mode] = new, old
+        return replace(turning, family=tuple(now), at_rest=tuple(before))
+
+    def _dominant(
+        self, blocks: Blocks, amplitudes: Sequence[ComplexArray | FloatArray]
+    ) -> tuple[IntArray, FloatArray] | None:
+        """Return the dominant nodal diameter of each mode of a wheel whose blades differ, and its
+        share in the motion of the contact nodes; None for other structures."""
+        blades = self._table.copies
+        if UNKNOWN not in blocks or self._table.kind != "wheel" or blades == 1:
+            return None
+        part, block = self.stage.part, blocks[UNKNOWN]
+        x, y = part.contact_position[:, :2].reshape(blades, -1, 2).mean(axis=1).T
+        turns = np.exp(-1j * np.outer(np.arange(blades), np.arctan2(y, x)))
+        moved = (block.contact @ np.stack(amplitudes, axis=-1)).reshape(blades, -1, len(amplitudes))
+        power = (np.abs(np.einsum("kb,bim->kim", turns, moved)) ** 2).sum(axis=1)
+        shares = power[: blades // 2 + 1].copy()
+        shares[1 : (blades + 1) // 2] += power[: blades // 2 : -1]
+        shares /= shares.sum(axis=0)
+        return shares.argmax(axis=0), shares.max(axis=0)
+
+
+def modal_superelement(
+    case: Case, *, families: int = FAMILIES, count: int | None = None
+) -> ModalSuperelement:
+    """Compute the modes of a superelement and of the casing.
+
+    Args:
+        case: case with a superelement.
+        families: number of modes of each nodal diameter.
+        count: number of the lowest modes to list, in place of `families`.
+
+    Raises:
+        CaseError: the superelement cannot be reduced as the case demands.
+    """
+    stage = superelement_stage(without_rotation(case))
+    table, clamped = stage.table, None
+    each = families + COUPLED if count is None else count + COUPLED_AT_ONE_SPEED
+    try:
+        if table.kind == "blade":
+            blocks = blade_blocks(table.part, table.copies, each)
+        elif table.kind == "sector":
+            blocks = sector_blocks(table.part, table.copies, each)
+        else:
+            total = each * (table.copies if count is None else 1)
+            springs = case.shaft.stiffnesses
+            part = table.part if table.part.centre_dofs is None else on_springs(case, table.part)
+            blocks = wheel_blocks(part, springs, table.copies, total)
+            if part.centre_dofs is not None:
+                fixed = with_clamped_centre(part)
+                clamped = wheel_blocks(fixed, springs, table.copies, total)
+    except SuperelementError as error:
+        text = str(error).removeprefix("expected ")
+        raise CaseError([case_fault(case, f"{SOURCE}.file", text)]) from None
+    return ModalSuperelement(
+        case=case,
+        reference_frequency=stage.reference_frequency,
+        casing_modes=_of_casing(stage),
+        stage=stage,
+        blocks=blocks,
+        clamped_blocks=clamped,
+        count=count,
+    )
+
+
+def _of_casing(stage: SuperelementStage) -> LabelledModes:
+    """Return the modes of a flexible casing; none for a rigid wall."""
+    if stage.ring is not None:
+        return labelled_modes(stage.ring.casing.structure, (RADIAL, TANGENTIAL), "casing")
+    none, whole = np.zeros(0), np.zeros(0, dtype=np.int64)
+    return LabelledModes(
+        frequency=none,
+        column=whole,
+        nodal_diameter=whole,
+        purity=none,
+        spring_share=none,
+        family=(),
+        amplitudes=(),
+        layout=None,
+        size=0,
+    )
+
+
+def _collected(blocks: Blocks, sectors: int, omega: float) -> LabelledModes:
+    """Return the modes of all blocks without Coriolis forces, ascending, without families."""
+    squares, shares, columns, diameters, amplitudes = [], [], [], [], []
+    for k, block in blocks.items():
+        square, vectors = la.eigh(block.stiffness + omega**2 * block.stiffness_speed)
+        strained, held = (
+            np.einsum("im,ij,jm->m", vectors.conj(), matrix, vectors).real
+            for matrix in (block.stiffness, block.springs)
+        )
+        share = held / np.maximum(np.maximum(held, np.abs(strained)), np.finfo(float).tiny)
+        of_block = [NO_COLUMN]
+        if k != UNKNOWN:
+            of_block = [2 * k - 1, 2 * k] if is_pair(k, sectors) else [0 if k == 0 else sectors - 1]
+        squares.append(np.repeat(square, len(of_block)))
+        shares.append(np.repeat(share, len(of_block)))
+        columns.append(np.tile(of_block, len(square)))
+        diameters.append(np.full(len(square) * len(of_block), k))
+        amplitudes += [vector for vector in vectors.T for _ in of_block]
+    order = np.argsort(np.concatenate(squares), kind="stable")
+    square = np.concatenate(squares)[order]
+    return LabelledModes(
+        frequency=np.sign(square) * np.sqrt(np.abs(square)),
+        column=np.concatenate(columns)[order],
+        nodal_diameter=np.concatenate(diameters)[order],
+        purity=np.where(np.concatenate(diameters)[order] == UNKNOWN, 0.0, 1.0),
+        spring_share=np.concatenate(shares)[order],
+        family=("",) * len(order),
+        amplitudes=tuple(amplitudes[i] for i in order),
+        layout=None,
+        size=len(order),
+    )

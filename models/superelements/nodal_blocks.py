@@ -1,0 +1,225 @@
+"""Matrices of a blade, a sector or a wheel on its lowest modes, by nodal diameter.
+
+In a motion with nodal diameter k the displacements of the next blade, in its own polar axes, are
+those of the blade before it times exp(i k alpha), with alpha = 2 pi / blades. For a sector this
+follows from its two faces, see `cyclic`. The blades of a wheel are recognised by their contact
+nodes: modes of equal frequency span a space that a turn by one blade maps onto itself if all blades
+are equal; the eigenvalues exp(i k alpha) of this map give the nodal diameters. Separate blades have
+equal matrices for every nodal diameter.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.reduction import lowest_modes, static_solution
+from bladewhirl.models.superelements.superelement import (
+    FIXED,
+    Matrix,
+    Superelement,
+    SuperelementError,
+    dense,
+)
+
+UNKNOWN = -1  #: nodal diameter of the only block of a structure whose blades differ
+
+ALL = 400
+"""Largest number of coordinates of a wheel of which all modes are used."""
+
+EQUAL = 1e-6
+"""Frequencies of a wheel count as equal if their squares differ by at most this fraction."""
+
+CYCLIC = 1e-4
+"""A wheel is cyclic if a turn by one blade maps the modes of equal frequency onto each other with a
+relative error of at most this."""
+
+MOST = 4000
+"""Largest number of coordinates of a sector."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NodalBlock:
+    """Matrices of one nodal diameter on m mass-normalised modes of the structure at rest.
+
+    A field p exp(i w t) with w > 0 and k > 0 travels backward. The displacements of the contact
+    nodes and of the points are those of the first sector, or of the whole structure.
+    """
+
+    stiffness: ComplexArray  #: stiffness with the springs of the shaft [1/s2], (m, m)
+    springs: ComplexArray  #: part of the stiffness due to the springs of the shaft [1/s2], (m, m)
+    gyroscopic: ComplexArray  #: Coriolis forces at 1 rad/s, (m, m), skew-Hermitian
+    stiffness_speed: ComplexArray  #: change of the stiffness at 1 rad/s, (m, m)
+    contact: ComplexArray
+    """Radial, tangential and axial displacements of the contact nodes [kg^-1/2], (3c, m)."""
+    points: ComplexArray  #: displacements of the points along x, y and z [kg^-1/2], (3p, m)
+
+    @property
+    def size(self) -> int:
+        """Number of modes."""
+        return len(self.stiffness)
+
+
+Blocks = Mapping[int, NodalBlock]
+"""Blocks by nodal diameter; the key `UNKNOWN` for the only block if the blades are not equal."""
+
+
+def blade_blocks(part: Superelement, blades: int, count: int) -> Blocks:
+    """Return the blocks of equal blades that do not influence each other, one for each nodal
+    diameter.
+
+    Args:
+        part: the blade.
+        blades: number of blades.
+        count: number of modes of a blade.
+    """
+    _, shapes = lowest_modes(part, min(count, part.size - 1))
+    block = _block(part, np.asarray(shapes, dtype=np.complex128))
+    return dict.fromkeys(range(blades // 2 + 1), block)
+
+
+def sector_blocks(part: Superelement, sectors: int, count: int) -> Blocks:
+    """Return the blocks of a wheel of equal sectors.
+
+    Args:
+        part: the sector.
+        sectors: number of sectors.
+        count: number of modes of each nodal diameter.
+
+    Raises:
+        SuperelementError: the sector has too many coordinates, or no matching faces.
+    """
+    if part.size > MOST:
+        raise SuperelementError(
+            f"expected a sector of at most {MOST} coordinates, got {part.size}; reduce it first"
+        )
+    blocks = {}
+    for k in range(sectors // 2 + 1):
+        reduced = cyclic_reduction(part, sectors, k)
+        matrices = reduced.stiffness.toarray(), reduced.mass.toarray()
+        last = min(count, len(matrices[0])) - 1
+        _, shapes = la.eigh(*matrices, subset_by_index=[0, last])
+        blocks[k] = _block(part, np.asarray(reduced.transformation @ shapes, dtype=np.complex128))
+    return blocks
+
+
+def wheel_blocks(
+    part: Superelement, springs: tuple[float, float], blades: int, count: int
+) -> Blocks:
+    """Return the blocks of a whole bladed disk; the only block `UNKNOWN` if its blades differ or
+    are not to be distinguished.
+
+    Args:
+        part: the wheel, whose stiffness includes the springs of the shaft.
+        springs: stiffness of these springs along x and y [N/m].
+        blades: number of blades, whose contact nodes are listed one blade after the other.
+        count: number of modes; all of a small wheel.
+    """
+    squares, shapes = _wheel_modes(part, count)
+    groups = _by_nodal_diameter(part, squares, shapes, blades) if blades > 1 else None
+    if groups is None:
+        groups = {UNKNOWN: np.asarray(shapes, dtype=np.complex128)}
+    return {k: _block(part, fields, springs) for k, fields in sorted(groups.items())}
+
+
+def with_clamped_centre(part: Superelement) -> Superelement:
+    """Return a wheel whose centre does not move."""
+    assert part.centre_dofs is not None
+    kept = np.setdiff1d(np.arange(part.size), part.centre_dofs)
+    place = np.full(part.size + 1, FIXED)  # the last entry is that of a fixed component
+    place[kept] = np.arange(len(kept))
+
+    def cut(matrix: Matrix | None) -> Any:
+        if matrix is None:
+            return None
+        return sp.csr_array(matrix)[kept][:, kept] if sp.issparse(matrix) else matrix[kept][:, kept]
+
+    square = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_speed")
+    return replace(
+        part,
+        **{key: cut(getattr(part, key)) for key in square},
+        contact_dofs=place[part.contact_dofs],
+        centre_dofs=None,
+        recovery=None if part.recovery is None else sp.csc_array(part.recovery)[:, kept],
+    )
+
+
+def _wheel_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArray]:
+    """Return squared frequencies and shapes: all modes of a small wheel, else the lowest ones with
+    the static displacement by forces at the centre, so that they also suit other springs."""
+    if part.size <= ALL:
+        squares, shapes = la.eigh(dense(part.stiffness), dense(part.mass))
+        return squares, shapes
+    squares, shapes = lowest_modes(part, min(count, part.size - 1))
+    if part.centre_dofs is None or squares[0] <= 0.0:
+        return squares, shapes
+    forces = np.zeros((part.size, 2))
+    forces[part.centre_dofs, [0, 1]] = 1.0
+    moved = static_solution(part.stiffness, np.zeros((part.size, 0)), forces)
+    moved /= np.sqrt(np.einsum("im,im->m", moved, part.mass @ moved))
+    moved -= shapes @ (shapes.T @ (part.mass @ moved))
+    basis = np.hstack([shapes, moved])
+    squares, vectors = la.eigh(basis.T @ (part.stiffness @ basis), basis.T @ (part.mass @ basis))
+    return squares, basis @ vectors
+
+
+def _by_nodal_diameter(
+    part: Superelement, squares: FloatArray, shapes: FloatArray, blades: int
+) -> dict[int, ComplexArray] | None:
+    """Return for each nodal diameter the fields of its backward waves, (n, m); None if the blades
+    are not equal."""
+    angles = part.contact_position[:, :2].reshape(blades, -1, 2).mean(axis=1)
+    order = np.argsort(np.arctan2(angles[:, 1], angles[:, 0]))
+    at_nodes = (part.contact_rows @ shapes).reshape(blades, -1, len(squares))[order]
+    following = np.roll(at_nodes, -1, axis=0).reshape(-1, len(squares))
+    here = at_nodes.reshape(-1, len(squares))
+    starts = np.flatnonzero(np.diff(squares) > EQUAL * np.abs(squares[1:])) + 1
+    found: dict[int, list[ComplexArray]] = {k: [] for k in range(blades // 2 + 1)}
+    for modes in np.split(np.arange(len(squares)), starts):
+        turn, _, rank, _ = np.linalg.lstsq(here[:, modes], following[:, modes], rcond=CYCLIC)
+        error = np.linalg.norm(here[:, modes] @ turn - following[:, modes])
+        if rank < len(modes) or error > CYCLIC * np.linalg.norm(following[:, modes]):
+            if modes[-1] == len(squares) - 1:
+                break  # the last modes lack their partners
+            return None
+        values, vectors = np.linalg.eig(turn)
+        waves = np.round(np.angle(values) * blades / (2.0 * np.pi)).astype(int)
+        for wave in np.unique(waves):
+            k = int(wave) % blades
+            if k > blades // 2:
+                continue  # forward waves are the conjugates of backward waves
+            among, _ = np.linalg.qr(vectors[:, waves == wave])
+            found[k].append(np.asarray(shapes[:, modes] @ among, dtype=np.complex128))
+    return {k: np.hstack(fields) for k, fields in found.items() if fields}
+
+
+def _block(
+    part: Superelement, fields: ComplexArray, springs: tuple[float, float] = (0.0, 0.0)
+) -> NodalBlock:
+    modes = fields.shape[1]
+    zero = np.zeros((modes, modes), dtype=np.complex128)
+
+    def on_modes(matrix: Matrix | None, sign: float = 1.0) -> ComplexArray:
+        if matrix is None:
+            return zero
+        values = fields.conj().T @ (matrix @ fields)
+        return np.asarray(0.5 * (values + sign * values.conj().T))
+
+    held = zero
+    if part.centre_dofs is not None:
+        at_centre = fields[part.centre_dofs]
+        held = at_centre.conj().T @ (np.array(springs)[:, None] * at_centre)
+    points = np.zeros((0, modes), dtype=np.complex128)
+    return NodalBlock(
+        stiffness=on_modes(part.stiffness),
+        springs=held,
+        gyroscopic=on_modes(part.gyroscopic, -1.0),
+        stiffness_speed=on_modes(part.stiffness_speed),
+        contact=np.asarray(part.contact_rows @ fields),
+        points=points if part.recovery is None else np.asarray(part.recovery @ fields),
+    )

@@ -1,0 +1,203 @@
+"""Modal studies of superelements: stages of beams give the same results as superelements."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from command_line import answer, refusal
+from exported_stages import BLADES, Kind, beams, exported
+from rod_blade import blade, tables
+
+import bladewhirl as bw
+from bladewhirl.models.stage.modal_superelement import modal_superelement
+from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.superelements import nodal_blocks
+
+LABELS = ("family", "nodal_diameter", "family_at_rest", "direction", "direction_static", "pattern")
+
+
+def of(modes: xr.Dataset, body: str, centre: str, count: int) -> xr.Dataset:
+    """Return the lowest modes of a body, without the index."""
+    rows = (modes["body"].values == body) & (modes["centre"].values == centre)
+    return modes.isel(mode=rows).isel(mode=slice(count)).reset_index("mode")
+
+
+@pytest.mark.parametrize("effects", ["none", "centrifugal", "full"])
+def test_modes_of_a_wheel_are_those_of_its_beams(tmp_path: Path, effects: str) -> None:
+    case = beams(rotation={"effects": effects})
+    wheel = exported(case, "wheel", tmp_path)
+    first, second = bw.modes(case), bw.modes(wheel, count=30)
+    for body, centre in (("bladed-disk", "free"), ("bladed-disk", "clamped"), ("casing", "")):
+        one, other = of(first, body, centre, 29), of(second, body, centre, 29)
+        assert other["frequency"].values == pytest.approx(one["frequency"].values, rel=1e-9)
+        assert other["spring_share"].values == pytest.approx(one["spring_share"].values, abs=1e-9)
+        for name in LABELS:
+            assert other[name].values.tolist() == one[name].values.tolist()
+    assert second.attrs["centre"] == "free"
+    assert second.attrs["rotation_effects"] == effects
+
+
+@pytest.mark.parametrize("kind", ["sector", "blade"])
+def test_modes_of_a_part_are_those_of_its_beams(tmp_path: Path, kind: Kind) -> None:
+    case = beams(kind)
+    first, second = bw.modes(case), bw.modes(exported(case, kind, tmp_path), count=8)
+    assert second.attrs["centre"] == "clamped"
+    other = of(second, "bladed-disk", "clamped", 8)
+    if kind == "sector":
+        one = of(first, "bladed-disk", "clamped", 8)
+        assert other["frequency"].values == pytest.approx(one["frequency"].values, rel=1e-9)
+        for name in LABELS:
+            assert other[name].values.tolist() == one[name].values.tolist()
+    else:  # separate blades have the same frequency with every nodal diameter
+        one = first.sel(body="bladed-disk", centre="clamped", nodal_diameter=0)
+        assert other["family"].values.tolist() == [f"{n}F" for n in range(1, 6)]
+        assert set(other["nodal_diameter"].values.tolist()) == {-1}
+        assert other["frequency"].values == pytest.approx(one["frequency"].values[:5], rel=1e-9)
+
+
+def test_the_blades_of_a_wheel_are_known_only_by_their_number(tmp_path: Path) -> None:
+    """Without copies a mode has no nodal diameter; if blades differ, it has a dominant one."""
+    case = beams()
+    part = bw.build_stage(case).to_superelement()
+    disk = {"blades": BLADES, "elements_per_blade": 2}
+    mistuning = {"stiffness": [1.0, 1.04, 1.0, 0.98, 1.0]}
+    uneven = beams(bladed_disk=disk | {"mistuning": mistuning})
+    first = of(bw.modes(uneven), "bladed-disk", "free", 12)
+    different = exported(uneven, "wheel", tmp_path)
+    second = of(bw.modes(different, count=12), "bladed-disk", "free", 12)
+    assert second["frequency"].values == pytest.approx(first["frequency"].values, rel=1e-9)
+    pure = first["purity"].values > 0.8
+    assert pure.any()
+    assert (second["nodal_diameter"].values == first["nodal_diameter"].values)[pure].all()
+    assert set(second["family"].values) == {""}
+    turning = beams(bladed_disk=disk | {"mistuning": mistuning}, rotation={"effects": "full"})
+    with pytest.raises(bw.UserError, match="expected equal sectors"):
+        bw.critical_speeds(exported(turning, "wheel", tmp_path))
+    bw.write_superelement(tmp_path / "wheel.npz", part)
+    unknown = bw.with_values(different, {"bladed_disk.superelement.copies": 1})
+    assert set(
+        of(bw.modes(unknown, count=6), "bladed-disk", "free", 6)["nodal_diameter"].values
+    ) == {-1}
+
+
+@pytest.mark.parametrize("effects", ["none", "full"])
+def test_the_campbell_diagram_of_a_wheel_is_that_of_its_beams(tmp_path: Path, effects: str) -> None:
+    case = beams(rotation={"effects": effects})
+    first = bw.campbell(case, families=2)
+    second = bw.campbell(exported(case, "wheel", tmp_path), families=2)
+    assert first.sizes["coincidence"] > 0
+    assert set(first) - set(second) == ({"tip_growth"} if effects == "full" else set())
+    for name in second:
+        one, other = first[name].values, second[name].values
+        if one.dtype.kind == "f":
+            size = np.abs(one).max(initial=0.0)
+            assert other == pytest.approx(one, rel=1e-8, abs=max(1e-9 * size, 1e-12))
+        else:
+            assert other.tolist() == one.tolist()
+
+
+def test_separate_blades_meet_the_casing_with_every_nodal_diameter(tmp_path: Path) -> None:
+    case = beams("blade")
+    first = bw.campbell(case, families=2)
+    second = bw.campbell(exported(case, "blade", tmp_path), families=2)
+    assert second.sizes["coincidence"] == first.sizes["coincidence"]
+    assert second["speed"].values == pytest.approx(first["speed"].values, rel=1e-9)
+    assert "no stiffness_speed" in second.attrs["hints"]
+
+
+def test_coriolis_forces_split_the_waves_of_a_sector(tmp_path: Path) -> None:
+    """Over the speed, as in `modes` at one speed; a rigid wall has no modes."""
+    part = blade(levels=3)
+    faces: Any = {"left_dofs": np.array([[0, 1, 2]]), "right_dofs": np.array([[3, 4, 5]])}
+    turn = np.kron(np.eye(part.size // 3), [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    gyroscopic = 2.0 * np.asarray(part.mass) @ turn
+    bw.write_superelement(
+        file := tmp_path / "part.npz", replace(part, gyroscopic=gyroscopic, **faces)
+    )
+    table = {"file": str(file), "copies": 4, "kind": "sector"}
+    case = bw.case_from(
+        tables(file, bladed_disk={"superelement": table}, reduction={"free_interface_modes": 12})
+    )
+    reference = superelement_stage(case).reference_frequency
+    diagram = bw.campbell(case, families=3, speeds=(0.0, case.march.speed.multiple(reference)))
+    assert diagram.sizes["coincidence"] == 0
+    modes = of(bw.modes(case, count=12), "bladed-disk", "clamped", 12)
+    assert set(modes["body"].values) == {"bladed-disk"}
+    last = diagram.isel(line_speed=-1)
+    for way in ("backward", "forward"):
+        (listed,) = modes["frequency"].values[
+            (modes["nodal_diameter"].values == 1)
+            & (modes["family"].values == "1F")
+            & (modes["direction"].values == way)
+        ]
+        branch = last.isel(
+            branch=(last["branch_nodal_diameter"].values == 1)
+            & (last["branch_family"].values == "1F")
+            & (last["branch_direction"].values == way)
+        )
+        assert abs(branch["branch_frequency"].item()) == pytest.approx(listed, rel=1e-9)
+    # The march has the same frequencies: those of its modes with their Coriolis forces.
+    reduced, omega = superelement_stage(case).reduced, superelement_stage(case).speed
+    assert reduced.gyroscopic is not None
+    size = len(reduced.frequency)
+    top = np.hstack([-omega * reduced.gyroscopic, -np.diag(reduced.frequency**2)])
+    w = np.linalg.eigvals(np.vstack([top, np.eye(size, 2 * size)])).imag
+    of_march = np.sort(w[w > 0.0])[:12] / (2.0 * np.pi)
+    assert modes["frequency"].values == pytest.approx(of_march, rel=1e-3)
+    assert np.diff(of_march).max() > 1e-3 * of_march[0]
+
+
+def test_critical_speeds_of_a_wheel_are_those_of_its_beams(tmp_path: Path) -> None:
+    case = beams(rotation={"effects": "full"})
+    wheel, springs = exported(case, "wheel", tmp_path), np.geomspace(1e5, 1e9, 5)
+    first, second = (bw.critical_speeds(each, stiffnesses=springs) for each in (case, wheel))
+    assert first["critical_speed"].notnull().all()
+    for name in ("critical_speed", "spring_share"):
+        assert second[name].values == pytest.approx(first[name].values, rel=1e-8, abs=1e-10)
+    (tmp_path / "case.toml").write_text(bw.dumps_case(wheel), encoding="utf-8")
+    rows = json.loads(answer("critical-speeds", tmp_path / "case.toml", "--json").stdout)
+    assert rows["critical_speeds"][0]["direction"] == "forward"
+    changed = ("critical-speeds", tmp_path / "case.toml", "--set", "rotation.effects=centrifugal")
+    assert "no whirl is stationary in rotating axes" in refusal(*changed)
+
+
+def test_a_wheel_is_marched_with_its_stiffness_at_speed(tmp_path: Path) -> None:
+    """All frequencies of the reduced stage at speed are those of the reduced beams."""
+    march = {"speed": "2000 rpm", "time_step": 1e-6}
+    case = beams(rotation={"effects": "full"}, march=march)
+    same = {"boundary": "consistent", "fixed_interface_modes": 10}
+    wheel = superelement_stage(exported(case, "wheel", tmp_path, reduction=same))
+    stage = bw.build_stage(case)
+    assert wheel.reference_frequency == pytest.approx(stage.reference_frequency, rel=1e-3)
+    assert wheel.reduced.frequency == pytest.approx(stage.rotor.frequency, rel=1e-9)
+    assert wheel.reduced.gyroscopic is not None
+    forces = np.linalg.eigvals(wheel.speed * wheel.reduced.gyroscopic).imag
+    assert stage.rotor.by_velocity is not None
+    skew = 0.5 * (stage.rotor.by_velocity - stage.rotor.by_velocity.T)
+    expected = np.linalg.eigvals(skew).imag
+    assert np.sort(forces) == pytest.approx(np.sort(expected), abs=1e-8 * expected.max())
+    assert wheel.reduced.frequency[0] != pytest.approx(
+        bw.build_stage(beams()).rotor.frequency[0], rel=1e-3
+    )
+    too_fast = bw.with_values(wheel.case, {"march.speed": 3.0})
+    with pytest.raises(bw.CaseError, match="below the lowest critical speed"):
+        superelement_stage(too_fast)
+
+
+def test_a_large_wheel_is_reduced_to_modes_that_suit_all_shaft_springs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = beams(rotation={"effects": "full"})
+    wheel, springs = exported(case, "wheel", tmp_path), np.geomspace(1e5, 1e9, 5)
+    exact = bw.critical_speeds(wheel, stiffnesses=springs, branches=1)
+    monkeypatch.setattr(nodal_blocks, "ALL", 10)
+    monkeypatch.setattr("bladewhirl.models.stage.modal_superelement.COUPLED", 0)
+    modal = modal_superelement(wheel, families=4)
+    assert modal.blocks[1].size < 6  # of 10
+    reduced = bw.critical_speeds(modal, stiffnesses=springs, branches=1)
+    forward = [each.critical_speed.sel(direction="forward").values for each in (exact, reduced)]
+    assert forward[1] == pytest.approx(forward[0], rel=0.02)
