@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal, Protocol
 
-from bladewhirl.postprocess.plotting.registry import NODE_FIGURES, RUN_FIGURES, SWEEP_FIGURES
+from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,20 +38,16 @@ def _plot(name: str) -> Plot:
 
     def draw(dataset: xr.Dataset, start: float | None = None, end: float | None = None) -> Figure:
         from bladewhirl.postprocess.fields.kinematics import ViewError
-        from bladewhirl.postprocess.reports.figures import figures_of_run
+        from bladewhirl.postprocess.run.figures import RunFigures
         from bladewhirl.postprocess.sweep.figures import SweepFigures
 
         if "state" not in dataset:
-            return figures_of_run(dataset, start, end).draw(name)[0]
+            return RunFigures(dataset, start, end).draw(name)[0]
         if start is not None or end is not None:
             raise ViewError("omit start and end: a sweep has no time window")
         return SweepFigures(dataset).draw(name)[0]
 
-    kinds = {
-        "a run": RUN_FIGURES,
-        "a sweep": SWEEP_FIGURES,
-        "a run of a superelement": NODE_FIGURES,
-    }
+    kinds = {"a run": RUN_FIGURES, "a sweep": SWEEP_FIGURES}
     draw.__doc__ = "\n\n".join(
         f"For {source}: {registry[name].caption}"
         for source, registry in kinds.items()
@@ -61,7 +57,7 @@ def _plot(name: str) -> Plot:
     return draw
 
 
-_names = sorted({*RUN_FIGURES, *SWEEP_FIGURES, *NODE_FIGURES})
+_names = sorted({*RUN_FIGURES, *SWEEP_FIGURES})
 _plots = {name.replace("-", "_"): _plot(name) for name in _names}
 globals().update(_plots)
 __all__ = sorted([*_plots, "campbell", "critical_speeds", "response", "shaft_veering", "veering"])

@@ -13,6 +13,13 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 ComplexArray = NDArray[np.complex128]
 
+
+def absent() -> Any:
+    """Return the default of a field of a dataclass for an array that can be absent: an empty
+    array."""
+    return field(default_factory=lambda: np.zeros(0))
+
+
 REAL = ("points", "node_axes", "node_data", "line_data")
 """Names of the fields of meshes that contain real numbers; the other fields contain integers."""
 

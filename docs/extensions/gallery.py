@@ -10,7 +10,7 @@ from pathlib import Path
 from blocks import ROOT
 
 import bladewhirl as bw
-from bladewhirl.postprocess.plotting.registry import NODE_FIGURES, RUN_FIGURES, FigureKind
+from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, FigureKind
 
 LONGEST, FRAMES = 0.5, 10
 """Longest duration of a march under a load [s], and number of pictures of a film of beams."""
@@ -76,8 +76,8 @@ def _figures(case: bw.Case) -> list[FigureKind]:
     """Return the figures of a run that the page of the example shows."""
     if case.bladed_disk.superelement is None:
         return [RUN_FIGURES["orbit"]]
-    names = ("contact", "tips", "wear") if case.casing.coating else ("contact", "tips")
-    return [NODE_FIGURES[name] for name in names]
+    names = ("contact-nodes", "tips", *(["wear-tracks"] if case.casing.coating else []))
+    return [RUN_FIGURES[name] for name in names]
 
 
 def _picture(file: str, words: str) -> str:

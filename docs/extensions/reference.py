@@ -20,12 +20,11 @@ from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
 from bladewhirl.postprocess.plotting.registry import (
-    NODE_FIGURES,
     RUN_FIGURES,
     SWEEP_FIGURES,
     FigureKind,
 )
-from bladewhirl.solvers.march.schema import BEAMS, NODES, schema_table
+from bladewhirl.solvers.march.schema import RESULT, SWEEP, schema_table
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.sweeps.sweep import Sweep
@@ -201,12 +200,9 @@ def _documented(name: str, thing: Any) -> str:
 GENERATED = {
     "case-keys": case_keys,
     "commands": commands,
-    "results": partial(schema_table, BEAMS.result),
-    "nodes": partial(schema_table, NODES.result),
-    "sweeps": partial(schema_table, BEAMS.sweep),
-    "node-sweeps": partial(schema_table, NODES.sweep),
+    "results": partial(schema_table, RESULT),
+    "sweeps": partial(schema_table, SWEEP),
     "run-figures": partial(figures, RUN_FIGURES, drawn=True),
-    "node-figures": partial(figures, NODE_FIGURES, drawn=False),
     "sweep-figures": partial(figures, SWEEP_FIGURES, drawn=False),
     "api": api,
     "licences": licences.table,

@@ -4,6 +4,8 @@ The class of these arrays is in `stage_arrays`, so that solvers can import it wi
 finite elements.
 """
 
+from typing import Any
+
 import numpy as np
 
 from bladewhirl.models.case.case import Case
@@ -43,9 +45,8 @@ def stage_arrays(
         casing_family: family of each mode of the casing, (casing modes,).
         turning: the bladed disk at speed; None without rotation effects.
     """
-    model, mesh, supports, shaft = disk.model, disk.mesh, casing.supports, case.shaft
-    stiffness = np.array([np.diag(each.stiffness) for each in supports]).reshape(-1, 3)
-    damping = np.array([(each.dampers**2).sum(axis=0) for each in supports]).reshape(-1, 3)
+    model, mesh, shaft, tips = disk.model, disk.mesh, case.shaft, disk.mesh.node_sets["tips"]
+    shape, centre = disk.cartesian(disk_modes.shapes), int(mesh.node_sets["centre"][0])
     growth = np.zeros(len(disk.tip_radial)) if turning is None else turning.growth
     return StageArrays(
         rotor_frequency=disk_modes.frequency,
@@ -54,37 +55,59 @@ def stage_arrays(
         rotor_nodal_diameter=disk_modes.nodal_diameter,
         rotor_family=disk_family,
         rotor_spring_share=disk_modes.spring_share,
-        casing_frequency=casing_modes.frequency,
-        casing_nodal_diameter=casing_modes.nodal_diameter,
-        casing_family=casing_family,
         rotor_point=mesh.points,
         rotor_line=mesh.lines,
         **{f"rotor_{name}": getattr(disk.properties, name) for name in DRAWN},
         rotor_part=tuple(mesh.line_parts),
-        rotor_shape=disk.cartesian(disk_modes.shapes),
+        rotor_shape=shape,
         rotor_link=np.column_stack([model.links.led, model.links.leader]),
         rotor_spring=np.column_stack([model.springs.node, model.springs.other]),
         mass_node=model.masses.node,
         point_mass=model.masses.mass,
-        tip_node=mesh.node_sets["tips"],
+        tip_node=tips,
+        blade=np.arange(len(tips)),
+        node=np.zeros(len(tips), dtype=np.int64),
+        contact_radius=np.linalg.norm(mesh.points[tips], axis=1),
+        axial_position=np.zeros(len(tips)),
         tip_angle=disk.tip_angles,
         tip_recess=tip_recess(case, disk, turning),
         tip_growth=growth,
-        centre_node=int(mesh.node_sets["centre"][0]),
+        centre_node=centre,
+        centre_shape=shape[centre, :2],
         shaft_frame=shaft.frame,
         shaft_stiffness=np.zeros(2) if shaft.clamped else np.array(shaft.springs),
         shaft_damping=np.zeros(2) if shaft.clamped else np.array(shaft.dampings),
-        casing_angle=casing.mesh.angles,
-        **{f"casing_{name}": getattr(casing.properties, name) for name in DRAWN[:3]},
-        casing_curvature=casing.curvature,
-        casing_shape=casing.nodal(casing_modes.shapes),
-        casing_foundation=casing.foundation,
-        support_kind=np.array([each.kind for each in supports], dtype=np.str_),
-        support_angle=np.array([each.angle for each in supports], dtype=np.float64),
-        support_reach=np.array([each.reach for each in supports], dtype=np.float64).reshape(-1, 2),
-        support_radial_stiffness=stiffness[:, OUTWARD],
-        support_tangential_stiffness=stiffness[:, ALONG],
-        support_radial_damping=damping[:, OUTWARD],
-        support_tangential_damping=damping[:, ALONG],
+        **casing_arrays(casing, casing_modes, casing_family),
+        wall_angle=casing.mesh.angles,
         clearance=case_clearance(case)[:, 0],
     )
+
+
+def casing_arrays(casing: CasingModel, modes: Modes, family: tuple[str, ...]) -> dict[str, Any]:
+    """Return the arrays of a flexible casing in a result, by name.
+
+    Args:
+        casing: the casing.
+        modes: its modes.
+        family: family of each mode.
+    """
+    supports = casing.supports
+    stiffness = np.array([np.diag(each.stiffness) for each in supports]).reshape(-1, 3)
+    damping = np.array([(each.dampers**2).sum(axis=0) for each in supports]).reshape(-1, 3)
+    return {
+        "casing_frequency": modes.frequency,
+        "casing_nodal_diameter": modes.nodal_diameter,
+        "casing_family": family,
+        "casing_angle": casing.mesh.angles,
+        **{f"casing_{name}": getattr(casing.properties, name) for name in DRAWN[:3]},
+        "casing_curvature": casing.curvature,
+        "casing_shape": casing.nodal(modes.shapes),
+        "casing_foundation": casing.foundation,
+        "support_kind": np.array([each.kind for each in supports], dtype=np.str_),
+        "support_angle": np.array([each.angle for each in supports], dtype=np.float64),
+        "support_reach": np.array([each.reach for each in supports], dtype=float).reshape(-1, 2),
+        "support_radial_stiffness": stiffness[:, OUTWARD],
+        "support_tangential_stiffness": stiffness[:, ALONG],
+        "support_radial_damping": damping[:, OUTWARD],
+        "support_tangential_damping": damping[:, ALONG],
+    }

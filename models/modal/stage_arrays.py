@@ -1,95 +1,124 @@
-"""Arrays of a stage or a superelement in a result: sufficient to draw and measure its motion."""
+"""Arrays of a stage in a result: sufficient to draw and measure its motion."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray, absent
 
 
 @dataclass(frozen=True, kw_only=True)
 class StageArrays:
-    """Modes, geometry and shapes of both bodies; the rotor is in its rotating axes, at angle 0."""
+    """Modes, geometry and shapes of both bodies; the rotor is in its rotating axes, at angle 0.
+
+    Modes and contact nodes of separate blades are listed blade by blade. Arrays that a stage does
+    not have are empty, and other values are None.
+    """
 
     rotor_frequency: FloatArray  #: natural frequency [rad/s], (rotor modes,)
-    rotor_backward_frequency: FloatArray  #: frequency of the backward wave [rad/s], (rotor modes,)
-    rotor_forward_frequency: FloatArray  #: forward wave [rad/s]; negative past its critical speed
-    rotor_nodal_diameter: IntArray  #: dominant nodal diameter, (rotor modes,)
-    rotor_family: tuple[str, ...]  #: "1F", "2F", ..., "suspension", (rotor modes,)
-    rotor_spring_share: FloatArray  #: share of strain energy in the shaft springs, (rotor modes,)
-    casing_frequency: FloatArray  #: natural frequency [rad/s], (casing modes,)
-    casing_nodal_diameter: IntArray  #: dominant nodal diameter, (casing modes,)
-    casing_family: tuple[str, ...]  #: "1F", ..., "rigid", (casing modes,)
-    rotor_point: FloatArray  #: undeformed nodes [m], (rotor nodes, 2)
-    rotor_line: IntArray  #: end nodes of each line, (rotor lines, 2)
-    rotor_thickness: FloatArray  #: thickness at the middle of each line [m], (rotor lines,)
-    rotor_width: FloatArray  #: width at the middle of each line [m], (rotor lines,)
-    rotor_young_modulus: FloatArray  #: modulus at the middle of each line [Pa], (rotor lines,)
-    rotor_thickness_change: FloatArray  #: change from first to second end [m], (rotor lines,)
-    rotor_width_change: FloatArray  #: change from first to second end [m], (rotor lines,)
-    rotor_young_modulus_change: FloatArray  #: change from first to second end [Pa], (rotor lines,)
-    rotor_part: tuple[str, ...]  #: name of the line set of each line, (rotor lines,)
-    rotor_shape: FloatArray  #: x, y [kg^-1/2], rotation [kg^-1/2/m], (rotor nodes, 3, rotor modes)
-    rotor_link: IntArray  #: led node and leader of each rigid link, (rotor links, 2)
-    rotor_spring: IntArray  #: end nodes of each spring, -1 for the frame, (rotor springs, 2)
-    mass_node: IntArray  #: node of each point mass, (masses,)
-    point_mass: FloatArray  #: mass of each point mass [kg], (masses,)
-    tip_node: IntArray  #: node of each blade tip, (blades,)
-    tip_angle: FloatArray  #: angle of each tip from +x [rad], (blades,)
-    tip_recess: FloatArray  #: reference radius of the clearance minus tip radius [m], (blades,)
-    tip_growth: FloatArray  #: static growth of each tip at speed [m], (blades,)
-    centre_node: int
-    shaft_frame: str  #: frame of the shaft's springs, "rotating" or "static"
-    shaft_stiffness: FloatArray  #: stiffness along x and y of `shaft_frame` [N/m], (2,)
-    shaft_damping: FloatArray  #: damping along x and y of rotating axes [N s/m], (2,)
-    casing_angle: FloatArray  #: angle of each node from +x [rad], (casing nodes,)
-    casing_thickness: FloatArray  #: thickness of the element after each node [m], (casing nodes,)
-    casing_width: FloatArray  #: width of the element after each node [m], (casing nodes,)
-    casing_young_modulus: FloatArray  #: modulus after each node [Pa], (casing nodes,)
-    casing_curvature: str  #: bending strain of the wall, "exact" or "shallow" (see `forms`)
-    casing_shape: FloatArray  #: w, dw/ds, u, du/ds of modes, (casing nodes, 4, casing modes)
-    casing_foundation: float  #: uniform elastic support [N/m2]
-    support_kind: NDArray[np.str_]  #: "spring" or "strut", (supports,)
-    support_angle: FloatArray  #: angle of the foot on the wall from +x [rad], (supports,)
-    support_reach: FloatArray  #: vector from foot to ground, static axes [m], (supports, 2)
-    support_radial_stiffness: FloatArray  #: radial stiffness at the foot [N/m], (supports,)
-    support_tangential_stiffness: FloatArray  #: stiffness along the wall [N/m], (supports,)
-    support_radial_damping: FloatArray  #: radial damping at the foot [N s/m], (supports,)
-    support_tangential_damping: FloatArray  #: damping along the wall [N s/m], (supports,)
-    clearance: FloatArray  #: clearance at each casing node [m], (casing nodes,)
-
-
-@dataclass(frozen=True, kw_only=True)
-class SuperelementArrays:
-    """Modes, contact nodes, points and wall. The contact nodes of all copies are listed copy by
-    copy."""
-
-    modal_frequency: FloatArray  #: natural frequency [rad/s], (copies, modes)
+    rotor_backward_frequency: FloatArray = (
+        absent()
+    )  #: frequency of the backward wave [rad/s], (rotor modes,)
+    rotor_forward_frequency: FloatArray = (
+        absent()
+    )  #: forward wave [rad/s]; negative past its critical speed
+    rotor_nodal_diameter: IntArray = absent()  #: dominant nodal diameter, (rotor modes,)
+    rotor_family: tuple[str, ...] = ()  #: "1F", "2F", ..., "suspension", (rotor modes,)
+    rotor_spring_share: FloatArray = (
+        absent()
+    )  #: share of strain energy in the shaft springs, (rotor modes,)
+    casing_frequency: FloatArray = absent()  #: natural frequency [rad/s], (casing modes,)
+    casing_nodal_diameter: IntArray = absent()  #: dominant nodal diameter, (casing modes,)
+    casing_family: tuple[str, ...] = ()  #: "1F", ..., "rigid", (casing modes,)
+    rotor_point: FloatArray = absent()  #: undeformed nodes [m], (rotor nodes, 2)
+    rotor_line: IntArray = absent()  #: end nodes of each line, (rotor lines, 2)
+    rotor_thickness: FloatArray = (
+        absent()
+    )  #: thickness at the middle of each line [m], (rotor lines,)
+    rotor_width: FloatArray = absent()  #: width at the middle of each line [m], (rotor lines,)
+    rotor_young_modulus: FloatArray = (
+        absent()
+    )  #: modulus at the middle of each line [Pa], (rotor lines,)
+    rotor_thickness_change: FloatArray = (
+        absent()
+    )  #: change from first to second end [m], (rotor lines,)
+    rotor_width_change: FloatArray = absent()
+    """Change from first to second end [m], (rotor lines,)."""
+    rotor_young_modulus_change: FloatArray = (
+        absent()
+    )  #: change from first to second end [Pa], (rotor lines,)
+    rotor_part: tuple[str, ...] = ()  #: name of the line set of each line, (rotor lines,)
+    rotor_shape: FloatArray = (
+        absent()
+    )  #: x, y [kg^-1/2], rotation [kg^-1/2/m], (rotor nodes, 3, rotor modes)
+    rotor_link: IntArray = absent()  #: led node and leader of each rigid link, (rotor links, 2)
+    rotor_spring: IntArray = (
+        absent()
+    )  #: end nodes of each spring, -1 for the frame, (rotor springs, 2)
+    mass_node: IntArray = absent()  #: node of each point mass, (masses,)
+    point_mass: FloatArray = absent()  #: mass of each point mass [kg], (masses,)
+    tip_node: IntArray = absent()  #: node of each blade tip, (blades,)
     blade: IntArray  #: blade of each contact node, (contact nodes,)
     node: IntArray  #: number of each contact node on its blade, (contact nodes,)
-    contact_angle: FloatArray  #: angle from +x at t = 0 [rad], (contact nodes,)
-    contact_radius: FloatArray  #: [m], (contact nodes,)
-    contact_axial: FloatArray  #: axial position [m], (contact nodes,)
-    contact_recess: FloatArray
-    """Distance by which each contact node lies inside the radius from which the clearance is
-    measured [m], (contact nodes,)."""
-    copy_angle: FloatArray  #: angle of each copy relative to the first one [rad], (copies,)
-    point: FloatArray  #: undeformed points of the first copy [m], (points, 3)
-    point_shape: FloatArray
+    tip_angle: FloatArray  #: angle of each contact node from +x [rad], (contact nodes,)
+    contact_radius: FloatArray  #: radius of each contact node [m], (contact nodes,)
+    axial_position: FloatArray  #: axial position of each contact node [m], (contact nodes,)
+    tip_recess: FloatArray
+    """Reference radius of the clearance minus radius of each contact node [m], (contact nodes,)."""
+    tip_growth: FloatArray = absent()  #: static growth of each tip at speed [m], (blades,)
+    centre_node: int | None = None
+    centre_shape: FloatArray = absent()  #: x and y of the centre [kg^-1/2], (2, rotor modes)
+    contact_shape: FloatArray = absent()
+    """Radial, tangential and axial displacement of each contact node for unit modal coordinates of
+    its copy [kg^-1/2], (contact nodes, 3, modes of a copy)."""
+    copy_angle: FloatArray = (
+        absent()
+    )  #: angle of each copy relative to the first one [rad], (copies,)
+    point: FloatArray = absent()  #: undeformed points of the first copy [m], (points, 3)
+    point_shape: FloatArray = absent()
     """Displacement of each point for unit modal coordinates [kg^-1/2], (points, 3, modes)."""
-    triangle: IntArray  #: points of each surface triangle, (triangles, 3)
-    wall_angle: FloatArray  #: angles of `clearance` [rad], (wall angles,)
-    clearance: FloatArray  #: clearance at rest [m], (wall angles,)
-    casing_frequency: FloatArray
-    """Natural frequency of each mode of a flexible casing [rad/s], (casing modes,). The arrays of
-    the casing are empty for a rigid wall."""
-    casing_nodal_diameter: IntArray  #: nodal diameter of each casing mode, (casing modes,)
-    casing_angle: FloatArray  #: angle of each casing node from +x [rad], (casing nodes,)
-    casing_thickness: FloatArray  #: thickness of the element after each node [m], (casing nodes,)
-    casing_width: FloatArray  #: width of the element after each node [m], (casing nodes,)
-    casing_shape: FloatArray  #: w, dw/ds, u, du/ds of modes, (casing nodes, 4, casing modes)
+    triangle: IntArray = absent()  #: points of each surface triangle, (triangles, 3)
+    shaft_frame: str | None = None  #: frame of the shaft's springs, "rotating" or "static"
+    shaft_stiffness: FloatArray = absent()  #: stiffness along x and y of `shaft_frame` [N/m], (2,)
+    shaft_damping: FloatArray = absent()  #: damping along x and y of rotating axes [N s/m], (2,)
+    casing_angle: FloatArray = absent()  #: angle of each node from +x [rad], (casing nodes,)
+    casing_thickness: FloatArray = (
+        absent()
+    )  #: thickness of the element after each node [m], (casing nodes,)
+    casing_width: FloatArray = absent()
+    """Width of the element after each node [m], (casing nodes,)."""
+    casing_young_modulus: FloatArray = absent()  #: modulus after each node [Pa], (casing nodes,)
+    casing_curvature: str | None = (
+        None  #: bending strain of the wall, "exact" or "shallow" (see `forms`)
+    )
+    casing_shape: FloatArray = (
+        absent()
+    )  #: w, dw/ds, u, du/ds of modes, (casing nodes, 4, casing modes)
+    casing_foundation: float | None = None  #: uniform elastic support [N/m2]
+    support_kind: NDArray[np.str_] = absent()  #: "spring" or "strut", (supports,)
+    support_angle: FloatArray = absent()
+    """Angle of the foot on the wall from +x [rad], (supports,)."""
+    support_reach: FloatArray = (
+        absent()
+    )  #: vector from foot to ground, static axes [m], (supports, 2)
+    support_radial_stiffness: FloatArray = (
+        absent()
+    )  #: radial stiffness at the foot [N/m], (supports,)
+    support_tangential_stiffness: FloatArray = (
+        absent()
+    )  #: stiffness along the wall [N/m], (supports,)
+    support_radial_damping: FloatArray = absent()
+    """Radial damping at the foot [N s/m], (supports,)."""
+    support_tangential_damping: FloatArray = absent()
+    """Damping along the wall [N s/m], (supports,)."""
+    wall_angle: FloatArray  #: angle of each value of `clearance` from +x [rad], (angles,)
+    clearance: FloatArray  #: clearance at rest [m], (angles,)
 
-
-Arrays = StageArrays | SuperelementArrays
-"""Arrays of a stage in a result."""
+    @property
+    def stored(self) -> Mapping[str, NDArray[Any]]:
+        """Arrays that the stage has, by name."""
+        given = {name: value for name, value in vars(self).items() if value is not None}
+        return {name: values for name in given if (values := np.asarray(given[name])).size}

@@ -18,7 +18,7 @@ from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.inputs.errors import Fault, UserError
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.modal.modal_model import ModalModel
-from bladewhirl.models.modal.stage_arrays import Arrays
+from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.coating import node_coating_faults, wall_coating
 from bladewhirl.models.stage.contact_problem import ContactProblem, NodeCoating, WallCoating
@@ -56,7 +56,7 @@ class MarchedStage(ABC):
         return self.model.reference_frequency
 
     @cached_property
-    def arrays(self) -> Arrays:
+    def arrays(self) -> StageArrays:
         """Arrays of the stage in a result."""
         return self.model.arrays
 
@@ -157,7 +157,6 @@ class MarchedNodes(MarchedStage):
         worn = {"coating_thickness": "thickness", "coating_removable": "removable"}
         return {
             **({} if layer is None else {key: getattr(layer, name) for key, name in worn.items()}),
-            "model": "superelement",
             "superelement": part.name,
             "boundary": self.case.reduction.boundary,
             "casing_radius": self.model.casing_radius,

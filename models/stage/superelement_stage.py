@@ -17,7 +17,8 @@ from bladewhirl.models.case.shaft import Rotation
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.imports.inspection import NEGATIVE
 from bladewhirl.models.inputs.errors import CaseError, Fault
-from bladewhirl.models.modal.stage_arrays import SuperelementArrays
+from bladewhirl.models.modal.describe import casing_arrays
+from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.coating import node_coating
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
@@ -230,7 +231,7 @@ class SuperelementStage:
         return node_coating(self.case, self.part, self.blade, self.casing_radius)
 
     @cached_property
-    def arrays(self) -> SuperelementArrays:
+    def arrays(self) -> StageArrays:
         """Arrays of the stage in a result."""
         part, copies = self.part, self.copies
         turn = self.table.angle
@@ -238,21 +239,29 @@ class SuperelementStage:
         modes = len(self.reduced.frequency)
         shapes = rotate(self.reduced.points.reshape(len(points), 3, modes), turn, axis=1)
         within = np.bincount(self.blade)[0]
-        return SuperelementArrays(
-            modal_frequency=np.sqrt(self.factor)[:, None] * self.reduced.frequency,
+        centre = dict[str, Any]()
+        if part.centre_dofs is not None:
+            centre = {"centre_shape": centre_rows(self.reduced, turn)}
+        ring, walls = self.ring, dict[str, Any]()
+        if ring is not None:
+            walls = casing_arrays(ring.casing, ring.casing_modes, ring.casing_family)
+        return StageArrays(
+            rotor_frequency=(np.sqrt(self.factor)[:, None] * self.reduced.frequency).ravel(),
             blade=np.concatenate([self.blade + copy for copy in range(copies)]),
             node=np.tile(np.arange(part.contacts) % within, copies),
-            contact_angle=self.angle.ravel(),
+            tip_angle=self.angle.ravel(),
             contact_radius=np.tile(part.contact_radius, copies),
-            contact_axial=np.tile(part.contact_position[:, 2], copies),
-            contact_recess=np.tile(self.recess, copies),
+            axial_position=np.tile(part.contact_position[:, 2], copies),
+            tip_recess=np.tile(self.recess, copies),
+            contact_shape=np.tile(self.reduced.contact.reshape(-1, 3, modes), (copies, 1, 1)),
+            **centre,
             copy_angle=np.asarray(2.0 * np.pi / copies * np.arange(copies), dtype=np.float64),
             point=points,
             point_shape=shapes,
             triangle=np.zeros((0, 3), np.int64) if part.triangles is None else part.triangles,
             wall_angle=self._wall_angle,
             clearance=self.case.casing.clearance_profile.value(self._wall_angle),
-            **_ring_arrays(self.ring),
+            **walls,
         )
 
     @cached_property
@@ -284,24 +293,6 @@ class SuperelementStage:
                 " lobes, or casing.closure, which moves the wall inward later"
             )
             raise CaseError([case_fault(self.case, "casing.clearance", expected)])
-
-
-def _ring_arrays(ring: Ring | None) -> dict[str, Any]:
-    """Return the arrays of a flexible casing in a result by name; empty arrays for a rigid wall."""
-    if ring is None:
-        none = np.zeros(0)
-        names = ("frequency", "nodal_diameter", "angle", "thickness", "width")
-        empty = {f"casing_{name}": none for name in names}
-        return empty | {"casing_shape": np.zeros((0, 4, 0))}
-    properties = ring.casing.properties
-    return {
-        "casing_frequency": ring.casing_modes.frequency,
-        "casing_nodal_diameter": ring.casing_modes.nodal_diameter,
-        "casing_angle": ring.casing.mesh.angles,
-        "casing_thickness": properties.thickness,
-        "casing_width": properties.width,
-        "casing_shape": ring.reduced_casing.nodal,
-    }
 
 
 def superelement_stage(case: Case) -> SuperelementStage:

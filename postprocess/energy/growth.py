@@ -60,6 +60,7 @@ def amplitude_growth(
         raise ViewError("the history is too short for a growth rate, or nothing moves")
     rate, error = regime.growth.rate, regime.growth.error
     middle = windows.begin + windows.length / 2
+    moving = np.where(windows.amplitude > 0.0, windows.amplitude, np.nan)
     late = middle[windows.late :]
     level = np.log(windows.amplitude[windows.late :]).mean()
 
@@ -76,7 +77,7 @@ def amplitude_growth(
         {
             "energy": ("time", windows.amplitude**2, "J"),
             "ripple": ("time", _ripple(dataset, energy, middle), "J"),
-            "local_rate": ("time", np.gradient(np.log(windows.amplitude), middle), "1/s"),
+            "local_rate": ("time", np.gradient(np.log(moving), middle), "1/s"),
             "fit": at_late(fitted(rate)),
             "low": at_late(np.minimum(slow, fast)),
             "high": at_late(np.maximum(slow, fast)),

@@ -20,7 +20,6 @@ from bladewhirl.postprocess.energy.growth_rates import (
     RISE,
     STEADINESS,
     Growth,
-    Windows,
     fit_growth,
     fit_ripple,
     growth_windows,
@@ -78,27 +77,6 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
     windows = growth_windows(dataset, strain_energy)
     around = ripple_windows(dataset, strain_energy) if windows and windows.is_third else None
     source, clearance = leading_source(dataset), smallest_clearance(dataset)
-    return classify_windows(dataset, windows, around, clearance=clearance, source=source)
-
-
-def classify_windows(
-    dataset: xr.Dataset,
-    windows: Windows | None,
-    around: Windows | None = None,
-    *,
-    clearance: float,
-    source: str = "",
-) -> Regime:
-    """Classify a run by `CRITERION`.
-
-    Args:
-        dataset: the result of the run.
-        windows: amplitude of the motion, from `growth_windows` or `windowed_amplitude`; None if
-            growth cannot be judged.
-        around: amplitude of the ripple, from `ripple_windows`; None if it cannot be separated.
-        clearance: smallest clearance of a tip [m].
-        source: largest energy source of the run in words.
-    """
     time = dataset.variables["time"].values
     touched: NDArray[np.bool_] = np.any(dataset.variables["contact_steps"].values > 0, axis=1)
     growth = fit_growth(windows) if windows else None

@@ -5,6 +5,8 @@ by its labels, family and nodal diameter. The labels are exact for a stage with 
 otherwise they name the largest part of the motion of the mode.
 """
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -49,24 +51,28 @@ def strain_energies(
     Returns:
         energies [J] over time: `suspension`, the modes in which the body moves on the shaft
         springs; `rest`, the modes in no other group; `total`. Over (time, nodal_diameter):
-        `first_family`, the first blade family.
+        `first_family`, the first blade family. Without families of modes only `rest` and `total`.
 
     Example:
         ``strain_energies(result)["first_family"].sel(nodal_diameter=1).plot()``
     """
     result = windows.in_window(result, start, end)
     energy, diameters = group_energies(result)
-    return labelled(
-        result,
-        "strain energy of the bladed disk with its shaft springs",
-        {
+    variables: dict[str, Any] = {
+        "rest": ("time", energy[:, -1], "J"),
+        "total": ("time", energy.sum(axis=1), "J"),
+    }
+    coordinates = {"time": result["time"].values}
+    if "rotor_family" in result:
+        family = ("time", "nodal_diameter"), energy[:, 1:-1], "J"
+        variables = {
             "suspension": ("time", energy[:, 0], "J"),
-            "first_family": (("time", "nodal_diameter"), energy[:, 1:-1], "J"),
-            "rest": ("time", energy[:, -1], "J"),
-            "total": ("time", energy.sum(axis=1), "J"),
-        },
-        {"time": result["time"].values, "nodal_diameter": diameters},
-    )
+            "first_family": family,
+            **variables,
+        }
+        coordinates["nodal_diameter"] = diameters
+    title = "strain energy of the bladed disk with its shaft springs"
+    return labelled(result, title, variables, coordinates)
 
 
 def group_energies(result: xr.Dataset) -> tuple[Array, IntArray]:
@@ -74,9 +80,13 @@ def group_energies(result: xr.Dataset) -> tuple[Array, IntArray]:
     of the first blade family, (groups - 2,).
 
     The first group is the suspension, the last group all other modes. Between them the first blade
-    family has a group for each nodal diameter.
+    family has a group for each nodal diameter. Without families of modes the last group is the only
+    one.
     """
     stage = result.variables
+    if "rotor_family" not in stage:
+        whole = 0.5 * stage["rotor_frequency"].values[None] ** 2
+        return reduce_modes(result, "rotor_displacement", whole, np.square), np.zeros(0, np.int64)
     family, diameter = stage["rotor_family"].values, stage["rotor_nodal_diameter"].values
     first = family == FIRST_FAMILY
     diameters = np.unique(diameter[first])
@@ -89,9 +99,11 @@ def group_energies(result: xr.Dataset) -> tuple[Array, IntArray]:
 def energy_terms(energies: xr.Dataset) -> dict[str, xr.DataArray]:
     """Return the energies that are drawn [J], by their names in `COLOURS`, the total first.
 
-    All nodal diameters of the first family except 0 and 1 are added together. `energies` has the
-    variables of `strain_energies`.
+    All nodal diameters of the first family except 0 and 1 are added together. Without families of
+    modes there is only the total. `energies` has the variables of `strain_energies`.
     """
+    if "first_family" not in energies:
+        return {"total": energies["total"]}
     family = energies["first_family"]
     k = family["nodal_diameter"].values
     members = {"k = 0": k == 0, "k = 1": k == 1, "other k": (k != 0) & (k != 1)}

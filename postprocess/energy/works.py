@@ -32,7 +32,7 @@ class Works(TypedDict):
     normal: float  #: work of the normal contact forces
     closing: float | None  #: part of `normal` that stops tips as gaps close; None if unknown
     friction: float
-    springs: float  #: work of turning the rotor against stationary springs
+    springs: float | None  #: work of turning the rotor against stationary springs; None if unknown
     damping: float
     drive: float | None  #: None if unknown
     heat: float  #: energy lost as heat of rubbing
@@ -41,17 +41,21 @@ class Works(TypedDict):
 def works(dataset: xr.Dataset) -> Works:
     """Return the works of a run up to its last record."""
 
+    def known(name: str) -> float | None:
+        stored = dataset.variables.get(f"{name}_work")
+        return None if stored is None or np.isnan(stored[-1].values) else float(stored[-1].values)
+
     def last(name: str) -> float:
         return float(dataset.variables[f"{name}_work"][-1].values)
 
-    normal, friction, closing = last("normal"), last("friction"), last("closing")
+    normal, friction = last("normal"), last("friction")
     drive, heat = float(drive_work(dataset)[-1]), float(friction_supply(dataset)[-1]) - friction
     return Works(
         load=last("external"),
         normal=normal,
-        closing=None if np.isnan(closing) else closing,
+        closing=known("closing"),
         friction=friction,
-        springs=last("coupling"),
+        springs=known("coupling"),
         damping=-last("damping"),
         drive=None if np.isnan(drive) else drive,
         heat=heat,
@@ -80,16 +84,16 @@ def work_histories(dataset: xr.Dataset) -> xr.Dataset:
     """
     terms = {
         "load": dataset["external_work"],
-        "closing": dataset["closing_work"],
-        "passing": dataset["normal_work"] - dataset["closing_work"],
+        "normal": dataset["normal_work"],
         "friction": dataset["friction_work"],
-        "springs": dataset["coupling_work"],
         "damping": -dataset["damping_work"],
         "energy": dataset["energy"],
     }
-    if dataset["closing_work"].isnull().any():
-        del terms["closing"], terms["passing"]
-        terms["normal"] = dataset["normal_work"]
+    if "coupling_work" in dataset:
+        terms["springs"] = dataset["coupling_work"]
+    if "closing_work" in dataset and not dataset["closing_work"].isnull().any():
+        terms["closing"] = dataset["closing_work"]
+        terms["passing"] = terms.pop("normal") - dataset["closing_work"]
     described = {
         name: (term.dims, term.values, {"units": "J", "long_name": LEDGER.get(name, (name,))[0]})
         for name, term in terms.items()
@@ -127,7 +131,7 @@ def drive_work(dataset: xr.Dataset) -> Array:
     histories = dataset.variables
     if float(dataset.attrs["speed"]) == 0.0:
         return np.zeros(dataset.sizes["time"])
-    if "coating_work" in histories:
+    if "coating_impulse" in histories or "closing_work" not in histories:
         return np.full(dataset.sizes["time"], np.nan)
     passing = histories["normal_work"].values - histories["closing_work"].values
     return np.asarray(passing - _closure_work(dataset) + friction_supply(dataset))
@@ -171,7 +175,7 @@ def leading_source(dataset: xr.Dataset) -> str:
     so damping drives it.
     """
     balance = works(dataset)
-    supplied = {name: float(balance[name]) for name in SOURCES}  # type: ignore[literal-required]
+    supplied = {name: float(balance[name] or 0.0) for name in SOURCES}  # type: ignore[literal-required]
     name = max(supplied, key=lambda source: supplied[source])
     energy = float(dataset.variables["energy"][-1].values)
     lost, most = -balance["damping"], supplied[name]

@@ -56,7 +56,7 @@ def member_names(dataset: xr.Dataset) -> tuple[list[str], IntArray]:
     blade = line_blades(dataset)
     part = dataset["rotor_part"].values.astype(str)
     rest = list(dict.fromkeys(part[blade < 0]))  # in the order of the mesh
-    names = [f"blade {number}" for number in range(dataset.sizes["blade"])]
+    names = [f"blade {number}" for number in range(dataset.sizes["contact_node"])]
     member = blade.copy()
     for number, name in enumerate(rest, len(names)):
         member[(blade < 0) & (part == name)] = number

@@ -160,9 +160,14 @@ def line_shapes(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array, Array]
 
 
 def tip_rows(dataset: xr.Dataset) -> Array:
-    """Return radial and tangential displacements of the blade tips for unit modal coordinates,
-    (component, blade, rotor_mode), positive outward and counter-clockwise.
+    """Return radial and tangential displacements of the contact nodes for unit modal coordinates,
+    (component, contact_node, rotor_mode), positive outward and counter-clockwise.
     """
+    if "contact_shape" in dataset:
+        shape, copies = dataset["contact_shape"].values, dataset.sizes["copy"]
+        own = shape.reshape(copies, -1, *shape.shape[1:])[:, :, :2]
+        rows = np.einsum("cnam,cd->acndm", own, np.eye(copies))
+        return np.asarray(rows.reshape(2, len(shape), -1))
     angle = dataset["tip_angle"].values
     axes = directions(angle), np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
     shapes = dataset["rotor_shape"].values[dataset["tip_node"].values, :2]
@@ -242,9 +247,9 @@ def smallest_clearance(dataset: xr.Dataset) -> float:
 
 
 def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:
-    """Return the clearance (point,) [m] at static angles [rad], linear between the casing's
-    nodes."""
-    node, clearance = dataset["casing_angle"].values, dataset["clearance"].values
+    """Return the clearance (point,) [m] at static angles [rad], linear between the angles
+    at which it is stored."""
+    node, clearance = dataset["wall_angle"].values, dataset["clearance"].values
     return np.asarray(np.interp(angle, node, clearance, period=2 * np.pi))
 
 
@@ -269,12 +274,13 @@ def clearance_change(dataset: xr.Dataset, records: IntArray, angle: Array) -> Ar
 
 def coating_strain_at(dataset: xr.Dataset, records: IntArray, angle: Array) -> Array:
     """Return the plastic strain of the coating at static angles [rad] and at records, (record,
-    point). The strain at a record is that of the last profile stored before this record."""
+    point), the largest of all tracks. The strain at a record is that of the last profile stored
+    before this record."""
     time, stored = dataset["time"].values[records], dataset["wear_time"].values
     profile = np.maximum(np.searchsorted(stored, time, side="right") - 1, 0)
     rods = dataset.sizes["rod"]
     rod = np.floor(np.mod(angle, 2 * np.pi) * rods / (2 * np.pi)).astype(np.int64) % rods
-    return np.asarray(dataset["coating_strain"].values[profile][:, rod])
+    return np.asarray(dataset["coating_strain"].values.max(axis=1)[profile][:, rod])
 
 
 def record_lengths(dataset: xr.Dataset) -> Array:
@@ -285,8 +291,8 @@ def record_lengths(dataset: xr.Dataset) -> Array:
 
 
 def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = False) -> Array:
-    """Return the force of the casing on each tip (record, blade, 2) [N], normal and friction
-    together.
+    """Return the force of the casing on each contact node (record, contact_node, 2) [N], normal and
+    friction together.
 
     The force is the impulse since the previous record divided by the time since that record. This
     mean force converges as the time step decreases, while the peak force does not. The normal part
@@ -294,7 +300,7 @@ def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = F
     without contact impulses, such as a mode.
     """
     if "contact_impulse" not in dataset:
-        return np.zeros((len(records), dataset.sizes["blade"], 2))
+        return np.zeros((len(records), dataset.sizes["contact_node"], 2))
     pushed = [history(dataset, f"{kind}_impulse", records) for kind in ("contact", "friction")]
     polar = -np.stack(pushed, axis=-1) / record_lengths(dataset)[records, None, None]
     angle = dataset["tip_angle"].values[None]

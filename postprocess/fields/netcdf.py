@@ -17,7 +17,7 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.solvers.march.schema import NODES, TIME, Variable, tables_of
+from bladewhirl.solvers.march.schema import TIME, Variable
 from bladewhirl.solvers.march.storage import CutFile
 
 #: largest plausible magnitude of a number in SI units; a positive number is larger than 1 / MOST
@@ -250,17 +250,15 @@ def attribute_fault(attributes: Mapping[str, Any]) -> str:
     return ""
 
 
-def check_beams(dataset: xr.Dataset) -> None:
-    """Check that a result is that of a bladed disk of beams.
+def need(dataset: xr.Dataset, *names: str) -> None:
+    """Check that a result has variables that not every stage has.
 
     Raises:
-        ResultError: it is the result of a superelement.
+        ResultError: the result lacks one of the variables.
     """
-    if tables_of(dataset.attrs) is NODES:
-        raise ResultError(
-            f"expected the result of a bladed disk of beams, found that of a superelement,"
-            f" {dataset.attrs.get('title', '')!r}"
-        )
+    if missing := [name for name in names if name not in dataset]:
+        title = dataset.attrs.get("title", "")
+        raise ResultError(f"expected a result with {', '.join(missing)}; {title!r} has none")
 
 
 def expectation(values: Any, variable: Variable, nodes: int = 0) -> str:

@@ -12,22 +12,11 @@ from scipy.spatial import KDTree
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.postprocess.fields.kinematics import ViewError
-from bladewhirl.postprocess.fields.result import ResultError, open_result, portions
-from bladewhirl.solvers.march.schema import NODES, tables_of
+from bladewhirl.postprocess.fields.netcdf import need
+from bladewhirl.postprocess.fields.result import open_result, portions
 
 DIRECTIONS = ("radial", "tangential", "axial")
 """Names of the components of the displacement of a contact node."""
-
-
-def check_superelement(dataset: xr.Dataset) -> xr.Dataset:
-    """Return the result if it is that of a superelement.
-
-    Raises:
-        ResultError: it is the result of a bladed disk of beams.
-    """
-    if tables_of(dataset.attrs) is not NODES:
-        raise ResultError("expected the result of a superelement, not of a bladed disk of beams")
-    return dataset
 
 
 def displacement(
@@ -54,7 +43,7 @@ def displacement(
     if not isinstance(result, xr.Dataset):
         with open_result(result) as dataset:
             return displacement(dataset, point, copy=copy).load()
-    check_superelement(result)
+    need(result, "copy_angle")
     points, copies = result.sizes.get("point", 0), result.sizes["copy"]
     if not 0 <= point < points:
         raise ViewError(f"point {point}: expected a point from 0 to {points - 1}")
@@ -63,7 +52,8 @@ def displacement(
     shape = result["point_shape"].isel(point=point).values
     moved = np.empty((result.sizes["time"], 3))
     for portion in portions(result):
-        moved[portion] = result["modal_displacement"][portion, copy].values @ shape.T
+        modal = result["rotor_displacement"][portion].values
+        moved[portion] = modal.reshape(len(modal), copies, -1)[:, copy] @ shape.T
     return xr.DataArray(
         moved,
         dims=("time", "xyz"),
@@ -79,14 +69,14 @@ def deformed_points(dataset: xr.Dataset, records: IntArray) -> FloatArray:
         displacements [m], (records, copies, points, 3).
     """
     shape = dataset["point_shape"].values
-    moved = np.einsum(
-        "rcm,pam->rcpa", dataset["modal_displacement"].isel(time=records).values, shape
-    )
+    modal = dataset["rotor_displacement"].isel(time=records).values
+    modal = modal.reshape(len(modal), dataset.sizes["copy"], -1)
+    moved = np.einsum("rcm,pam->rcpa", modal, shape)
     return rotate(moved, dataset["copy_angle"].values[:, None])
 
 
 def is_flexible(dataset: xr.Dataset) -> bool:
-    """Return true if the casing around a superelement is flexible, false for a rigid wall."""
+    """Return true if the casing is flexible, false for a rigid wall."""
     return "casing_shape" in dataset
 
 
@@ -112,7 +102,7 @@ def ring_mesh(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
     """Return the inner face of the casing as quadrilaterals at undeformed positions, with the
     displacement at a record, in axes in which the casing is turned by an angle [rad]."""
     angle, radius = dataset["casing_angle"].values, float(dataset.attrs["casing_radius"])
-    axial, half = dataset["contact_axial"].values, 0.5 * dataset["casing_width"].values
+    axial, half = dataset["axial_position"].values, 0.5 * dataset["casing_width"].values
     middle, nodes = 0.5 * (axial.min() + axial.max()), len(angle)
     polar = np.pad(ring_displacement(dataset, np.array([record]))[0], ((0, 0), (0, 1)))
     moved = rotate(rotate(polar, angle), turn)
@@ -162,14 +152,14 @@ def _blades(dataset: xr.Dataset, placed: FloatArray) -> IntArray:
     copies, points = placed.shape[:2]
     if copies > 1:
         return np.repeat(np.arange(copies), points)
-    radius, axial = dataset["contact_radius"].values, dataset["contact_axial"].values
-    nodes = np.column_stack([radius[:, None] * directions(dataset["contact_angle"].values), axial])
+    radius, axial = dataset["contact_radius"].values, dataset["axial_position"].values
+    nodes = np.column_stack([radius[:, None] * directions(dataset["tip_angle"].values), axial])
     return np.asarray(dataset["blade"].values[KDTree(nodes).query(placed[0])[1]])
 
 
 def _contact(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
-    angle = dataset["contact_angle"].values + turn
-    radius, axial = dataset["contact_radius"].values, dataset["contact_axial"].values
+    angle = dataset["tip_angle"].values + turn
+    radius, axial = dataset["contact_radius"].values, dataset["axial_position"].values
     moved, force = (
         rotate(dataset[name][record].values, angle)
         for name in ("contact_displacement", "contact_force")

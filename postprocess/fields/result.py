@@ -7,19 +7,17 @@ each record into the few numbers that an analysis needs.
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
-from dataclasses import fields
 from os import PathLike
 from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
 
-from bladewhirl.models.modal.stage_arrays import Arrays
+from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.fields.kinematics import Array, recess_at_rest
 from bladewhirl.postprocess.fields.netcdf import ResultError as ResultError
 from bladewhirl.postprocess.fields.netcdf import (
     attribute_fault,
-    check_beams,
     expectation,
     open_file,
 )
@@ -49,9 +47,10 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
     """
     dataset, file = open_file(path, schema.RESULT_NAME, "a result")
     try:
-        if fault := result_fault(dataset):
+        current = with_contact_nodes(dataset)
+        if fault := result_fault(current):
             raise ResultError(f"{file}: expected {fault}")
-        complete = with_coordinates(dataset)
+        complete = with_coordinates(current)
     except ResultError:
         dataset.close()
         raise
@@ -59,46 +58,75 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
     return complete
 
 
+def with_contact_nodes(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a result with the dimensions of the schema: before format 10 contact nodes were named
+    "blade", the clearance was given at the casing's nodes, and a coating had a single track."""
+    if "blade" not in dataset.dims:
+        return dataset
+    named = dataset.drop_vars("blade", errors="ignore").rename_dims(blade="contact_node")
+    clearance, strain = named.get("clearance"), named.get("coating_strain")
+    if clearance is not None and clearance.dims == ("casing_node",) and "casing_angle" in named:
+        angle = named["casing_angle"].variable.copy(deep=False)
+        for name, array in (
+            ("clearance", clearance.variable.copy(deep=False)),
+            ("wall_angle", angle),
+        ):
+            array.dims = ("wall_angle",)
+            named = named.drop_vars(name, errors="ignore").assign({name: array})
+    if strain is not None and strain.ndim == 2:
+        named["coating_strain"] = strain.expand_dims("track", axis=1)
+    return named
+
+
 def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     """Return a result of any format with all coordinates of the schema.
 
     Variables that older formats lack are added: changes of the sections along beams, which are zero
     (format 1); static growth, which is zero, and `tip_recess` at rest (before format 4);
-    frequencies of waves, equal to the frequencies of the modes (before format 5); and the work of
-    closing, which is nan (before format 6).
+    frequencies of waves, equal to the frequencies of the modes (before format 5); the work of
+    closing, which is nan (before format 6); numbers and positions of contact nodes, and the shape
+    of the centre (before format 10).
     """
-    tables = schema.tables_of(dataset.attrs)
+    table, added = schema.STAGE, dict[str, Any]()
+    if "rotor_line" in dataset:
+        like = {"rotor_line": "rotor_thickness", "contact_node": "tip_angle"}
+        added = {
+            name: xr.zeros_like(dataset[like[variable.dimensions[0]]])
+            for name, variable in table.items()
+            if (name.endswith("_change") or variable.since == 4) and name not in dataset
+        }
+        if "tip_recess" in added:
+            added["tip_recess"] += recess_at_rest(dataset)
+        for name in ("rotor_backward_frequency", "rotor_forward_frequency"):
+            if name not in dataset:
+                added[name] = dataset["rotor_frequency"]
+        if "blade" not in dataset:
+            tips = dataset["rotor_point"].values[dataset["tip_node"].values]
+            still, centre = np.zeros(len(tips)), int(dataset["centre_node"])
+            added |= {
+                "blade": ("contact_node", np.arange(len(tips))),
+                "node": ("contact_node", np.zeros(len(tips), dtype=np.int64)),
+                "contact_radius": ("contact_node", np.linalg.norm(tips, axis=1)),
+                "axial_position": ("contact_node", still),
+                "centre_shape": (("axis", "rotor_mode"), dataset["rotor_shape"].values[centre, :2]),
+            }
+        if "closing_work" not in dataset and "normal_work" in dataset:
+            added["closing_work"] = xr.full_like(dataset["normal_work"], np.nan)
+    complete = dataset.assign(added) if added else dataset
+    for name in added:
+        complete[name].attrs.update({**schema.HISTORY, **table}[name].attributes)
     indices = {
-        name: (name, schema.index_values(name, dataset.sizes[name]), variable.attributes)
-        for name, variable in tables.names.items()
-        if name in dataset.dims and name not in dataset.coords
+        name: (name, schema.index_values(name, complete.sizes[name]), variable.attributes)
+        for name, variable in schema.NAMES.items()
+        if name in complete.dims and name not in complete.coords
     }
-    described = [name for name, variable in tables.stage.items() if variable.is_coordinate]
-    if tables is schema.NODES:
-        described = [name for name in described if name in dataset]
-        return dataset.assign_coords(indices).set_coords(described)
-    like = {"rotor_line": "rotor_thickness", "blade": "tip_angle"}
-    constant = {
-        name: xr.zeros_like(dataset[like[variable.dimensions[0]]]).assign_attrs(variable.attributes)
-        for name, variable in schema.BEAMS.stage.items()
-        if (name.endswith("_change") or variable.since == 4) and name not in dataset
-    }
-    if "tip_recess" in constant:
-        constant["tip_recess"] += recess_at_rest(dataset)
-    for name in ("rotor_backward_frequency", "rotor_forward_frequency"):
-        if name not in dataset:
-            attributes = schema.BEAMS.stage[name].attributes
-            constant[name] = dataset["rotor_frequency"].assign_attrs(attributes)
-    if "closing_work" not in dataset and "normal_work" in dataset:
-        attributes = schema.BEAMS.history["closing_work"].attributes
-        unknown = xr.full_like(dataset["normal_work"], np.nan)
-        constant["closing_work"] = unknown.assign_attrs(attributes)
-    complete = dataset.assign(constant) if constant else dataset
-    return complete.assign_coords(indices).set_coords(described)
+    described = [name for name in complete if name in table and table[str(name)].is_coordinate]
+    complete = complete.assign_coords(indices).set_coords(described)
+    return complete if "blade" in complete.xindexes else complete.set_xindex("blade")
 
 
 def result_of(
-    stage: Arrays, histories: Mapping[str, Array], attributes: Mapping[str, Any]
+    stage: StageArrays, histories: Mapping[str, Array], attributes: Mapping[str, Any]
 ) -> xr.Dataset:
     """Return a result from arrays in memory, with the content that `open_result` reads from a file.
 
@@ -107,21 +135,15 @@ def result_of(
         histories: histories by their name in the schema.
         attributes: attributes of the result.
     """
-    tables = schema.tables_of(attributes)
-    variables = {**schema.BEAMS.result, **tables.history, **tables.stage, **tables.coating}
-    described = {field.name: np.asarray(getattr(stage, field.name)) for field in fields(stage)}
+    values = {**stage.stored, **histories}
     dataset = xr.Dataset(
-        {
-            name: _entry(variables[name], values)
-            for name, values in {**described, **histories}.items()
-            if values.size or (name in histories and 0 not in values.shape[1:])
-        },
+        {name: _entry(schema.RESULT[name], each) for name, each in values.items()},
         attrs=dict(attributes),
     )
     return with_coordinates(dataset.set_coords(schema.TIME))
 
 
-def stage_dataset(arrays: Arrays, motion: Mapping[str, Array] | None = None) -> xr.Dataset:
+def stage_dataset(arrays: StageArrays, motion: Mapping[str, Array] | None = None) -> xr.Dataset:
     """Return geometry, modes and motion of a stage, with the names and units of a result.
 
     The Dataset lacks the data of contact, load and march, which pictures of modes do not need.
@@ -130,10 +152,8 @@ def stage_dataset(arrays: Arrays, motion: Mapping[str, Array] | None = None) -> 
         arrays: arrays that describe the stage.
         motion: `time`, `rotor_displacement`, `casing_displacement` and other histories.
     """
-    values = {name: getattr(arrays, name) for name in schema.BEAMS.stage} | dict(motion or {})
-    return xr.Dataset(
-        {name: _entry(schema.BEAMS.result[name], each) for name, each in values.items()}
-    )
+    values = {**arrays.stored, **(motion or {})}
+    return xr.Dataset({name: _entry(schema.RESULT[name], each) for name, each in values.items()})
 
 
 def _entry(variable: schema.Variable, values: Any) -> tuple[Any, Array, dict[str, str]]:
@@ -142,12 +162,10 @@ def _entry(variable: schema.Variable, values: Any) -> tuple[Any, Array, dict[str
 
 
 @contextmanager
-def opened(result: xr.Dataset | str | PathLike[str], *, beams: bool = True) -> Iterator[xr.Dataset]:
-    """Yield a result, with `beams` only one of beams: a Dataset is yielded unchanged, a file or
-    folder is opened and closed afterwards."""
+def opened(result: xr.Dataset | str | PathLike[str]) -> Iterator[xr.Dataset]:
+    """Yield a result: a Dataset is yielded unchanged, a file or folder is opened and closed
+    afterwards."""
     with nullcontext(result) if isinstance(result, xr.Dataset) else open_result(result) as dataset:
-        if beams:
-            check_beams(dataset)
         yield dataset
 
 
@@ -162,10 +180,15 @@ def result_fault(dataset: xr.Dataset) -> str:
             f"a result of format {schema.RESULT_FORMAT} or older, found format {made_by}; a newer"
             " bladewhirl reads it"
         )
-    tables = schema.tables_of(dataset.attrs)
-    oldest = 8 if tables is schema.NODES else 1
-    for key, variable in {**tables.history, **tables.stage}.items():
-        if variable.since > oldest or schema.OPTIONAL_DIMENSIONS.intersection(variable.dimensions):
+    if made_by < 10 and "modal_displacement" in dataset:
+        return (
+            "a result of a superelement of format 10 or newer, found format"
+            f" {made_by}; run the case again"
+        )
+    parts = schema.parts_of(map(str, dataset.variables))
+    for key, variable in {**schema.HISTORY, **schema.STAGE}.items():
+        optional = schema.OPTIONAL_DIMENSIONS.intersection(variable.dimensions)
+        if variable.part not in parts or variable.since > made_by or optional:
             continue
         if key not in dataset:
             return f"a bladewhirl result; it has no {key!r}"
@@ -179,13 +202,14 @@ def result_fault(dataset: xr.Dataset) -> str:
         if attribute not in dataset.attrs:
             return f"a bladewhirl result; it has no {attribute!r}"
     nodes = dataset.sizes.get("rotor_node", 0)
-    for name, variable in tables.stage.items():
+    for name, variable in schema.STAGE.items():
         if name in dataset and (expected := expectation(dataset[name].values, variable, nodes)):
             return f"{name!r} to be {expected}"
-    if tables is not schema.NODES:
+    if "lines" in parts:
         ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
         if not np.any(ends[:, 0] != ends[:, 1], axis=-1).all():
             return "'rotor_line' to connect different points"
+    if "casing" in parts:
         angle = dataset["casing_angle"].values
         if not (np.all(np.diff(angle) > 0.0) and angle[-1] - angle[0] < 2.0 * np.pi):
             return "'casing_angle' to increase within one turn"

@@ -5,7 +5,6 @@ import xarray as xr
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
-from bladewhirl.postprocess.fields.netcdf import check_beams
 
 #: share of the time, at the end of a run, that is regarded as the late motion
 LATE_SHARE = 1.0 / 3.0
@@ -13,19 +12,6 @@ EVEN = 1e-6  #: time steps count as equal if they differ from their median by at
 
 
 def select_window(
-    dataset: xr.Dataset, start: float | None = None, end: float | None = None
-) -> xr.Dataset:
-    """Return the records of beams within [start, end] [s], by default all records.
-
-    Raises:
-        ViewError: see `time_window`.
-        ResultError: the result is that of a superelement.
-    """
-    check_beams(dataset)
-    return time_window(dataset, start, end)
-
-
-def time_window(
     dataset: xr.Dataset, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
     """Return the records within [start, end] [s], by default all records.
@@ -54,9 +40,7 @@ def in_window(result: xr.Dataset, start: float | None, end: float | None) -> xr.
 
     Raises:
         ViewError: the window is invalid, see `select_window`.
-        ResultError: the result is that of a superelement.
     """
-    check_beams(result)
     return result if start is None and end is None else select_window(result, start, end)
 
 

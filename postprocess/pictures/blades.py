@@ -14,7 +14,6 @@ from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields.enlarged import round_factor
 from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records
 from bladewhirl.postprocess.fields.nodes import (
-    check_superelement,
     deformed_points,
     frame_meshes,
     is_flexible,
@@ -98,7 +97,6 @@ def render_blades(
         ViewError: the result has no surface.
         OffScreenError: the system cannot draw without a display.
     """
-    check_superelement(dataset)
     target = Path(path)
     if "triangle" not in dataset:
         raise ViewError("expected a superelement whose file has points, recovery and triangles")
@@ -182,8 +180,8 @@ def _draw_wall(plotter: Any, dataset: xr.Dataset, record: int, factor: float) ->
     casing is flexible, all around."""
     import pyvista
 
-    angle, blade = dataset["contact_angle"].values, dataset["blade"].values
-    axial, recess = dataset["contact_axial"].values, dataset["contact_recess"].values
+    angle, blade = dataset["tip_angle"].values, dataset["blade"].values
+    axial, recess = dataset["axial_position"].values, dataset["tip_recess"].values
     turned = float(dataset.attrs["speed"] * dataset["time"][record])
     wall = wall_at(dataset, record)
 

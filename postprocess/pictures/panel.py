@@ -74,7 +74,9 @@ class Panel:
         )
         self._contact = write(scene.plotter, "", TOPS["contact"], 14, color=look.FORCE_COLOUR)
         self._orbit = None if trail is None else Orbit(scene, dataset, trail)
-        self._numbers = BladeNumbers(scene, dataset.sizes["blade"], LETTERS if sheet else 1.0)
+        self._numbers = BladeNumbers(
+            scene, dataset.sizes["contact_node"], LETTERS if sheet else 1.0
+        )
         limit = drawing.linear_limit()
         if limit is not None:
             words = f"blades bend by more than\n{handy(limit, 'm', 3)}: a linear model"

@@ -214,7 +214,7 @@ def _stride(dataset: xr.Dataset) -> int:
     speed = abs(float(dataset.attrs["speed"]))
     if speed == 0:
         return 1
-    rate = max(kinematics.FRAMES_PER_REVOLUTION, FRAMES_PER_BLADE * dataset.sizes["blade"])
+    rate = max(kinematics.FRAMES_PER_REVOLUTION, FRAMES_PER_BLADE * dataset.sizes["contact_node"])
     step = float(dataset.attrs["record_step"])
     return max(1, int(2 * np.pi / speed / rate / step))
 
@@ -231,4 +231,4 @@ def _contact_impulse(dataset: xr.Dataset) -> Array:
     """Return the contact impulse since the previous record (time, blade) [N s]; zero for a mode."""
     if "contact_impulse" in dataset:
         return np.asarray(dataset["contact_impulse"].values)
-    return np.zeros((dataset.sizes["time"], dataset.sizes["blade"]))
+    return np.zeros((dataset.sizes["time"], dataset.sizes["contact_node"]))

@@ -109,7 +109,7 @@ def _sizes(dataset: xr.Dataset) -> str:
     limits = (clearance.min(), clearance.max())
     ends = dict.fromkeys(f"{scale * length:.3g}" for length in limits)
     return (
-        f"{dataset.sizes['blade']} blades\n"
+        f"{dataset.sizes['contact_node']} blades\n"
         f"tip radius {handy(float(dataset.attrs['tip_radius']), 'm', 4)}\n"
         f"clearance {' to '.join(ends)} {unit}"
     )

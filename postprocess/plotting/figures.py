@@ -16,24 +16,35 @@ class Figures:
     """Figures of a dataset by name.
 
     Args:
-        kinds: the figures that the dataset has.
-        source: arguments of the functions of the registry that compute the data of a figure.
+        kinds: figures of the registry.
+        dataset: a run or a sweep; it has the figures whose needed variables it has.
+        source: further arguments of the functions of the registry that compute the data of a
+            figure, after the dataset.
     """
 
-    def __init__(self, kinds: Mapping[str, FigureKind], *source: object) -> None:
-        self.kinds = kinds
-        self.names = [*kinds]
-        self._source = source
+    def __init__(
+        self, kinds: Mapping[str, FigureKind], dataset: xr.Dataset, *source: object
+    ) -> None:
+        self._missing = {
+            name: [each for each in kind.needs if each not in dataset]
+            for name, kind in kinds.items()
+        }
+        #: figures that the dataset has
+        self.kinds = {name: kind for name, kind in kinds.items() if not self._missing[name]}
+        self.names = [*self.kinds]
+        self._source = (dataset, *source)
 
     def draw(self, name: str) -> tuple[Figure, xr.Dataset]:
         """Draw a figure; return the figure and its dataset.
 
         Raises:
-            ViewError: there is no figure of this name, or its dataset cannot be computed, such as
-                an orbit of a stage at rest.
+            ViewError: the dataset has no figure of this name, or its data cannot be computed, such
+                as an orbit of a stage at rest.
         """
         if name not in self.kinds:
-            raise ViewError(f"figure {name!r}: expected one of {', '.join(self.kinds)}")
+            lacks = ", ".join(self._missing.get(name, ()))
+            expected = f"a result with {lacks}" if lacks else f"one of {', '.join(self.kinds)}"
+            raise ViewError(f"figure {name!r}: expected {expected}")
         kind = self.kinds[name]
         if ":" in kind.data:
             source = [getattr(self, argument) for argument in kind.arguments] or self._source

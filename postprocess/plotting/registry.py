@@ -11,8 +11,6 @@ from dataclasses import dataclass, field
 from importlib import resources
 from typing import Any
 
-BEAMS, SUPERELEMENT = "beams", "superelement"  #: kinds of models
-
 
 @dataclass(frozen=True, kw_only=True)
 class FigureKind:
@@ -23,7 +21,7 @@ class FigureKind:
     about: str  #: content of the figure, in one line
     reading: str = ""  #: help for reading the figure: units, signs, marks of dangerous motion
     section: str = ""  #: section of the report that shows the figure; empty for no section
-    models: tuple[str, ...] = (BEAMS,)  #: kinds of models that have the figure
+    needs: Sequence[str] = ()  #: variables of a run or a sweep without which there is no figure
     wide: bool = False  #: true for the width of the page of a report, false for half of it
     data: str  #: "module:function" that computes the dataset, or an attribute of `RunFigures`
     plot: str  #: "module:function" in postprocess that draws the dataset
@@ -43,16 +41,12 @@ def captions(kinds: Mapping[str, FigureKind]) -> list[str]:
 
 def _figures(source: str) -> Mapping[str, FigureKind]:
     file = resources.files("bladewhirl.postprocess.plotting").joinpath("figures.toml")
-    return {
-        name: FigureKind(name=name, **{**entry, "models": tuple(entry.get("models", [BEAMS]))})
-        for name, entry in tomllib.loads(file.read_text("utf-8"))[source].items()
-    }
+    entries = tomllib.loads(file.read_text("utf-8"))[source]
+    return {name: FigureKind(name=name, **entry) for name, entry in entries.items()}
 
 
 RUN_FIGURES, SWEEP_FIGURES = _figures("run"), _figures("sweep")
-"""Figures of a run of beams, and of a sweep."""
-
-NODE_FIGURES = _figures("superelement")  #: figures of a run of a superelement
+"""Figures of a run, and of a sweep."""
 
 REPLACED: Mapping[str, str] = {"energy-cyclic": "energy-families"}
 """Deprecated figure names and their replacements."""

@@ -1,15 +1,16 @@
 """Report of a run: regime, figures, numbers and case."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 
+import numpy as np
 import xarray as xr
 
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.regimes import classify
+from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.plotting.titles import speed_label
-from bladewhirl.postprocess.reports.figures import figures_of_run
 from bladewhirl.postprocess.reports.instants import instants
 from bladewhirl.postprocess.reports.page import Page, PageSection, PageTable, report_figures
 from bladewhirl.postprocess.reports.parts import (
@@ -22,10 +23,9 @@ from bladewhirl.postprocess.reports.parts import (
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.figures import RunFigures
-from bladewhirl.postprocess.run.node_summary import node_regime, summarise_nodes
 from bladewhirl.postprocess.run.summary import MARCH_REPORT, summarise
 from bladewhirl.postprocess.run.summary_table import summary_rows
-from bladewhirl.postprocess.shaft.orbits import MILLI
+from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 LATE = "over the last third"  #: time window of whirl and contact scenario
@@ -48,7 +48,7 @@ TITLES = {
 
 
 def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -> Page:
-    """Return the report of a run, of beams or of a superelement, for `page.write_page`.
+    """Return the report of a run for `page.write_page`.
 
     The report of an interrupted march covers the time up to its last record and has a warning.
 
@@ -60,20 +60,14 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     Raises:
         ViewError: the result has fewer than two records.
     """
-    figures = figures_of_run(dataset)
-    first, glance = [], _glance(dataset)
-    if isinstance(figures, RunFigures):
-        energy, orbit = figures.energies, figures.orbit
-        regime = classify(dataset, energy["total"].values)
-        plots = instants(dataset, figures.contact, orbit, energy)
+    figures = RunFigures(dataset)
+    energies = figures.energies
+    regime, first = classify(dataset, energies["total"].values), list[PageSection]()
+    stresses = None
+    if "rotor_line" in dataset:
+        plots = instants(dataset, figures.contact, figures.orbit, energies)
         first.append(PageSection(name="instant", title="At one instant", blocks=[plots]))
-        glance += _beam_glance(dataset, orbit)
         stresses = figures.stresses
-        rows = _summary(dataset, lambda report: summary_rows(summarise(dataset, report, stresses)))
-    else:
-        regime = node_regime(dataset)
-        glance += _node_glance(dataset)
-        rows = _summary(dataset, lambda report: summarise_nodes(dataset, report).rows())
     meaning = REGIMES[regime.name].meaning
     reason = str(dataset.attrs.get("end_reason", "completed"))
     ended = reason in ("completed", "divergent", "damped")
@@ -86,10 +80,9 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     parts = [
         PageSection(name=part, title=title, blocks=blocks)
         for part, title in TITLES.items()
-        if (part != "wear" or "coating_strain" in dataset)
-        and (blocks := report_figures(figures, part))
+        if (blocks := report_figures(figures, part))
     ]
-    numbers = PageSection(name="numbers", title="Numbers", blocks=[rows])
+    numbers = PageSection(name="numbers", title="Numbers", blocks=[_summary(dataset, stresses)])
     case = case_section(dataset, provenance, CASE_CAPTION)
     return Page(
         title=str(dataset.attrs.get("title", "")) or "Run",
@@ -98,7 +91,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
         tone=REGIMES[regime.name].tone if ended else "open",
         reason=f"{meaning} {_sentence(regime.reason)}",
         warnings=_warnings(dataset, reason),
-        figures=glance,
+        figures=_glance(dataset),
         sections=[*first, verdict, *parts, numbers, case],
     )
 
@@ -110,18 +103,17 @@ def _late(dataset: xr.Dataset) -> xr.Dataset:
     return late if late.sizes["time"] > 1 else dataset
 
 
-def _summary(
-    dataset: xr.Dataset, rows_of: Callable[[Mapping[str, float]], Mapping[str, str]]
-) -> PageTable:
+def _summary(dataset: xr.Dataset, stresses: xr.Dataset | None) -> PageTable:
     """Return the rows of a summary. If the march has not ended, rows that are known only at its end
-    are left out. `rows_of` makes the rows from the quality measures of the march."""
+    are left out. `stresses` are from `stress_history`, None for a stage without beams."""
     reported = {name: dataset.attrs.get(name, math.nan) for name in MARCH_REPORT}
     done = float(dataset["time"].values[-1]) / float(dataset.attrs["time_step"])
     missing = any(math.isnan(float(reported[name])) for name in MARCH_REPORT)
     if missing:
         reported |= {"steps": round(done), "unsolved_steps": 0}
     left_out = {"because", *(UNKNOWN if missing else ())}  # the reason is at the top of the page
-    shown = [row for row in rows_of(reported).items() if row[0] not in left_out]
+    rows = summary_rows(summarise(dataset, reported, stresses))
+    shown = [row for row in rows.items() if row[0] not in left_out]
     return PageTable(name="summary", title="Summary", rows=shown)
 
 
@@ -141,33 +133,33 @@ def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
 
 
 def _glance(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
-    """Return the key figures of every run: name, value, remark."""
+    """Return the key figures of a run: name, value, remark."""
     ratio, _, rpm = speed_label(dataset).partition(" (")
     end = f"{float(dataset['time'].values[-1]):.6g} s"
-    return [("speed", ratio, rpm.rstrip(")")), ("end of the march", end, "")]
-
-
-def _node_glance(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
-    """Return the key figures of contact nodes."""
-    touched = int((dataset["contact_steps"].sum("time").values > 0).sum())
-    moved = abs(dataset["contact_displacement"]).max(("time", "contact_node")).values
-    return [
-        ("contact nodes that touched", f"{touched} of {dataset.sizes['contact_node']}", ""),
-        *(
-            (f"largest recorded {name} displacement", handy(float(value), "m", 4), "")
-            for name, value in zip(dataset["direction"].values, moved, strict=True)
-        ),
-    ]
-
-
-def _beam_glance(dataset: xr.Dataset, orbit: xr.Dataset) -> list[tuple[str, str, str]]:
-    """Return the key figures of shaft and blades."""
-    late, late_orbit = _late(dataset), _late(orbit)
+    late = _late(dataset)
     classes = contact_classes(late)["contact_class"].values
+    counts = {name: int((classes == name).sum()) for name in CLASS_COLOURS}
+    steps = of_blades(dataset, dataset["contact_steps"].sum("time").values)
+    blades = (
+        "blades that touched",
+        f"{np.count_nonzero(steps)} of {len(steps)}",
+        ", ".join(f"{count} {name}" for name, count in counts.items() if count),
+    )
+    ran = [("speed", ratio, rpm.rstrip(")")), ("end of the march", end, "")]
+    if "contact_displacement" in dataset:
+        moved = zip(
+            dataset["direction"].values, largest_contact_motion(dataset).max(0), strict=True
+        )
+        ran += [
+            (f"largest recorded {way} displacement", handy(float(far), "m", 4), "")
+            for way, far in moved
+        ]
+    if "centre_shape" not in dataset:
+        return [*ran, blades]
+    orbit = shaft_orbit(dataset)
+    late_orbit = _late(orbit)
     radius = MILLI * float(orbit["radius"].max())
     clearance = MILLI * float(orbit.attrs["smallest_clearance"])
-    touched = int((dataset["contact_steps"].sum("time").values > 0).sum())
-    counts = {name: int((classes == name).sum()) for name in CLASS_COLOURS}
     phases = contact_phase(late, late_orbit)
     in_contact, lead = bool(phases["impulse"].any()), float(phases.attrs["lead"])
     angle = (
@@ -175,6 +167,7 @@ def _beam_glance(dataset: xr.Dataset, orbit: xr.Dataset) -> list[tuple[str, str,
     )
     whirls = {frame: whirl(late_orbit, frame).text.partition(", ") for frame in FRAMES}
     return [
+        *ran,
         (
             "largest recorded shaft displacement",
             f"{radius:.4g} mm",
@@ -184,11 +177,7 @@ def _beam_glance(dataset: xr.Dataset, orbit: xr.Dataset) -> list[tuple[str, str,
             (f"whirl, {frame} frame", direction, ", ".join(filter(None, [rate, LATE])))
             for frame, (direction, _, rate) in whirls.items()
         ),
-        (
-            "blades that touched",
-            f"{touched} of {dataset.sizes['blade']}",
-            ", ".join(f"{count} {name}" for name, count in counts.items() if count),
-        ),
+        blades,
         (
             "contact scenario",
             str(phases.attrs["scenario"]) if in_contact else "no contact",

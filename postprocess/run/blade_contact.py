@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from bladewhirl.meshes.line_mesh import BoolArray
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields import windows
+from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.enlarged import rounded_up
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
@@ -58,7 +59,8 @@ def contact_maps(result: xr.Dataset, columns: int = COLUMNS) -> xr.Dataset:
     """Compute gaps and forces of every blade in equal spans of time.
 
     The gap is the smallest gap of all time steps in a span; the force is the impulse in the span
-    divided by the length of the span.
+    divided by the length of the span. With several contact nodes on a blade, the gap is the
+    smallest, the force the sum, and the share the largest of all nodes.
 
     Args:
         result: result of a run.
@@ -82,10 +84,10 @@ def contact_maps(result: xr.Dataset, columns: int = COLUMNS) -> xr.Dataset:
     length = np.diff(edges)[:, None]
     plane = ("time", "blade")
 
-    def total(name: str) -> Array:
-        return np.asarray(np.add.reduceat(dataset[name].values, starts, axis=0))
+    def total(name: str, choice: np.ufunc = np.add) -> Array:
+        return of_blades(dataset, np.add.reduceat(dataset[name].values, starts, axis=0), choice)
 
-    gap = np.minimum.reduceat(dataset["gap"].values, starts, axis=0)
+    gap = of_blades(dataset, np.minimum.reduceat(dataset["gap"].values, starts, axis=0), np.minimum)
     return labelled(
         dataset,
         "gaps and contact forces of the blades",
@@ -93,9 +95,9 @@ def contact_maps(result: xr.Dataset, columns: int = COLUMNS) -> xr.Dataset:
             "gap": (plane, gap, "m"),
             "force": (plane, total("contact_impulse") / length, "N"),
             "friction": (plane, total("friction_impulse") / length, "N"),
-            "share": (plane, _share(total("contact_steps"), length, dataset), "1"),
+            "share": (plane, _share(total("contact_steps", np.maximum), length, dataset), "1"),
         },
-        {"time": edges[1:], "edge": edges, "blade": np.arange(dataset.sizes["blade"])},
+        {"time": edges[1:], "edge": edges, "blade": np.arange(gap.shape[1])},
     )
 
 
@@ -105,7 +107,7 @@ def contact_classes(
     """Compute the share of time steps at which each blade is in contact, and its contact class.
 
     The class is *permanent* for a share of 99 % or more, *free* without contact, and *intermittent*
-    otherwise.
+    otherwise. The share of a blade is the largest of its contact nodes.
 
     Args:
         result: result of a run with at least two records.
@@ -122,7 +124,8 @@ def contact_classes(
         ``contact_classes(result, start=2.0)["share"].sel(blade=3)``
     """
     dataset = windows.select_window(result, start, end)
-    time, share = dataset["time"].values, contact_share(dataset)
+    share = of_blades(dataset, contact_share(dataset), np.maximum)
+    time = dataset["time"].values
     names = np.select([share >= PERMANENT, share > 0], ["permanent", "intermittent"], "free")
     touched = result["time"].values[(result["contact_steps"].values > 0).any(axis=1)]
     first = float(touched[0]) if len(touched) else np.inf
@@ -130,15 +133,15 @@ def contact_classes(
         dataset,
         "share of the time in contact",
         {"share": ("blade", share, "1"), "contact_class": ("blade", names, "1")},
-        {"blade": np.arange(dataset.sizes["blade"])},
+        {"blade": np.arange(len(share))},
         window=windows.window_label(dataset),
         first_contact=first if time[0] < first <= time[-1] else np.nan,
     )
 
 
 def contact_share(dataset: xr.Dataset) -> Array:
-    """Return the share of time steps at which each blade is in contact, (blade,); there must be at
-    least two records."""
+    """Return the share of time steps at which each contact node is in contact, (contact_node,);
+    there must be at least two records."""
     time = dataset.variables["time"].values
     # Each record counts the steps with contact since the previous record.
     touching = dataset.variables["contact_steps"][1:].values.sum(axis=0)

@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import select_window
@@ -45,7 +46,7 @@ def casing_contact(
     """
     dataset = select_window(result, start, end)
     time, tips = dataset["time"].values, dataset["tip_angle"].values
-    speed, blades = abs(float(dataset.attrs["speed"])), dataset.sizes["blade"]
+    speed, blades = abs(float(dataset.attrs["speed"])), blade_count(dataset)
     steps = np.diff(time)
     spans, sectors = COLUMNS, blades
     if speed:  # a sector is at least as wide as the movement of a tip between two records

@@ -10,13 +10,8 @@ from matplotlib.ticker import MaxNLocator
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.nodes import (
-    DIRECTIONS,
-    check_superelement,
-    is_flexible,
-    ring_displacement,
-)
-from bladewhirl.postprocess.fields.result import ResultError
+from bladewhirl.postprocess.fields.netcdf import need
+from bladewhirl.postprocess.fields.nodes import DIRECTIONS, ring_displacement
 from bladewhirl.postprocess.plotting.axes import draw_map
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
@@ -32,14 +27,13 @@ def contact_nodes(result: xr.Dataset) -> xr.Dataset:
     """Compute the mean contact forces between records, and the share of time in contact.
 
     Args:
-        result: result of a superelement.
+        result: result of a run whose contact nodes are recorded.
 
     Returns:
         Dataset over (time, contact_node): `force` and `friction` [N], means of the normal and the
         tangential force since the last record; `share` [1]. `impulse` [N s] over (contact_node) is
         the sum of the normal impulses.
     """
-    check_superelement(result)
     spacing = np.diff(result["time"].values, prepend=-np.inf)[:, None]
     steps = spacing / float(result.attrs["time_step"])
     over = ("time", "contact_node")
@@ -55,7 +49,7 @@ def contact_nodes(result: xr.Dataset) -> xr.Dataset:
         },
         {"time": result["time"].values},
     )
-    places = ("blade", "node", "contact_angle", "contact_axial")
+    places = ("blade", "node", "tip_angle", "axial_position")
     return computed.assign_coords({name: result[name] for name in places})
 
 
@@ -63,14 +57,14 @@ def tip_orbits(result: xr.Dataset, *, turns: float = 5.0, copy: int = 0) -> xr.D
     """Return the displacements of the contact nodes of a copy in the last revolutions.
 
     Args:
-        result: result of a superelement.
+        result: result of a run whose contact nodes are recorded.
         turns: number of revolutions; at standstill the whole run is returned.
         copy: number of the copy.
 
     Returns:
         Dataset over (time, node): `radial`, `tangential` and `axial` [m], in rotating axes.
     """
-    check_superelement(result)
+    need(result, "contact_displacement")
     time, speed = result["time"].values, abs(float(result.attrs["speed"]))
     last = time >= time[-1] - (2.0 * np.pi * turns / speed if speed else np.inf)
     nodes = result.sizes["contact_node"] // result.sizes["copy"]
@@ -87,7 +81,7 @@ def ring_motion(result: xr.Dataset) -> xr.Dataset:
     """Compute displacement and strain energy of a flexible casing over time.
 
     Args:
-        result: result of a superelement with a flexible casing.
+        result: result of a run with a flexible casing.
 
     Returns:
         Dataset: `radial` and `tangential` [m] over (time, casing_node); `energy` [J] over (time,
@@ -96,9 +90,7 @@ def ring_motion(result: xr.Dataset) -> xr.Dataset:
     Raises:
         ResultError: the casing is rigid.
     """
-    check_superelement(result)
-    if not is_flexible(result):
-        raise ResultError("expected a flexible casing, found a rigid wall")
+    need(result, "casing_displacement")
     records = np.arange(result.sizes["time"])
     moved = ring_displacement(result, records)
     squares = result["casing_frequency"].values * result["casing_displacement"].values
@@ -186,7 +178,7 @@ def plot_node_wear(data: xr.Dataset) -> Figure:
     `wear`."""
     figure = new_figure(width=FULL_WIDTH, height=0.1)
     above, below = figure.subplots(2, 1, height_ratios=[1.3, 1.0])
-    recess, axial = data["recess"].values[-1], data["axial"].values
+    recess, axial = np.atleast_2d(data["recess"].values[-1]), np.atleast_1d(data["axial"].values)
     unit, scale = handy_unit(float(np.abs(axial).max()), "m")
     depth_unit, depth_scale = handy_unit(float(recess.max()), "m")
     half = 0.5 * (np.diff(axial).mean() if len(axial) > 1 else 1e-3)

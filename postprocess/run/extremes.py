@@ -25,10 +25,11 @@ class WallPeak(TypedDict):
 
 
 class ForcePeak(TypedDict):
-    """Largest contact force of a blade."""
+    """Largest contact force on a contact node."""
 
     force: float  #: normal force, mean over `averaged_over` [N]
     blade: int
+    node: int  #: number of the contact node on the blade
     time: float  #: end of the averaging time [s]
     averaged_over: float  #: averaging time [s]
 
@@ -63,17 +64,18 @@ def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
 
 
 def largest_force(dataset: xr.Dataset) -> ForcePeak:
-    """Return the largest normal force on any blade, averaged over `FORCE_TIME`."""
+    """Return the largest normal force on any contact node, averaged over `FORCE_TIME`."""
     time = dataset["time"].values
     step = float(dataset.attrs["record_step"])
     records = max(1, round(FORCE_TIME / step))
     impulse: Array = np.cumsum(dataset["contact_impulse"].values, axis=0)
     summed = impulse.copy()
     summed[records:] -= impulse[:-records]
-    record, blade = np.unravel_index(summed.argmax(), summed.shape)
+    record, place = np.unravel_index(summed.argmax(), summed.shape)
     return ForcePeak(
-        force=float(summed[record, blade] / (records * step)),
-        blade=int(blade),
+        force=float(summed[record, place] / (records * step)),
+        blade=int(dataset["blade"][place]),
+        node=int(dataset["node"][place]),
         time=float(time[record]),
         averaged_over=records * step,
     )

@@ -1,4 +1,4 @@
-"""Figures of a run of beams by name, see `plotting.registry`, and their datasets."""
+"""Figures of a run by name, see `plotting.registry`, and their datasets."""
 
 from functools import cached_property
 
@@ -47,9 +47,14 @@ class RunFigures(Figures):
 
     def draw(self, name: str) -> tuple[Figure, xr.Dataset]:
         """Draw a figure, see `Figures.draw`; most figures need a motion."""
-        if name in self.kinds and name not in AT_REST and not self.result["energy"].any():
+        if name in self.kinds and name not in AT_REST and not self.moves:
             raise ViewError(f"no motion in the time window from {window_label(self.result)}")
         return super().draw(name)
+
+    @property
+    def moves(self) -> bool:
+        """True if the stage moves in the time window."""
+        return bool(self.result["energy"].any())
 
     @cached_property
     def orbit(self) -> xr.Dataset:

@@ -9,8 +9,10 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import to_si
-from bladewhirl.postprocess.fields.kinematics import casing_rows, record_lengths, tip_rows
+from bladewhirl.postprocess.fields.by_blade import blade_means, contact_motion, of_blades
+from bladewhirl.postprocess.fields.kinematics import casing_rows, record_lengths
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.netcdf import need
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window
 
@@ -19,7 +21,7 @@ COMPONENTS = ("radial", "tangential")  #: outward, and counter-clockwise
 
 def gap(result: xr.Dataset, *, start: float | None = None, end: float | None = None) -> xr.Dataset:
     """Return for every blade tip the smallest gap since the previous record, and true if the tip
-    touched in this time.
+    touched in this time. With several contact nodes on a tip the gap is the smallest of all.
 
     Args:
         result: result of a run.
@@ -33,12 +35,13 @@ def gap(result: xr.Dataset, *, start: float | None = None, end: float | None = N
     """
     result = in_window(result, start, end)
     both = ("time", "blade")
-    contact = result["contact_steps"].values > 0
+    smallest = of_blades(result, result["gap"].values, np.minimum)
+    contact = of_blades(result, result["contact_steps"].values) > 0
     return labelled(
         result,
         "gaps of the blade tips",
-        {"gap": (both, result["gap"].values, "m"), "contact": (both, contact, "1")},
-        {"time": result["time"].values, "blade": np.arange(result.sizes["blade"])},
+        {"gap": (both, smallest, "m"), "contact": (both, contact, "1")},
+        {"time": result["time"].values, "blade": np.arange(smallest.shape[1])},
     )
 
 
@@ -48,7 +51,8 @@ def contact_force(
     """Return the contact force on every blade tip, averaged over the time since the previous
     record.
 
-    The average converges as the time step decreases, while the peak force does not.
+    The average converges as the time step decreases, while the peak force does not. With several
+    contact nodes on a tip the force is the sum of all.
 
     Args:
         result: result of a run.
@@ -64,21 +68,23 @@ def contact_force(
     result = in_window(result, start, end)
     length = record_lengths(result)[:, None]
     both = ("time", "blade")
+    normal, friction = (
+        of_blades(result, result[f"{kind}_impulse"].values) / length
+        for kind in ("contact", "friction")
+    )
     return labelled(
         result,
         "contact forces on the blade tips",
-        {
-            "normal": (both, result["contact_impulse"].values / length, "N"),
-            "friction": (both, result["friction_impulse"].values / length, "N"),
-        },
-        {"time": result["time"].values, "blade": np.arange(result.sizes["blade"])},
+        {"normal": (both, normal, "N"), "friction": (both, friction, "N")},
+        {"time": result["time"].values, "blade": np.arange(normal.shape[1])},
     )
 
 
 def tip_displacement(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Return the radial and tangential displacement of every blade tip in the rotating frame.
+    """Return the radial and tangential displacement of every blade tip in the rotating frame, the
+    mean of the contact nodes on the tip.
 
     Args:
         result: result of a run; it is read portion by portion.
@@ -92,14 +98,14 @@ def tip_displacement(
         ``tip_displacement(result)["displacement"].sel(blade=3, component="radial").plot()``
     """
     result = in_window(result, start, end)
-    rows = tip_rows(result)
-    moved = reduce_modes(result, "rotor_displacement", rows.reshape(-1, rows.shape[-1]))
-    over, blades = ("time", "component", "blade"), rows.shape[1]
+    ways = [blade_means(result, contact_motion(result, way)) for way in range(len(COMPONENTS))]
+    moved, over = np.stack(ways, axis=1), ("time", "component", "blade")
+    blades = np.arange(moved.shape[2])
     return labelled(
         result,
         "displacement of the blade tips, rotating frame",
-        {"displacement": (over, moved.reshape(-1, 2, blades), "m")},
-        {"time": result["time"].values, "component": [*COMPONENTS], "blade": np.arange(blades)},
+        {"displacement": (over, moved, "m")},
+        {"time": result["time"].values, "component": [*COMPONENTS], "blade": blades},
     )
 
 
@@ -131,6 +137,7 @@ def casing_displacement(
         ``casing_displacement(result, angle="90 deg")["displacement"].sel(component="radial")``
     """
     result = in_window(result, start, end)
+    need(result, "casing_displacement")
     angles = np.array([radians(value) for value in np.ravel(np.asarray(angle))])
     rows = casing_rows(result, angles)
     moved = reduce_modes(result, "casing_displacement", rows.reshape(-1, rows.shape[-1]))

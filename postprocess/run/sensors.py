@@ -28,6 +28,7 @@ from bladewhirl.models.case.sensors import (
 )
 from bladewhirl.models.inputs.errors import CaseError, Fault, Hint
 from bladewhirl.postprocess.fields.blades import blade_chain
+from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, casing_rows
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
@@ -97,7 +98,7 @@ def sensors_of(result: xr.Dataset, tables: Iterable[Any] | None = None) -> tuple
     if tables is None:
         text = str(result.attrs.get("case", ""))
         tables = tomllib.loads(text).get("sensor", []) if "[[sensor]]" in text else []
-    chosen = sensors_from(list(tables), result.sizes["blade"])
+    chosen = sensors_from(list(tables), blade_count(result))
     if not chosen:
         raise ViewError("sensors: expected tables [[sensor]] in the case of the run")
     speed = float(result.attrs["speed"])
@@ -173,7 +174,7 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> Array:
     """
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    blades = range(dataset.sizes["blade"]) if gauge.blade == "all" else [gauge.blade]
+    blades = range(dataset.sizes["contact_node"]) if gauge.blade == "all" else [gauge.blade]
     lines, places, outwards = [], [], []
     for blade in blades:
         chain = blade_chain(dataset, blade)

@@ -114,7 +114,7 @@ def stress_history(
             **{name: ("member", values, PEAKS[name]) for name, values in peak.items()},
         },
         {"time": time, "member": names},
-        blades=dataset.sizes["blade"],
+        blades=dataset.sizes["contact_node"],
     )
 
 

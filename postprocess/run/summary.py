@@ -1,7 +1,7 @@
 """Summary of a run: `summary.json`."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field
 from typing import Any, TypedDict
 
 import numpy as np
@@ -9,10 +9,11 @@ import xarray as xr
 
 from bladewhirl.files import json_text
 from bladewhirl.postprocess.energy import strain
-from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, Regime, RegimeName, classify
+from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, RegimeName, classify
 from bladewhirl.postprocess.energy.works import Works, late_drive_power, works
+from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.fields.result import reduce_modes
+from bladewhirl.postprocess.fields.result import portions, reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run import extremes
 from bladewhirl.postprocess.run.stresses import peak_stresses
@@ -47,38 +48,17 @@ MARCH_REPORT: Mapping[str, type[float]] = {
 }
 """Key figures of the march that the histories in a result do not contain, with their types."""
 
+LATE = 10
+"""The impulse per revolution is averaged over up to this many complete revolutions at the end."""
+
 ROUNDING = 1e-9
 """Displacements of the shaft below this fraction of those of the tips are rounding errors."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class MarchQuality:
-    """Quality and cost of a march and the wear of a coating: the last entries of a summary."""
-
-    energy_residual: float  #: error of the energy balance, relative to its largest term
-    complementarity_residual: float  #: largest residual of any step, relative to the gap's scale
-    unsolved_steps: int
-    """Number of steps whose contact problem no exact method solved; for a superelement, steps whose
-    forces or sliding directions did not converge."""
-    record_step: float  #: time between the records, of which largest values are [s]
-    dt_over_critical: float  #: ratio of the time step to the critical time step
-    steps: int
-    wall_time: float  #: [s]
-    us_per_step: float  #: [µs]
-    wear: dict[str, Any] = field(default_factory=dict)
-    """Wear of the coating, see `wear_summary`; its entries are keys of `summary.json`."""
-
-    def to_json(self) -> str:
-        """Return the summary as a JSON document with full precision."""
-        entries = asdict(self)
-        last = {each.name: entries.pop(each.name) for each in fields(MarchQuality)}
-        wear = last.pop("wear")
-        return json_text(entries | last | wear)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Summary(MarchQuality):
-    """Key figures of a run; the fields are the keys of `summary.json`."""
+class Summary:
+    """Key figures of a run; the fields are the keys of `summary.json`. Figures of quantities that
+    the stage does not have are None, lists are then empty."""
 
     regime: RegimeName
     regime_criterion: str  #: criterion of the regimes, and the reason for the regime of this run
@@ -90,8 +70,9 @@ class Summary(MarchQuality):
     ripple_growth_rate_error: float | None  #: standard error of `ripple_growth_rate` [1/s]
     end_reason: str  #: "completed", "divergent" or "interrupted"
     end_time: float  #: time of the last record [s]
-    shaft_radius_max: float  #: largest displacement of the shaft over the records [m]
-    shaft_radius_final: float  #: displacement of the shaft at the last record [m]
+    revolutions: float  #: number of revolutions
+    shaft_radius_max: float | None  #: largest displacement of the shaft over the records [m]
+    shaft_radius_final: float | None  #: displacement of the shaft at the last record [m]
     whirl_frequency_rotating: float | None
     """Net turns per second [Hz] about the bearing's centre in rotating axes over the last third,
     forward positive; None if there is no single whirl frequency, see `whirl.whirl`."""
@@ -99,24 +80,54 @@ class Summary(MarchQuality):
     #: standard error of the whirl frequency in either frame [Hz]
     whirl_frequency_error: float | None
     whirl_lines: list[LineOfWhirl]  #: strongest lines of the two-sided spectrum over the last third
-    ripple_rms: float  #: motion of the shaft about its mean position, rotating axes, last third [m]
+    ripple_rms: float | None
+    """Motion of the shaft about its mean position, rotating axes, last third [m]."""
     ripple_frequency: float | None  #: net turns per second about the mean position [Hz]
     ripple_lines: list[LineOfWhirl]  #: strongest lines of the two-sided spectrum of the ripple
-    tip_displacement_max: float  #: largest displacement of a blade tip over the records [m]
+    tip_displacement_max: float  #: largest displacement of a contact node over the records [m]
+    contact_displacement_max: dict[str, float] | None
+    """Largest displacement of a contact node in each direction [m], if it is recorded."""
     strain_energy_max: float  #: largest strain energy of bladed disk and shaft springs [J]
-    strain_energy_final: EnergyHolders  #: strain energies of groups of modes, last record [J]
-    strain_energy_rest: dict[str, float]  #: strain energy `rest` of the last record by family [J]
-    strain_energy_casing_final: float  #: strain energy of casing and its support, last record [J]
+    strain_energy_final: (
+        EnergyHolders | None
+    )  #: strain energies of groups of modes, last record [J]
+    strain_energy_rest: dict[str, float] | None
+    """Strain energy `rest` of the last record by family [J]."""
+    strain_energy_casing_final: float | None
+    """Strain energy of casing and its support, last record [J]."""
+    energy_final: float  #: energy at the end [J], the sum of all works and of the initial energy
     work: Works  #: works of load, contact forces, damping and drive [J]
     drive_power: float | None  #: mean power against contact forces over the last third [W]
     drive_torque: float | None  #: `drive_power` divided by the speed [N m]; None at rest
-    casing_displacement_max: dict[str, extremes.WallPeak]  #: "radial" and "tangential"
+    casing_displacement_max: dict[str, extremes.WallPeak] | None  #: "radial" and "tangential"
     contact_force_max: extremes.ForcePeak
     contact_impulse: float  #: sum of the normal impulses on all blades [N s]
-    stress_max: dict[str, extremes.StressPeak]  #: largest stress of "bladed_disk" and "casing"
+    contact_impulse_by_blade: list[float]  #: sum for each blade [N s]
+    impulse_per_revolution: float | None
+    """Normal impulse on all blades per revolution [N s], averaged over at most ten complete
+    revolutions at the end; None without a complete revolution."""
+    stress_max: dict[str, extremes.StressPeak] | None
+    """Largest stress of "bladed_disk" and "casing", of stages of beams."""
     yield_strength: float | None  #: lowest of the yield strengths given in the case [Pa]
-    contact_share: list[float]  #: share of the time steps in contact, for each blade
+    contact_share: list[float]  #: share of the time steps in contact, for each contact node
     gap_violation_max: float  #: deepest penetration at any step [m]
+    energy_residual: float  #: error of the energy balance, relative to its largest term
+    complementarity_residual: float  #: largest residual of any step, relative to the gap's scale
+    unsolved_steps: int
+    """Number of steps whose contact problem was not solved: no exact method succeeded, or forces or
+    sliding directions did not converge."""
+    record_step: float  #: time between the records, of which largest values are [s]
+    dt_over_critical: float  #: ratio of the time step to the critical time step
+    steps: int
+    wall_time: float  #: [s]
+    us_per_step: float  #: [µs]
+    wear: dict[str, Any] = field(default_factory=dict)
+    """Wear of the coating, see `wear_summary`; its entries are keys of `summary.json`."""
+
+    def to_json(self) -> str:
+        """Return the summary as a JSON document with full precision."""
+        entries = asdict(self)
+        return json_text(entries | entries.pop("wear"))
 
 
 def summarise(
@@ -141,65 +152,52 @@ def summarise(
     Raises:
         ValueError: an entry of the report is missing.
     """
+    missing = [key for key in MARCH_REPORT if key not in march_report]
+    if missing:
+        raise ValueError(f"march report: expected {', '.join(MARCH_REPORT)}; lacks {missing}")
+    report: dict[str, Any] = {key: kind(march_report[key]) for key, kind in MARCH_REPORT.items()}
     energies = strain.strain_energies(dataset) if energies is None else energies
-    orbit = shaft_orbit(dataset) if orbit is None else orbit
-    radius = orbit["radius"].values
     regime = classify(dataset, energies["total"].values)
     power, speed = late_drive_power(dataset), float(dataset.attrs["speed"])
-    casing = dataset["casing_frequency"].values * dataset["casing_displacement"][-1].values
-    tips = _largest_tip_displacement(dataset)
+    tips, grouped = _largest_tip_displacement(dataset), "suspension" in energies
+    impulse, time = dataset["contact_impulse"].values, dataset["time"].values
+    contact_steps = dataset["contact_steps"].sum("time").values
     return Summary(
-        **common_figures(dataset, regime, march_report),
+        regime=regime.name,
+        regime_criterion=f"{CRITERION_TEXT}. Here: {regime.reason}.",
+        growth_rate=regime.growth.rate if regime.growth else None,
+        growth_rate_error=regime.growth.error if regime.growth else None,
         growth_rate_end=regime.growth.end_rate if regime.growth else None,
         growth_residual=regime.growth.residual if regime.growth else None,
         ripple_growth_rate=regime.ripple.rate if regime.ripple else None,
         ripple_growth_rate_error=regime.ripple.error if regime.ripple else None,
-        shaft_radius_max=float(radius.max()),
-        shaft_radius_final=float(radius[-1]),
-        **_whirl_figures(orbit, moves=bool(radius.max() > ROUNDING * tips)),
+        end_reason=str(dataset.attrs["end_reason"]),
+        end_time=float(time[-1]),
+        revolutions=abs(speed) * float(time[-1]) / (2.0 * np.pi),
+        **_shaft_figures(dataset, orbit, tips),
         tip_displacement_max=tips,
+        contact_displacement_max=_contact_displacements(dataset),
         strain_energy_max=float(energies["total"].max()),
-        strain_energy_final=_holders(energies.isel(time=-1)),
-        strain_energy_rest=_rest(dataset),
-        strain_energy_casing_final=float(0.5 * np.sum(casing**2)),
+        strain_energy_final=_holders(energies.isel(time=-1)) if grouped else None,
+        strain_energy_rest=_rest(dataset) if grouped else None,
+        **_casing_figures(dataset),
+        energy_final=float(dataset["energy"][-1]),
         work=works(dataset),
         drive_power=_finite(power),
         drive_torque=_finite(power / speed) if speed else None,
-        casing_displacement_max=extremes.casing_peaks(dataset),
         contact_force_max=extremes.largest_force(dataset),
-        stress_max=extremes.stress_peaks(peak_stresses(dataset) if stresses is None else stresses),
+        contact_impulse=float(dataset["contact_impulse"].sum()),
+        contact_impulse_by_blade=of_blades(dataset, impulse.sum(axis=0)).tolist(),
+        impulse_per_revolution=late_impulse(dataset),
+        stress_max=_stresses(dataset, stresses),
         yield_strength=dataset.attrs.get("yield_strength"),
+        contact_share=(contact_steps / max(report["steps"], 1)).tolist(),
         gap_violation_max=max(0.0, -float(dataset["gap"].min())),
-    )
-
-
-def common_figures(
-    dataset: xr.Dataset, regime: Regime, march_report: Mapping[str, float]
-) -> dict[str, Any]:
-    """Return the fields that summaries of beams and of superelements have in common, by name.
-
-    Raises:
-        ValueError: an entry of the report is missing.
-    """
-    missing = [key for key in MARCH_REPORT if key not in march_report]
-    if missing:
-        raise ValueError(f"march report: expected {', '.join(MARCH_REPORT)}; lacks {missing}")
-    report = {key: kind(march_report[key]) for key, kind in MARCH_REPORT.items()}
-    contact_steps = dataset["contact_steps"].sum("time").values
-    return {
-        "regime": regime.name,
-        "regime_criterion": f"{CRITERION_TEXT}. Here: {regime.reason}.",
-        "growth_rate": regime.growth.rate if regime.growth else None,
-        "growth_rate_error": regime.growth.error if regime.growth else None,
-        "end_reason": str(dataset.attrs["end_reason"]),
-        "end_time": float(dataset["time"][-1]),
-        "contact_impulse": float(dataset["contact_impulse"].sum()),
-        "contact_share": (contact_steps / max(report["steps"], 1)).tolist(),
-        "record_step": float(dataset.attrs["record_step"]),
-        "energy_residual": energy_residual(dataset),
-        "wear": wear_summary(dataset),
+        record_step=float(dataset.attrs["record_step"]),
+        energy_residual=energy_residual(dataset),
+        wear=wear_summary(dataset),
         **report,
-    }
+    )
 
 
 def energy_residual(dataset: xr.Dataset) -> float:
@@ -212,7 +210,7 @@ def energy_residual(dataset: xr.Dataset) -> float:
     works = {
         name: dataset.variables[f"{name}_work"].values
         for name in ("external", "normal", "friction", "coupling", "damping")
-        if f"{name}_work" in dataset  # a superelement has no coupling
+        if f"{name}_work" in dataset  # not every march has the work of a coupling
     }
     energy = dataset.variables["energy"].values
     since: dict[str, Array] = {name: work - work[0] for name, work in works.items()}
@@ -223,21 +221,75 @@ def energy_residual(dataset: xr.Dataset) -> float:
     return float(error / largest) if largest > 0 else 0.0
 
 
-def _whirl_figures(orbit: xr.Dataset, *, moves: bool) -> dict[str, Any]:
-    """Return the whirl and the ripple of the shaft in the last third; if `moves` is false, the
-    motion is only rounding, and frequencies and lines are left out."""
-    late = late_part(orbit)
-    rotating, static = (whirl(late, frame) for frame in FRAMES)
+def late_impulse(dataset: xr.Dataset) -> float | None:
+    """Return the normal impulse on all contact nodes per revolution [N s], averaged over at most
+    `LATE` complete revolutions at the end; None without a complete revolution."""
+    time, speed = dataset["time"].values, abs(float(dataset.attrs["speed"]))
+    turn = 2.0 * np.pi / speed if speed else np.inf
+    whole = int(min(LATE, np.floor(time[-1] / turn + 1e-9)))
+    if whole < 1:
+        return None
+    total = np.cumsum(dataset["contact_impulse"].values.sum(axis=1))
+    sums = np.interp([time[-1] - whole * turn, time[-1]], time, total)
+    return float((sums[1] - sums[0]) / whole)
+
+
+def _shaft_figures(dataset: xr.Dataset, orbit: xr.Dataset | None, tips: float) -> dict[str, Any]:
+    """Return the figures of the shaft: its largest and last displacement, and its whirl and ripple
+    in the last third. If the shaft moves less than a rounding error of the motion of the tips [m],
+    frequencies and lines are left out; without a moving centre all are."""
+    numbers = (
+        *("shaft_radius_max", "shaft_radius_final", "whirl_frequency_rotating"),
+        *("whirl_frequency_static", "whirl_frequency_error", "ripple_rms", "ripple_frequency"),
+    )
+    figures: dict[str, Any] = {**dict.fromkeys(numbers), "whirl_lines": [], "ripple_lines": []}
+    if "centre_shape" not in dataset:
+        return figures
+    orbit = shaft_orbit(dataset) if orbit is None else orbit
+    radius, late = orbit["radius"].values, late_part(orbit)
     size, about = ripple(late, "rotating")
-    return {
-        "whirl_frequency_rotating": rotating.frequency if moves else None,
-        "whirl_frequency_static": static.frequency if moves else None,
-        "whirl_frequency_error": _finite(rotating.error / (2 * np.pi)) if moves else None,
-        "whirl_lines": _lines(late) if moves else [],
+    figures |= {
+        "shaft_radius_max": float(radius.max()),
+        "shaft_radius_final": float(radius[-1]),
         "ripple_rms": size,
-        "ripple_frequency": whirl(about, "rotating").frequency if moves else None,
-        "ripple_lines": _lines(about) if moves else [],
     }
+    if not radius.max() > ROUNDING * tips:
+        return figures
+    rotating, static = (whirl(late, frame) for frame in FRAMES)
+    return figures | {
+        "whirl_frequency_rotating": rotating.frequency,
+        "whirl_frequency_static": static.frequency,
+        "whirl_frequency_error": _finite(rotating.error / (2 * np.pi)),
+        "whirl_lines": _lines(late),
+        "ripple_frequency": whirl(about, "rotating").frequency,
+        "ripple_lines": _lines(about),
+    }
+
+
+def _casing_figures(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return energy and displacement of the casing, None for a rigid wall."""
+    names = ("strain_energy_casing_final", "casing_displacement_max")
+    if "casing_displacement" not in dataset:
+        return dict.fromkeys(names)
+    moved = dataset["casing_frequency"].values * dataset["casing_displacement"][-1].values
+    return dict(
+        zip(names, (float(0.5 * np.sum(moved**2)), extremes.casing_peaks(dataset)), strict=True)
+    )
+
+
+def _stresses(
+    dataset: xr.Dataset, stresses: xr.Dataset | None
+) -> dict[str, extremes.StressPeak] | None:
+    if "rotor_line" not in dataset:
+        return None
+    return extremes.stress_peaks(peak_stresses(dataset) if stresses is None else stresses)
+
+
+def _contact_displacements(dataset: xr.Dataset) -> dict[str, float] | None:
+    if "contact_displacement" not in dataset:
+        return None
+    largest = largest_contact_motion(dataset).max(axis=0)
+    return dict(zip(map(str, dataset["direction"].values), largest.tolist(), strict=True))
 
 
 def _lines(orbit: xr.Dataset) -> list[LineOfWhirl]:
@@ -264,8 +316,12 @@ def _rest(dataset: xr.Dataset) -> dict[str, float]:
 
 
 def _largest_tip_displacement(dataset: xr.Dataset) -> float:
-    """Return the largest displacement of a tip at any record [m]."""
-    blades = dataset.sizes["blade"]
+    """Return the largest displacement of a contact node at any record [m]."""
+    if "contact_displacement" in dataset:
+        stored = dataset["contact_displacement"]
+        lengths = (np.linalg.norm(stored[one].values, axis=2) for one in portions(dataset))
+        return float(max(length.max() for length in lengths))
+    blades = dataset.sizes["contact_node"]
     shapes = dataset["rotor_shape"].values[dataset["tip_node"].values, :2]
     moved = reduce_modes(dataset, "rotor_displacement", shapes.reshape(2 * blades, -1))
     square = (moved.reshape(-1, blades, 2) ** 2).sum(axis=2)

@@ -12,24 +12,55 @@ from bladewhirl.postprocess.energy.works import Works
 from bladewhirl.postprocess.fields.drawback import largest_drawback
 from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT
 from bladewhirl.postprocess.fields.kinematics import ViewError, table_of_result
-from bladewhirl.postprocess.run.extremes import StressPeak
-from bladewhirl.postprocess.run.summary import EnergyHolders, LineOfWhirl, MarchQuality, Summary
+from bladewhirl.postprocess.run.extremes import StressPeak, WallPeak
+from bladewhirl.postprocess.run.summary import EnergyHolders, LineOfWhirl, Summary
 from bladewhirl.postprocess.run.wear import lobes_text
 from bladewhirl.postprocess.shaft.transforms import Frame
 
 
 def summary_rows(summary: Summary) -> dict[str, str]:
     """Return the rows of the summary, with rounded values in convenient units."""
-    work, force = summary.work, summary.contact_force_max
-    walls = [
-        f"{direction} {_text(peak['displacement'], 'm')}"
-        + (f" at {peak['angle']:.4g}°, {_text(peak['time'], 's')}" if peak["displacement"] else "")
-        for direction, peak in summary.casing_displacement_max.items()
-    ]
+    work = summary.work
+    springs = "" if work["springs"] is None else f" springs {_text(work['springs'], 'J')},"
     return {
         "regime": summary.regime,
         "because": summary.regime_criterion.rpartition("Here: ")[2],
         "end time": f"{summary.end_time:.6g} s, {summary.end_reason}",
+        **_shaft(summary),
+        **_walls(summary.casing_displacement_max),
+        "tip displacement, largest": _text(summary.tip_displacement_max, "m"),
+        **_directions(summary.contact_displacement_max),
+        "strain energy, largest": _text(summary.strain_energy_max, "J"),
+        **_energies(summary.strain_energy_final),
+        **_known("casing's strain energy, final", summary.strain_energy_casing_final, "J"),
+        "work of": f"load {_text(work['load'], 'J')}, {_normal(work)},"
+        f" friction {_text(work['friction'], 'J')},{springs} damping"
+        f" {_text(work['damping'], 'J')}",
+        "work of the drive": f"{_text(work['drive'], 'J')}, of it friction heat"
+        f" {_text(work['heat'], 'J')}",
+        "drive over the last third": f"{_text(summary.drive_power, 'W')},"
+        f" {_text(summary.drive_torque, 'N m')}",
+        "contact force, largest": _force(summary),
+        **{
+            f"stress of {body.replace('_', ' ')}, largest": _stress(peak, summary.yield_strength)
+            for body, peak in (summary.stress_max or {}).items()
+        },
+        **_contact(summary),
+        **_wear(summary.wear),
+        "deepest penetration": _text(summary.gap_violation_max, "m"),
+        "energy residual": f"{summary.energy_residual:.3g}",
+        "complementarity residual": f"{summary.complementarity_residual:.3g}",
+        "time step / critical": f"{summary.dt_over_critical:.3g}",
+        "steps": f"{summary.steps}; largest values are of records, every"
+        f" {handy(summary.record_step, 's', 4)}",
+        "wall time": f"{summary.wall_time:.3g} s ({summary.us_per_step:.3g} µs a step)",
+    }
+
+
+def _shaft(summary: Summary) -> dict[str, str]:
+    if summary.shaft_radius_max is None:
+        return {}
+    return {
         "shaft radius, largest": f"{_text(summary.shaft_radius_max, 'm')},"
         f" {_text(summary.shaft_radius_final, 'm')} at the end",
         "whirl, rotating frame": _whirl(
@@ -40,36 +71,38 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         ),
         "ripple about the mean position": f"{_text(summary.ripple_rms, 'm')} (rms),"
         f" {_whirl(summary.ripple_frequency, summary.ripple_lines, 'rotating')}",
-        "casing displacement, largest": "; ".join(walls),
-        "tip displacement, largest": _text(summary.tip_displacement_max, "m"),
-        "strain energy, largest": _text(summary.strain_energy_max, "J"),
-        **_energies(summary.strain_energy_final),
-        "casing's strain energy, final": _text(summary.strain_energy_casing_final, "J"),
-        "work of": f"load {_text(work['load'], 'J')}, {_normal(work)},"
-        f" friction {_text(work['friction'], 'J')}, springs {_text(work['springs'], 'J')}, damping"
-        f" {_text(work['damping'], 'J')}",
-        "work of the drive": f"{_text(work['drive'], 'J')}, of it friction heat"
-        f" {_text(work['heat'], 'J')}",
-        "drive over the last third": f"{_text(summary.drive_power, 'W')},"
-        f" {_text(summary.drive_torque, 'N m')}",
-        "contact force, largest": "none"
-        if not force["force"]
-        else f"{_text(force['force'], 'N')} over {_text(force['averaged_over'], 's')}, blade"
-        f" {force['blade']} at {_text(force['time'], 's')}; impulse of all"
-        f" {_text(summary.contact_impulse, 'N s')}",
-        **{
-            f"stress of {body.replace('_', ' ')}, largest": _stress(peak, summary.yield_strength)
-            for body, peak in summary.stress_max.items()
-        },
-        "blades that touched": _contact(summary.contact_share),
-        **_wear(summary.wear),
-        "deepest penetration": _text(summary.gap_violation_max, "m"),
-        "energy residual": f"{summary.energy_residual:.3g}",
-        "complementarity residual": f"{summary.complementarity_residual:.3g}",
-        "time step / critical": f"{summary.dt_over_critical:.3g}",
-        "steps": steps_text(summary),
-        "wall time": f"{summary.wall_time:.3g} s ({summary.us_per_step:.3g} µs a step)",
     }
+
+
+def _walls(peaks: dict[str, WallPeak] | None) -> dict[str, str]:
+    walls = [
+        f"{direction} {_text(peak['displacement'], 'm')}"
+        + (f" at {peak['angle']:.4g}°, {_text(peak['time'], 's')}" if peak["displacement"] else "")
+        for direction, peak in (peaks or {}).items()
+    ]
+    return {"casing displacement, largest": "; ".join(walls)} if walls else {}
+
+
+def _directions(largest: dict[str, float] | None) -> dict[str, str]:
+    parts = [f"{name} {_text(value, 'm')}" for name, value in (largest or {}).items()]
+    return {"  by direction": ", ".join(parts)} if parts else {}
+
+
+def _known(name: str, value: float | None, unit: str) -> dict[str, str]:
+    return {} if value is None else {name: _text(value, unit)}
+
+
+def _force(summary: Summary) -> str:
+    force = summary.contact_force_max
+    if not force["force"]:
+        return "none"
+    several = len(summary.contact_share) > len(summary.contact_impulse_by_blade)
+    node = f", node {force['node']}" if several else ""
+    return (
+        f"{_text(force['force'], 'N')} over {_text(force['averaged_over'], 's')}, blade"
+        f" {force['blade']}{node} at {_text(force['time'], 's')}; impulse of all"
+        f" {_text(summary.contact_impulse, 'N s')}"
+    )
 
 
 def _wear(wear: dict[str, Any]) -> dict[str, str]:
@@ -94,17 +127,13 @@ def _normal(work: Works) -> str:
     return f"closing tips {_text(closing, 'J')}, passing wall {passing}"
 
 
-def steps_text(summary: MarchQuality) -> str:
-    """Return the number of steps, and the time between records, of which largest values are."""
-    every = handy(summary.record_step, "s", 4)
-    return f"{summary.steps}; largest values are of records, every {every}"
-
-
 def _text(value: float | None, unit: str) -> str:
     return "–" if value is None else handy(value, unit, 4)
 
 
-def _energies(energy: EnergyHolders) -> dict[str, str]:
+def _energies(energy: EnergyHolders | None) -> dict[str, str]:
+    if energy is None:
+        return {}
     family = energy["1F"]
     total = energy["suspension"] + sum(family.values()) + energy["rest"]
     parts = {
@@ -141,14 +170,21 @@ def _stress(peak: StressPeak, strength: float | None) -> str:
     )
 
 
-def _contact(shares: list[float]) -> str:
-    blades = np.flatnonzero(shares)
-    if not len(blades):
-        return f"0 of {len(shares)}"
-    touched = np.array(shares)[blades] * 100
-    numbers = ", ".join(map(str, blades))
-    share = f"{touched.min():.3g} to {touched.max():.3g} % of the steps"
-    return f"{len(blades)} of {len(shares)}: {numbers}; {share}"
+def _contact(summary: Summary) -> dict[str, str]:
+    shares, impulses = summary.contact_share, summary.contact_impulse_by_blade
+    several = len(shares) > len(impulses)
+    blades = np.flatnonzero(impulses if several else shares)
+    text = f"{len(blades)} of {len(impulses)}"
+    if len(blades):
+        touched = np.array(shares)[np.flatnonzero(shares)] * 100
+        share = f"{touched.min():.3g} to {touched.max():.3g} % of the steps"
+        text += f": {', '.join(map(str, blades))}; {share}"
+    rows = {"blades that touched": text}
+    if several:
+        rows["contact nodes that touched"] = f"{np.count_nonzero(shares)} of {len(shares)}"
+    if summary.impulse_per_revolution:
+        rows["impulse per revolution, at the end"] = _text(summary.impulse_per_revolution, "N s")
+    return rows
 
 
 def displacement_hints(summary: Summary, result: xr.Dataset) -> tuple[str, ...]:
@@ -166,6 +202,8 @@ def displacement_hints(summary: Summary, result: xr.Dataset) -> tuple[str, ...]:
 
 def _drawn_back(result: xr.Dataset) -> str:
     """Return the end of the hint: the distance by which tips drew back."""
+    if "rotor_line" not in result:
+        return ""
     try:
         drawn = _text(largest_drawback(result), "m")
     except ViewError:  # tips that end no beam

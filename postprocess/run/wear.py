@@ -45,9 +45,9 @@ def wear(result: xr.Dataset) -> xr.Dataset:
         result: result of a run whose casing has a coating.
 
     Returns:
-        Dataset with `recess` [m] over (wear_time, rod), the removed depth of the rods of the
-        coating at the times of the stored profiles; for a superelement over (wear_time, track,
-        rod), with the coordinate `axial` [m] of each track, and lobes of the mean of all tracks.
+        Dataset with `recess` [m] over (wear_time, track, rod), the removed depth of the rods of the
+        coating at the times of the stored profiles, with the axial position `axial` [m] of each
+        track; over (wear_time, rod) for a single track. Lobes are those of the mean of all tracks.
         `lobe_share` [1] over lobes is the share of each harmonic in the variance of the last
         profile that the shape of the wall does not explain, see `lobes_of`; `wear_volume` [m3],
         `wear_dissipated` [J] and `coating_energy` [J] are over time. Attributes: `shape_share`, the
@@ -83,10 +83,9 @@ def wear(result: xr.Dataset) -> xr.Dataset:
         metal_time=_metal_time(result),
         thickness=coating.thickness,
     ).assign_coords(angle=("rod", result["rod_angle"].values, {"units": "rad"}))
-    if "track" not in worn.dims:
-        return worn
-    axial, _ = axial_tracks(result["contact_axial"].values, result["contact_radius"].values)
-    return worn.assign_coords(axial=("track", axial, {"units": "m"}))
+    axial, _ = axial_tracks(result["axial_position"].values, result["contact_radius"].values)
+    worn = worn.assign_coords(axial=("track", axial, {"units": "m"}))
+    return worn.squeeze("track") if len(axial) == 1 else worn
 
 
 def lobe_shares(recess: Array) -> Array:
@@ -107,8 +106,7 @@ def lobes_of(result: xr.Dataset, recess: Array) -> tuple[float, Array]:
     part of it that leaves the smallest rest.
     """
     angle = result["rod_angle"].values
-    place = "wall_angle" if "wall_angle" in result else "casing_angle"
-    node, height = result[place].values, result["clearance"].values
+    node, height = result["wall_angle"].values, result["clearance"].values
     height = np.interp(angle, node, height, period=2 * np.pi)
     closure = table_of_result(result, "casing", Casing).closure
     if closure is not None:
@@ -144,8 +142,7 @@ def wear_summary(result: xr.Dataset) -> dict[str, Any]:
     if "coating_strain" not in result:
         return {}
     strain = result["coating_strain"].values[-1]
-    tracks = strain.reshape(-1, strain.shape[-1])  # one, or those under a superelement
-    shape, share = lobes_of(result, coating_of(result).thickness * tracks.mean(axis=0))
+    shape, share = lobes_of(result, coating_of(result).thickness * strain.mean(axis=0))
     lobes = _lobes(share)
     metal = _metal_time(result)
     return {
@@ -189,14 +186,20 @@ def write_profile(result: xr.Dataset, path: Path) -> None:
     write_atomically(path, "\n".join(lines) + "\n")
 
 
+def _mean_depth(data: xr.Dataset) -> Array:
+    """Return the mean removed depth of all tracks [m], (wear_time, rod)."""
+    recess = data["recess"]
+    return np.asarray((recess.mean("track") if "track" in recess.dims else recess).values)
+
+
 @styled
 def plot_wear_map(data: xr.Dataset) -> Figure:
-    """Draw the removed depth by casing angle and revolution, from `wear`."""
+    """Draw the removed depth by casing angle and revolution, the mean of all tracks."""
     figure = new_figure(height=0.06)
     axes = figure.subplots()
     turns = abs(float(data.attrs["speed"])) / (2 * np.pi)
     time, angle = (turns or 1.0) * data["wear_time"].values, np.degrees(data["angle"].values)
-    depth, label = 1e3 * data["recess"].values.T, "removed depth [mm]"
+    depth, label = 1e3 * _mean_depth(data).T, "removed depth [mm]"
     draw_map(axes, time, angle, depth, cmap="magma_r", label=label)
     axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=(0, 360))
     axes.set_xlabel("revolutions of the rotor")
@@ -208,11 +211,12 @@ def plot_wear_map(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_wear_profile(data: xr.Dataset) -> Figure:
-    """Draw the last profile of the coating from `wear`, polar and against the casing angle."""
+    """Draw the last profile of the coating from `wear`, the mean of all tracks, polar and against
+    the casing angle."""
     figure = new_figure(height=0.11)
     around = figure.add_subplot(2, 1, 1, projection="polar")
     unrolled = figure.add_subplot(2, 1, 2)
-    angle, depth = data["angle"].values, 1e3 * data["recess"].values[-1]
+    angle, depth = data["angle"].values, 1e3 * _mean_depth(data)[-1]
     around.plot(np.append(angle, angle[0]), np.append(depth, depth[0]))
     around.set(rlabel_position=90, ylim=(0, 1.05 * float(depth.max()) or 1.0))
     around.set_yticks(around.get_yticks()[:: max(1, len(around.get_yticks()) // 3)])

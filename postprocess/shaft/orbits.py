@@ -11,6 +11,7 @@ from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, smallest_clearance
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.netcdf import need
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window, late_part
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
@@ -86,8 +87,8 @@ def centre_displacement(result: xr.Dataset) -> Array:
 
 def _centre_rows(result: xr.Dataset) -> Array:
     """Return x and y of the shaft's centre for unit modal coordinates, (2, rotor_mode)."""
-    node = int(result.variables["centre_node"].values)
-    return np.asarray(result.variables["rotor_shape"][node].values[:2])
+    need(result, "centre_shape")
+    return np.asarray(result.variables["centre_shape"].values)
 
 
 @styled

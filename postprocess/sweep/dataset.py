@@ -20,14 +20,12 @@ import xarray as xr
 from bladewhirl.postprocess.fields import netcdf
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.solvers.march.schema import (
-    BEAMS,
-    NODES,
+    NAMES,
     SCREENING,
+    SWEEP,
     SWEEP_FORMAT,
-    Tables,
     Variable,
     index_values,
-    tables_of,
 )
 
 SWEEP_NAME = "sweep.nc"  #: name of the dataset's file in the folder of a sweep
@@ -46,7 +44,8 @@ is at most this fraction of the march."""
 LINE, GROUP, SAMPLE, SECTION = "mode", "energy_group", "sample", "section"
 DIRECTION = "direction"  #: name of the dimension of the directions of a contact node's displacement
 
-NATURAL = 8  #: number of natural frequencies of a superelement that are stored
+NATURAL_MODE = "natural"  #: name of the dimension of natural frequencies
+NATURAL = 8  #: number of natural frequencies that are stored
 
 SECTIONS = 64
 """Largest number of points of the Poincaré map, and of local maxima of the displacement, that are
@@ -69,12 +68,13 @@ class Layout:
     samples: int  #: number of samples of the thinned histories
     nodal_diameters: int = 0  #: number of nodal diameters of the first blade family, from 0
     blades: int
-    superelement: bool = False  #: true for a sweep of a superelement
+    parts: frozenset[str] = frozenset({"", "centre", "families"})
+    """Parts of the stage, see `solvers.march.schema.Variable`, that determine the variables."""
 
     @property
-    def tables(self) -> Tables:
-        """Tables of the variables: of a superelement or of beams."""
-        return NODES if self.superelement else BEAMS
+    def variables(self) -> dict[str, Variable]:
+        """Variables of the sweep, by name."""
+        return {name: variable for name, variable in SWEEP.items() if variable.part in self.parts}
 
     @property
     def window(self) -> float:
@@ -84,40 +84,52 @@ class Layout:
     @property
     def groups(self) -> tuple[str, ...]:
         """Names of the groups of rotor modes whose strain energies are stored: the suspension, the
-        first blade family by nodal diameter, and all other modes."""
+        first blade family by nodal diameter, and all other modes; without families, all modes."""
+        if "families" not in self.parts:
+            return ("all",)
         return ("suspension", *(f"1F k={k}" for k in range(self.nodal_diameters)), "rest")
 
     @property
     def sizes(self) -> dict[str, int]:
         """Length of each dimension in addition to the swept keys."""
-        sizes = {"frequency": len(self.frequency), SAMPLE: self.samples, "blade": self.blades}
-        if self.superelement:
-            return {**sizes, LINE: NATURAL, DIRECTION: len(self.names[DIRECTION])}
-        return {**sizes, GROUP: len(self.groups), LINE: len(MODE_LINES), SECTION: SECTIONS}
+        sizes = {
+            "frequency": len(self.frequency),
+            SAMPLE: self.samples,
+            "blade": self.blades,
+            SECTION: SECTIONS,
+            NATURAL_MODE: NATURAL,
+            **{name: len(labels) for name, labels in self.names.items()},
+        }
+        used = {name for variable in self.variables.values() for name in variable.dimensions}
+        return {name: size for name, size in sizes.items() if name in used | {"frequency"}}
 
     @property
     def names(self) -> dict[str, tuple[str, ...]]:
         """Names of the elements along each dimension whose elements have names."""
-        if self.superelement:
-            return {DIRECTION: self.tables.names[DIRECTION].labels}
-        return {GROUP: self.groups, LINE: tuple(MODE_LINES)}
+        named = {
+            GROUP: self.groups,
+            LINE: tuple(MODE_LINES),
+            DIRECTION: NAMES[DIRECTION].labels,
+        }
+        used = {name for variable in self.variables.values() for name in variable.dimensions}
+        return {name: labels for name, labels in named.items() if name in used}
 
     def shape(self, name: str) -> tuple[int, ...]:
         """Shape of a variable at one point."""
-        return tuple(self.sizes[dimension] for dimension in self.tables.sweep[name].dimensions)
+        return tuple(self.sizes[dimension] for dimension in SWEEP[name].dimensions)
 
     @property
     def bytes_per_point(self) -> int:
         """Size of a point in the dataset [bytes]."""
         return sum(
             np.dtype(variable.kind).itemsize * int(np.prod(self.shape(name), dtype=np.int64))
-            for name, variable in self.tables.sweep.items()
+            for name, variable in self.variables.items()
         )
 
 
 def flag(variable: str, meaning: str) -> int:
     """Return the integer code by which a variable stores a meaning, such as a regime."""
-    return BEAMS.sweep[variable].labels.index(meaning)
+    return SWEEP[variable].labels.index(meaning)
 
 
 def checksum(
@@ -182,7 +194,7 @@ def open_sweep(path: str | Path) -> xr.Dataset:
         raise netcdf.ResultError(f"{file}: expected a sweep of bladewhirl, {fault}")
     named: dict[str, Any] = {
         name: (dataset[name].dims, np.array(variable.labels)[dataset[name].values])
-        for name, variable in {**tables_of(dataset.attrs).sweep, **SCREENING}.items()
+        for name, variable in {**SWEEP, **SCREENING}.items()
         if variable.labels and name in dataset
     }
     if "mode_forward_frequency" not in dataset and "mode_frequency" in dataset:  # before format 4
@@ -211,10 +223,14 @@ def _fault(dataset: xr.Dataset) -> str:
         return (
             f"of format {SWEEP_FORMAT} or older, found format {made_by}; a newer version reads it"
         )
-    tables = tables_of(dataset.attrs)
-    for name, variable in {**tables.sweep, **SCREENING}.items():
+    if made_by < 8 and "natural_frequency" in dataset:
+        return (
+            f"of a superelement of format 8 or newer, found format {made_by}; run the sweep again"
+        )
+    parts = {"", *(variable.part for name, variable in SWEEP.items() if name in dataset)}
+    for name, variable in {**SWEEP, **SCREENING}.items():
         if name not in dataset:
-            if variable.since <= made_by and name in tables.sweep:
+            if variable.since <= made_by and variable.part in parts and name in SWEEP:
                 return f"it has no {name!r}"
             continue
         if dataset[name].dims != (*swept(dataset), *variable.dimensions):
@@ -241,7 +257,7 @@ def _fault(dataset: xr.Dataset) -> str:
         samples=dataset.sizes[SAMPLE],
         nodal_diameters=groups - 2,
         blades=blades,
-        superelement=tables is NODES,
+        parts=frozenset(parts),
     )
     for name, labels in layout.names.items():
         if name not in dataset or dataset[name].values.tolist() != [*labels]:
@@ -252,11 +268,11 @@ def _fault(dataset: xr.Dataset) -> str:
 
 
 def _changed(dataset: xr.Dataset, made_by: int) -> str:
-    if made_by < BEAMS.sweep["checksum"].since or dataset.nbytes > CHECKED_BYTES:
+    if made_by < SWEEP["checksum"].since or dataset.nbytes > CHECKED_BYTES:
         return ""
     coordinates = [dataset[name].values for name in stored_coordinates(dataset)]
     point = changed_point(
-        tables_of(dataset.attrs).sweep,
+        {name: variable for name, variable in SWEEP.items() if name in dataset},
         lambda name, rows: dataset[name][rows].values,
         dataset["state"].shape,
         coordinates,

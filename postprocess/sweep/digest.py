@@ -1,6 +1,6 @@
 """Reduction of a run to the data of a sweep: spectrum, energies, regime, thinned histories."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -9,21 +9,30 @@ from scipy.interpolate import CubicHermiteSpline
 
 from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.strain import group_energies
+from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, smallest_clearance
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.blade_contact import contact_share
 from bladewhirl.postprocess.run.contact_side import contact_scenario
-from bladewhirl.postprocess.run.summary import energy_residual
+from bladewhirl.postprocess.run.extremes import casing_peaks, largest_force
+from bladewhirl.postprocess.run.summary import energy_residual, late_impulse
 from bladewhirl.postprocess.run.wear import wear_summary
 from bladewhirl.postprocess.shaft.orbits import centre_displacement, shaft_orbit
 from bladewhirl.postprocess.shaft.poincare import section_places
 from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Complex, spectrum
 from bladewhirl.postprocess.shaft.whirl import whirls
 from bladewhirl.postprocess.shaft.whirl_history import rotating_rates
-from bladewhirl.postprocess.sweep.dataset import MODE_LINES, SECTIONS, WINDOW_SHARE, Layout, flag
+from bladewhirl.postprocess.sweep.dataset import (
+    MODE_LINES,
+    NATURAL,
+    SECTIONS,
+    WINDOW_SHARE,
+    Layout,
+    flag,
+)
 
 Digest = dict[str, np.ndarray]
-"""Arrays by name; `Layout` determines their shapes and `BEAMS.sweep` their dtypes."""
+"""Arrays by name; `Layout` determines their shapes and `SWEEP` their dtypes."""
 
 
 def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> Digest:
@@ -31,56 +40,130 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
 
     Args:
         dataset: a result.
-        report: `complementarity_residual`, `dt_over_critical` and `steps` of the march.
+        report: `complementarity_residual`, `dt_over_critical`, `steps` and `unsolved_steps` of the
+            march.
         layout: sizes of the arrays; elements without a value are NaN.
     """
     time = dataset.variables["time"].values
-    place = centre_displacement(dataset)
-    radius, motion = np.hypot(*place.T), place @ np.array([1.0, 1.0j])
     energies, diameters = group_energies(dataset)
     strain_energy, groups = energies.sum(axis=1), _groups(energies, diameters, layout)
     regime = classify(dataset, strain_energy)
     steps = int(report["steps"])
     step = float(dataset.attrs["record_step"])
     first = len(time) - max(1, round(min(layout.window, WINDOW_SHARE * np.ptp(time)) / step))
-    sense = -1.0 if dataset.attrs["speed"] < 0.0 else 1.0
+    starts = span_starts(len(time), layout.samples)
+    counts = np.diff(starts, append=len(time))
+    late, share = late_part(dataset), np.full(layout.blades, np.nan)
+    if late.sizes["time"] > 1:
+        share = padded(of_blades(late, contact_share(late), np.maximum), layout.blades)
     touched = dataset.variables["contact_steps"].values.sum(axis=0) / max(steps, 1)
+    impulse = late_impulse(dataset)
     values = {
         "regime": regime.name,
         "end_reason": dataset.attrs["end_reason"],
         "end_time": time[-1],
         "steps": steps,
+        "unsolved_steps": int(report["unsolved_steps"]),
         "rotation_speed": dataset.attrs["speed"],
         "reference_frequency": dataset.attrs["reference_frequency"],
         "growth_rate": regime.growth.rate if regime.growth else np.nan,
         "growth_error": regime.growth.error if regime.growth else np.nan,
-        "shaft_radius_max": radius.max(),
-        "shaft_radius_final": radius[-1],
         "strain_energy_max": strain_energy.max(),
-        "contact_share": padded(touched, layout.blades),
+        "contact_share": padded(of_blades(dataset, touched, np.maximum), layout.blades),
+        "late_contact_share": share,
+        "contact_force_max": largest_force(dataset)["force"],
+        "impulse_per_revolution": np.nan if impulse is None else impulse,
         "smallest_clearance": smallest_clearance(dataset),
-        **_late(dataset, layout),
         **wear_numbers(dataset),
         "gap_violation_max": max(0.0, -float(dataset.variables["gap"].values.min())),
         "energy_residual": energy_residual(dataset),
         "complementarity_residual": report["complementarity_residual"],
         "dt_over_critical": report["dt_over_critical"],
         "window_start": time[first],
+        "energy_mean": groups[first:].mean(axis=0),
+        "energy_max": groups.max(axis=0),
+        "history_time": padded(time[starts], layout.samples),
+        "energy_history": padded(np.add.reduceat(groups, starts) / counts[:, None], layout.samples),
+    }
+    for part, measure in PARTS.items():
+        if part in layout.parts:
+            values |= measure(dataset, layout, first, starts)
+    return coded({name: values[name] for name in layout.variables if name in values}, layout)
+
+
+def _shaft(dataset: xr.Dataset, layout: Layout, first: int, starts: IntArray) -> dict[str, Any]:
+    """Return the motion of the shaft's centre: its extent, its spectrum from the record `first` on,
+    its history, and its late motion."""
+    step = float(dataset.attrs["record_step"])
+    place = centre_displacement(dataset)
+    radius, motion = np.hypot(*place.T), place @ np.array([1.0, 1.0j])
+    sense = -1.0 if dataset.attrs["speed"] < 0.0 else 1.0
+    samples = layout.samples
+    late = late_part(dataset)
+    moved = late_motion(late, shaft_orbit(late))
+    section = moved.pop("section")[-SECTIONS:]
+    return {
+        "shaft_radius_max": radius.max(),
+        "shaft_radius_final": radius[-1],
         "spectrum": magnitudes(
             motion.real[first:] + sense * 1j * motion.imag[first:], step, layout.frequency
         ),
+        "orbit_x": padded(motion.real[starts], samples),
+        "orbit_y": padded(motion.imag[starts], samples),
+        "radius_history": padded(np.maximum.reduceat(np.abs(motion), starts), samples),
+        **moved,
+        "section_x": padded(section[:, 0], SECTIONS),
+        "section_y": padded(section[:, 1], SECTIONS),
+        "radius_peak": padded(moved["radius_peak"][-SECTIONS:], SECTIONS),
+    }
+
+
+def _modes(dataset: xr.Dataset, layout: Layout, first: int, starts: IntArray) -> dict[str, Any]:
+    """Return the frequencies of modes that move with the shaft."""
+    return {
         "mode_frequency": _mode_frequencies(dataset, "backward"),
         "mode_forward_frequency": _mode_frequencies(dataset, "forward"),
-        "energy_mean": groups[first:].mean(axis=0),
-        "energy_max": groups.max(axis=0),
-        **_thinned(time, motion, groups, layout.samples),
     }
-    return coded(values, layout)
+
+
+def _nodes(dataset: xr.Dataset, layout: Layout, first: int, starts: IntArray) -> dict[str, Any]:
+    """Return the recorded motion of contact nodes and casing: extremes, the spectrum of the
+    tangential displacement of the node that moves most from the record `first` on, and the
+    history of the radial displacement."""
+    moved = dataset["contact_displacement"].values
+    late = moved[len(moved) - late_part(dataset).sizes["time"] :]
+    radial = np.abs(moved[:, :, 0]).max(axis=1)
+    swing = moved[first:, :, 1]
+    swing = swing[:, int(np.abs(swing).max(axis=0).argmax())]
+    spectrum = 2.0 * magnitudes(
+        swing.astype(complex), float(dataset.attrs["record_step"]), layout.frequency
+    )
+    copies = dataset.sizes["copy"]
+    natural = dataset["rotor_frequency"].values.reshape(copies, -1)[0] / (2.0 * np.pi)
+    casing = np.nan
+    if "casing_displacement" in dataset:
+        casing = abs(casing_peaks(dataset)["radial"]["displacement"])
+    return {
+        "displacement_max": np.abs(moved).max(),
+        "late_displacement": np.abs(late).max(axis=(0, 1)),
+        "casing_displacement_max": casing,
+        "natural_frequency": padded(np.sort(natural)[:NATURAL], NATURAL),
+        "contact_spectrum": np.where(layout.frequency == 0.0, 0.5 * spectrum, spectrum),
+        "radial_history": padded(np.maximum.reduceat(radial, starts), layout.samples),
+    }
+
+
+PARTS: Mapping[str, Callable[[xr.Dataset, Layout, int, IntArray], dict[str, Any]]] = {
+    "centre": _shaft,
+    "families": _modes,
+    "nodes": _nodes,
+}
+"""Functions that measure what not every stage has, by the part of the stage in the schema."""
 
 
 def coded(values: Mapping[str, object], layout: Layout) -> Digest:
     """Return values as arrays of the variables of a sweep, with codes in place of words."""
-    variables = layout.tables.sweep
+    variables = layout.variables
     numbers = {
         name: flag(name, str(value)) if variables[name].labels else value
         for name, value in values.items()
@@ -107,20 +190,6 @@ def magnitudes(motion: Complex, step: float, frequency: Array) -> Array:
     return np.abs(spectrum(motion, step, window, frequency=frequency)[1])
 
 
-def _late(dataset: xr.Dataset, layout: Layout) -> dict[str, object]:
-    """Return the measures of `late_motion`, with arrays padded with NaN to the layout's sizes."""
-    late = late_part(dataset)
-    motion = late_motion(late, shaft_orbit(late))
-    section = motion.pop("section")[-SECTIONS:]
-    return {
-        **{name: value for name, value in motion.items() if name in layout.tables.sweep},
-        "late_contact_share": padded(motion["late_contact_share"], layout.blades),
-        "section_x": padded(section[:, 0], SECTIONS),
-        "section_y": padded(section[:, 1], SECTIONS),
-        "radius_peak": padded(motion["radius_peak"][-SECTIONS:], SECTIONS),
-    }
-
-
 def wear_numbers(dataset: xr.Dataset) -> dict[str, float]:
     """Return the wear of the coating; NaN without a coating."""
     wear = wear_summary(dataset)
@@ -133,7 +202,7 @@ def _groups(energies: Array, diameters: IntArray, layout: Layout) -> Array:
     """Return the energies [J], (time, groups), with a column for each group of modes in `layout`;
     columns of nodal diameters without a mode are NaN. `energies` and `diameters` are from
     `group_energies`."""
-    if len(diameters) == layout.nodal_diameters:
+    if energies.shape[1] == len(layout.groups):
         return energies
     groups = np.full((len(energies), len(layout.groups)), np.nan)
     groups[:, [0, *(1 + diameters), -1]] = energies
@@ -153,20 +222,6 @@ def _mode_frequencies(dataset: xr.Dataset, way: str) -> Array:
         frequency = dataset.variables[f"{body}{wave}_frequency"].values[candidates]
         frequencies.append(frequency.min() / (2.0 * np.pi) if frequency.size else np.nan)
     return np.array(frequencies)
-
-
-def _thinned(time: Array, motion: Array, groups: Array, samples: int) -> dict[str, Array]:
-    """Return histories thinned to at most `samples` equal spans of records: time and position at
-    the start of each span, the largest radius and the mean energies in the span."""
-    first = span_starts(len(time), samples)
-    counts = np.diff(first, append=len(time))
-    return {
-        "history_time": padded(time[first], samples),
-        "orbit_x": padded(motion.real[first], samples),
-        "orbit_y": padded(motion.imag[first], samples),
-        "radius_history": padded(np.maximum.reduceat(np.abs(motion), first), samples),
-        "energy_history": padded(np.add.reduceat(groups, first) / counts[:, None], samples),
-    }
 
 
 def span_starts(records: int, samples: int) -> IntArray:
@@ -191,17 +246,13 @@ def late_motion(late: xr.Dataset, orbit: xr.Dataset) -> dict[str, Any]:
 
     Returns:
         values of variables of a sweep, by name; `solvers.march.schema` describes the variables.
-        `late_contact_share` (blade,) is nan if there is a single record, `whirl_scatter` is nan if
-        `whirl_history` has a single span. `radius_peak` (peak,) [m] contains all maxima of the
-        displacement, `section` (revolution, 2) [m] all positions of the Poincaré map, which are the
-        same in both frames.
+        `whirl_scatter` is nan if `whirl_history` has a single span. `radius_peak` (peak,) [m]
+        contains all maxima of the displacement, `section` (revolution, 2) [m] all positions of the
+        Poincaré map, which are the same in both frames.
     """
     scenario, lead, steadiness = contact_scenario(late, orbit)
     turning, rates = whirls(orbit), rotating_rates(orbit)
     rates = rates[~np.isnan(rates)]
-    share = np.full(late.sizes["blade"], np.nan)
-    if orbit.sizes["time"] > 1:
-        share = contact_share(late)
     try:
         section = section_places(orbit)[1]
     except ViewError:  # less than a revolution
@@ -215,7 +266,6 @@ def late_motion(late: xr.Dataset, orbit: xr.Dataset) -> dict[str, Any]:
         "scenario": scenario.replace(" ", "-"),
         "shaft_lead": lead,
         "lead_steadiness": steadiness,
-        "late_contact_share": share,
         "section": section,
         "radius_peak": radius_peaks(orbit),
     }

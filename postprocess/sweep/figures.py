@@ -6,14 +6,13 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.figures import Figures
-from bladewhirl.postprocess.plotting.registry import BEAMS, SWEEP_FIGURES
+from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.quantities import main_key
-from bladewhirl.solvers.march.schema import MODEL
 
 LEFT_BY_A_SWEEP = ("frequency-map", "shaft-radius", "contact-nodes", "node-spectra", "regimes")
-"""Names of the figures that a sweep writes into its folder, if its model has them."""
+"""Names of the figures that a sweep writes into its folder, if the sweep has them."""
 
 
 class SweepFigures(Figures):
@@ -21,9 +20,7 @@ class SweepFigures(Figures):
 
     def __init__(self, dataset: xr.Dataset) -> None:
         """Use a dataset from `open_sweep`, which must stay open."""
-        model = str(dataset.attrs.get(MODEL, BEAMS))
-        kinds = {name: kind for name, kind in SWEEP_FIGURES.items() if model in kind.models}
-        super().__init__(kinds, dataset, main_key(dataset))
+        super().__init__(SWEEP_FIGURES, dataset, main_key(dataset))
 
 
 def leave_figures(directory: Path) -> dict[str, str]:

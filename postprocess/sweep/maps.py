@@ -51,9 +51,9 @@ def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
     Returns:
         Dataset over (line, vertical key, key), with a line for each combination of all further
-        keys: `regime`, `shaft_radius_max` (`displacement_max` of a superelement), `growth_rate` and
-        its standard error `growth_error`; attributes `along`, the horizontal key, and `across`, the
-        vertical key.
+        keys: `regime`, `shaft_radius_max` (`displacement_max` without a moving shaft),
+        `growth_rate` and its standard error `growth_error`; attributes `along`, the horizontal key,
+        and `across`, the vertical key.
 
     Raises:
         ViewError: only one key is swept, no point is finished, or there is a table of points.

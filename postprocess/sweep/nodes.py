@@ -1,4 +1,4 @@
-"""Figures of sweeps of a superelement: contact, displacement and spectra against a swept key."""
+"""Figures of sweeps with contact nodes: contact, displacement and spectra against a swept key."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -40,7 +40,7 @@ CONTACT: Mapping[str, tuple[float | None, str]] = {
 
 
 def contact_quantities(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Load contact and displacement of a sweep of a superelement along a key.
+    """Load contact and displacement of contact nodes of a sweep along a key.
 
     Returns:
         Dataset over (line, key), see `quantities.along`: `impulse_per_revolution` [N s],
@@ -65,10 +65,11 @@ def plot_contact_quantities(data: xr.Dataset) -> Figure:
 
 
 def node_spectra(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Load spectra of a sweep of a superelement along a key.
+    """Load spectra of contact nodes of a sweep along a key.
 
     Returns:
-        Dataset over (line, key), see `quantities.along`: `spectrum` [m] over `frequency` [Hz],
+        Dataset over (line, key), see `quantities.along`: `contact_spectrum` [m] over
+        `frequency` [Hz], which is not negative,
         `natural_frequency` [Hz] and `rotation_speed` [rad/s].
 
     Raises:
@@ -76,8 +77,9 @@ def node_spectra(dataset: xr.Dataset, key: str) -> xr.Dataset:
             too few records.
     """
     need_a_grid(dataset)
-    data = along(dataset, key, ["spectrum", "natural_frequency", "rotation_speed"])
-    frequency, amplitude = data["frequency"].values, data["spectrum"].values
+    data = along(dataset, key, ["contact_spectrum", "natural_frequency", "rotation_speed"])
+    data = data.isel(frequency=data["frequency"].values >= 0.0)
+    frequency, amplitude = data["frequency"].values, data["contact_spectrum"].values
     if not np.isfinite(amplitude).any():
         raise ViewError("the marches have too few records for spectra")
     seen = (amplitude >= VISIBLE * np.nanmax(amplitude)).any(axis=(0, 1))
@@ -94,7 +96,7 @@ def node_spectra(dataset: xr.Dataset, key: str) -> xr.Dataset:
 def plot_node_spectra(data: xr.Dataset) -> Figure:
     """Draw the amplitude against the swept key and the frequency from `node_spectra`; dotted lines
     are engine orders, dashed lines natural frequencies."""
-    largest = float(data["spectrum"].max().fillna(0.0))
+    largest = float(data["contact_spectrum"].max().fillna(0.0))
     unit, scale = handy_unit(largest, "m")
     units = in_handy_units(data)["frequency"].attrs["units"]
     draw = partial(_draw_spectra, scale=scale, top=scale * largest or 1.0)
@@ -106,7 +108,7 @@ def plot_node_spectra(data: xr.Dataset) -> Figure:
 def _draw_spectra(axes: Axes, one: xr.Dataset, scale: float, top: float) -> QuadMesh:
     place = one[str(one.attrs["along"])].values
     heights = cell_edges(one["frequency"].values, logarithmic=False)
-    amplitude = scale * one["spectrum"].values.T
+    amplitude = scale * one["contact_spectrum"].values.T
     picture = draw_decades(axes, key_edges(one), heights, amplitude, (top, DECADES))
     axes.set_ylim(0.0, float(heights[-1]))
     hertz = 1e-3 if one["frequency"].attrs["units"] == "kHz" else 1.0

@@ -13,7 +13,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, swept, swept_keys
-from bladewhirl.solvers.march.schema import NODES, SWEEP_FORMAT, tables_of
+from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 
 LINE = "line"  #: name of the dimension `line`, see the module docstring
 MOTION = 1e-3
@@ -49,10 +49,10 @@ def table_keys(data: xr.Dataset) -> list[xr.DataArray]:
 
 def largest_motion(dataset: xr.Dataset) -> tuple[str, str]:
     """Return the name of the variable with the largest displacement of each march, and the name of
-    the moving part: the shaft, or a contact node of a superelement."""
-    if tables_of(dataset.attrs) is NODES:
-        return "displacement_max", "contact node"
-    return "shaft_radius_max", "shaft"
+    the moving part: the shaft or, without a moving shaft, a contact node."""
+    if "shaft_radius_max" in dataset:
+        return "shaft_radius_max", "shaft"
+    return "displacement_max", "contact node"
 
 
 def need_a_grid(dataset: xr.Dataset) -> None:

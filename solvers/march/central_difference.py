@@ -1,10 +1,10 @@
 """Time integration by central differences with forward-increment Lagrange multipliers."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, WallCoating
 from bladewhirl.solvers.kernel.structs import (
     Arrays,
@@ -15,12 +15,10 @@ from bladewhirl.solvers.kernel.structs import (
     zeros,
 )
 from bladewhirl.solvers.march.march import (
-    BoundaryChunk,
     Chunk,
     CoatingRecords,
     EndReason,
     KernelState,
-    MarchRecords,
     check_time_step,
 )
 from bladewhirl.solvers.packing.arrangement import load_times
@@ -96,11 +94,6 @@ class CentralDifference:
         self._records = Struct("Records", **zeros("Records", self._sizes() | {"records": 0}))
         #: whether records contain the motion of the casing; if not, its arrays have no columns
         self.records_casing = True
-
-    @property
-    def chunk(self) -> type[MarchRecords]:
-        """Class of the records."""
-        return Chunk if self._nodes is None else BoundaryChunk
 
     def init(self) -> KernelState:
         """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
@@ -231,44 +224,47 @@ class CentralDifference:
         wall = [records.casing[:written], records.casing_velocity[:written]]
         if self.records_casing:
             wall = [casing.unpack(each) for each in wall]
-        common: dict[str, Any] = {
-            "step": step,
-            "time": step * self._time_step,
-            "casing_displacement": wall[0],
-            "casing_velocity": wall[1],
-            "gap": records.gap[:written].copy(),
-            "contact_impulse": records.impulse[:written].copy(),
-            "friction_impulse": records.drag[:written].copy(),
-            "contact_steps": records.touched[:written].astype(np.int64),
-            "contacts": records.contacts[:written].astype(np.int64),
-            "energy": records.energy[:written].copy(),
-            "external_work": work[:, lib.EXTERNAL],
-            "normal_work": work[:, lib.NORMAL],
-            "friction_work": work[:, lib.FRICTION],
-            "damping_work": work[:, lib.DAMPING],
-            "rotor_displacement": rotor.unpack(records.rotor[:written]),
-            "rotor_velocity": rotor.unpack(records.rotor_velocity[:written]),
-            "coupling_work": work[:, lib.PARAMETRIC],
-            "closing_work": work[:, lib.CLOSING],
-            "coating": self._coating_records(written, after),
-        }
-        if self._nodes is None:
-            return Chunk(**common)
-        copies, tips = self._problem.rotor.copies, len(self._problem.rotor.tip_angle)
-        components, modes = self._nodes.contact.shape
-        motion = common["rotor_displacement"].reshape(written, copies, modes)
-        force = records.force[:written].reshape(written, copies, components)
-        moved = motion @ self._nodes.columns
-        if self._nodes.massless:
-            moved = moved + np.einsum("rcj,cij->rci", force, self._nodes.compliance)
-        return BoundaryChunk(
-            modal_displacement=motion,
-            modal_velocity=common["rotor_velocity"].reshape(motion.shape),
-            contact_displacement=moved.reshape(written, tips, DIRECTIONS),
-            contact_force=force.reshape(written, tips, DIRECTIONS).copy(),
-            axial_impulse=records.axial[:written].copy(),
-            **common,
+        return Chunk(
+            step=step,
+            time=step * self._time_step,
+            rotor_displacement=rotor.unpack(records.rotor[:written]),
+            rotor_velocity=rotor.unpack(records.rotor_velocity[:written]),
+            casing_displacement=wall[0],
+            casing_velocity=wall[1],
+            gap=records.gap[:written].copy(),
+            contact_impulse=records.impulse[:written].copy(),
+            friction_impulse=records.drag[:written].copy(),
+            contact_steps=records.touched[:written].astype(np.int64),
+            contacts=records.contacts[:written].astype(np.int64),
+            energy=records.energy[:written].copy(),
+            external_work=work[:, lib.EXTERNAL],
+            normal_work=work[:, lib.NORMAL],
+            friction_work=work[:, lib.FRICTION],
+            damping_work=work[:, lib.DAMPING],
+            coupling_work=work[:, lib.PARAMETRIC],
+            coating=self._coating_records(written, after),
+            **self._node_records(written),
+            **({"closing_work": work[:, lib.CLOSING]} if self._nodes is None else {}),
         )
+
+    def _node_records(self, written: int) -> dict[str, FloatArray]:
+        """Return motion and forces of contact nodes with their own flexibility, if there are
+        any."""
+        nodes, records = self._nodes, self._records
+        if nodes is None:
+            return {}
+        copies, tips = self._problem.rotor.copies, len(self._problem.rotor.tip_angle)
+        components, modes = nodes.contact.shape
+        motion = self._arrangements[0].unpack(records.rotor[:written])
+        force = records.force[:written].reshape(written, copies, components)
+        moved = motion.reshape(written, copies, modes) @ nodes.columns
+        if nodes.massless:
+            moved = moved + np.einsum("rcj,cij->rci", force, nodes.compliance)
+        return {
+            "contact_displacement": moved.reshape(written, tips, DIRECTIONS),
+            "contact_force": force.reshape(written, tips, DIRECTIONS).copy(),
+            "axial_impulse": records.axial[:written].copy(),
+        }
 
     def _coating_records(self, written: int, after: KernelState) -> CoatingRecords | None:
         coating, records = self._problem.coating, self._records
@@ -278,7 +274,7 @@ class CentralDifference:
         strain = after.arrays["strain"][:, : -lib.HALF]
         return CoatingRecords(
             coating_impulse=records.coating_impulse[:written].copy(),
-            coating_work=sums[:, lib.COATING_WORK] if self._nodes is None else sums[:, :0],
+            coating_work=sums[:, lib.COATING_WORK] if self._nodes is None else np.zeros(0),
             wear_volume=sums[:, lib.REMOVED],
             wear_dissipated=sums[:, lib.DISSIPATED],
             coating_energy=sums[:, lib.STORED],

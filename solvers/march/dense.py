@@ -23,8 +23,6 @@ time step must resolve the period of a tip on the penalty spring.
 The residual of a step is max_j |min(u_N,j+ + e u_N,j-, W_jj P_j)|, divided by the largest velocity.
 """
 
-from typing import ClassVar
-
 import numpy as np
 import scipy.linalg as la
 
@@ -51,8 +49,6 @@ class _Dense:
         ValueError: the time step is not below the critical step, or too long for the penalty
             stiffness.
     """
-
-    chunk: ClassVar[type[Chunk]] = Chunk
 
     def __init__(self, problem: ContactProblem, time_step: float, record_every: int) -> None:
         check_time_step(problem, time_step)

@@ -4,14 +4,15 @@ each state from the previous state only. A march can therefore be stopped, store
 exactly."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray, absent
 from bladewhirl.models.inputs.timing import Timing
+from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.structs import lib
 
@@ -30,37 +31,57 @@ class CoatingRecords:
 
     coating_impulse: FloatArray
     """Part of the normal impulse that acts on the coating [N s], (records, tips)."""
-    coating_work: FloatArray  #: work of the normal forces of the coating [J], (records,)
+    coating_work: FloatArray = absent()
+    """Work of the normal forces of the coating [J], (records,); empty if it is not separate."""
     wear_volume: FloatArray  #: volume removed since the start [m3], (records,)
     wear_dissipated: FloatArray  #: energy dissipated by the removal [J], (records,)
     coating_energy: FloatArray  #: elastic energy of the rods under the tips [J], (records,)
     wear_time: FloatArray  #: time of each profile [s], (profiles,)
-    coating_strain: FloatArray  #: plastic strain of each rod, (profiles, rods)
+    coating_strain: FloatArray
+    """Plastic strain of each rod, (profiles, tracks, rods); (profiles, rods) of a single track."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class MarchRecords:
-    """Consecutive records of a march, with a column for each tip or contact node."""
+class Chunk:
+    """Consecutive records of a march.
+
+    Modes and contact nodes of separate blades are listed blade by blade. Arrays that a stage or a
+    scheme does not have are empty.
+    """
 
     step: IntArray  #: step number n of each record, (records,)
     time: FloatArray  #: time of each record [s], (records,)
+    rotor_displacement: FloatArray  #: modal displacements [kg^1/2 m], (records, rotor modes)
+    rotor_velocity: FloatArray  #: modal velocities [kg^1/2 m/s], (records, rotor modes)
     casing_displacement: FloatArray  #: modal displacements [kg^1/2 m], (records, casing modes)
     casing_velocity: FloatArray  #: modal velocities [kg^1/2 m/s], (records, casing modes)
-    gap: FloatArray  #: smallest gap of each tip since the previous record [m], (records, tips)
+    contact_displacement: FloatArray = absent()
+    """Radial, tangential and axial displacement of each contact node [m], (records, nodes, 3)."""
+    contact_force: FloatArray = absent()
+    """Radial, tangential and axial contact force on each contact node [N], (records, nodes, 3)."""
+    gap: FloatArray
+    """Smallest gap of each contact node since the previous record [m], (records, nodes)."""
     contact_impulse: FloatArray
-    """Normal impulse at each tip since the previous record [N s], (records, tips)."""
+    """Normal impulse on each contact node since the previous record [N s], (records, nodes)."""
     friction_impulse: FloatArray
-    """Friction impulse on each tip since the previous record, positive towards -theta [N s],
-    (records, tips)."""
-    contact_steps: IntArray  #: steps with contact since the previous record, (records, tips)
-    contacts: IntArray  #: number of tips in contact at the record, (records,)
+    """Friction impulse on each contact node since the previous record, positive towards -theta
+    [N s], (records, nodes)."""
+    axial_impulse: FloatArray = absent()
+    """Axial friction impulse on each node since the previous record [N s], (records, nodes)."""
+    contact_steps: IntArray  #: steps with contact since the previous record, (records, nodes)
+    contacts: IntArray  #: number of contact nodes in contact at the record, (records,)
     energy: FloatArray
-    """Energy of both bodies and of the springs between them, half a step before each record [J],
-    (records,); with many contact nodes, energy of all copies."""
+    """Energy of both bodies, of the springs between them and of flexible contact nodes, half a step
+    before each record [J], (records,)."""
     external_work: FloatArray  #: work of the loads since the start [J], (records,)
     normal_work: FloatArray  #: work of the normal contact forces [J], (records,)
+    closing_work: FloatArray = absent()
+    """Part of `normal_work` that stops tips as gaps close [J], (records,)."""
     friction_work: FloatArray  #: work of the friction forces [J], (records,)
     damping_work: FloatArray  #: energy lost by damping [J], (records,)
+    coupling_work: FloatArray = absent()
+    """Work on the rotor due to its rotation relative to springs and dampers in the static frame
+    [J], (records,)."""
     coating: CoatingRecords | None = None  #: None without a coating
 
     @property
@@ -68,29 +89,20 @@ class MarchRecords:
         """Number of records."""
         return len(self.step)
 
-    def beyond(self, problem: Any, arrays: Any, time_step: float) -> tuple[str, str]:
-        """Return the place that passed the displacement limit of a contact problem at the last
-        record, and its displacement, as texts."""
-        raise NotImplementedError
+    def beyond(
+        self, problem: ContactProblem, arrays: StageArrays, time_step: float
+    ) -> tuple[str, str]:
+        """Return the place that passed the displacement limit of a contact problem, and its
+        displacement, as texts.
 
-
-@dataclass(frozen=True, kw_only=True)
-class Chunk(MarchRecords):
-    """Consecutive records of a march of bodies with one contact point at each tip."""
-
-    rotor_displacement: FloatArray  #: modal displacements [kg^1/2 m], (records, rotor modes)
-    rotor_velocity: FloatArray  #: modal velocities [kg^1/2 m/s], (records, rotor modes)
-    closing_work: FloatArray  #: part of `normal_work` that stops tips as gaps close [J], (records,)
-    coupling_work: FloatArray
-    """Work on the rotor due to its rotation relative to springs and dampers in the static frame
-    [J], (records,)."""
-
-    def beyond(self, problem: Any, arrays: Any, time_step: float) -> tuple[str, str]:
-        """Return the place that passed the displacement limit, and its displacement, as texts.
-
-        The last record is still within the limit; the place is found from displacements that are
-        extrapolated by one step. It is unknown if the motion of the casing is not recorded.
+        The last record is still within the limit. The place is the contact node that has moved most
+        outward if displacements of contact nodes are recorded. Otherwise it is found from
+        displacements that are extrapolated by one step; it is unknown if the motion of the casing
+        is not recorded.
         """
+        if self.contact_displacement.size:
+            node = int(np.abs(self.contact_displacement[-1, :, 0]).argmax())
+            return f"contact node {arrays.node[node]} of blade {arrays.blade[node]}", ""
         rotor, casing = problem.rotor, problem.casing
         if self.casing_displacement.shape[1] < len(casing.frequency):
             return "a tip or the casing", ""
@@ -110,30 +122,6 @@ class Chunk(MarchRecords):
                 text = name, f" ({moved[place]:.4g} m {way})"
                 largest = ahead[place]
         return text
-
-
-@dataclass(frozen=True, kw_only=True)
-class BoundaryChunk(Chunk):
-    """Consecutive records of a march with many contact nodes. Nodes of all copies are numbered
-    copy by copy."""
-
-    modal_displacement: FloatArray  #: [kg^1/2 m], (records, copies, modes)
-    modal_velocity: FloatArray  #: [kg^1/2 m/s], (records, copies, modes)
-    contact_displacement: FloatArray
-    """Radial, tangential and axial displacement of each node [m], (records, nodes, 3)."""
-    contact_force: FloatArray
-    """Radial, tangential and axial contact force on each node [N], (records, nodes, 3)."""
-    axial_impulse: FloatArray
-    """Axial friction impulse on each node since the last record [N s], (records, nodes)."""
-    rotor_displacement: FloatArray = field(default_factory=lambda: np.zeros(0))
-    rotor_velocity: FloatArray = field(default_factory=lambda: np.zeros(0))
-    closing_work: FloatArray = field(default_factory=lambda: np.zeros(0))
-    coupling_work: FloatArray = field(default_factory=lambda: np.zeros(0))
-
-    def beyond(self, problem: Any, arrays: Any, time_step: float) -> tuple[str, str]:
-        """Return the contact node that passed the displacement limit as text, see `Chunk`."""
-        node = int(np.abs(self.contact_displacement[-1, :, 0]).argmax())
-        return f"contact node {arrays.node[node]} of blade {arrays.blade[node]}", ""
 
 
 PartT = TypeVar("PartT")
@@ -204,10 +192,6 @@ class Scheme(Protocol[StateT]):
 
     cyclic: tuple[bool, bool]  #: true for rotor and for casing if harmonics are separate
     records_casing: bool  #: whether the motion of the casing is recorded, where it can be left out
-
-    @property
-    def chunk(self) -> type[MarchRecords]:
-        """Class of the records."""
 
     def init(self) -> StateT:
         """Return the state at t = 0."""

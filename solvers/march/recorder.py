@@ -8,7 +8,6 @@ are flushed before the attribute `steps` includes them.
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
-from dataclasses import fields
 from os import PathLike
 from typing import Any
 
@@ -18,33 +17,25 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.timing import Timing
-from bladewhirl.models.modal.stage_arrays import Arrays, SuperelementArrays
+from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.contact_problem import NodeCoating, WallCoating, rod_angles
-from bladewhirl.solvers.march.march import (
-    BoundaryChunk,
-    Chunk,
-    CoatingRecords,
-    coating_steps,
-    joined,
-)
+from bladewhirl.solvers.march.march import Chunk, CoatingRecords, coating_steps, joined
 from bladewhirl.solvers.march.schema import (
-    BEAMS,
-    NODES,
+    COATING,
+    HISTORY,
+    NAMES,
     RESULT_FORMAT,
+    STAGE,
     TIME,
-    Tables,
     Variable,
     index_values,
-    tables_of,
+    parts_of,
 )
 from bladewhirl.solvers.march.storage import GuardedFile
 
 Attribute = str | int | float
 
 Values = np.ndarray[Any, np.dtype[Any]]
-
-AnyChunk = Chunk | BoundaryChunk
-"""Records of a march."""
 
 INTERRUPTED, UNFINISHED = "interrupted", "unfinished"
 """Values of `end_reason` of a march that the user interrupted, and of a march that was killed."""
@@ -79,42 +70,35 @@ class Recorder(AbstractContextManager["Recorder"]):
     """
 
     def __init__(
-        self, path: str | PathLike[str], stage: Arrays, attributes: Mapping[str, Attribute]
+        self, path: str | PathLike[str], stage: StageArrays, attributes: Mapping[str, Attribute]
     ) -> None:
-        self._tables = tables_of(attributes)
         self.records, self.steps = 0, 0  #: number of records written, and step of the last record
         self._raw = GuardedFile(path)
         self._h5 = h5py.File(self._raw, "w")
         self._file = h5netcdf.File(self._h5, "w")
-        sizes = sizes_of(stage)
-        self._file.dimensions = {TIME: None} | {name: size for name, size in sizes.items() if size}
-        for name, variable in self._tables.names.items():
-            self._create(name, variable, index_values(name, sizes[name]))
-        for field in fields(stage):
-            values = np.asarray(getattr(stage, field.name))
-            if values.size:
-                self._create(field.name, self._tables.stage[field.name], values)
-        self._histories = {
-            name: variable
-            for name, variable in self._tables.history.items()
-            if 0 not in widths_of(variable, sizes)  # motion of a casing that does not move
-        }
+        sizes, stored = sizes_of(stage), stage.stored
+        self._histories = histories_of(stage)
+        variables = {name: STAGE[name] for name in stored} | self._histories
+        used = dict.fromkeys(name for each in variables.values() for name in each.dimensions)
+        self._file.dimensions = {name: None if name == TIME else sizes[name] for name in used}
+        for name in (name for name in NAMES if name in used):
+            self._create(name, NAMES[name], index_values(name, sizes[name]))
+        for name, values in stored.items():
+            self._create(name, STAGE[name], values)
         for name, variable in self._histories.items():
             self._create_history(name, variable, sizes)
         for name, value in attributes.items():
             self._file.attrs[name] = value
         self._file.attrs["format"] = RESULT_FORMAT
         self._file.attrs["coordinates"] = " ".join(
-            name
-            for name, variable in self._tables.stage.items()
-            if variable.is_coordinate and np.size(getattr(stage, name))
+            name for name in stored if STAGE[name].is_coordinate
         )
         self._file.attrs["end_reason"] = UNFINISHED
         self._file.attrs["end_message"] = ""
         self._h5.attrs["steps"] = np.int64(0)
         self.flush()
 
-    def write(self, chunk: AnyChunk) -> None:
+    def write(self, chunk: Chunk) -> None:
         """Append records and write them to the disk.
 
         Raises:
@@ -143,25 +127,20 @@ class Recorder(AbstractContextManager["Recorder"]):
 
     def _write_coating(self, coating: CoatingRecords, first: int, last: int) -> None:
         """Append the records of a coating from the first to the last number, and its profiles."""
-        table, tips = self._tables.coating, coating.coating_impulse.shape[1]
-        tracks, rods = coating.coating_strain.shape[-2:]
+        records = coating_records(coating)
         if "rod" not in self._file.dimensions:
-            sizes = {"rod": rods, "track": tracks, "blade": tips, "contact_node": tips}
-            for name in table["coating_strain"].dimensions[1:]:
+            _, tracks, rods = records["coating_strain"].shape
+            sizes = {"track": tracks, "rod": rods, "contact_node": coating.coating_impulse.shape[1]}
+            for name in ("track", "rod"):
                 self._file.dimensions[name] = sizes[name]
             self._file.dimensions["wear_time"] = None
-            for name, variable in table.items():
-                if name == "rod_angle":
-                    self._create(name, variable, rod_angles(rods))
-                else:
-                    self._create_history(name, variable, sizes)
+            self._create("rod_angle", COATING["rod_angle"], rod_angles(rods))
+            for name in records:
+                self._create_history(name, COATING[name], sizes)
         profiles = len(self._h5["wear_time"])
-        for name, variable in table.items():
-            values = getattr(coating, name, None)
-            if values is None:
-                continue
+        for name, values in records.items():
             begin, end = first, last
-            if variable.dimensions[0] != TIME:
+            if COATING[name].dimensions[0] != TIME:
                 begin, end = profiles, profiles + len(values)
             self._h5[name].resize(end, axis=0)
             self._h5[name][begin:end] = values[: end - begin]
@@ -217,7 +196,7 @@ class Records:
 
     def __init__(
         self,
-        stage: Arrays,
+        stage: StageArrays,
         attributes: Mapping[str, Attribute],
         most: int,
         room: dict[str, Values] | None = None,
@@ -228,7 +207,7 @@ class Records:
         sizes = sizes_of(stage)
         self._coating: list[CoatingRecords] = []
         self._room: dict[str, Values] = {} if room is None else room
-        self._history = tables_of_stage(stage).history
+        self._history = histories_of(stage)
         self._stored = [name for name in self._history if casing or name not in CASING]
         for name in self._stored:
             variable = self._history[name]
@@ -241,15 +220,15 @@ class Records:
         """All records that are stored, by the names of the schema."""
         histories = {name: self._room[name][: self.records] for name in self._stored}
         if self._coating:
-            coating = vars(joined(self._coating))
-            for name, variable in tables_of_stage(self.stage).coating.items():
-                if name in coating:
-                    most = self.records if variable.dimensions[0] == TIME else None
-                    histories[name] = coating[name][:most]
+            coating = coating_records(joined(self._coating))
+            for name, values in coating.items():
+                histories[name] = values[
+                    : self.records if COATING[name].dimensions[0] == TIME else None
+                ]
             histories["rod_angle"] = rod_angles(coating["coating_strain"].shape[-1])
         return histories
 
-    def write(self, chunk: AnyChunk) -> None:
+    def write(self, chunk: Chunk) -> None:
         """Append records.
 
         Raises:
@@ -274,7 +253,7 @@ class Records:
 
 
 def result_bytes(
-    stage: Arrays,
+    stage: StageArrays,
     timing: Timing,
     coating: WallCoating | NodeCoating | None,
     blades: int | None = None,
@@ -287,21 +266,21 @@ def result_bytes(
         coating: coating of the wall; None without a coating.
         blades: number of blades in the histories; all blades of the stage if None.
     """
-    arrays = (np.asarray(getattr(stage, field.name)) for field in fields(stage))
-    sizes = sizes_of(stage) | ({} if blades is None else {"blade": blades})
-    tables, lengths = tables_of_stage(stage), {TIME: timing.records}
-    variables = [*tables.history.values()]
+    sizes, lengths = sizes_of(stage), {TIME: timing.records}
+    if blades is not None:
+        sizes |= {"contact_node": blades * (sizes["contact_node"] // (1 + int(stage.blade.max())))}
+    variables = [*histories_of(stage).values()]
     if coating is not None:
-        variables += tables.coating.values()
+        variables += COATING.values()
         tracks, rods = np.atleast_2d(coating.strain).shape
         sizes |= {"rod": rods, "track": tracks}
         lengths |= {"rod": rods, "wear_time": 1 + timing.steps // coating_steps(timing)}
     total = 0
     for variable in variables:
         widths = widths_of(variable, sizes)
-        rows = _rows_stored(widths) if 0 not in widths else 1
+        rows = _rows_stored(widths)
         total += -(-lengths[variable.dimensions[0]] // rows) * rows * int(np.prod(widths))
-    return STRUCTURE_BYTES + sum(array.nbytes for array in arrays) + 8 * total
+    return STRUCTURE_BYTES + sum(array.nbytes for array in stage.stored.values()) + 8 * total
 
 
 def widths_of(variable: Variable, sizes: Mapping[str, int]) -> tuple[int, ...]:
@@ -314,22 +293,28 @@ def _rows_stored(widths: tuple[int, ...]) -> int:
     return max(1, STORAGE_BYTES // (8 * int(np.prod(widths))))
 
 
-def tables_of_stage(stage: Arrays) -> Tables:
-    """Return the variables of the result of a stage."""
-    return NODES if isinstance(stage, SuperelementArrays) else BEAMS
-
-
-def sizes_of(stage: Arrays) -> dict[str, int]:
+def sizes_of(stage: StageArrays) -> dict[str, int]:
     """Return the length of each dimension from the shapes of the arrays."""
-    tables = tables_of_stage(stage)
-    sizes = {name: len(each.labels) for name, each in tables.names.items() if each.labels}
-    for name, variable in tables.stage.items():
-        for dimension, size in zip(
-            variable.dimensions, np.shape(getattr(stage, name)), strict=True
-        ):
+    sizes = {name: len(each.labels) for name, each in NAMES.items() if each.labels}
+    for name, values in stage.stored.items():
+        for dimension, size in zip(STAGE[name].dimensions, values.shape, strict=True):
             if sizes.setdefault(dimension, size) != size:
                 raise ValueError(f"{name}: expected {sizes[dimension]} along {dimension}")
     return sizes
+
+
+def histories_of(stage: StageArrays) -> dict[str, Variable]:
+    """Return the histories that a march of a stage records."""
+    parts = parts_of(stage.stored)
+    return {name: variable for name, variable in HISTORY.items() if variable.part in parts}
+
+
+def coating_records(coating: CoatingRecords) -> dict[str, Values]:
+    """Return the records of a coating that a march has, by the names of the schema."""
+    records = {name: np.asarray(values) for name, values in vars(coating).items()}
+    strain = records["coating_strain"]
+    records["coating_strain"] = strain if strain.ndim == 3 else strain[:, None]
+    return {name: records[name] for name in COATING if name in records and records[name].size}
 
 
 def finite_records(history: Mapping[str, FloatArray]) -> int:

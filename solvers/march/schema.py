@@ -4,8 +4,8 @@ The schema is the table schema.csv in the folder of this module. The schema dete
 that are written and read; `schema_table` returns it as text.
 """
 
-from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,15 +15,17 @@ from bladewhirl.files import packaged_rows
 RESULT_NAME = "result.nc"
 """Name of the result file in the folder of a run."""
 
-RESULT_FORMAT = 9
+RESULT_FORMAT = 10
 """Current format of result.nc. Files of formats 1 and 2 contain no format number. A file of an
-older format lacks variables with a higher number in the column "since"; coordinates,
-`tip_recess` and `tip_growth`, and frequencies of waves are added when such a file is opened."""
+older format lacks variables with a higher number in the column "since", most of which are added
+when such a file is opened. Before format 10 contact nodes were named "blade" along their dimension,
+and results of superelements had tables of their own; the latter cannot be read."""
 
-SWEEP_FORMAT = 7
+SWEEP_FORMAT = 8
 """Current format of sweep.nc. A file of an older format lacks variables with a higher number in the
 column "since"; formats 1 and 2 do not store swept values in the unit in which they were given. A
-sweep of an older format can be read but not resumed."""
+sweep of an older format can be read but not resumed, that of a superelement before format 8 cannot
+be read."""
 
 TIME = "time"
 
@@ -43,6 +45,10 @@ class Variable(NamedTuple):
     long_name: str
     since: int  #: first format of the file with this variable
     is_coordinate: bool  #: true if the values label the items along a dimension
+    part: str
+    """Part of a stage that has the variable: "families" of modes, "lines" of a mesh of beams,
+    motion of the "centre", contact "nodes" whose motion is recorded, "points" for pictures, or a
+    flexible "casing"; "" for every stage."""
     values: str
     """Allowed values: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any."""
     labels: tuple[str, ...]
@@ -63,6 +69,7 @@ def _read(table: str) -> dict[str, Variable]:
             long_name=row["long_name"],
             since=int(row["since"]),
             is_coordinate=bool(row["coordinate"]),
+            part=row["part"],
             values=row["values"],
             labels=tuple(row["labels"].split()),
         )
@@ -71,45 +78,37 @@ def _read(table: str) -> dict[str, Variable]:
     }
 
 
-class Tables(NamedTuple):
-    """Variables of the results and the sweeps of one kind of model, by name."""
+HISTORY: Mapping[str, Variable] = _read("history")
+"""Variables of result.nc that are recorded over time, named as the fields of `Chunk`."""
 
-    history: Mapping[str, Variable]  #: recorded over time
-    coating: Mapping[str, Variable]  #: of an abradable coating, if there is one
-    stage: Mapping[str, Variable]  #: known before the march
-    names: Mapping[str, Variable]  #: names or numbers along a dimension
-    sweep: Mapping[str, Variable]  #: variables of sweep.nc, stored for every point of a sweep
+COATING: Mapping[str, Variable] = _read("coating")
+"""Variables of result.nc of an abradable coating, if there is one, named as the fields of
+`CoatingRecords`."""
 
-    @property
-    def result(self) -> dict[str, Variable]:
-        """All variables of a result."""
-        return {**self.history, **self.coating, **self.stage, **self.names}
+STAGE: Mapping[str, Variable] = _read("stage")
+"""Variables of result.nc that are known before the march, named as the fields of `StageArrays`."""
 
+NAMES: Mapping[str, Variable] = _read("index")
+"""Variables of result.nc with names or numbers along a dimension."""
 
-PARTS = ("history", "coating", "stage", "index", "sweep")
+RESULT: Mapping[str, Variable] = {**HISTORY, **COATING, **STAGE, **NAMES}
+"""All variables of result.nc."""
 
-BEAMS = Tables(*map(_read, PARTS))
-"""Variables for stages of beams: `history` has the names of the fields of `Chunk`, `stage` those of
-`StageArrays`."""
-
-NODES = Tables(*(_read(f"node-{name}") for name in PARTS))
-"""Variables for superelements."""
+SWEEP: Mapping[str, Variable] = _read("sweep")
+"""Variables of sweep.nc, stored for every point of a sweep."""
 
 SCREENING: Mapping[str, Variable] = _read("screening")
 """Variables of sweep.nc if points are screened."""
 
-MODEL, SUPERELEMENT = "model", "superelement"
-"""Attribute of a result or a sweep with the kind of its model, and the value for a superelement."""
 
-
-def tables_of(attributes: Mapping[str, Any]) -> Tables:
-    """Return the variables of a result or a sweep with these attributes."""
-    return NODES if attributes.get(MODEL) == SUPERELEMENT else BEAMS
+def parts_of(names: Iterable[str]) -> set[str]:
+    """Return the parts, see `Variable.part`, of a stage that has the named variables."""
+    return {STAGE[name].part for name in names if name in STAGE} | {""}
 
 
 def index_values(name: str, size: int) -> NDArray[np.int64] | NDArray[np.object_]:
-    """Return the values of a variable of `Tables.names`: names, or numbers from 0 to size - 1."""
-    labels = {**BEAMS.names, **NODES.names}[name].labels
+    """Return the values of a variable of `NAMES`: names, or numbers from 0 to size - 1."""
+    labels = NAMES[name].labels if name in NAMES else ()
     return np.array(labels, dtype=object) if labels else np.arange(size)
 
 
@@ -117,15 +116,16 @@ def schema_table(file: Mapping[str, Variable]) -> str:
     """Return a Markdown table with a row for each variable of a file, for the documentation.
 
     Args:
-        file: `result` or `sweep` of `BEAMS` or `NODES`.
+        file: `RESULT` or `SWEEP`.
     """
     return "\n".join(_rows(file)) + "\n"
 
 
 def _rows(file: Mapping[str, Variable]) -> Iterator[str]:
-    yield "| variable | dimensions | units | kind | since format | meaning |"
-    yield "|---|---|---|---|---|---|"
+    yield "| variable | part | dimensions | units | kind | since format | meaning |"
+    yield "|---|---|---|---|---|---|---|"
     for name, variable in file.items():
         meaning = ": ".join(filter(None, [variable.long_name, ", ".join(variable.labels)]))
-        cells = (", ".join(variable.dimensions), variable.units, variable.kind, variable.since)
+        over = ", ".join(variable.dimensions)
+        cells = (variable.part, over, variable.units, variable.kind, variable.since)
         yield f"| `{name}` | {' | '.join(map(str, cells))} | {meaning} |"

@@ -11,7 +11,6 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.postprocess.plotting.registry import (
-    NODE_FIGURES,
     REPLACED,
     RUN_FIGURES,
     SWEEP_FIGURES,
@@ -42,8 +41,6 @@ def plot(
                     *captions(RUN_FIGURES),
                     "Figures of a sweep:",
                     *captions(SWEEP_FIGURES),
-                    "Figures of a run of a superelement:",
-                    *captions(NODE_FIGURES),
                 ]
             ).replace("[", r"\["),
             show_default=False,
@@ -79,7 +76,7 @@ def plot(
     folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
     with _opened(directory, start, end) as (kinds, figures):
         if not names:
-            typer.echo("\n".join(captions(kinds)))
+            typer.echo("\n".join(captions(figures.kinds)))
             return
         unknown = [*_unknown(names, kinds)]
         left_out: dict[str, list[str]] = {}
@@ -112,8 +109,7 @@ def _unknown(names: Sequence[str], kinds: Mapping[str, FigureKind]) -> Iterator[
         unknown.remove(name)
         yield f"{name}: expected {REPLACED[name]}, which replaces it"
     if unknown:
-        of_nodes = "of a superelement " if kinds is NODE_FIGURES else ""
-        kind = "a sweep has" if kinds is SWEEP_FIGURES else f"a run {of_nodes}has"
+        kind = "a sweep has" if kinds is SWEEP_FIGURES else "a run has"
         yield f"{', '.join(unknown)}: {kind} the figures {', '.join(kinds)}; or {ALL}"
 
 
@@ -137,12 +133,10 @@ def _opened(
             yield SWEEP_FIGURES, SweepFigures(sweep)
         return
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.reports.figures import figures_of_run
-    from bladewhirl.solvers.march.schema import NODES, tables_of
+    from bladewhirl.postprocess.run.figures import RunFigures
 
     with open_result(directory) as result:
-        kinds = NODE_FIGURES if tables_of(result.attrs) is NODES else RUN_FIGURES
-        yield kinds, figures_of_run(result, start, end)
+        yield RUN_FIGURES, RunFigures(result, start, end)
 
 
 def export(

@@ -109,7 +109,7 @@ def contact_side(motion: Motion) -> Measures:
     """Return whirl, scenario, phase shift [°] and numbers of blades by contact class."""
     return {
         "regime": motion.regime.name,
-        "touches": motion.blades["free"] < motion.result.sizes["blade"],
+        "touches": motion.blades["free"] < motion.result.sizes["contact_node"],
         "direction": motion.late_whirl("static").direction,
         "scenario": motion.scenario,
         "lead": motion.lead,

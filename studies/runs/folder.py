@@ -17,7 +17,6 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.sensors import Sensor
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.plotting.registry import NODE_FIGURES
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME
 from bladewhirl.solvers.march.schema import RESULT_NAME
 
@@ -26,6 +25,8 @@ PROVENANCE_NAME = "provenance.json"
 SUMMARY_NAME = "summary.json"
 VTK_NAME = "vtk"
 ORBIT_NAME, ENERGY_NAME = "orbit.png", "energy.png"
+CONTACT_FIGURES = ("contact-nodes", "tips", "wear-tracks")
+"""Names of figures that a run writes into its folder if its contact nodes are recorded."""
 SENSORS_NAME = "sensors.nc"
 WEAR_NAME = "wear.csv"  #: profile of the coating at the end
 REPORT_NAME = "report.html"
@@ -175,8 +176,7 @@ def sensor_files(sensors: Sequence[Sensor]) -> tuple[str, ...]:
 
 def files_of_run(case: Case) -> tuple[str, ...]:
     """Return the names of the files of a run of a case, without the ParaView series."""
-    beams = case.bladed_disk.superelement is None
-    drawn = (ORBIT_NAME, ENERGY_NAME) if beams else tuple(NODE_FIGURES)
+    drawn = (ORBIT_NAME, ENERGY_NAME, *(f"{name}.png" for name in CONTACT_FIGURES))
     figures = [f"{Path(name).stem}{end}" for name in drawn for end in (".png", ".nc")]
     made = (RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, CHECKPOINT_NAME)
     worn = () if case.casing.coating is None else (WEAR_NAME,)

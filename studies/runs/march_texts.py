@@ -1,6 +1,7 @@
 """Attributes of the result of a march, and the description of a divergence."""
 
-from bladewhirl.solvers.march.recorder import AnyChunk, Attribute
+from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.solvers.march.recorder import Attribute
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.runs.prepare import Prepared
 from bladewhirl.studies.runs.properties import MARCHES
@@ -32,7 +33,7 @@ def attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
     return {**common, **stage.attributes, **({"symmetry": marched} if marched else {})}
 
 
-def divergence(prepared: Prepared, chunk: AnyChunk) -> str:
+def divergence(prepared: Prepared, chunk: Chunk) -> str:
     """Describe the violation of the displacement limit at the end of the last chunk of a march."""
     problem = prepared.problem
     who, detail = chunk.beyond(problem, prepared.stage.arrays, prepared.timing.time_step)

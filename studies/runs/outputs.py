@@ -6,15 +6,15 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from bladewhirl.files import write_atomically
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.solvers.march.schema import NODES, tables_of
 from bladewhirl.studies.runs import folder
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
     from rich.console import Group
 
     from bladewhirl.postprocess.run.summary import Summary
@@ -54,7 +54,7 @@ class Run:
     directory: Path
     end_reason: str  #: "completed", "divergent" or "interrupted"
     end_message: str  #: cause and remedy of an early end, in one line
-    summary: Summary  #: a `NodeSummary` for a superelement
+    summary: Summary
     symmetry: str  #: symmetry of both bodies, and the method of their march
     hints: tuple[str, ...]  #: hints on implausible values and on the sampling of the series
 
@@ -64,16 +64,12 @@ class Run:
         from rich.console import Group
         from rich.text import Text
 
-        from bladewhirl.postprocess.run.summary import Summary
         from bladewhirl.postprocess.run.summary_table import summary_rows
         from bladewhirl.studies.runs.columns import facts
 
         names = ", ".join(sorted(path.name for path in self.directory.iterdir()))
-        files = Text(f"{self.directory}: {names}")
-        other: Any = self.summary
-        if not isinstance(other, Summary):
-            return Group(facts(other.rows()), files)
-        return Group(facts(summary_rows(self.summary)), Text(self.symmetry), files)
+        texts = filter(None, [self.symmetry, f"{self.directory}: {names}"])
+        return Group(facts(summary_rows(self.summary)), *map(Text, texts))
 
     def __repr__(self) -> str:
         """Return the table as plain text, with the reason for an early end, and hints."""
@@ -104,34 +100,25 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     The report contains the quality measures of the march, see `postprocess.run.summary`; the window
     defines the instants of the series.
     """
+    from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.plotting.style import save_figure
+    from bladewhirl.postprocess.run.summary import summarise
+    from bladewhirl.postprocess.run.summary_table import displacement_hints
     from bladewhirl.postprocess.run.wear import write_profile
+    from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
     from bladewhirl.studies.runs.sensor_files import write_sensors
 
-    summary: Any
-    hints: list[str] = []
     with open_result(directory) as result:
-        if tables_of(result.attrs) is NODES:
-            from bladewhirl.postprocess.reports.figures import figures_of_run
-            from bladewhirl.postprocess.run.node_summary import summarise_nodes
-
-            summary, figures = summarise_nodes(result, report), figures_of_run(result)
-            drawn = {f"{name}.png": figures.draw(name) for name in figures.names}
-        else:
-            from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
-            from bladewhirl.postprocess.run.summary import summarise
-            from bladewhirl.postprocess.run.summary_table import displacement_hints
-            from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
-
-            orbit, energies = shaft_orbit(result), strain_energies(result)
-            summary = summarise(result, report, orbit=orbit, energies=energies)
-            drawn = {
-                folder.ORBIT_NAME: (plot_orbit(orbit), orbit),
-                folder.ENERGY_NAME: (plot_energy(energies), energies),
-            }
-            hints += displacement_hints(summary, result)
-            hints += write_sensors(result, directory)
+        energies = strain_energies(result)
+        drawn = {folder.ENERGY_NAME: (plot_energy(energies), energies)}
+        orbit = None
+        if "centre_shape" in result:
+            orbit = shaft_orbit(result)
+            drawn[folder.ORBIT_NAME] = plot_orbit(orbit), orbit
+        drawn |= _contact_figures(result)
+        summary = summarise(result, report, orbit=orbit, energies=energies)
+        hints = [*displacement_hints(summary, result), *write_sensors(result, directory)]
         if "coating_strain" in result:
             write_profile(result, directory / folder.WEAR_NAME)
         write_atomically(directory / folder.SUMMARY_NAME, summary.to_json())
@@ -146,6 +133,17 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
             symmetry=result.attrs.get("symmetry", ""),
             hints=tuple(hints),
         )
+
+
+def _contact_figures(result: xr.Dataset) -> dict[str, tuple[Figure, xr.Dataset]]:
+    """Return `CONTACT_FIGURES` with their data, by file name, as far as the run has them."""
+    if "contact_displacement" not in result or result.sizes["time"] < 2:
+        return {}
+    from bladewhirl.postprocess.run.figures import RunFigures
+
+    figures = RunFigures(result)
+    names = [name for name in folder.CONTACT_FIGURES if name in figures.kinds]
+    return {f"{name}.png": figures.draw(name) for name in names if figures.moves}
 
 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:

@@ -25,6 +25,7 @@ from bladewhirl.solvers.march.checkpoint import (
 from bladewhirl.solvers.march.free_motion import RULE
 from bladewhirl.solvers.march.march import (
     CHUNK_STEPS,
+    Chunk,
     CoatingRecords,
     EndReason,
     MarchState,
@@ -34,14 +35,13 @@ from bladewhirl.solvers.march.march import (
 )
 from bladewhirl.solvers.march.recorder import (
     INTERRUPTED,
-    AnyChunk,
     NonFiniteError,
     Recorder,
     Records,
     Values,
     result_bytes,
 )
-from bladewhirl.solvers.march.schema import tables_of
+from bladewhirl.solvers.march.schema import HISTORY
 from bladewhirl.studies.runs import folder, march_texts
 from bladewhirl.studies.runs.interrupts import asked_to_stop
 from bladewhirl.studies.runs.prepare import Prepared
@@ -99,7 +99,7 @@ def march_to_file(
     digest = "" if checkpoints is None else folder.march_digest(prepared.stage.case)
     with _recorder(prepared, path, case_text, begin) as recorder:
 
-        def flush(chunk: AnyChunk, state: MarchState, wall_time: float) -> None:
+        def flush(chunk: Chunk, state: MarchState, wall_time: float) -> None:
             check_room(path.parent, 0)
             recorder.write(chunk)
             # No checkpoint after an extra record at the end, which a longer march does not have.
@@ -140,7 +140,7 @@ def march_in_memory(
 def _march_into(
     record: Recorder | Records,
     prepared: Prepared,
-    flush: Callable[[AnyChunk, MarchState, float], None],
+    flush: Callable[[Chunk, MarchState, float], None],
     pause: float,
     progress: Progress | None = None,
     begin: Checkpoint | None = None,
@@ -221,34 +221,25 @@ def _recorder(
                 kept = np.flatnonzero(earlier["wear_time"].values <= reached)
                 earlier = earlier.isel(wear_time=kept)
             for records in portions(earlier.isel(time=slice(begin.records))):
-                chunk = _chunk(
-                    prepared.scheme.chunk,
-                    earlier.isel(time=records),
-                    prepared.timing.time_step,
-                    profiles=recorder.records == 0,
-                )
-                recorder.write(chunk)
+                portion = earlier.isel(time=records)
+                first = recorder.records == 0
+                recorder.write(_chunk(portion, prepared.timing.time_step, profiles=first))
         yield recorder
 
 
-def _chunk(kind: type[Any], records: xr.Dataset, time_step: float, *, profiles: bool) -> AnyChunk:
+def _chunk(records: xr.Dataset, time_step: float, *, profiles: bool) -> Chunk:
     """Return records of a result as a chunk, with or without the profiles of its coating."""
-    tables = tables_of(records.attrs)
     still = np.zeros((records.sizes["time"], 0))  # of a rigid wall
-    values: dict[str, Any] = {
-        name: records[name].values if name in records else still for name in tables.history
-    }
+    values: dict[str, Any] = {name: records[name].values for name in HISTORY if name in records}
+    for name in ("casing_displacement", "casing_velocity"):
+        values.setdefault(name, still)
     coating = None
     if "coating_strain" in records:
         kept = records.isel(wear_time=slice(None if profiles else 0))
         names = [field.name for field in fields(CoatingRecords)]
-        unknown = np.zeros((records.sizes["time"], 0))
-        coating = CoatingRecords(
-            **{name: kept[name].values if name in kept else unknown for name in names}
-        )
+        coating = CoatingRecords(**{name: kept[name].values for name in names if name in kept})
     step = np.rint(values["time"] / time_step).astype(np.int64)
-    made: AnyChunk = kind(step=step, coating=coating, **values)
-    return made
+    return Chunk(step=step, coating=coating, **values)
 
 
 def state_at(prepared: Prepared, begin: Checkpoint) -> Any:

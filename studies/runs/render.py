@@ -11,7 +11,6 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import writing
-from bladewhirl.solvers.march.schema import NODES, tables_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -79,7 +78,7 @@ def render(
             f"{target}: omit time; it is allowed for .png only, without frames, start and end"
         )
     look: dict[str, Any] = {"exaggeration": exaggeration, "frame": frame, "colour": colour}
-    with opened(result, beams=False) as dataset, writing(target):
+    with opened(result) as dataset, writing(target):
         of_nodes = _of_nodes(dataset)
         check_view(dataset, target, frame=frame, colour=colour, orbit=orbit)
         still = kind == ".png" and not windowed and not isinstance(time, Sequence)
@@ -136,4 +135,4 @@ def window_records(
 
 def _of_nodes(result: xr.Dataset) -> bool:
     """Return whether blades are drawn by their surface, with the forces on contact nodes."""
-    return tables_of(result.attrs) is NODES
+    return "contact_displacement" in result

@@ -8,7 +8,7 @@ from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.postprocess.fields.enlarged import round_factor
 from bladewhirl.postprocess.fields.result import result_of
 from bladewhirl.postprocess.pictures.blades import render_blades
-from bladewhirl.solvers.march.schema import NODES
+from bladewhirl.solvers.march.recorder import histories_of
 from bladewhirl.studies.runs.march_texts import attributes
 from bladewhirl.studies.runs.prepare import prepare
 
@@ -28,7 +28,7 @@ def draw_superelement(stage: SuperelementStage, path: Path) -> None:
     """
     prepared = prepare(stage)
     _, chunk, _ = prepared.scheme.advance(prepared.scheme.init(), 1)
-    histories = {name: getattr(chunk, name) for name in NODES.history}
+    histories = {name: getattr(chunk, name) for name in histories_of(stage.arrays)}
     result = result_of(stage.arrays, histories, attributes(prepared, ""))
     points, clearance = stage.arrays.point, float(np.abs(stage.wall.clearance[:, 0]).max())
     size = float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0

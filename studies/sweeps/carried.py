@@ -60,12 +60,11 @@ def late_state(stage: MarchedStage, result: xr.Dataset) -> Start:
     late = np.flatnonzero(time >= (1.0 - LATE_SHARE) * time[-1])[::-1]
     angle = stage.speed * time[late]
     record = int(late[np.abs(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi))).argmin()])
-    rotor = "rotor" if "rotor_displacement" in result else "modal"
     motion = {
         name: result[variable][record].values.ravel() if variable in result else np.zeros(0)
         for name, variable in (
-            ("rotor", f"{rotor}_displacement"),
-            ("rotor_velocity", f"{rotor}_velocity"),
+            ("rotor", "rotor_displacement"),
+            ("rotor_velocity", "rotor_velocity"),
             ("casing", "casing_displacement"),
             ("casing_velocity", "casing_velocity"),
         )
@@ -78,10 +77,11 @@ def late_state(stage: MarchedStage, result: xr.Dataset) -> Start:
 def continued(stage: MarchedStage, problem: ContactProblem, state: Start) -> ContactProblem:
     """Return the contact problem of a march that starts from a state, without ramps of its loads,
     and without loads that end."""
+    shape = problem.start.rotor.shape
     start = replace(
         state,
-        rotor=stage.coordinates(state.rotor),
-        rotor_velocity=stage.coordinates(state.rotor_velocity),
+        rotor=stage.coordinates(state.rotor).reshape(shape),
+        rotor_velocity=stage.coordinates(state.rotor_velocity).reshape(shape),
     )
     lasting = (replace(load, ramp=0.0) for load in problem.loads if np.isinf(load.end))
     return replace(problem, start=start, loads=tuple(lasting))

@@ -12,7 +12,7 @@ from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.marched import MarchedStage
 from bladewhirl.postprocess.sweep.dataset import WINDOW_SHARE, Layout
 from bladewhirl.solvers.march.recorder import result_bytes
-from bladewhirl.solvers.march.schema import NODES, tables_of
+from bladewhirl.solvers.march.schema import parts_of
 
 REACH = 10.0
 """Highest frequency of the spectra, divided by the reference frequency of the first point; it is
@@ -64,17 +64,17 @@ def make_layout(extent: Extent, stage: MarchedStage) -> Layout:
 
     The spacing of the frequencies is 1 divided by the window of the shortest march; a Hann window
     then separates the periodic parts of a motion. The highest frequency is at most half of the
-    sampling rate of the longest record step. The real motion of a superelement has no negative
+    sampling rate of the longest record step. Only the motion of a shaft has negative
     frequencies.
     """
     nyquist = 0.5 / extent.record_step
     highest = min(REACH * stage.reference_frequency / (2.0 * np.pi), nyquist)
     window = WINDOW_SHARE * extent.shortest
     each_side = int(np.clip(highest * window, 1, MOST_LINES // 2))
-    nodes = tables_of(stage.attributes) is NODES
-    lines = np.arange(0 if nodes else -each_side, each_side + 1)
+    parts = frozenset(parts_of(stage.arrays.stored))
+    lines = np.arange(-each_side if "centre" in parts else 0, each_side + 1)
     return Layout(
-        superelement=nodes,
+        parts=parts,
         frequency=lines / max(window, 1.0 / highest),
         samples=min(MOST_SAMPLES, extent.records),
         nodal_diameters=extent.blades // 2 + 1,

@@ -24,7 +24,6 @@ from bladewhirl.models.stage.marched import MarchedStage, marched_stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.sweep.dataset import Layout
 from bladewhirl.postprocess.sweep.digest import Digest, digest
-from bladewhirl.postprocess.sweep.node_digest import node_digest
 from bladewhirl.solvers.march.free_motion import FreeMotion, StopWhen
 from bladewhirl.solvers.march.march import EndReason
 from bladewhirl.solvers.march.schema import RESULT_NAME
@@ -131,11 +130,10 @@ def _march_point(work: Work, case: Case, point: Point) -> Digest:
             prepared = replace(prepared, stop=stop)
     if work.layout is not None and name is None and expected_bytes(prepared) <= IN_MEMORY:
         room = _THREAD.__dict__.setdefault("room", {})
-        # The digest of beams does not need the motion of the casing.
-        casing = work.layout.superelement or point.after is not None
+        casing = "casing_displacement_max" in work.layout.variables or point.after is not None
         result, report = march_in_memory(prepared, room, casing=casing)
         _keep_state(work, stage, result, point)
-        return _reduced(result, report, work.layout)
+        return digest(result, report, work.layout)
     # A history to keep is written into its final folder, under another name until it is complete.
     folder = work.histories if name is not None else None
     with TemporaryDirectory(prefix=".point-", dir=folder) as scratch:
@@ -145,15 +143,10 @@ def _march_point(work: Work, case: Case, point: Point) -> Digest:
         if work.layout is not None:
             with open_result(path) as result:
                 _keep_state(work, stage, result, point)
-                kept = _reduced(result, report, work.layout)
+                kept = digest(result, report, work.layout)
         if name is not None:
             os.replace(path, Path(work.histories) / name)
     return kept
-
-
-def _reduced(result: xr.Dataset, report: Mapping[str, float], layout: Layout) -> Digest:
-    """Reduce a result to the data of the sweep."""
-    return (node_digest if layout.superelement else digest)(result, report, layout)
 
 
 def _change(work: Work, stage: MarchedStage, point: Point) -> Change | None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, NOT_NEEDED
 from bladewhirl.postprocess.sweep.shares import settled, wilson
-from bladewhirl.solvers.march.schema import BEAMS
+from bladewhirl.solvers.march.schema import SWEEP
 from bladewhirl.studies.sweeps.carried import SPEED, Carry, Chains
 from bladewhirl.studies.sweeps.plan import SweepPlan
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point
@@ -26,7 +26,7 @@ Mask = NDArray[np.bool_]
 
 UNKNOWN, FAILED = -1, -2  #: codes of random draws without a regime
 
-REGIMES = np.arange(1, len(BEAMS.sweep["regime"].labels))
+REGIMES = np.arange(1, len(SWEEP["regime"].labels))
 """Codes of the regimes; zero means that there is no regime yet."""
 
 Rule = Callable[[NDArray[np.float64], NDArray[np.float64]], Mask]

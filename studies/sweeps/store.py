@@ -23,7 +23,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT
 from bladewhirl.postprocess.sweep import dataset
-from bladewhirl.solvers.march.schema import MODEL, SCREENING, SUPERELEMENT, SWEEP_FORMAT, tables_of
+from bladewhirl.solvers.march.schema import SCREENING, SWEEP, SWEEP_FORMAT
 from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
 from bladewhirl.studies.sweeps.axes import Grid
 from bladewhirl.studies.sweeps.points import Failure, Outcome
@@ -71,7 +71,7 @@ def create(
         for name, labels in layout.names.items():
             text = np.array(labels, dtype=object)
             file.create_variable(name, (name,), h5py.string_dtype(), data=text)
-        for name, variable in {**layout.tables.sweep, **(SCREENING if screen else {})}.items():
+        for name, variable in {**layout.variables, **(SCREENING if screen else {})}.items():
             lengths = {dimension: layout.sizes[dimension] for dimension in variable.dimensions}
             made = _reserve(h5, file, name, np.dtype(variable.kind), {**sizes, **lengths})
             made.attrs.update(variable.attributes)
@@ -89,8 +89,6 @@ def create(
         if grid.table:
             file.attrs["table"] = json.dumps(grid.listed)
         file.attrs["format"] = SWEEP_FORMAT
-        if layout.superelement:
-            file.attrs[MODEL] = SUPERELEMENT
         file.attrs["criterion"] = CRITERION_TEXT
         file.attrs["window"] = (
             f"spectra and mean energies are over the last {layout.window:.6g} s of each march,"
@@ -132,7 +130,7 @@ class Store(AbstractContextManager["Store"]):
             raise UserError(
                 f"{path}: expected the dataset of the plan in this folder, not of another plan"
             )
-        self._table = tables_of(self._h5.attrs).sweep
+        self._table = {name: each for name, each in SWEEP.items() if name in self._h5}
         names = (*(axis.name for axis in (*grid.axes, *grid.table)), "frequency")
         self._coordinates = [self._h5[name][()] for name in names]
         changed = dataset.changed_point(

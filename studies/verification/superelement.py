@@ -23,7 +23,7 @@ from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement
 from bladewhirl.models.superelements.wheel import massless_wheel
 from bladewhirl.solvers.march.central_difference import CentralDifference
-from bladewhirl.solvers.march.march import BoundaryChunk, Chunk
+from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import marched
 from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 
@@ -41,12 +41,10 @@ COATING = {
 """Abradable coating with arbitrary values."""
 
 
-def march_of_nodes(
-    problem: ContactProblem, dt: float, duration: float, *, every: int
-) -> BoundaryChunk:
+def march_of_nodes(problem: ContactProblem, dt: float, duration: float, *, every: int) -> Chunk:
     """March many contact nodes for a duration [s], with a record of every `every`-th step."""
     scheme = CentralDifference(problem, dt, every)
-    return cast(BoundaryChunk, scheme.advance(scheme.init(), round(duration / dt) + 1)[1])
+    return scheme.advance(scheme.init(), round(duration / dt) + 1)[1]
 
 
 @verifies()
@@ -82,7 +80,7 @@ def rebound() -> Pairs:
     centre, speed = GAP / FLEXIBILITY / rate**2, np.cos(OMEGA * start)
     swing, phase = np.hypot(speed / rate, GAP - centre), np.arctan2(speed / rate, GAP - centre)
     expected = 2.0 * swing * np.sin(phase) / rate - (GAP - centre) * 2.0 * phase / rate
-    depth = np.maximum(0.0, chunk.modal_displacement[:, 0, 0] - GAP)
+    depth = np.maximum(0.0, chunk.rotor_displacement[:, 0] - GAP)
     return {
         "impulse_of_a_rebound": (expected / FLEXIBILITY, chunk.contact_impulse.sum()),
         "force_of_a_massless_node": (depth / FLEXIBILITY, -chunk.contact_force[:, 0, 0]),
@@ -110,7 +108,7 @@ def twisted_blade() -> Superelement:
     return mesh3d(mesh, young_modulus=2.1e11, poisson_ratio=0.3, density=7800.0, contacts=9)
 
 
-def rub(*, by_massless: bool, dt: float) -> BoundaryChunk:
+def rub(*, by_massless: bool, dt: float) -> Chunk:
     """March the blade in an oval wall with friction against the slip velocity."""
     part = twisted_blade()
     reduced = massless(part, 30) if by_massless else consistent(part, 60, 30)
@@ -198,7 +196,7 @@ def wheel_of_sectors() -> Pair:
 
 def exported(
     kind: str, *, coated: bool = False
-) -> tuple[ContactProblem, ContactProblem, Chunk, BoundaryChunk]:
+) -> tuple[ContactProblem, ContactProblem, Chunk, Chunk]:
     """Return the contact problem of a stage of beams that a closing oval casing pinches, that of
     the same stage as superelements with mass at the contact nodes, and records of both over
     0.05 s."""

@@ -4,7 +4,6 @@ import csv
 import re
 import runpy
 from pathlib import Path
-from typing import Any
 
 import pytest
 from places import ROOT
@@ -12,7 +11,6 @@ from places import ROOT
 import bladewhirl as bw
 from bladewhirl.models.case.excitation import NoExcitation
 from bladewhirl.models.case.file import read_case, with_values
-from bladewhirl.postprocess.run.node_summary import summarise_nodes
 from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.runs.prepare import prepare
@@ -34,8 +32,7 @@ def test_marches(path: Path) -> None:
     result, report = march_in_memory(prepare(case))
     assert result.attrs["end_reason"] == "completed"
     assert result.sizes["time"] == 31
-    nodes = case.bladed_disk.superelement is not None
-    summary: Any = (summarise_nodes if nodes else summarise)(result, report)
+    summary = summarise(result, report)
     assert summary.energy_residual <= 1e-8
     moves = float(result["energy"].max()) > 0.0
     assert moves == (case.excitation != NoExcitation() or any(case.initial.centre_velocity))

@@ -11,12 +11,11 @@ from places import ROOT
 
 LAYERS = ("models", "solvers", "postprocess", "studies")
 
-KINDS = "Stage|SuperelementStage|ContactProblem|BoundaryProblem|BoundaryChunk|SuperelementArrays"
+KINDS = "Stage|SuperelementStage|ContactProblem"
 
 QUESTIONS = re.compile(
     rf"isinstance\([^()]*\b(?:{KINDS})\)"
-    r"|\bis(?: not)? NODES\b|\.superelement\b(?: is(?: not)? None|:)|\blayout\.superelement\b"
-    r"|\bcheck_superelement\("
+    r"|\.superelement\b(?: is(?: not)? None|:)"
 )
 
 BUILDERS = {"models/stage/marched.py", "models/case/bladed_disk.py"}
@@ -25,22 +24,6 @@ LEFT = {
     "models/case/case.py": 2,
     "models/case/superelement.py": 1,
     "models/elements/build.py": 1,
-    "postprocess/fields/netcdf.py": 1,
-    "postprocess/fields/nodes.py": 3,
-    "postprocess/pictures/blades.py": 1,
-    "postprocess/reports/figures.py": 1,
-    "postprocess/run/contact_nodes.py": 3,
-    "postprocess/run/node_summary.py": 1,
-    "postprocess/sweep/dataset.py": 3,
-    "postprocess/sweep/quantities.py": 1,
-    "solvers/march/recorder.py": 1,
-    "studies/commands/results.py": 1,
-    "studies/runs/folder.py": 1,
-    "studies/runs/outputs.py": 1,
-    "studies/runs/render.py": 1,
-    "studies/sweeps/layout.py": 1,
-    "studies/sweeps/points.py": 2,
-    "studies/sweeps/store.py": 1,
 }
 
 

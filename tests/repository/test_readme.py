@@ -88,7 +88,7 @@ def test_python_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name, blades in (("from_python", 22), ("mine", 12)):
         with xr.open_dataset(tmp_path / "runs" / name / "result.nc") as result:
             assert result.time[-1] == pytest.approx(0.02)
-            assert result.sizes["blade"] == blades
+            assert result.sizes["contact_node"] == blades
     run = tmp_path / "runs" / "from_python"
     assert (run / "my_orbit.csv").read_text().startswith("time,axis,rotating\n")
     assert (run / "my_orbit.png").is_file()

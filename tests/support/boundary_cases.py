@@ -18,23 +18,22 @@ from bladewhirl.models.stage.contact_problem import (
 )
 from bladewhirl.models.stage.ring import flexible_ring
 from bladewhirl.solvers.march.central_difference import CentralDifference
-from bladewhirl.solvers.march.march import BoundaryChunk
+from bladewhirl.solvers.march.march import Chunk
 
 CLEARANCE = 2e-4
 E, YIELD, HARD, THICK = 1e9, 1e7, 5e7, 2e-3
 
 
-def advanced(problem: ContactProblem, dt: float, steps: int, every: int = 1) -> BoundaryChunk:
+def advanced(problem: ContactProblem, dt: float, steps: int, every: int = 1) -> Chunk:
     """Records of x_0 .. x_steps."""
     scheme = CentralDifference(problem, dt, every)
     state, chunk, end = scheme.advance(scheme.init(), steps + 1)
     assert end is None
-    assert isinstance(chunk, BoundaryChunk)
     assert state.statistics.lcp_failures == 0
     return chunk
 
 
-def ledger(chunk: BoundaryChunk) -> float:
+def ledger(chunk: Chunk) -> float:
     """Error of the energy balance, relative to the largest energy."""
     gained = chunk.external_work + chunk.normal_work + chunk.friction_work - chunk.damping_work
     error = np.abs(chunk.energy - chunk.energy[0] - gained)

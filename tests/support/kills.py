@@ -15,14 +15,14 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from small_run import small
+from small_run import RECORDED, small
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.postprocess.fields.result import ResultError
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME, read_checkpoint
 from bladewhirl.solvers.march.march import CHUNK_STEPS
-from bladewhirl.solvers.march.schema import BEAMS, RESULT_NAME
+from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.recorded_march import FLUSH_RECORDS
 from bladewhirl.studies.runs.run import resume
 
@@ -66,7 +66,7 @@ def look(folder: Path, whole: xr.Dataset, steps: int, every: int) -> int:
     try:
         with bw.open_result(folder) as left:
             kept = left.sizes["time"]
-            for name in BEAMS.history:
+            for name in RECORDED:
                 np.testing.assert_array_equal(left[name].values, whole[name].values[:kept], name)
     except ResultError:  # in a sentence, before the first flush only
         assert steps == 0
@@ -98,7 +98,7 @@ def kill(count: int) -> str:
             if number % GO_ON == 0 and (folder / CHECKPOINT_NAME).exists():
                 resume(folder, frames=0)
                 with bw.open_result(folder) as left:
-                    xr.testing.assert_equal(left[[*BEAMS.history]], expected[[*BEAMS.history]])
+                    xr.testing.assert_equal(left[RECORDED], expected[RECORDED])
                 resumed += 1
             shutil.rmtree(folder)
     return (

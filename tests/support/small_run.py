@@ -12,7 +12,7 @@ import pytest
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads, with_values
-from bladewhirl.solvers.march.schema import RESULT_NAME
+from bladewhirl.solvers.march.schema import HISTORY, RESULT_NAME
 from bladewhirl.studies.runs.recorded_march import Activity
 
 SMALL = """
@@ -37,6 +37,9 @@ duration = 0.01
 
 COMMAND = "from bladewhirl.studies.commands.cli import main; main()"
 """Program of a process that takes the arguments of `bladewhirl`."""
+
+RECORDED = [name for name, variable in HISTORY.items() if variable.part != "nodes"]
+"""Histories of a stage of beams."""
 
 
 def small(**values: object) -> Case:

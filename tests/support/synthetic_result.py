@@ -132,17 +132,17 @@ def synthetic_result(
     damping_work = 0.1 * energy[0] * time / time[-1] if records > 1 else np.zeros(records)
     coupling_work = -0.5 * damping_work
     taken = damping_work - coupling_work
-    per_blade = ("time", "blade")
+    per_node = ("time", "contact_node")
     return xr.Dataset(
         data_vars={
             "rotor_displacement": (("time", "rotor_mode"), q),
             "rotor_velocity": (("time", "rotor_mode"), q_dot),
             "casing_displacement": (("time", "casing_mode"), c),
             "casing_velocity": (("time", "casing_mode"), c_dot),
-            "gap": (per_blade, np.clip(gap, 0.0, None)),
-            "contact_impulse": (per_blade, impulse),
-            "friction_impulse": (per_blade, friction * impulse),
-            "contact_steps": (per_blade, np.where(impulse > 0, 1000, 0)),
+            "gap": (per_node, np.clip(gap, 0.0, None)),
+            "contact_impulse": (per_node, impulse),
+            "friction_impulse": (per_node, friction * impulse),
+            "contact_steps": (per_node, np.where(impulse > 0, 1000, 0)),
             "contacts": ("time", np.sum(impulse > 0, axis=1)),
             "energy": ("time", energy),
             "external_work": ("time", energy - energy[0] - friction_work + taken),
@@ -175,10 +175,15 @@ def synthetic_result(
             "rotor_young_modulus": ("rotor_line", np.full(len(lines), YOUNG_MODULUS)),
             "rotor_part": ("rotor_line", np.array(parts, dtype=object)),
             "rotor_shape": (("rotor_node", "rotor_component", "rotor_mode"), rotor_shape),
-            "tip_node": ("blade", tips),
-            "tip_angle": ("blade", tip_angle),
-            **{name: ("blade", np.zeros(blades)) for name in ("tip_recess", "tip_growth")},
+            "tip_node": ("contact_node", tips),
+            "blade": ("contact_node", np.arange(blades)),
+            "node": ("contact_node", np.zeros(blades, dtype=np.int64)),
+            "tip_angle": ("contact_node", tip_angle),
+            "contact_radius": ("contact_node", np.full(blades, TIP_RADIUS)),
+            "axial_position": ("contact_node", np.zeros(blades)),
+            **{name: ("contact_node", np.zeros(blades)) for name in ("tip_recess", "tip_growth")},
             "centre_node": ((), 0),
+            "centre_shape": (("axis", "rotor_mode"), rotor_shape[0, :2]),
             "shaft_frame": ((), "rotating"),
             "shaft_stiffness": ("axis", np.full(2, 3.4e7)),
             "shaft_damping": ("axis", np.zeros(2)),
@@ -192,7 +197,8 @@ def synthetic_result(
                 casing_shapes(ring, radius),
             ),
             "casing_foundation": ((), 0.0),
-            "clearance": ("casing_node", np.full(casing_elements, CLEARANCE)),
+            "wall_angle": ("wall_angle", ring),
+            "clearance": ("wall_angle", np.full(casing_elements, CLEARANCE)),
         },
         coords={"time": time},
         attrs={

@@ -22,7 +22,12 @@ LAYOUT = Layout(
     blades=22,
 )
 
-REPORT = {"complementarity_residual": 0.0, "dt_over_critical": 0.5, "steps": 400_000}
+REPORT = {
+    "complementarity_residual": 0.0,
+    "dt_over_critical": 0.5,
+    "steps": 400_000,
+    "unsolved_steps": 0,
+}
 
 
 def synthetic_sweep(

@@ -185,5 +185,6 @@ def test_a_run_says_how_it_was_marched(modes: str, march: str, count: tuple[int,
     assert (result.sizes["rotor_mode"], result.sizes["casing_mode"]) == count
     assert float(result["gap"].min()) < distorted.case.casing.clearance
     summary = summarise(result, report)
+    assert summary.strain_energy_final is not None
     assert "1" in summary.strain_energy_final["1F"]
     assert summary.energy_residual < 1e-8

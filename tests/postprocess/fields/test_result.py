@@ -115,7 +115,7 @@ class TestCoordinates:
                 "casing_node": 40,
                 "casing_mode": 4,
             }
-            angle = actual["clearance"].coords["casing_angle"]
+            angle = actual["clearance"].coords["wall_angle"]
             np.testing.assert_array_equal(angle, plain["casing_angle"])
             family = actual["rotor_displacement"].coords["rotor_family"]
             assert actual["rotor_displacement"][:, family == "1F"].sizes["rotor_mode"] == 2
@@ -124,10 +124,24 @@ class TestCoordinates:
         file = run / "result.nc"
         changes = [f"rotor_{name}_change" for name in ("thickness", "width", "young_modulus")]
         changes += ["tip_recess", "tip_growth"]
-        synthetic_result(records=3).drop_vars(changes).to_netcdf(file, engine="h5netcdf")
+        current = synthetic_result(records=3)
+        added = ["blade", "node", "contact_radius", "axial_position", "centre_shape", "wall_angle"]
+        old = current.drop_vars([*changes, *added, "clearance"])
+        old["clearance"] = "casing_node", current["clearance"].values
+        old.rename_dims(contact_node="blade").to_netcdf(file, engine="h5netcdf")
         with open_result(run) as actual:
+            for name in (*added, "clearance", "gap"):
+                assert actual[name].dims == current[name].dims
+                np.testing.assert_allclose(actual[name], current[name], rtol=1e-15)
             assert not any(actual[name].any() for name in changes)
             assert actual["rotor_width_change"].attrs["units"] == "m"
+
+
+def test_results_of_superelements_before_format_10_are_refused(run: Path) -> None:
+    old = synthetic_result(records=3).rename_vars(rotor_displacement="modal_displacement")
+    old.assign_attrs(format=9).to_netcdf(run / "result.nc", engine="h5netcdf")
+    with pytest.raises(ResultError, match="format 10 or newer, found format 9; run the case again"):
+        open_result(run)
 
 
 class TestPortions:
@@ -153,7 +167,7 @@ class TestPortions:
 
 def test_round_trip(tmp_path: Path) -> None:
     data = synthetic_result(records=9).assign_coords(
-        named=("blade", [f"b{i}" for i in range(22)]), number=3.5
+        named=("contact_node", [f"b{i}" for i in range(22)]), number=3.5
     )
     write_netcdf(data, tmp_path / "data.nc")
     stored, _ = open_file(tmp_path, "data.nc", "data")
@@ -161,7 +175,7 @@ def test_round_trip(tmp_path: Path) -> None:
         xr.testing.assert_identical(stored, data)
         gap = data["gap"].values
         np.testing.assert_array_equal(
-            stored["gap"].isel(time=[1, 4], blade=[7, 3]), gap[[1, 4]][:, [7, 3]]
+            stored["gap"].isel(time=[1, 4], contact_node=[7, 3]), gap[[1, 4]][:, [7, 3]]
         )
 
 

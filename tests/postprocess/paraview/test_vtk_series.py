@@ -265,7 +265,7 @@ def test_view_runs_in_paraview(
     simple.PVDReader.assert_called_once_with(
         registrationName="series", FileName=str(folder / "series.pvd")
     )
-    force = result.contact_impulse.max("blade").values
+    force = result.contact_impulse.max("contact_node").values
     shown = simple.GetAnimationScene.return_value.AnimationTime
     assert shown == pytest.approx(float(result.time[int(np.argmax(force))]))
     assert simple.WarpByVector.return_value.Vectors == ["POINTS", "warp"]

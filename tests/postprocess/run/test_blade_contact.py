@@ -31,7 +31,7 @@ STEPS = 1000  # a record, of the synthetic result
 def rubbing(steps: NDArray[np.int64]) -> xr.Dataset:
     """A result whose blades touch for that many steps (record, blade) before each record."""
     result = synthetic.synthetic_result(records=len(steps), blades=steps.shape[1])
-    result["contact_steps"] = ("time", "blade"), steps
+    result["contact_steps"] = ("time", "contact_node"), steps
     return result
 
 
@@ -89,8 +89,8 @@ class TestPhase:
         at = np.arctan2(orbit[:, 1], orbit[:, 0]) - side
         apart = np.angle(np.exp(1j * (result.tip_angle.values - at[:, None])))
         push = np.clip(1.0 - np.abs(apart) / 0.6, 0.0, None)
-        result["contact_impulse"] = ("time", "blade"), push
-        result["gap"] = ("time", "blade"), 1e-3 * (1.0 - push)
+        result["contact_impulse"] = ("time", "contact_node"), push
+        result["gap"] = ("time", "contact_node"), 1e-3 * (1.0 - push)
         return result
 
     @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ class TestPhase:
         result = self.pressed(0.4)
         for name in ("contact_impulse", "gap"):
             result[name][:5] = result[name][:5] * 0.0
-        result["gap"][:5] += 1e-3 + 1e-11 * np.arange(result.sizes["blade"])
+        result["gap"][:5] += 1e-3 + 1e-11 * np.arange(result.sizes["contact_node"])
         phases = contact_phase(result)
         for name in ("smallest_clearance_phase", "shaft_lead"):
             assert np.isnan(phases[name][:5]).all()
@@ -168,7 +168,7 @@ def rubbing_blade(speed: float) -> xr.Dataset:
     result = synthetic.synthetic_result(speed=speed)
     steps = np.zeros(result["gap"].shape, dtype=np.int64)
     steps[:, 0] = round(0.5 * result.attrs["record_step"] / result.attrs["time_step"])
-    result["contact_steps"] = ("time", "blade"), steps
+    result["contact_steps"] = ("time", "contact_node"), steps
     return result
 
 

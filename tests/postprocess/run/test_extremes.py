@@ -37,6 +37,7 @@ def test_the_drive_gives_what_contact_does_and_what_is_rubbed_away(result: xr.Da
     assert actual["drive"] == pytest.approx(dragged)  # normal forces do no work here
     assert actual["heat"] == pytest.approx(dragged - actual["friction"])
     risen = float(result["energy"][-1] - result["energy"][0])
+    assert actual["springs"] is not None
     fed = actual["load"] + actual["normal"] + actual["friction"] + actual["springs"]
     assert risen == pytest.approx(fed + actual["damping"])
     assert late_drive_power(result) == pytest.approx(dragged, rel=0.2)  # in one second
@@ -72,7 +73,9 @@ def test_a_force_is_a_mean_over_a_stated_time() -> None:
     impulse = np.zeros((401, 22))
     impulse[100:110, 3] = 0.2
     impulse[250, 7] = 1.0
-    result = synthetic.synthetic_result().assign(contact_impulse=(("time", "blade"), impulse))
+    result = synthetic.synthetic_result().assign(
+        contact_impulse=(("time", "contact_node"), impulse)
+    )
     coarse = largest_force(result)
     assert (coarse["blade"], coarse["averaged_over"]) == (7, 1e-3)
     assert coarse["force"] == pytest.approx(1.0 / 1e-3)

@@ -53,6 +53,7 @@ class TestSummarise:
         assert summary.shaft_radius_max == pytest.approx(0.8e-3)
         assert summary.shaft_radius_final == pytest.approx(0.8e-3)
         held = summary.strain_energy_final
+        assert held is not None
         assert held["suspension"] == pytest.approx(0.5 * (190 * 0.8e-3) ** 2)
         assert held["1F"] == {"1": pytest.approx(0.5 * (75 * 0.3e-3) ** 2)}
         assert held["rest"] == pytest.approx(0.5 * (400 * 1e-4 * np.sin(40 * 0.4)) ** 2)
@@ -83,7 +84,7 @@ class TestSummarise:
     def test_contact_share_counts_steps_of_each_blade(self, result: xr.Dataset) -> None:
         steps = np.zeros((401, 22), dtype=np.int64)
         steps[10, 3], steps[20, 3], steps[400, 21] = 250, 150, 400_000
-        result["contact_steps"] = ("time", "blade"), steps
+        result["contact_steps"] = ("time", "contact_node"), steps
         share = summarise(result, REPORT).contact_share
         assert share[3] == 1e-3
         assert share[21] == 1.0
@@ -120,6 +121,7 @@ class TestSummarise:
             rotor_spring_share=("rotor_mode", np.zeros(modes)),
             rotor_family=("rotor_mode", np.array(["1F"] * 22 + ["2F"] * 134, dtype=object)),
             rotor_shape=(("rotor_node", "rotor_component", "rotor_mode"), np.ones((111, 3, modes))),
+            centre_shape=(("axis", "rotor_mode"), np.ones((2, modes))),
         )
         big.to_netcdf(file, engine="h5netcdf")
         with open_result(file) as result:
@@ -160,7 +162,7 @@ def judged(amplitude: Array, *, contact: slice | None = None, standing: bool = F
     steps = np.zeros((len(TIME), 22), dtype=np.int64)
     if contact is not None:
         steps[contact, 5] = 3
-    result["contact_steps"] = ("time", "blade"), steps
+    result["contact_steps"] = ("time", "contact_node"), steps
     wave = np.cos(FREQUENCY * TIME) if standing else 1.0
     return classify(result, (amplitude * wave) ** 2)
 
@@ -270,7 +272,10 @@ class TestRegimes:
         result = synthetic.synthetic_result(records=len(TIME))
         result["contact_steps"] = 0 * result["contact_steps"]
         energy = np.exp(2 * TIME)
-        result["gap"] = ("time", "blade"), np.full((len(TIME), 22), 0.995 * synthetic.CLEARANCE)
+        result["gap"] = (
+            ("time", "contact_node"),
+            np.full((len(TIME), 22), 0.995 * synthetic.CLEARANCE),
+        )
         assert classify(result, energy).name == "no-contact"
         result["gap"][2500, 3] = 0.98 * synthetic.CLEARANCE
         assert classify(result, energy).name == "divergent"
@@ -392,13 +397,13 @@ class TestRegimes:
 
 WORN = xr.Dataset(
     {
-        "coating_strain": (("wear_time", "rod"), np.array([[0.0, 0.1]])),
+        "coating_strain": (("wear_time", "track", "rod"), np.array([[[0.0, 0.1]]])),
         **{name: ("time", np.ones(1)) for name in ("wear_volume", "wear_dissipated")},
-        "coating_impulse": (("time", "blade"), np.ones((1, 2))),
-        "contact_impulse": (("time", "blade"), np.ones((1, 2))),
+        "coating_impulse": (("time", "contact_node"), np.ones((1, 2))),
+        "contact_impulse": (("time", "contact_node"), np.ones((1, 2))),
         "rod_angle": ("rod", [0.0, np.pi]),
-        "casing_angle": ("casing_node", [0.0]),
-        "clearance": ("casing_node", [1e-3]),
+        "wall_angle": ("wall_angle", [0.0]),
+        "clearance": ("wall_angle", [1e-3]),
     },
     coords={"time": [0.0]},
     attrs={

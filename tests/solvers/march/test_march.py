@@ -18,7 +18,7 @@ from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import CHUNK_STEPS, EndReason, KernelState, joined, march
-from bladewhirl.solvers.march.schema import BEAMS
+from bladewhirl.solvers.march.schema import HISTORY
 
 
 def driven(ramp: float = 0.0) -> ContactProblem:
@@ -242,7 +242,7 @@ def test_a_force_beyond_all_bounds_leaves_finite_records(size: float, casing: bo
     assert (
         np.abs(chunk.rotor_displacement @ base.rotor.tip_radial.T).max() <= base.displacement_limit
     )
-    for name in BEAMS.history:
+    for name in HISTORY:
         assert np.isfinite(getattr(chunk, name)).all(), name
 
 

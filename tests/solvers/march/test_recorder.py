@@ -18,8 +18,14 @@ from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords
-from bladewhirl.solvers.march.recorder import Attribute, NonFiniteError, Recorder, result_bytes
-from bladewhirl.solvers.march.schema import BEAMS
+from bladewhirl.solvers.march.recorder import (
+    Attribute,
+    NonFiniteError,
+    Recorder,
+    histories_of,
+    result_bytes,
+)
+from bladewhirl.solvers.march.schema import COATING, HISTORY, NAMES, RESULT, STAGE
 
 SMALL = {
     "bladed_disk.blades": 5,
@@ -57,11 +63,11 @@ def made_up(stage: StageArrays, first: int, count: int) -> Chunk:
     sizes = {
         "rotor_mode": len(stage.rotor_frequency),
         "casing_mode": len(stage.casing_frequency),
-        "blade": len(stage.tip_node),
+        "contact_node": len(stage.tip_node),
     }
     number = np.arange(first, first + count)
     values: dict[str, Any] = {"step": 100 * number, "time": 1e-4 * number}
-    for place, (name, variable) in enumerate(BEAMS.history.items()):
+    for place, (name, variable) in enumerate(histories_of(stage).items()):
         if name == "time":
             continue
         width = [sizes[dimension] for dimension in variable.dimensions[1:]]
@@ -73,18 +79,19 @@ def made_up(stage: StageArrays, first: int, count: int) -> Chunk:
 
 
 def test_the_layout_covers_everything_there_is() -> None:
-    assert [*BEAMS.stage] == [field.name for field in fields(StageArrays)]
-    assert {*BEAMS.history} == {field.name for field in fields(Chunk)} - {"step", "coating"}
-    assert {*BEAMS.coating} - {"rod_angle"} == {field.name for field in fields(CoatingRecords)}
+    assert [*STAGE] == [field.name for field in fields(StageArrays)]
+    assert {*HISTORY} == {field.name for field in fields(Chunk)} - {"step", "coating"}
+    assert {*COATING} - {"rod_angle"} == {field.name for field in fields(CoatingRecords)}
 
 
 def test_what_a_stage_has_none_of_is_left_out(tmp_path: Path) -> None:
     with Recorder(tmp_path / "result.nc", small_stage(), ATTRIBUTES) as recorder:
         recorder.write(made_up(small_stage(), 0, 1))
     with xr.open_dataset(tmp_path / "result.nc") as actual:
-        missing = {*BEAMS.stage} - {*actual.variables}
+        missing = {*STAGE} - {*actual.variables}
         hung = {"rotor_link", "rotor_spring", "mass_node", "point_mass"}
-        assert missing == {name for name in BEAMS.stage if name.startswith("support_")} | hung
+        absent = {name for name in STAGE if STAGE[name].part in ("nodes", "points")}
+        assert missing == {name for name in STAGE if name.startswith("support_")} | hung | absent
         assert "support" not in actual.sizes
 
 
@@ -99,19 +106,21 @@ def test_a_result_grows_and_reads_back_to_the_last_bit(tmp_path: Path) -> None:
         recorder.finish("completed", "", {"wall_time": 0.5})
     whole = made_up(stage, 0, 208)
     with xr.open_dataset(tmp_path / "result.nc") as actual:
-        assert {*actual.variables} == {*BEAMS.result} - {*BEAMS.coating}
-        for name, variable in {**BEAMS.history, **BEAMS.stage, **BEAMS.names}.items():
+        absent = {name for name in RESULT if RESULT[name].part in ("nodes", "points")}
+        absent |= {*COATING, "direction", "xyz"}
+        assert {*actual.variables} == {*RESULT} - absent
+        for name in actual.variables:
+            variable = RESULT[str(name)]
             assert actual[name].dims == variable.dimensions
             assert actual[name].attrs["units"] == variable.units
             assert actual[name].attrs["long_name"] == variable.long_name
             kind = actual[name].dtype.kind
             assert kind in "OU" if variable.kind == "str" else kind == variable.kind[0]
             assert name in actual.coords or not variable.is_coordinate
-        for name in BEAMS.history:
+        for name in histories_of(stage):
             np.testing.assert_array_equal(actual[name].values, getattr(whole, name))
-        for field in fields(StageArrays):
-            given = np.asarray(getattr(stage, field.name))
-            np.testing.assert_array_equal(actual[field.name].values, given)
+        for name, given in stage.stored.items():
+            np.testing.assert_array_equal(actual[name].values, given)
         assert actual["contact_steps"].dtype == np.int64
         assert actual["rotor_family"].values[0] == "1F"
         assert actual["rotor_shape"].sel(rotor_component="y").sizes["rotor_node"] == 16
@@ -128,7 +137,7 @@ def test_variables_and_dimensions_are_those_postprocess_is_tested_with(tmp_path:
     with Recorder(tmp_path / "result.nc", stage, attributes) as recorder:
         recorder.write(made_up(stage, 0, 1))
     with open_result(tmp_path) as actual:
-        assert {*model.variables} == {*actual.variables} - {*BEAMS.names}
+        assert {*model.variables} == {*actual.variables} - {*NAMES}
         for name, variable in model.variables.items():
             assert actual[name].dims == variable.dims
             text = variable.dtype.kind in "UO"

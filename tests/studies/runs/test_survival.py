@@ -12,11 +12,11 @@ import h5py
 import numpy as np
 import pytest
 from faults import fault
-from small_run import COMMAND, SMALL, assert_same_bits, broken_off, run_script, small
+from small_run import COMMAND, RECORDED, SMALL, assert_same_bits, broken_off, run_script, small
 
 import bladewhirl as bw
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME
-from bladewhirl.solvers.march.schema import BEAMS, RESULT_NAME
+from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.folder import check_free
 from bladewhirl.studies.runs.run import locked, resume
 
@@ -200,7 +200,7 @@ def assert_begins(folder: Path, whole: Path) -> None:
     """Assert that a result has the first 400 records of another, and that of the start."""
     with bw.open_result(folder) as left, bw.open_result(whole) as right:
         assert left.sizes["time"] == 401
-        for name in BEAMS.history:
+        for name in RECORDED:
             np.testing.assert_array_equal(left[name].values, right[name].values[:401])
 
 
@@ -209,7 +209,7 @@ def test_a_header_longer_than_what_was_vouched_for_is_read_up_to_there(
 ) -> None:
     """As a kill in mid-write leaves it: lengths that promise records which never came."""
     with flushed(whole, tmp_path) as file:
-        for number, name in enumerate(BEAMS.history):
+        for number, name in enumerate(RECORDED):
             file[name].resize(1200 - number, axis=0)
             file[name][401:] = 0
     assert_begins(tmp_path, whole)
@@ -221,7 +221,7 @@ def test_pieces_of_a_write_that_a_kill_cut_off_are_never_asked_for(
     """A kill within a flush: lengths are on disk and where their pieces lie, the pieces aren't."""
     with flushed(whole, tmp_path) as file:
         piece = file["time"].chunks[0]
-        for name in BEAMS.history:
+        for name in RECORDED:
             file[name].resize(2 * piece, axis=0)
         file["time"][piece:] = 1.0
         at = file["time"].id.get_chunk_info_by_coord((piece,)).byte_offset

@@ -56,7 +56,7 @@ def test_a_second_run_begins_with_the_profile_of_the_first(whole: Path) -> None:
     profile = {"file": str(whole / "wear.csv")}
     case = bw.with_values(coated(), {"casing.coating.profile": profile})
     with bw.open_result(whole) as first:
-        worn = first["coating_strain"].values[-1]
+        worn = first["coating_strain"].values[-1, 0]
     second = contact_problem(bw.build_stage(case)).coating
     assert second is not None
     assert worn.max() > 0.0
@@ -130,7 +130,7 @@ def test_lobes_of_the_walls_own_shape_are_told_apart() -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
     oval = 1e-3 + 2e-4 * np.cos(2.0 * angle)
     cut = np.maximum(9e-4 - oval, 0.0)
-    names = {"rod_angle": ("rod", angle), "casing_angle": ("node", angle)}
+    names = {"rod_angle": ("rod", angle), "wall_angle": ("node", angle)}
     for shape, lobes, explained in ((oval, 7, 0.95), (np.full(720, 1e-3), 2, 0.0)):
         result = xr.Dataset({**names, "clearance": ("node", shape), "time": ("time", [0.0, 1.0])})
         share, rest = lobes_of(result, cut + 5e-6 * (1.0 + np.cos(7.0 * angle)))

@@ -1,0 +1,58 @@
+"""Values of blades from those of their contact nodes, which are listed blade by blade."""
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, tip_rows
+from bladewhirl.postprocess.fields.result import portions, reduce_modes
+
+
+def blade_starts(dataset: xr.Dataset) -> IntArray:
+    """Return the number of the first contact node of each blade, (blade,)."""
+    return np.flatnonzero(np.diff(dataset.variables["blade"].values, prepend=-1))
+
+
+def blade_count(dataset: xr.Dataset) -> int:
+    """Return the number of blades."""
+    return len(blade_starts(dataset))
+
+
+def of_blades(dataset: xr.Dataset, values: Array, choice: np.ufunc = np.add) -> Array:
+    """Return the sum of values (..., contact_node) over the contact nodes of each blade, (...,
+    blade); the smallest or largest value with `numpy.minimum` or `numpy.maximum`."""
+    return np.asarray(choice.reduceat(values, blade_starts(dataset), axis=-1))
+
+
+def blade_means(dataset: xr.Dataset, values: Array) -> Array:
+    """Return the means of values (..., contact_node) over the contact nodes of each blade, (...,
+    blade)."""
+    nodes = np.diff(blade_starts(dataset), append=values.shape[-1])
+    return np.asarray(of_blades(dataset, values) / nodes)
+
+
+def blade_angles(dataset: xr.Dataset) -> Array:
+    """Return the mean angle of the contact nodes of each blade from +x, rotating axes [rad],
+    (blade,)."""
+    angle, first = dataset["tip_angle"].values, blade_starts(dataset)
+    nodes = np.diff(first, append=len(angle))
+    apart = angle - np.repeat(angle[first], nodes)
+    return np.asarray(angle[first] + blade_means(dataset, np.arctan2(np.sin(apart), np.cos(apart))))
+
+
+def contact_motion(dataset: xr.Dataset, direction: int) -> Array:
+    """Return the radial (0) or tangential (1) displacement of each contact node in rotating axes
+    at every record [m], (time, contact_node), with the part of their own flexibility."""
+    if "contact_displacement" in dataset:
+        stored = dataset["contact_displacement"].isel(direction=direction)
+        return np.concatenate([stored[portion].values for portion in portions(dataset)])
+    return reduce_modes(dataset, "rotor_displacement", tip_rows(dataset)[direction])
+
+
+def largest_contact_motion(dataset: xr.Dataset) -> Array:
+    """Return the largest displacement of each contact node at any record in each recorded direction
+    [m], (contact_node, direction)."""
+    stored = np.zeros((dataset.sizes["contact_node"], dataset.sizes["direction"]))
+    for portion in portions(dataset):
+        moved = history(dataset, "contact_displacement", np.arange(portion.start, portion.stop))
+        stored = np.maximum(stored, np.abs(moved).max(axis=0))
+    return stored
