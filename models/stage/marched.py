@@ -5,7 +5,7 @@ a bladed disk consists of beams or is a superelement.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -22,6 +22,12 @@ from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.coating import node_coating_faults, wall_coating
 from bladewhirl.models.stage.contact_problem import ContactProblem, NodeCoating, WallCoating
+from bladewhirl.models.stage.forced import (
+    EngineOrders,
+    ForcedRotor,
+    forced_beams,
+    forced_superelement,
+)
 from bladewhirl.models.stage.hints import stage_hints, superelement_hints
 from bladewhirl.models.stage.modal_superelement import FAMILIES, modal_superelement
 from bladewhirl.models.stage.stage import Stage, build_stage
@@ -92,6 +98,14 @@ class MarchedStage(ABC):
     def hints(self) -> tuple[str, ...]:
         """Return warnings about implausible values, one line each."""
 
+    @abstractmethod
+    def forced(self, loads: EngineOrders, omegas: Sequence[float]) -> Iterator[ForcedRotor]:
+        """Yield the bladed disk under engine-order forces at each speed [rad/s].
+
+        Raises:
+            UserError: a speed is too high, or the equations depend on time.
+        """
+
     def fields(self, coordinates: FloatArray) -> FloatArray:
         """Return the motion of the bladed disk, given in modal coordinates, in coordinates that do
         not depend on the speed."""
@@ -131,6 +145,9 @@ class MarchedBeams(MarchedStage):
 
     def hints(self) -> tuple[str, ...]:
         return stage_hints(self.model)
+
+    def forced(self, loads: EngineOrders, omegas: Sequence[float]) -> Iterator[ForcedRotor]:
+        return forced_beams(self.model, loads, omegas)
 
     def fields(self, coordinates: FloatArray) -> FloatArray:
         """Return displacements or velocities on the free degrees of freedom, (size,)."""
@@ -184,6 +201,9 @@ class MarchedNodes(MarchedStage):
 
     def hints(self) -> tuple[str, ...]:
         return tuple(superelement_hints(self.model))
+
+    def forced(self, loads: EngineOrders, omegas: Sequence[float]) -> Iterator[ForcedRotor]:
+        return forced_superelement(self.model, loads, omegas)
 
 
 Marchable = Case | Stage | SuperelementStage | MarchedStage  #: what `marched_stage` accepts

@@ -30,7 +30,7 @@ def blade_angles(angle: FloatArray, blade: IntArray) -> FloatArray:
         angle: angle of each contact node at t = 0 [rad], (copies, nodes).
         blade: blade of each contact node of a copy, (nodes,).
     """
-    return np.asarray(np.angle(np.exp(1j * angle) @ _means(blade).T))
+    return np.asarray(np.angle(np.exp(1j * angle) @ blade_means(blade).T))
 
 
 def engine_order_forces(
@@ -51,7 +51,7 @@ def engine_order_forces(
         load: the excitation.
     """
     direction = np.array([np.cos(load.inclination), np.sin(load.inclination)])
-    along, member = np.einsum("d,pdm->pm", direction, acting), _means(blade)
+    along, member = np.einsum("d,pdm->pm", direction, acting), blade_means(blade)
     factors = np.broadcast_to(np.asarray(load.factors or 1.0), middle.size).reshape(middle.shape)
     phases = np.broadcast_to(np.asarray(load.phase), middle.size).reshape(middle.shape)
     forces = (
@@ -61,7 +61,7 @@ def engine_order_forces(
     return [(order, (force @ (member @ along)).ravel()) for order, force in forces]
 
 
-def _means(blade: IntArray) -> FloatArray:
+def blade_means(blade: IntArray) -> FloatArray:
     """Return the matrix from values at the contact nodes to their means on each blade of a copy,
     (blades, nodes)."""
     member = (blade == np.arange(int(blade.max()) + 1)[:, None]).astype(float)
@@ -95,7 +95,7 @@ def static_shapes(
     if reduced.frequency.min() <= RANK * reduced.frequency.max():
         expected = "not allowed for a superelement with rigid modes; remove this key"
         raise CaseError([case_fault(case, name, expected)])
-    member = _means(blade)
+    member = blade_means(blade)
     rows = np.stack([member @ reduced.contact[0::3], member @ reduced.contact[1::3]], axis=1)
     rows = rows.reshape(-1, rows.shape[-1])
     values = np.zeros((copies, len(rows)))

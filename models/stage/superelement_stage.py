@@ -154,7 +154,7 @@ class SuperelementStage:
                     rest=np.zeros(len(rotor.frequency)),
                     ring=self.ring,
                     unbalance=partial(self._unbalance, rotor),
-                    forces_of_order=self._forces_of_order,
+                    forces_of_order=self.forces_of_order,
                 )
             ),
         )
@@ -164,15 +164,11 @@ class SuperelementStage:
     def rotor_at(self, speed: float) -> ReducedRotor:
         """Return the copies in modal coordinates at a speed of rotation [rad/s]."""
         case, reduced = self.case, self.reduced
-        modes, copies = len(reduced.frequency), self.copies
-        ratio = np.full(modes, case.damping.ratio)
-        if case.reduction.boundary == "consistent":
-            ratio[reduced.kept :] = case.damping.boundary_ratio
         massless = case.reduction.boundary == "massless"
         centre = centre_rows(reduced, self.table.angle)
         rotor = ReducedRotor.of_copies(
             frequency=np.sqrt(self.factor)[:, None] * reduced.frequency,
-            damping_ratio=np.tile(ratio, (copies, 1)),
+            damping_ratio=np.tile(self.damping_ratio, (self.copies, 1)),
             contact=reduced.contact,
             compliance=reduced.compliance / self.factor[:, None, None] if massless else None,
             angle=self.angle,
@@ -180,7 +176,7 @@ class SuperelementStage:
             recess=self.recess,
             tip_radius=self.case.tip_radius,
             centre=centre,
-            by_velocity=_by_velocity(reduced, speed),
+            by_velocity=self.by_velocity(speed),
         )
         if not centre.any():
             return rotor
@@ -202,7 +198,7 @@ class SuperelementStage:
         speed = load.clearance_speed.rad_per_s(self.reference_frequency)
         return closing_unbalance(outward, gap, speed)
 
-    def _forces_of_order(self, load: EngineOrder) -> list[tuple[int, ComplexArray]]:
+    def forces_of_order(self, load: EngineOrder) -> list[tuple[int, ComplexArray]]:
         """Return the complex modal forces of each engine order, see `engine_order_forces`."""
         reduced, middle = self.reduced, blade_angles(self.angle, self.blade)
         if not load.points:
@@ -224,6 +220,42 @@ class SuperelementStage:
             expected = "points on every blade of the file"
             raise CaseError([case_fault(self.case, key, expected)])
         return engine_order_forces(acting, middle, blade, load)
+
+    @property
+    def damped_as_at_rest(self) -> bool:
+        """True if `by_velocity` contains the modal damping."""
+        return self.case.rotation.effects == "full"
+
+    @property
+    def damping_ratio(self) -> FloatArray:
+        """Damping ratio of each mode of a copy, (modes,); zero if `by_velocity` contains it."""
+        return self._ratio * float(not self.damped_as_at_rest)
+
+    @property
+    def _ratio(self) -> FloatArray:
+        ratio = np.full(len(self.reduced.frequency), self.case.damping.ratio)
+        if self.case.reduction.boundary == "consistent":
+            ratio[self.reduced.kept :] = self.case.damping.boundary_ratio
+        return ratio
+
+    def by_velocity(self, speed: float) -> FloatArray | None:
+        """Return the matrix of the forces due to velocities that `damping_ratio` does not give, at
+        a speed [rad/s]: [1/s], (modes, modes); None without such forces.
+
+        They are the damping and the Coriolis forces of the file. With rotation.effects = "full",
+        all modes have the modal damping of the structure at rest, as those of beams.
+        """
+        reduced, modes = self.reduced, len(self.reduced.frequency)
+        matrices = [] if reduced.damping is None else [reduced.damping]
+        if reduced.gyroscopic is not None:
+            matrices.append(speed * reduced.gyroscopic)
+        if self.damped_as_at_rest:
+            assert reduced.stiffness_speed is not None  # the case refuses a file without it
+            at_rest = np.diag(reduced.frequency**2) - speed**2 * reduced.stiffness_speed
+            squares, shapes = np.linalg.eigh(at_rest)
+            rates = 2.0 * self._ratio * np.sqrt(np.maximum(squares, 0.0))
+            matrices.append((shapes * rates) @ shapes.T)
+        return np.asarray(sum(matrices, np.zeros((modes, modes)))) if matrices else None
 
     @cached_property
     def coating(self) -> NodeCoating | None:
@@ -360,20 +392,6 @@ def superelement_stage(case: Case) -> SuperelementStage:
         )
         raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])
     return replace(stage, case=case.in_seconds(stage.reference_frequency))
-
-
-def _by_velocity(reduced: ReducedSuperelement, speed: float) -> FloatArray | None:
-    """Return the matrix of the damping and the Coriolis forces that the file gives, at a speed
-    [rad/s]: [1/s], (modes, modes); None if it gives neither."""
-    damping, gyroscopic = reduced.damping, reduced.gyroscopic
-    if damping is None and gyroscopic is None:
-        return None
-    modes = len(reduced.frequency)
-    still = np.zeros((modes, modes))
-    return np.asarray(
-        (still if damping is None else damping)
-        + (still if gyroscopic is None else speed * gyroscopic)
-    )
 
 
 def without_rotation(case: Case) -> Case:

@@ -46,6 +46,10 @@ ENOUGH = 1e-12
 largest radial static flexibility."""
 
 
+FURTHER = ("damping", "gyroscopic", "stiffness_speed")
+"""Optional matrices of a superelement, which couple its modes."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ReducedSuperelement:
     """A superelement in mass-normalised modal coordinates."""
@@ -65,6 +69,8 @@ class ReducedSuperelement:
     damping: FloatArray | None = None  #: damping matrix of the file [1/s], (modes, modes)
     gyroscopic: FloatArray | None = None
     """Matrix of the Coriolis forces of the file at 1 rad/s, (modes, modes)."""
+    stiffness_speed: FloatArray | None = None
+    """Change of the stiffness by rotation at 1 rad/s from the file, (modes, modes)."""
     kept: int
     """Number of the lowest modes, which have the damping ratio of the structure; higher modes have
     that of the boundary."""
@@ -179,13 +185,13 @@ def _reduced(
     points = np.zeros((0, shapes.shape[1]))
     if part.recovery is not None:
         points = np.asarray(part.recovery @ shapes)
-    by_velocity = {
+    further = {
         name: shapes.T @ (matrix @ shapes)
-        for name, matrix in (("damping", part.damping), ("gyroscopic", part.gyroscopic))
-        if matrix is not None
+        for name in FURTHER
+        if (matrix := getattr(part, name)) is not None
     }
     return ReducedSuperelement(
-        **by_velocity,
+        **further,
         frequency=np.sqrt(np.maximum(squares, 0.0)),
         contact=part.contact_rows @ shapes,
         compliance=compliance,

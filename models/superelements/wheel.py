@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
-from bladewhirl.models.superelements.reduction import ReducedSuperelement, rigid_limit
+from bladewhirl.models.superelements.reduction import FURTHER, ReducedSuperelement, rigid_limit
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
 MOST = 4000
@@ -45,8 +45,8 @@ def massless_wheel(
     rows = part.contact_rows
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
     frequency, contact, points = [], [], []
-    by_velocity: dict[str, list[FloatArray]] = {
-        key: [] for key in ("damping", "gyroscopic") if getattr(part, key) is not None
+    further: dict[str, list[FloatArray]] = {
+        key: [] for key in FURTHER if getattr(part, key) is not None
     }
     flexibility = np.zeros((sectors, rows.shape[0], rows.shape[0]))
     recovery = sp.csr_array((0, part.size)) if part.recovery is None else part.recovery
@@ -76,7 +76,7 @@ def massless_wheel(
             each = each.reshape(sectors, -1, 3, modes)
             points.append(rotate(each, spread[:, None, None], axis=2).reshape(-1, modes))
             frequency.append(np.sqrt(squares))
-        for key, blocks in by_velocity.items():
+        for key, blocks in further.items():
             blocks.append(_on_waves(fields.conj().T @ (getattr(part, key) @ fields), pair=pair))
     order = np.argsort(np.concatenate(frequency), kind="stable")
     compliance = np.block(
@@ -90,7 +90,7 @@ def massless_wheel(
         centre=np.zeros((2, len(values))),
         points=np.hstack(points)[:, order],
         kept=len(values),
-        **{key: la.block_diag(*blocks)[order][:, order] for key, blocks in by_velocity.items()},
+        **{key: la.block_diag(*blocks)[order][:, order] for key, blocks in further.items()},
     )
     return _wheel(part, spread, np.asarray(values, dtype=np.float64)), reduced
 
@@ -148,9 +148,7 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
         picture,
         mass=assembled(part.mass),
         stiffness=assembled(part.stiffness),
-        damping=None if part.damping is None else assembled(part.damping),
-        gyroscopic=None if part.gyroscopic is None else assembled(part.gyroscopic),
-        stiffness_speed=None,
+        **{key: assembled(matrix) for key in FURTHER if (matrix := getattr(part, key)) is not None},
         contact_dofs=dofs,
         recovery=recovery,
     )

@@ -196,11 +196,11 @@ def response(
         speeds: Speeds of rotation: multiples of ω₁, or "2000 rpm:9000 rpm:10 rpm"; the stop is
             included.
     """
-    from bladewhirl.models.stage.stage import build_stage
+    from bladewhirl.models.stage.marched import marched_stage
     from bladewhirl.studies.modal import response as study
 
     with options.case_of(case, overrides) as read, progress_bar("speeds") as progress:
-        stage = build_stage(read)
+        stage = marched_stage(read)
         multiples = speeds.values(stage.reference_frequency).tolist()
         data = study.response(stage, speeds=multiples, progress=progress)
     _present(study.report(data), case, output, overwrite=overwrite, json=json)

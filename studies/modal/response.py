@@ -6,16 +6,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
-from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.inputs.mode_names import ALL
 from bladewhirl.models.inputs.units import speed_of
-from bladewhirl.models.rotation.at_speed import check_stable
-from bladewhirl.models.stage.engine_order import complex_factors, unit_forces
-from bladewhirl.models.stage.stage import Stage, build_stage, rotor_at
+from bladewhirl.models.stage.forced import ForcedRotor, orders_of
+from bladewhirl.models.stage.marched import Marchable, marched_stage
 from bladewhirl.postprocess.modal.response import (
     amplitude,
     by_nodal_diameter,
@@ -24,6 +21,13 @@ from bladewhirl.postprocess.modal.response import (
 )
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, table
+
+MOTIONS = {
+    "tip_tangential": "tangential displacement of the tip, towards +theta",
+    "tip_radial": "radial displacement of the tip, outward",
+    "centre": "centre, rotating frame",
+}
+"""Variables of displacements with their long names."""
 
 PEAKS = (
     Column("order", "engine order", "d"),
@@ -37,7 +41,7 @@ PEAKS = (
 
 
 def response(
-    case_or_stage: Case | Stage,
+    case_or_stage: Marchable,
     *,
     speeds: Sequence[float | str] | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -57,7 +61,8 @@ def response(
 
     Returns:
         over (speed, blade): complex `tip_tangential` and `tip_radial` [m]; over (speed, axis):
-        complex `centre` [m], x and y in the rotating frame. With several engine orders, `order` is
+        complex `centre` [m], x and y in the rotating frame, if there is one. A tip with several
+        contact nodes moves by their mean. With several engine orders, `order` is
         the first dimension. `speed` is in multiples of the reference frequency, with the coordinate
         `rpm`.
 
@@ -66,101 +71,66 @@ def response(
         UserError: no excitation is of engine order; the case selects modes; or the equations
             depend on time because of unequal shaft springs or springs to the casing.
     """
-    stage = build_stage(case_or_stage) if isinstance(case_or_stage, Case) else case_or_stage
-    loads = _engine_orders(stage)
+    stage = marched_stage(case_or_stage)
     given = [stage.case.march.speed.given] if speeds is None else list(speeds)
     if not given:
         raise UserError("response: speeds []: expected at least one speed")
-    multiples = [
-        speed_of(each, f"response: speeds {each!r}").multiple(stage.reference_frequency)
-        for each in given
-    ]
-    fastest = max(multiples, key=abs)
-    if stage.turning is not None:
-        at_speed, omega = {"march.speed": fastest}, fastest * stage.reference_frequency
-        own = with_values(stage.case, at_speed)
-        check_stable(own, stage.turning.matrices, omega, stage.reference_frequency)
-    orders = list(dict.fromkeys(order for load in loads for order in load.order))
-    units = [(load, unit_forces(stage.case, stage.disk, load)) for load in loads]
-    answers = []
-    for done, multiple in enumerate(multiples, 1):
-        answers.append(_answers(stage, orders, units, multiple * stage.reference_frequency))
+    reference = stage.reference_frequency
+    multiples = [speed_of(each, f"response: speeds {each!r}").multiple(reference) for each in given]
+    loads = _engine_orders(stage.case)
+    orders, omegas = orders_of(loads), [multiple * reference for multiple in multiples]
+    answers: list[list[dict[str, ComplexArray]]] = []
+    for done, disk in enumerate(stage.forced(loads, omegas), 1):
+        answers.append([_motions(disk, order, omegas[done - 1]) for order in orders])
         if progress is not None:
             progress(done, len(multiples))
-    blades = len(stage.rotor.tip_angle)
-    tangential, radial, centre = (
-        np.moveaxis(np.array([[each[i] for each in row] for row in answers]), 1, 0)
-        for i in range(3)
-    )
-    names = "tangential displacement of the tip", "radial displacement of the tip"
-    over = ("order", "speed", "blade")
-    rpm = np.array(multiples) * stage.reference_frequency * 30.0 / np.pi
+    rpm = np.array(multiples) * reference * 30.0 / np.pi
+    variables = {
+        name: quantity(
+            ("order", "speed", "axis" if name == "centre" else "blade"),
+            np.moveaxis(np.array([[motion[name] for motion in row] for row in answers]), 1, 0),
+            "m",
+            MOTIONS[name],
+        )
+        for name in answers[0][0]
+    }
     data = xr.Dataset(
-        {
-            "tip_tangential": quantity(over, tangential, "m", f"{names[0]}, towards +theta"),
-            "tip_radial": quantity(over, radial, "m", f"{names[1]}, outward"),
-            "centre": quantity(("order", "speed", "axis"), centre, "m", "centre, rotating frame"),
-        },
+        variables,
         coords={
             "order": ("order", orders),
             "speed": quantity("speed", np.array(multiples), "1", "normalised speed"),
             "rpm": quantity("speed", rpm, "rpm", "speed"),
-            "blade": ("blade", np.arange(blades)),
-            "axis": ("axis", ["x", "y"]),
+            "blade": ("blade", np.arange(variables["tip_radial"][1].shape[-1])),
+            **({"axis": ("axis", ["x", "y"])} if "centre" in variables else {}),
         },
         attrs={
             "title": "response to engine-order forces",
             "case": stage.case.title,
-            "reference_frequency_hz": stage.reference_frequency / (2.0 * np.pi),
+            "reference_frequency_hz": reference / (2.0 * np.pi),
             "rotation_effects": stage.case.rotation.effects,
         },
     )
     return data if len(orders) > 1 else data.isel(order=0)
 
 
-def _engine_orders(stage: Stage) -> list[EngineOrder]:
-    """Return the excitations of engine order; raise an error if the response is not defined."""
-    given = stage.case.excitations
+def _engine_orders(case: Case) -> list[EngineOrder]:
+    """Return the excitations of engine order; raise an error if there are none."""
+    given = case.excitations
     loads = [load for load in given.values() if isinstance(load, EngineOrder)]
     if not loads:
         types = ", ".join(f'{key}.type = "{load.type}"' for key, load in given.items())
         raise UserError(f'{types}: expected "engine-order" for a response')
-    if stage.rotor.anisotropy:
-        raise UserError("response: expected equal shaft springs")
-    if stage.kept.springs is not None:
-        raise UserError("response: not allowed with springs between bladed disk and casing")
-    if stage.case.reduction.modes != ALL:
-        raise UserError(f'reduction.modes = "{stage.case.reduction.modes}": expected "{ALL}"')
     return loads
 
 
-def _answers(
-    stage: Stage,
-    orders: Sequence[int],
-    loads: Sequence[tuple[EngineOrder, FloatArray]],
-    omega: float,
-) -> list[tuple[ComplexArray, ...]]:
-    """Return for each engine order the complex tangential and radial displacements of the tips, and
-    the displacement of the centre [m], at the speed of rotation omega [rad/s].
-
-    `loads` contains each excitation with the forces from `unit_forces`, (blades, size).
-    """
-    rotor, shapes = rotor_at(stage, omega)
-    modal = [(load, unit @ shapes) for load, unit in loads]
-    stiffness = np.diag(rotor.stiffness) + rotor.circulation_stiffness
-    answers: list[tuple[ComplexArray, ...]] = []
-    for order in orders:
-        w = order * omega
-        force = sum(
-            load.amplitude * complex_factors(stage.disk, load, order) @ unit
-            for load, unit in modal
-            if order in load.order
-        )
-        dynamic = stiffness - w**2 * np.eye(len(stiffness)) + 1j * w * rotor.damping
-        answer = np.linalg.solve(dynamic, force)
-        parts = rotor.tip_tangential, rotor.tip_radial, rotor.centre
-        answers.append(tuple(rows @ answer for rows in parts))
-    return answers
+def _motions(disk: ForcedRotor, order: int, omega: float) -> dict[str, ComplexArray]:
+    """Return the complex displacements of the tips and of the centre, see `response`."""
+    answers = disk.response(order, omega)
+    tangential, radial = (np.concatenate([rows @ a for a in answers]) for rows in disk.blades)
+    motions = {"tip_tangential": tangential, "tip_radial": radial}
+    if disk.has_centre:
+        motions["centre"] = disk.rotor.centre @ answers[0]
+    return motions
 
 
 def largest(data: xr.Dataset) -> list[dict[str, Any]]:
@@ -189,7 +159,8 @@ def report(data: xr.Dataset) -> Study:
     pairs of real and imaginary part."""
     pairs = {
         name: np.stack([data[name].values.real, data[name].values.imag], axis=-1).tolist()
-        for name in ("tip_tangential", "tip_radial", "centre")
+        for name in MOTIONS
+        if name in data
     }
     document = {
         "reference_frequency_hz": data.attrs["reference_frequency_hz"],

@@ -47,7 +47,10 @@ def test_a_stage_as_a_wheel_has_its_frequencies_and_motions(
     assert radial == pytest.approx(wheel.reduced.contact[::3], abs=1e-9)
 
 
-def test_initial_motion_and_blade_forces_of_a_wheel_are_those_of_beams(tmp_path: Path) -> None:
+@pytest.mark.parametrize("effects", ["none", "centrifugal", "full"])
+def test_initial_motion_and_blade_forces_of_a_wheel_are_those_of_beams(
+    tmp_path: Path, effects: str
+) -> None:
     """With all fixed-interface modes both models have the same coordinates, so that the marches are
     equal to rounding."""
     tables = {
@@ -61,7 +64,8 @@ def test_initial_motion_and_blade_forces_of_a_wheel_are_those_of_beams(tmp_path:
         },
         "excitation": {"type": "engine-order", "order": [3], "amplitude": 20.0, "ramp": 0.0},
         "reduction": {"fixed_interface_modes": 5},
-        "march": {"speed": "600 rpm", "time_step": 1e-6, "duration": 3e-3, "record_step": 1e-4},
+        "rotation": {"effects": effects},
+        "march": {"speed": "1500 rpm", "time_step": 1e-6, "duration": 3e-3, "record_step": 1e-4},
     }
     beams = bw.case_from(tables)
     part = bw.build_stage(beams).to_superelement()

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 from command_line import answer
+from exported_stages import Kind, beams, exported
 
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
@@ -144,3 +145,47 @@ def test_a_response_needs_a_speed_at_which_the_bladed_disk_is_stable() -> None:
     turning = bw.build_stage(case(effects="full"))
     with pytest.raises(bw.CaseError, match=r"a speed, unlike 1000\.0, at which blades are stable"):
         bw.response(turning, speeds=[0.5, 1e3])
+
+
+@pytest.mark.parametrize(
+    ("kind", "effects", "tuned"),
+    [
+        ("wheel", "none", True),
+        ("wheel", "full", False),
+        ("sector", "none", True),
+        ("blade", "none", False),
+    ],
+)
+def test_a_superelement_responds_as_its_beams(
+    tmp_path: Path, kind: Kind, effects: str, *, tuned: bool
+) -> None:
+    """Mistuned blades of a wheel are in its matrices, those of separate blades in the case."""
+    load = {"type": "engine-order", "order": [2, 3], "amplitude": 10.0, "phase": 0.4}
+    mistuning: dict[str, Any] = {} if tuned else {"mistuning": {"stiffness": MISTUNED[:5]}}
+    disk: dict[str, Any] = {"blades": 5, "elements_per_blade": 2}
+    disk |= {"disk_kind": "rigid"} if kind == "blade" else {}
+    common = {"excitation": load, "rotation": {"effects": effects}}
+    own = beams(kind, bladed_disk=disk | mistuning, **common)
+    of_part = beams(kind, bladed_disk=disk, **common) if kind == "blade" else own
+    same = {"boundary": "consistent", "fixed_interface_modes": 2 if kind == "blade" else 10}
+    nodes = exported(
+        of_part,
+        kind,
+        tmp_path,
+        reduction=same,
+        damping={"boundary_ratio": own.damping.ratio},
+        excitation=load,
+    )
+    if kind == "blade":
+        nodes = bw.with_values(nodes, {f"bladed_disk.{key}": mistuning[key] for key in mistuning})
+    speeds = ["600 rpm", "1000 rpm", "1300 rpm"]
+    first, second = (bw.response(each, speeds=speeds) for each in (own, nodes))
+    size = np.abs(first["tip_tangential"].values).max()
+    for name in ("tip_tangential", "tip_radial", *(("centre",) if kind == "wheel" else ())):
+        assert second[name].values == pytest.approx(first[name].values, abs=1e-9 * size)
+    assert ("centre" in second) == (kind == "wheel")
+    assert np.ptp(np.abs(second["tip_tangential"].values)) > 0.1 * size
+    if kind == "sector":
+        (tmp_path / "case.toml").write_text(bw.dumps_case(nodes), encoding="utf-8")
+        shown = answer("response", tmp_path / "case.toml", "--speeds", "0.2:0.4:0.1", "--json")
+        assert "centre" not in json.loads(shown.stdout)
