@@ -1,9 +1,12 @@
 """Mass scaling of the casing: what it keeps, what it changes, and the step it permits."""
 
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from exported_stages import beams, exported
 from stages import stage
 
 from bladewhirl.models.stage.build import contact_problem
@@ -13,6 +16,7 @@ from bladewhirl.models.stage.mass_scaling import (
     screening_problem,
     with_scaled_casing,
 )
+from bladewhirl.studies.runs.prepare import prepare
 
 
 def test_displacements_of_the_start_stay() -> None:
@@ -69,3 +73,25 @@ def test_springs_on_scaled_modes_are_refused() -> None:
     moved = replace(problem, springs=replace(problem.springs, number=last))
     with pytest.raises(ValueError, match="that act on no casing mode above"):
         screening_problem(moved, timing)
+
+
+def test_a_wheel_is_screened_as_its_beams(tmp_path: Path) -> None:
+    tables: dict[str, Any] = {
+        "casing": {"elements": 40, "support": 7.975e6},
+        "excitation": {"type": "casing-distortion"},
+        "march": {"speed": "600 rpm", "time_step": 1e-6, "duration": 0.01, "record_step": 1e-4},
+    }
+    own, timing = beams(**tables), beams(**tables).march.timing
+    same = {"boundary": "consistent", "fixed_interface_modes": 10}
+    excitation = {"excitation": tables["excitation"]}
+    wheel = exported(own, "wheel", tmp_path, reduction=same, **excitation)
+    problems = [prepare(case).problem for case in (own, wheel)]
+    first, second = (screening_problem(problem, timing) for problem in problems)
+    assert second[1] == first[1]
+    assert second[1].time_step > 4e-6
+    for name in ("frequency", "nodal"):
+        expected = getattr(first[0].casing, name)
+        assert getattr(second[0].casing, name) == pytest.approx(expected, rel=1e-9, abs=1e-12)
+    massless = exported(own, "wheel", tmp_path, **excitation)
+    with pytest.raises(ValueError, match="massless nodes with a flexible casing loses energy"):
+        screening_problem(prepare(massless).problem, timing)
