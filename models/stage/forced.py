@@ -107,8 +107,11 @@ def forced_superelement(
 
     Raises:
         CaseError: a speed reaches the lowest critical speed.
+        UserError: the equations depend on time.
     """
     reference = stage.reference_frequency
+    if stage.rotor_at(stage.speed).anisotropy:
+        raise UserError("response: expected equal shaft springs")
     for omega in omegas:
         if stage.case.rotation.effects != "none":
             at_speed = {"march.speed": omega / reference}
