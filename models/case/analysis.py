@@ -66,8 +66,8 @@ class Contact(Table):
     sliding: Literal["permanent", "signed", "full"] = "permanent"
     """"permanent": friction drags every tip against the rotation ("sliding is assumed" in the
     paper). "signed": friction opposes the relative velocity; there is no sticking, so at speed 0
-    the sign is determined by rounding errors. "full" (superelement only): friction opposes the slip
-    velocity, tangential and axial, elastic velocities included."""
+    the sign is determined by rounding errors. "full": friction opposes the slip velocity at the
+    end of each step, tangential and axial, elastic velocities included."""
     tip_rotation: StrictBool = False
     """Add u_t / R to the angle at which a tip meets the casing; u_t is the tangential displacement
     of the tip, R the tip radius."""

@@ -82,13 +82,21 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
     if case.bladed_disk.superelement is None:
         if case.casing.type != "ring":
             yield Inconsistency("casing.type", f'"ring", or a {SOURCE}', (SOURCE,))
+        if case.contact.sliding == "full":
+            for key, given in (
+                ("casing.coating", case.casing.coating is not None),
+                ("contact.foreshortening", case.contact.foreshortening),
+            ):
+                if given:
+                    expected = (
+                        f'"permanent" or "signed" with {key} of beams, whose forces have a given'
+                        " direction of sliding"
+                    )
+                    yield Inconsistency("contact.sliding", expected, (key,))
         for key, load in case.excitations.items():
             if getattr(load, "points", ()):
                 expected = f"not allowed without {SOURCE}; give position"
                 yield Inconsistency(f"{key}.points", expected, (SOURCE,))
-        if case.contact.sliding == "full":
-            expected = f'"permanent" or "signed", or a {SOURCE}'
-            yield Inconsistency("contact.sliding", expected, (SOURCE,))
         worn = None if case.casing.coating is None else case.casing.coating.profile
         if worn is not None and worn.tracks:
             expected = f"points without axial positions, or a {SOURCE}"
@@ -117,7 +125,6 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
     rules: tuple[tuple[str, object, tuple[object, ...]], ...] = (
         ("march.scheme", case.march.scheme, ("central-difference",)),
         ("contact.sliding", case.contact.sliding, ("full", "permanent")),
-        ("contact.tip_rotation", case.contact.tip_rotation, (False,)),
         ("coupling.stiffness", case.coupling.stiffness, (0.0,)),
         ("reduction.modes", case.reduction.modes, ("all",)),
         ("sensor", case.sensor, ((),)),

@@ -1,6 +1,7 @@
 """Make the contact problem of a stage, and report faults that only a built stage reveals."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from bladewhirl.models.elements.foreshortening import blade_beams, drawback, few
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.stage.coating import coating_faults, wall_coating
 from bladewhirl.models.stage.contact_problem import (
+    ContactNodes,
     ContactProblem,
     Foreshortening,
     ReducedCasing,
@@ -35,12 +37,14 @@ def contact_problem(stage: Stage) -> ContactProblem:
     case, kept = stage.case, stage.kept
     with numbers_within_reach(case):
         rotor, casing = marched_bodies(stage)
+        if case.contact.sliding == "full":
+            rotor = with_contact_nodes(rotor)
         return ContactProblem(
             rotor=rotor,
             casing=casing,
             speed=stage.speed,
             friction=case.contact.friction,
-            sliding="signed" if case.contact.sliding == "signed" else "permanent",
+            sliding=case.contact.sliding,
             tip_rotation=case.contact.tip_rotation,
             displacement_limit=stage.displacement_limit,
             loads=tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage)),
@@ -55,6 +59,16 @@ def contact_problem(stage: Stage) -> ContactProblem:
             penalty_stiffness=case.contact.penalty_stiffness,
             stick_speed=case.contact.stick_speed,
         )
+
+
+def with_contact_nodes(rotor: ReducedRotor) -> ReducedRotor:
+    """Return a rotor of beams whose tips, which do not move along the axis, are contact nodes."""
+    nodes = ContactNodes(
+        axial=np.zeros_like(rotor.tip_radial),
+        radius=rotor.tip_radius - rotor.tip_recess,
+        compliance=None,
+    )
+    return replace(rotor, nodes=nodes)
 
 
 def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:

@@ -544,7 +544,8 @@ class ContactProblem:
         angle = rotor.tip_angle + self.speed * time
         if self.tip_rotation:
             around = rotor.at_tips(rotor.tip_tangential, start.rotor)
-            angle = angle + around / rotor.tip_radius
+            radius = rotor.tip_radius if rotor.nodes is None else rotor.nodes.radius
+            angle = angle + (around.reshape(rotor.copies, -1) / radius).ravel()
         position = np.mod(angle * nodes / (2.0 * np.pi), nodes)
         element = position.astype(np.int64) % nodes
         xi = position - np.floor(position)

@@ -137,7 +137,7 @@ class SuperelementStage:
             speed=speed,
             friction=case.contact.friction,
             sliding="full" if case.contact.sliding == "full" else "permanent",
-            tip_rotation=False,
+            tip_rotation=case.contact.tip_rotation,
             displacement_limit=limit or LIMIT * float(self.part.contact_radius.max()),
             start=Start.of_rotor(
                 static_shapes(case, "displacement", self.reduced, blade, self.copies),

@@ -53,7 +53,7 @@ static inline Half answer(const double *block, Half n0, Half n1, Half n2, Half n
  * The part of W due to the casing is n_i^T C (n_j + mu s t_j), where n_i and n_j are the four nodal
  * values at each tip. C is a block of 4 x 4 in `compliance` for each direction of sliding s and
  * each pair of elements. If only the distance of the elements matters (`spacing` is one), there is
- * a block for each distance. */
+ * a block for each distance; a rigid wall (`spacing` is zero) has one block of zeros. */
 static inline void delassus(const Casing *casing, const FieldScratch *f, ContactScratch *c,
                             int64_t size)
 {
@@ -72,7 +72,8 @@ static inline void delassus(const Casing *casing, const FieldScratch *f, Contact
         double *w = c->system.at + n * c->system.columns;
         const double *on_rotor = c->on_rotor.at + n * c->on_rotor.columns;
         const double *from = casing->compliance.at + senses * sense(c->sign.at[j])
-                             + block * (casing->spacing == 1 ? casing->nodes - e : e);
+                             + block * (casing->spacing == 1 ? casing->nodes - e
+                                        : casing->spacing > 1 ? e : 0);
         const double *hermite = f->hermite.at + j;
         Half n0 = half_splat(hermite[0]), n1 = half_splat(hermite[width]);
         Half n2 = half_splat(hermite[2 * width]), n3 = half_splat(hermite[3 * width]);

@@ -10,10 +10,8 @@
 
 enum { MOST_DIRECTIONS = 100 }; /* iterations of the direction of sliding */
 enum { MOST_NEWTON = 60 };      /* iterations of the forces of a coating */
-enum { TOGETHER = 6 };          /* changes of the active set before nodes are changed one by one */
 #define SAME_DIRECTION 1e-10    /* change of the direction of sliding at which iterations end */
 #define LEAST_SHARE 0.01        /* smallest share of a change of the directions that is made */
-#define NO_PIVOT 1e-13          /* share of the largest diagonal entry that counts as zero */
 
 /* Add the product of a vector and a matrix that is stored row by row. */
 static void add_rows(const double *factor, const double *matrix, int64_t rows, int64_t columns,
@@ -45,86 +43,46 @@ static void respond(const March *m, int64_t size, const double *multiplier)
     }
 }
 
-/* Solve the equations of the active nodes with partial pivoting. Returns 0 if they are singular. */
-static int solve_active(int64_t nodes, const double *gap, const double *response,
-                        NodeScratch *s, int64_t size)
+/* Compute W of the active nodes from that of the group; see `FillSystem`. */
+static void fill_group(const March *m, const Candidates *k, int64_t size)
 {
-    int64_t width = size + 1;
-    double *system = s->system.at, largest = 0.0;
-    const int64_t *active = s->active.at;
-    for (int64_t i = 0; i < size; i++) {
-        for (int64_t j = 0; j < size; j++)
-            system[i * width + j] = response[active[i] * nodes + active[j]];
-        system[i * width + size] = -gap[active[i]];
-        largest = larger(largest, fabs(system[i * width + i]));
+    const ContactScratch *c = &m->scratch->contact;
+    int64_t wide = (size + LANES - 1) / LANES * LANES;
+    for (int64_t n = 0; n < size; n++) {
+        double *column = c->system.at + n * c->system.columns;
+        for (int64_t i = 0; i < wide; i++)
+            column[i] = i < size ? k->response[c->active.at[i] * k->tips + c->active.at[n]] : 0.0;
     }
-    for (int64_t k = 0; k < size; k++) {
-        int64_t best = k;
-        for (int64_t i = k + 1; i < size; i++)
-            if (fabs(system[i * width + k]) > fabs(system[best * width + k]))
-                best = i;
-        if (!(fabs(system[best * width + k]) > NO_PIVOT * largest))
-            return 0;
-        for (int64_t j = k; best != k && j < width; j++) {
-            double swapped = system[k * width + j];
-            system[k * width + j] = system[best * width + j];
-            system[best * width + j] = swapped;
-        }
-        for (int64_t i = k + 1; i < size; i++) {
-            double ratio = system[i * width + k] / system[k * width + k];
-            for (int64_t j = k + 1; ratio != 0.0 && j < width; j++)
-                system[i * width + j] -= ratio * system[k * width + j];
-        }
-    }
-    for (int64_t i = size - 1; i >= 0; i--) {
-        double sum = system[i * width + size];
-        for (int64_t j = i + 1; j < size; j++)
-            sum -= system[i * width + j] * system[j * width + size];
-        system[i * width + size] = sum / system[i * width + i];
-    }
-    return 1;
 }
 
 /* Solve the complementarity problem of a group for given directions of sliding, beginning with the
- * active set in `held`. The set is changed for all nodes at a time, then node by node, which ends
- * for every matrix whose principal minors are positive (Murty 1974). Returns 0 without a solution.
- */
-static int solve_normal(int64_t nodes, const double *gap, const double *response,
-                        double *multiplier, NodeScratch *s)
+ * active set in `held`. Returns 0 without a solution. */
+static int solve_normal(const March *m, const Candidates *k)
 {
-    int64_t *held = s->held.at;
+    const int64_t *active = m->scratch->contact.active.at;
+    int64_t trial = 1, joined = 1;
+    int solved = 1;
     double scale = 0.0;
-    for (int64_t i = 0; i < nodes; i++)
-        scale = larger(scale, fabs(gap[i]));
-    for (int64_t trial = 0; trial < TOGETHER + 20 * nodes + 20; trial++) {
-        int64_t size = 0, wrong = 0;
-        for (int64_t i = 0; i < nodes; i++)
-            if (held[i])
-                s->active.at[size++] = i;
-        if (!solve_active(nodes, gap, response, s, size))
-            return 0;
-        for (int64_t i = 0; i < nodes; i++)
-            multiplier[i] = 0.0;
-        for (int64_t i = 0; i < size; i++)
-            multiplier[s->active.at[i]] = s->system.at[i * (size + 1) + size];
-        for (int64_t i = 0; i < nodes; i++) {
-            int change = multiplier[i] < 0.0;
-            if (!held[i]) {
-                double after = gap[i];
-                for (int64_t j = 0; j < size; j++)
-                    after += response[i * nodes + s->active.at[j]] * multiplier[s->active.at[j]];
-                change = after < -1e-14 * scale;
-            }
-            if (change) {
-                if (wrong == 0 || trial < TOGETHER)
-                    held[i] = !held[i];
-                wrong++;
-            }
+    for (int64_t i = 0; i < k->tips; i++)
+        scale = larger(scale, fabs(k->gap[i]));
+    while (joined > 0) {
+        int64_t size = contact_multipliers(&trial, &solved, m, k, fill_group);
+        if (trial >= LAST_TRIAL)
+            return solved;
+        joined = 0;
+        for (int64_t i = 0; i < k->tips; i++) {
+            double after = k->gap[i];
+            for (int64_t j = 0; j < size; j++)
+                after += k->response[i * k->tips + active[j]] * k->multiplier[active[j]];
+            if (k->held[i] > 0.0 || !(after < -1e-14 * scale))
+                continue;
+            if (joined == 0 || trial <= MENDED_TOGETHER)
+                k->held[i] = 1.0;
+            joined++;
         }
-        if (wrong == 0)
-            return 1;
+        trial += joined > 0;
     }
-    return 0;
+    return solved;
 }
 
 /* Set the forces of a group from the multipliers and the directions of sliding. */
@@ -158,12 +116,9 @@ static double turn_directions(const March *m, int64_t size, double *share, int r
         double miss[2] = {0.0, 0.0};
         if (s->multiplier.at[i] > 0.0) {
             for (int k = 0; k < 2; k++) {
-                const double *row = s->compliance.at + (DIRECTIONS * i + TANGENTIAL + k) * width;
-                slip[k] = s->slide.at[DIRECTIONS * i + TANGENTIAL + k];
-                for (int64_t j = 0; j < size; j++)
-                    if (s->multiplier.at[j] > 0.0)
-                        for (int64_t n = DIRECTIONS * j; n < DIRECTIONS * (j + 1); n++)
-                            slip[k] += row[n] * force[n];
+                int64_t component = DIRECTIONS * i + TANGENTIAL + k;
+                slip[k] = s->slide.at[component]
+                          + dot(s->compliance.at + component * width, force, DIRECTIONS * size);
             }
             slip[0] += numbers->speed * s->radius.at[i] * numbers->time_step;
             double length = sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
@@ -236,7 +191,8 @@ static int solve_coated(const March *m, int64_t size)
             if (!metal)
                 break;
         }
-        if (metal && !solve_normal(size, r->free.at, r->response.at, r->metal.at, s))
+        Candidates nodes = {size, r->free.at, s->held.at, r->metal.at, r->response.at};
+        if (metal && !solve_normal(m, &nodes))
             return 0;
         double change = 0.0;
         for (int64_t i = 0; i < size; i++) {
@@ -262,14 +218,14 @@ static void contact_forces(const March *m, int64_t size)
     int turns = m->stage.nodes->full > 0.0 && m->stage.numbers->friction > 0.0;
     double *gap = s->gap.at;
     double change = 1.0, share = 1.0, worst = 0.0, scale = m->stage.numbers->gap_scale;
+    Candidates nodes = {size, gap, s->held.at, s->multiplier.at, s->response.at};
     for (int64_t i = 0; i < size; i++)
         s->held.at[i] = gap[i] < 0.0 || (!coated && s->before.at[DIRECTIONS * i + RADIAL] < 0.0);
     for (int64_t i = 0; coated && i < size; i++)
         r->gap.at[i] = gap[i];
     for (int round = 0; round < MOST_DIRECTIONS && change > SAME_DIRECTION; round++) {
         respond(m, size, round > 0 && !coated ? s->multiplier.at : NULL);
-        solved = coated ? solve_coated(m, size)
-                        : solve_normal(size, gap, s->response.at, s->multiplier.at, s);
+        solved = coated ? solve_coated(m, size) : solve_normal(m, &nodes);
         set_forces(m, size);
         change = turns ? turn_directions(m, size, &share, round) : 0.0;
     }

@@ -233,7 +233,7 @@ static inline void account(const March *m, int64_t step, int touching)
     double *before = state->gaps.at + (step + 1) % 2 * state->gaps.columns;
     state->counts.at[STEP_CONTACTS] = 0.0;
     if (m->stage.nodes)
-        account_nodes(m, touching);
+        account_nodes(m, touching, gap, before);
     else if (touching) {
         double worst = complementarity_residual(m->stage.numbers->gap_scale, &s->fields, &s->contact);
         state->counts.at[RESIDUAL] = larger(state->counts.at[RESIDUAL], worst);

@@ -100,6 +100,36 @@ static void move_nodes(const March *m, int64_t copy, const double *from, double 
     add_rows(change, nodes->columns.at, modes, width, out);
 }
 
+/* Find the element under each node and its Hermite weights at x_{n+1}. The angle of a node follows
+ * its tangential displacement if that of tips does; contact forces are those of step n. */
+static void place_nodes(const March *m, double turned)
+{
+    const Nodes *nodes = m->stage.nodes;
+    const Casing *casing = m->stage.casing;
+    FieldScratch *f = &m->scratch->fields;
+    double *moved = m->scratch->nodes.moved.at, elements = (double)casing->nodes / (2.0 * PI);
+    int64_t count = nodes->radius.size, width = nodes->contact.rows;
+    const double *places = m->stage.rotor->position.at;
+    for (int64_t n = 0; n < f->element.size; n++)
+        f->at.at[n] = places[n];
+    for (int64_t copy = 0; copy < nodes->compliance.layers; copy++) {
+        if (m->stage.numbers->elements_per_metre == 0.0)
+            break;
+        for (int64_t i = 0; i < width; i++)
+            moved[i] = 0.0;
+        add_rows(m->x.new + first_mode(m, copy), nodes->columns.at, nodes->contact.columns, width,
+                 moved);
+        if (nodes->massless > 0.0)
+            add_rows(m->state->force.at + copy * width,
+                     nodes->compliance.at + copy * width * width, width, width, moved);
+        for (int64_t i = 0; i < count; i++)
+            f->at.at[copy * count + i] +=
+                elements * moved[DIRECTIONS * i + TANGENTIAL] / nodes->radius.at[i];
+    }
+    hermite_weights(f->at.at, turned, (double)casing->nodes, casing->element_length,
+                    f->element.size, f->hermite.columns, f->element.at, f->hermite.at);
+}
+
 /* Compute the gaps without contact forces of this step. Returns whether displacements are within the
  * limit. */
 static int find_node_gaps(const March *m, const double *recess)
@@ -366,7 +396,7 @@ static int solve_nodes(March *m, int64_t step, int64_t *touching)
     double turned = numbers->elements_per_step * (double)(step + 1), rate, closed = 0.0;
     double later = (double)(step + 1) * numbers->time_step;
     *touching = 0;
-    place_tips(m->stage.rotor, casing, 0.0, turned, m->x.new, f);
+    place_nodes(m, turned);
     const double *recess = recess_at(m->stage.rotor, m->stage.closure, later, f);
     if (!find_node_gaps(m, recess))
         return 0;
@@ -414,8 +444,9 @@ static void contact_works(const March *m, int64_t copy)
     }
 }
 
-/* Add the impulses and works of an accepted step to the state, and wear the coating. */
-static void account_nodes(const March *m, int touching)
+/* Add the impulses and works of an accepted step to the state, and wear the coating. `gap` and
+ * `before` are the gaps after this step and one step before it. */
+static void account_nodes(const March *m, int touching, const double *gap, const double *before)
 {
     const Nodes *nodes = m->stage.nodes;
     State *state = m->state;
@@ -428,7 +459,7 @@ static void account_nodes(const March *m, int touching)
     if (m->stage.node_coating) {
         state->coating.at[STORED] = 0.0;
         if (touching)
-            wear_rods(m, m->scratch->fields.gap.at);
+            wear_rods(m, gap);
     }
     for (int64_t n = 0; n < state->touched.size; n++) {
         const double *force = s->force.at + DIRECTIONS * n;
@@ -439,6 +470,8 @@ static void account_nodes(const March *m, int touching)
         state->impulse.at[n] -= force[RADIAL] * dt;
         state->drag.at[n] -= force[TANGENTIAL] * dt;
         state->axial.at[n] += force[AXIAL] * dt;
+        if (!(nodes->massless > 0.0)) /* without mass, nothing has to be stopped */
+            state->work.at[CLOSING] -= 0.5 * force[RADIAL] * (gap[n] - before[n]);
     }
     for (int64_t i = 0; i < state->force.rows * state->force.columns; i++)
         state->force.at[i] = s->force.at[i];

@@ -85,7 +85,7 @@ static void place_rods(const March *m, const Matrix *nodal, int64_t n, double cl
     const NodeCoating *c = m->stage.node_coating;
     RodScratch *r = &m->scratch->rods;
     int64_t *range = r->range.at + 2 * n;
-    double nodes = (double)m->stage.casing->nodes, place = m->stage.rotor->position.at[n] + turned;
+    double nodes = (double)m->stage.casing->nodes, place = m->scratch->fields.at.at[n] + turned;
     double *offset = r->offset.at + n * r->offset.columns;
     rods_under(c, n % m->stage.nodes->radius.size, place / nodes, range);
     double here = wall_near(m, nodal, place, closed);

@@ -243,8 +243,8 @@ class CentralDifference:
             damping_work=work[:, lib.DAMPING],
             coupling_work=work[:, lib.PARAMETRIC],
             coating=self._coating_records(written, after),
+            closing_work=work[:, lib.CLOSING],
             **self._node_records(written),
-            **({"closing_work": work[:, lib.CLOSING]} if self._nodes is None else {}),
         )
 
     def _node_records(self, written: int) -> dict[str, FloatArray]:

@@ -16,7 +16,7 @@ def pack_nodes(problem: ContactProblem, dt: float) -> Struct | None:
     rotor, casing, nodes = problem.rotor, problem.casing, problem.rotor.nodes
     if nodes is None:
         return None
-    contact, compliance = rotor.contact, nodes.compliance
+    contact, compliance = np.ascontiguousarray(rotor.contact), nodes.compliance
     if compliance is None:
         compliance = contact @ rotor_inverses(rotor, dt) @ contact.T
     response = np.zeros((0, 0))
