@@ -102,9 +102,12 @@ class StrainGauge(SensorTable):
     """Strain along the surface [m/m], relative to the state of steady rotation."""
     span: Annotated[float, BeforeValidator(_share)] | None = None
     """Position from 0 at the root to 1 at the tip, measured along the centre line of the blade.
-    Give either span or element."""
+    Give one of span, element and gauge."""
     element: Annotated[int, fields.count(0)] | None = Field(default=None, examples=[0])
     """Number of the element of the blade, from 0 at the root; the gauge is at its middle."""
+    gauge: Annotated[int, fields.count(0)] | None = Field(default=None, examples=[0])
+    """Number of the gauge on its blade, from 0; for a superelement whose file has
+    strain_recovery."""
     side: Literal["+theta", "-theta"] = "+theta"
     """Side of the blade with the gauge: "+theta" faces counter-clockwise, "-theta" clockwise."""
     blade: Annotated[int | Literal["all"], BeforeValidator(_blade)] = "all"
@@ -114,14 +117,16 @@ class StrainGauge(SensorTable):
 
     @property
     def _place(self) -> str:
-        at = f"{self.span:g}" if self.element is None else f"element-{self.element}"
+        at = f"{self.span:g}" if self.span is not None else f"element-{self.element}"
+        if self.gauge is not None:
+            at = f"gauge-{self.gauge}"
         side = "" if self.side == "+theta" else "-minus"
         return f"{at}{side}" if self.blade == "all" else f"blade-{self.blade}-{at}{side}"
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error unless exactly one of span and element is given."""
-        if (self.span is None) == (self.element is None):
-            yield Inconsistency("span", "either span or element", ("element",))
+        """Yield an error unless exactly one of span, element and gauge is given."""
+        if [self.span, self.element, self.gauge].count(None) != 2:
+            yield Inconsistency("span", "one of span, element and gauge", ("element", "gauge"))
 
 
 class TipTiming(SensorTable):

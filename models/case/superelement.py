@@ -127,7 +127,6 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         ("contact.sliding", case.contact.sliding, ("full", "permanent")),
         ("coupling.stiffness", case.coupling.stiffness, (0.0,)),
         ("reduction.modes", case.reduction.modes, ("all",)),
-        ("sensor", case.sensor, ((),)),
     )
     for key, value, allowed in rules:
         if value not in allowed:

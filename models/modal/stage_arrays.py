@@ -74,6 +74,9 @@ class StageArrays:
     contact_shape: FloatArray = absent()
     """Radial, tangential and axial displacement of each contact node for unit modal coordinates of
     its copy [kg^-1/2], (contact nodes, 3, modes of a copy)."""
+    gauge_shape: FloatArray = absent()
+    """Strain of each gauge for unit modal coordinates of a copy [kg^-1/2/m], (gauges, modes of a
+    copy), listed blade by blade."""
     copy_angle: FloatArray = (
         absent()
     )  #: angle of each copy relative to the first one [rad], (copies,)

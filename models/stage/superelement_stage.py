@@ -288,6 +288,7 @@ class SuperelementStage:
             contact_shape=np.tile(self.reduced.contact.reshape(-1, 3, modes), (copies, 1, 1)),
             **centre,
             copy_angle=np.asarray(2.0 * np.pi / copies * np.arange(copies), dtype=np.float64),
+            gauge_shape=self.reduced.strains,
             point=points,
             point_shape=shapes,
             triangle=np.zeros((0, 3), np.int64) if part.triangles is None else part.triangles,

@@ -26,7 +26,10 @@ from bladewhirl.models.superelements.superelement import (
     errors_of,
 )
 
-MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_speed", "recovery")
+MATRICES = (
+    *("mass", "stiffness", "damping", "gyroscopic", "stiffness_speed"),
+    *("recovery", "strain_recovery"),
+)
 NUMBERS = ("contact_position", "points")
 INTEGERS = ("contact_dofs", "centre_dofs", "triangles", "left_dofs", "right_dofs")
 TEXTS = ("name", "source")
@@ -76,7 +79,8 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
     for key in MATRICES:
         matrix = _matrix(content, key)
         if matrix is not None:
-            values[key] = matrix if key == "recovery" else matrix * mass
+            factor = {"recovery": 1.0, "strain_recovery": 1.0 / length}.get(key, mass)
+            values[key] = matrix * factor
     for key in NUMBERS:
         if key in content:
             values[key] = length * real_numbers(key, content[key])

@@ -24,7 +24,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import FloatArray, absent
 from bladewhirl.models.superelements.solver import announce, factorised
 from bladewhirl.models.superelements.superelement import (
     Matrix,
@@ -66,6 +66,9 @@ class ReducedSuperelement:
     centre."""
     points: FloatArray
     """x, y and z of the points for pictures, for unit modal coordinates [kg^-1/2], (3p, modes)."""
+    strains: FloatArray = absent()
+    """Strains of gauges for unit modal coordinates [kg^-1/2/m], (gauges, modes), if the file gives
+    their recovery."""
     damping: FloatArray | None = None  #: damping matrix of the file [1/s], (modes, modes)
     gyroscopic: FloatArray | None = None
     """Matrix of the Coriolis forces of the file at 1 rad/s, (modes, modes)."""
@@ -185,6 +188,9 @@ def _reduced(
     points = np.zeros((0, shapes.shape[1]))
     if part.recovery is not None:
         points = np.asarray(part.recovery @ shapes)
+    strains = np.zeros(0)
+    if part.strain_recovery is not None:
+        strains = np.asarray(part.strain_recovery @ shapes)
     further = {
         name: shapes.T @ (matrix @ shapes)
         for name in FURTHER
@@ -197,6 +203,7 @@ def _reduced(
         compliance=compliance,
         centre=centre,
         points=points,
+        strains=strains,
         kept=kept,
     )
 

@@ -69,6 +69,9 @@ class Superelement:
     recovery: Matrix | None = None
     """Matrix from the coordinates to the x, y and z displacements of the points, (3p, n)."""
     triangles: IntArray | None = None  #: points of each surface triangle, (t, 3)
+    strain_recovery: Matrix | None = None
+    """Matrix from the coordinates to the strains of gauges [1/m], (gauges, n), listed blade by
+    blade. The flexible part of the strain near contact nodes without mass is not included."""
     left_dofs: IntArray | None = None
     """Numbers of the x, y and z displacements of the nodes on the clockwise face of a sector,
     (l, 3)."""
@@ -139,7 +142,7 @@ def _faults(part: Superelement) -> Iterator[str]:
     """Yield the faults of the arrays of a superelement, each as "KEY: expected ..."."""
     n = part.size
     square = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_speed")
-    for key in (*square, "recovery", "contact_position", "points"):
+    for key in (*square, "recovery", "strain_recovery", "contact_position", "points"):
         given = getattr(part, key)
         if given is not None and not np.isfinite(given.data if sp.issparse(given) else given).all():
             yield f"{key}: expected finite numbers"
@@ -180,6 +183,9 @@ def _faults(part: Superelement) -> Iterator[str]:
     if part.centre_dofs is not None:
         yield from _dof_faults(part, "centre_dofs", (2,))
     yield from _picture_faults(part)
+    strains = part.strain_recovery
+    if strains is not None and (strains.ndim != 2 or strains.shape[1] != n or not strains.shape[0]):
+        yield f"strain_recovery: expected (gauges, {n}), got {_shape(strains)}"
     if (part.left_dofs is None) != (part.right_dofs is None):
         yield "left_dofs: expected both left_dofs and right_dofs, or neither"
     elif part.left_dofs is not None and part.right_dofs is not None:

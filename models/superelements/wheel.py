@@ -22,8 +22,8 @@ def massless_wheel(
 ) -> tuple[Superelement, ReducedSuperelement]:
     """Return the contact nodes of a wheel, and its reduction with a massless boundary.
 
-    Contact nodes are numbered sector by sector, counter-clockwise. Points for pictures are those of
-    all sectors.
+    Contact nodes are numbered sector by sector, counter-clockwise. Points for pictures and gauges
+    are those of all sectors.
 
     Args:
         part: sector with left_dofs and right_dofs.
@@ -44,12 +44,14 @@ def massless_wheel(
         )
     rows = part.contact_rows
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
-    frequency, contact, points = [], [], []
+    frequency, contact, points, strains = [], [], [], []
     further: dict[str, list[FloatArray]] = {
         key: [] for key in FURTHER if getattr(part, key) is not None
     }
     flexibility = np.zeros((sectors, rows.shape[0], rows.shape[0]))
-    recovery = sp.csr_array((0, part.size)) if part.recovery is None else part.recovery
+    none = sp.csr_array((0, part.size))
+    recovery = none if part.recovery is None else part.recovery
+    gauges = none if part.strain_recovery is None else part.strain_recovery
     for k in range(sectors // 2 + 1):
         block = cyclic_reduction(part, sectors, k)
         stiffness, size = block.stiffness.toarray(), block.stiffness.shape[0]
@@ -61,7 +63,7 @@ def massless_wheel(
         if not squares[0] > rigid_limit(part):
             raise SuperelementError("expected a sector without rigid modes")
         fields = block.transformation @ shapes
-        at_nodes, at_points = rows @ fields, recovery @ fields
+        at_nodes, at_points, at_gauges = rows @ fields, recovery @ fields, gauges @ fields
         forces = (rows @ block.transformation).toarray().conj().T
         static = forces.conj().T @ la.solve(stiffness, forces, assume_a="her")
         residual = static - (at_nodes / squares) @ at_nodes.conj().T
@@ -75,6 +77,7 @@ def massless_wheel(
             each = np.stack([(one * at_points).real for one in phases])
             each = each.reshape(sectors, -1, 3, modes)
             points.append(rotate(each, spread[:, None, None], axis=2).reshape(-1, modes))
+            strains.append(np.vstack([(one * at_gauges).real for one in phases]))
             frequency.append(np.sqrt(squares))
         for key, blocks in further.items():
             blocks.append(_on_waves(fields.conj().T @ (getattr(part, key) @ fields), pair=pair))
@@ -89,6 +92,7 @@ def massless_wheel(
         compliance=0.5 * (compliance + compliance.T),
         centre=np.zeros((2, len(values))),
         points=np.hstack(points)[:, order],
+        strains=np.hstack(strains)[:, order],
         kept=len(values),
         **{key: la.block_diag(*blocks)[order][:, order] for key, blocks in further.items()},
     )
@@ -141,6 +145,10 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
         both = (both + sp.kron(step, part.recovery @ on)) @ turn.T
         each = both.toarray().reshape(sectors, -1, 3, both.shape[1])
         recovery = rotate(each, spread[:, None, None], axis=2).reshape(both.shape)
+    strains = None
+    if part.strain_recovery is not None:
+        own = sp.kron(sp.eye_array(sectors), part.strain_recovery @ rest)
+        strains = sp.csr_array((own + sp.kron(step, part.strain_recovery @ on)) @ turn.T)
     picture = _wheel(part, spread, np.ones(1))
     offset = tie.shape[1] * np.arange(sectors)[:, None, None]
     dofs = np.where(contact == FIXED, FIXED, contact + offset).reshape(-1, 3)
@@ -151,6 +159,7 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
         **{key: assembled(matrix) for key in FURTHER if (matrix := getattr(part, key)) is not None},
         contact_dofs=dofs,
         recovery=recovery,
+        strain_recovery=strains,
     )
 
 
@@ -167,7 +176,7 @@ def _turned_contact(contact: IntArray, size: int, angle: float) -> sp.csr_array:
 def _wheel(part: Superelement, spread: FloatArray, frequency: FloatArray) -> Superelement:
     """Return the nodes and points of a wheel, with diagonal matrices of its modes."""
     positions = rotate(part.contact_position, spread[:, None]).reshape(-1, 3)
-    changes: dict[str, Any] = {}
+    changes: dict[str, Any] = {"strain_recovery": None}
     if part.points is not None:
         changes["points"] = rotate(part.points, spread[:, None]).reshape(-1, 3)
         changes["recovery"] = np.zeros((3 * len(changes["points"]), len(frequency)))

@@ -39,6 +39,15 @@ def blade_angles(dataset: xr.Dataset) -> Array:
     return np.asarray(angle[first] + blade_means(dataset, np.arctan2(np.sin(apart), np.cos(apart))))
 
 
+def blade_radii(dataset: xr.Dataset) -> Array:
+    """Return the mean radius of the contact nodes of each blade [m], (blade,). That of a tip that
+    grows with the speed follows from its distance to the radius from which the clearance is
+    measured."""
+    if "tip_growth" in dataset:
+        return np.asarray(dataset.attrs["tip_radius"] - dataset["tip_recess"].values)
+    return blade_means(dataset, dataset["contact_radius"].values)
+
+
 def contact_motion(dataset: xr.Dataset, direction: int) -> Array:
     """Return the radial (0) or tangential (1) displacement of each contact node in rotating axes
     at every record [m], (time, contact_node), with the part of their own flexibility."""

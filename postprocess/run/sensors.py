@@ -28,7 +28,7 @@ from bladewhirl.models.case.sensors import (
 )
 from bladewhirl.models.inputs.errors import CaseError, Fault, Hint
 from bladewhirl.postprocess.fields.blades import blade_chain
-from bladewhirl.postprocess.fields.by_blade import blade_count
+from bladewhirl.postprocess.fields.by_blade import blade_angles, blade_count, blade_radii
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, casing_rows
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
@@ -42,6 +42,12 @@ WEIGHTS = (cubic_weights, slope_weights, curvature_weights)
 derivative."""
 
 ON_SAMPLE = 1e-6  #: a sample up to this fraction of a sampling step outside the records is included
+
+NEEDED = {
+    "wall": ("casing_shape", "another type for a rigid wall, which does not move"),
+    "centre": ("centre_shape", "another type for blades without a common centre that moves"),
+}
+"""Variable that a sensor of this type needs, and what is expected without it."""
 
 MOST_PER_RECORD = 100  #: largest number of samples between two records
 
@@ -112,10 +118,14 @@ def check_sensors(
     """Check that sensors fit the mesh of a stage, its speed [rad/s] and the record step [s].
 
     Raises:
-        CaseError: a gauge is not on a blade, or tip timing lacks records; all faults are listed.
+        CaseError: the stage does not have what a sensor records, a gauge is not on a blade, or tip
+            timing lacks records; all faults are listed.
     """
     faults = []
     for number, sensor in enumerate(sensors):
+        needed, expected = NEEDED.get(sensor.type, ("", ""))
+        if needed and needed not in stage:
+            faults.append(Fault(key=f"sensor[{number}].type", value=sensor.type, expected=expected))
         if isinstance(sensor, TipTiming) and (expected := too_slow(speed, record_step)):
             faults.append(Fault(key=f"sensor[{number}].type", value=sensor.type, expected=expected))
         most = MOST_PER_RECORD / record_step
@@ -127,7 +137,9 @@ def check_sensors(
             try:
                 gauge_rows(stage, sensor)
             except ViewError as error:
-                key = "span" if sensor.element is None else "element"
+                key = next(
+                    k for k in ("span", "element", "gauge") if getattr(sensor, k) is not None
+                )
                 expected = str(error).removeprefix("expected ")
                 value = getattr(sensor, key)
                 faults.append(Fault(key=f"sensor[{number}].{key}", value=value, expected=expected))
@@ -170,11 +182,16 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> Array:
     blades or of the blade with the gauge.
 
     Raises:
-        ViewError: the blade is not a chain of beams, or does not have the element of the gauge.
+        ViewError: the stage has no such gauges, the blade is not a chain of beams, or it does not
+            have the element of the gauge.
     """
+    blades = range(blade_count(dataset)) if gauge.blade == "all" else [gauge.blade]
+    if gauge.gauge is not None:
+        return _recovered_rows(dataset, gauge.gauge)[[*blades]]
+    if "rotor_line" not in dataset:
+        raise ViewError("expected gauge in place of span and element, as the blades are no beams")
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    blades = range(dataset.sizes["contact_node"]) if gauge.blade == "all" else [gauge.blade]
     lines, places, outwards = [], [], []
     for blade in blades:
         chain = blade_chain(dataset, blade)
@@ -189,6 +206,22 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> Array:
         outwards.append(chain.outward[number])
     left = np.array(outwards) == (gauge.side == "+theta")
     return surface_strain_rows(dataset, np.array(lines), np.array(places), left)
+
+
+def _recovered_rows(dataset: xr.Dataset, number: int) -> Array:
+    """Return the strain of a gauge on every blade for unit modal coordinates, (blade, rotor_mode),
+    from the recovery of strain of a superelement."""
+    if "gauge_shape" not in dataset:
+        raise ViewError("expected span or element, as no file gives strain_recovery")
+    shape, copies = dataset["gauge_shape"].values, dataset.sizes["copy"]
+    blades = blade_count(dataset) // copies
+    if len(shape) % blades or not number < len(shape) // blades:
+        raise ViewError(
+            f"expected a gauge from 0 to {len(shape) // blades - 1} of each blade, with the same"
+            " number of gauges on all blades"
+        )
+    own = shape.reshape(blades, -1, shape.shape[1])[:, number]
+    return np.asarray(np.kron(np.eye(copies), own))
 
 
 def shown_unit(signal: xr.DataArray) -> tuple[str, float]:
@@ -238,8 +271,8 @@ def _timing(result: xr.Dataset, sensor: TipTiming, number: int) -> xr.Dataset:
     clock."""
     exact = tip_timing(result, np.array(sensor.probes))
     speed, name = float(result.attrs["speed"]), sensor.label
-    radius = float(result.attrs["tip_radius"]) - result["tip_recess"].values[:, None]
-    angle = result["tip_angle"].values[:, None] - exact["probe"].values[:, None, None]
+    radius = blade_radii(result)[:, None]
+    angle = blade_angles(result)[:, None] - exact["probe"].values[:, None, None]
     arrival = exact["arrival"].values
     turned = angle + speed * arrival + exact["deflection"].values / radius
     turn = np.nan_to_num(np.sign(speed) * np.round(turned / (2.0 * np.pi))).astype(np.int64) + 2
@@ -313,7 +346,7 @@ def _centre(result: xr.Dataset, angle: float, at: Array, derivative: int) -> Arr
     With z = x + i y in rotating axes, the displacement in static axes is exp(i Omega t) z; its
     derivative is exp(i Omega t) (z' + i Omega z).
     """
-    rows = result["rotor_shape"].values[int(result["centre_node"]), :2]
+    rows = result["centre_shape"].values
     turning = 1j * float(result.attrs["speed"])
     x, y = np.stack([_between(result, "rotor", rows, at, d) for d in range(derivative + 1)]).T
     z = x + 1j * y  # (at, derivative)

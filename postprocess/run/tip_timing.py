@@ -7,6 +7,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.fields.by_blade import blade_angles, blade_means, blade_radii
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, tip_rows
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
@@ -27,8 +28,9 @@ def tip_timing(
 
     Blade n at the angle theta_n arrives at a probe at theta_p at the time t with
     theta_n + Omega t + v_n(t) / R_n = theta_p + 2 pi m, where v_n is the tangential displacement of
-    the tip in the rotating frame. Between records v_n is the cubic with the displacements and
-    velocities of the records, so that the error decreases with the fourth power of the record step.
+    the tip in the rotating frame, the mean of its contact nodes without their residual flexibility.
+    Between records v_n is the cubic with the displacements and velocities of the records, so that
+    the error decreases with the fourth power of the record step.
 
     Args:
         result: result of a run.
@@ -57,9 +59,8 @@ def tip_timing(
     step = float(np.diff(time).max()) if len(time) > 1 else np.inf
     if too_slow(speed, step):
         raise ViewError(f"tip timing: expected {too_slow(speed, step)}")
-    tips = result["tip_angle"].values
-    radius = result.attrs["tip_radius"] - result["tip_recess"].values
-    across = tip_rows(result)[1]
+    tips, radius = blade_angles(result), blade_radii(result)
+    across = blade_means(result, tip_rows(result)[1].T).T
     moved = reduce_modes(result, "rotor_displacement", across)
     rate = reduce_modes(result, "rotor_velocity", across)
     turned = np.sign(speed) * (tips + speed * time[:, None] + moved / radius)

@@ -47,8 +47,8 @@ class Variable(NamedTuple):
     is_coordinate: bool  #: true if the values label the items along a dimension
     part: str
     """Part of a stage that has the variable: "families" of modes, "lines" of a mesh of beams,
-    motion of the "centre", contact "nodes" whose motion is recorded, "points" for pictures, or a
-    flexible "casing"; "" for every stage."""
+    motion of the "centre", contact "nodes" whose motion is recorded, "points" for pictures,
+    "gauges", or a flexible "casing"; "" for every stage."""
     values: str
     """Allowed values: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any."""
     labels: tuple[str, ...]

@@ -1,0 +1,103 @@
+"""A stage of beams, and the same stage as a superelement, have the same results."""
+
+from dataclasses import asdict
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+import xarray as xr
+from exported_stage import Kind, same_stage
+
+from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
+from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.postprocess.run.summary import Summary, summarise
+from bladewhirl.postprocess.sweep.digest import digest
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
+from bladewhirl.studies.sweeps.layout import make_layout, march_extent
+
+KINDS = get_args(Kind)
+
+OWN = {
+    *("wall_time", "us_per_step", "dt_over_critical", "complementarity_residual"),
+    *("energy_residual", "gap_violation_max", "regime_criterion", "work", "reference_frequency"),
+    *("shaft_lead", "lead_steadiness", "scenario"),  # of two opposite tips that touch, either one
+}
+"""What each march has of its own, or knows more of."""
+
+DRAWN = ("gaps", "forces", "contact-classes", "contact-angle", "casing")
+"""Figures whose data are compared."""
+
+
+@cache
+def marched(kind: Kind) -> list[tuple[xr.Dataset, Summary, dict[str, Any]]]:
+    """Result, summary and digest of both stages."""
+    both = []
+    with TemporaryDirectory() as folder:
+        for case in same_stage(kind, Path(folder) / "part.npz"):
+            prepared = prepare(case)
+            result, report = march_in_memory(prepared)
+            layout = make_layout(march_extent([case]), prepared.stage)
+            both.append((result, summarise(result, report), digest(result, report, layout)))
+    return both
+
+
+def assert_alike(one: Any, other: Any, name: str) -> None:
+    """Compare numbers to rounding errors, which grow in contact, and other values exactly."""
+    if isinstance(one, dict):
+        for key in one.keys() & other.keys():
+            assert_alike(one[key], other[key], key)
+    elif np.asarray(one).dtype.kind in "fi":
+        known = np.where(np.isfinite(one), one, 0.0)
+        largest = np.abs(known).max(initial=0.0)
+        np.testing.assert_allclose(other, one, rtol=1e-6, atol=1e-6 * largest, err_msg=name)
+    elif isinstance(one, list) and one and isinstance(one[0], dict):
+        for first, second in zip(one, other, strict=True):
+            assert_alike(first, second, name)
+    else:
+        assert np.array_equal(one, other), name
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_summaries_are_the_same(kind: Kind) -> None:
+    (_, beams, _), (_, solid, _) = marched(kind)
+    assert beams.contact_impulse > 0.0
+    known = {name for name, value in asdict(beams).items() if value is not None}
+    given = {name for name, value in asdict(solid).items() if value is not None}
+    for name in known & given - OWN:
+        assert_alike(getattr(beams, name), getattr(solid, name), name)
+    # Neither families of modes nor beams, whose stresses are known, nor the work of closing tips.
+    lacking = {"strain_energy_final", "strain_energy_rest", "stress_max"}
+    lacking |= {"drive_power", "drive_torque"}
+    still = {"shaft_radius_max", "shaft_radius_final", "ripple_rms"}
+    assert known - given == lacking | (still if kind != "wheel" else set())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_points_of_a_sweep_are_the_same(kind: Kind) -> None:
+    (_, _, beams), (_, _, solid) = marched(kind)
+    assert (kind == "wheel") == ("spectrum" in solid)
+    for name in beams.keys() & solid.keys() - OWN:
+        one, other = beams[name], solid[name]
+        if name.startswith("energy_") and name != "energy_residual":  # of groups of modes, or all
+            one, other = one.sum(axis=-1), other.sum(axis=-1)
+            if name == "energy_max":
+                continue
+        assert_alike(one, other, name)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_figures_are_the_same(kind: Kind) -> None:
+    (beams, _, _), (solid, _, _) = marched(kind)
+    lacking = {"stress", "energy-families"}
+    if kind != "wheel":
+        lacking |= {name for name, each in RUN_FIGURES.items() if "centre_shape" in each.needs}
+    ours, theirs = RunFigures(beams), RunFigures(solid)
+    assert {*ours.names} - {*theirs.names} == lacking
+    for name in DRAWN:
+        one, other = (ours.draw(name)[1], theirs.draw(name)[1])
+        for variable in one.data_vars.keys() & other.data_vars.keys():
+            assert_alike(one[variable].values, other[variable].values, f"{name}: {variable}")
