@@ -186,7 +186,8 @@ def _worst_blade(signal: xr.DataArray) -> xr.DataArray:
 
 def _modes(result: xr.Dataset, kind: str) -> list[tuple[str, float, float]]:
     """Return name, lowest and highest frequency [Hz] of each group of modes that a sensor of a type
-    measures. Strain gauges measure the families of the bladed disk, wall sensors the lowest casing
+    measures, as far as the stage names its modes. Strain gauges measure the families of the bladed
+    disk, wall sensors the lowest casing
     mode of each nodal diameter, centre sensors the modes that move the shaft, in the static
     frame."""
     if kind == "centre":
@@ -194,6 +195,8 @@ def _modes(result: xr.Dataset, kind: str) -> list[tuple[str, float, float]]:
         names = [WITH_K.get(str(name), str(name)) for name in lines["mode"].values]
         near = [(name, abs(at), abs(at)) for name, at in zip(names, lines.values, strict=True)]
         near = [line for line in dict.fromkeys(near) if line[0] != ORDER]
+    elif ("casing_frequency" if kind == "wall" else "rotor_family") not in result:
+        near = []
     else:
         strain = kind == "strain"
         group = result["rotor_family" if strain else "casing_nodal_diameter"].values

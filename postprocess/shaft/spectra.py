@@ -62,7 +62,8 @@ def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
     of the observer.
 
     These modes have one nodal diameter: first family and suspension of the bladed disk, and the
-    lowest mode of the casing, each as a forward and a backward wave. The frequencies of a wave in
+    lowest mode of the casing, each as a forward and a backward wave, as far as the stage has
+    families of modes and a flexible casing. The frequencies of a wave in
     the two frames differ by the speed. A further line, "Ω", is the frequency of a stationary load
     in the rotating frame, or of a load that turns with the rotor in the static frame.
 
@@ -72,17 +73,18 @@ def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
     """
     speed = abs(float(dataset.attrs["speed"]))
     rotor_shift, casing_shift = (0.0, -speed) if frame == "rotating" else (speed, 0.0)
-    waves = [dataset[f"rotor_{way}_frequency"].values for way in ("backward", "forward")]
-    family, diameter = dataset["rotor_family"].values, dataset["rotor_nodal_diameter"].values
     names, values = [ORDER], [rotor_shift + casing_shift]
-    for name in (FIRST_FAMILY, SUSPENSION):
-        modes = (family == name) & (diameter == 1)
-        if modes.any():
-            backward, forward = (frequency[modes].min() for frequency in waves)
-            names += [name] * 2
-            values += [rotor_shift - backward, rotor_shift + forward]
-    wall = dataset["casing_frequency"].values[dataset["casing_nodal_diameter"].values == 1]
-    if len(wall):
+    if "rotor_family" in dataset:
+        waves = [dataset[f"rotor_{way}_frequency"].values for way in ("backward", "forward")]
+        family, diameter = dataset["rotor_family"].values, dataset["rotor_nodal_diameter"].values
+        for name in (FIRST_FAMILY, SUSPENSION):
+            modes = (family == name) & (diameter == 1)
+            if modes.any():
+                backward, forward = (frequency[modes].min() for frequency in waves)
+                names += [name] * 2
+                values += [rotor_shift - backward, rotor_shift + forward]
+    if "casing_frequency" in dataset:
+        wall = dataset["casing_frequency"].values[dataset["casing_nodal_diameter"].values == 1]
         names += ["casing"] * 2
         values += [casing_shift - wall.min(), casing_shift + wall.min()]
     return xr.DataArray(
