@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 import scipy.sparse.linalg as spla
@@ -101,6 +102,8 @@ class ModalStage(ModalModel):
     "full", the modes are computed at rest, and the whirling modes at the speed of the case.
     """
 
+    of_lines: ClassVar[bool] = True
+
     free_disk: BladedDiskModel
     clamped_disk: BladedDiskModel
     casing: CasingModel
@@ -158,6 +161,10 @@ class ModalStage(ModalModel):
             "free": self.free_whirl or self.free_modes,
             "clamped": self.clamped_whirl or self.clamped_modes,
         }
+
+    @property
+    def listed_modes(self) -> LabelledModes | LabelledWhirlModes:
+        return self.disk_whirl or self.disk_modes
 
     @property
     def waves(self) -> dict[int, Waves]:

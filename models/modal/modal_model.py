@@ -4,12 +4,14 @@ from."""
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.shaft import Effects
+from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import Modes
@@ -60,12 +62,24 @@ class LabelledWhirlModes:
 
 
 @dataclass(frozen=True, kw_only=True)
+class PointShapes:
+    """Modes at the points of the surface of a bladed disk."""
+
+    position: FloatArray  #: undeformed points [m], (points, 3)
+    triangle: IntArray  #: points of each surface triangle, (triangles, 3); may be empty
+    displacement: FloatArray  #: real displacements [kg^-1/2], (modes, points, 3)
+
+
+@dataclass(frozen=True, kw_only=True)
 class ModalModel(ABC):
     """Bladed disk and casing in their modes, at any speed of rotation."""
+
+    of_lines: ClassVar[bool] = False  #: true if the bladed disk consists of lines, as films show it
 
     case: Case
     reference_frequency: float
     """Lowest natural frequency of the bladed disk at rest, with a free centre [rad/s]."""
+    casing: CasingModel | None  #: finite element model of the casing; None for a rigid wall
     casing_modes: LabelledModes  #: modes of the casing; none for a rigid wall
 
     @property
@@ -92,6 +106,24 @@ class ModalModel(ABC):
     @abstractmethod
     def by_centre(self) -> Mapping[str, LabelledModes | LabelledWhirlModes]:
         """Modes of the bladed disk at the speed of the case, by the state of its centre."""
+
+    @property
+    @abstractmethod
+    def listed_modes(self) -> LabelledModes | LabelledWhirlModes:
+        """Modes of the bladed disk at the speed of the case, with a free or a clamped centre as the
+        case requires."""
+
+    def points(self, numbers: IntArray) -> PointShapes | None:
+        """Return some of the listed modes at the points of the bladed disk; None if it consists of
+        lines.
+
+        Args:
+            numbers: numbers of the modes.
+
+        Raises:
+            UserError: no points are known.
+        """
+        return None
 
     @property
     @abstractmethod

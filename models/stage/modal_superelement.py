@@ -8,6 +8,7 @@ import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.shaft import Effects
@@ -22,7 +23,12 @@ from bladewhirl.models.modal.labels import (
     names_of,
     wave_families,
 )
-from bladewhirl.models.modal.modal_model import UNEQUAL_SECTORS, LabelledWhirlModes, ModalModel
+from bladewhirl.models.modal.modal_model import (
+    UNEQUAL_SECTORS,
+    LabelledWhirlModes,
+    ModalModel,
+    PointShapes,
+)
 from bladewhirl.models.modal.modes import Modes, families, is_first_of_pair
 from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.rotation.whirl_modes import joined_modes, wave_modes
@@ -83,6 +89,48 @@ class ModalSuperelement(ModalModel):
         if self.clamped_blocks is not None:
             found["clamped"] = self._modes(self.clamped_blocks)
         return found
+
+    @property
+    def listed_modes(self) -> LabelledModes | LabelledWhirlModes:
+        return self.by_centre[self.centre]
+
+    def points(self, numbers: IntArray) -> PointShapes:
+        part, listed = self.stage.part, self.listed_modes
+        if part.points is None:
+            raise UserError(
+                f"{part.name}: expected a superelement with points, where mode shapes are drawn"
+            )
+        amplitudes: Sequence[ComplexArray | FloatArray]
+        if isinstance(listed, LabelledWhirlModes):
+            amplitudes = listed.modes.amplitudes
+            columns = np.zeros(listed.modes.count, dtype=np.int64)
+        else:
+            amplitudes, columns = listed.amplitudes, listed.column
+        displacement = []
+        for mode in numbers.tolist():
+            k, column = int(listed.nodal_diameter[mode]), int(columns[mode])
+            if UNKNOWN in self.blocks or self._table.kind == "blade":
+                field = next(iter(self.blocks.values())).points @ amplitudes[mode]
+                displacement.append(field.real.reshape(-1, 3))
+                continue
+            sine = -1j if column > 0 and column % 2 == 0 else 1.0
+            field = sine * (self.blocks[k].points @ amplitudes[mode])
+            displacement.append(self._around(k, field))
+        none = np.zeros((0, 3), dtype=np.int64)
+        return PointShapes(
+            position=part.points,
+            triangle=none if part.triangles is None else part.triangles,
+            displacement=np.array(displacement).reshape(-1, *part.points.shape),
+        )
+
+    def _around(self, k: int, field: ComplexArray) -> FloatArray:
+        """Return the real displacements of the points of the whole structure, (points, 3), from the
+        complex ones of its first sector, or of the whole wheel, with nodal diameter k."""
+        if self._table.kind == "wheel":
+            return np.asarray(field.real.reshape(-1, 3))
+        turns = 2.0 * np.pi / self._table.copies * np.arange(self._table.copies)
+        waves = (field * np.exp(1j * k * turns)[:, None]).real
+        return rotate(waves.reshape(len(turns), -1, 3), turns[:, None]).reshape(-1, 3)
 
     @cached_property
     def disk_modes(self) -> LabelledModes:
@@ -250,6 +298,7 @@ def modal_superelement(
     return ModalSuperelement(
         case=case,
         reference_frequency=stage.reference_frequency,
+        casing=None if stage.ring is None else stage.ring.casing,
         casing_modes=_of_casing(stage),
         stage=stage,
         blocks=blocks,

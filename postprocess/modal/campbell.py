@@ -103,15 +103,17 @@ def drawn_part(data: xr.Dataset) -> xr.Dataset:
     """Select the modes and coincidences from `campbell` that a diagram shows.
 
     Families of the bladed disk are drawn if they coincide with the casing in the operating range,
-    or in the diagram if there is no such range;
-    `DRAWN_FAMILIES` are always drawn. Of the casing, the lowest mode of each nodal diameter is
+    or in the diagram if there is no such range; `DRAWN_FAMILIES` are always drawn, and all families
+    in a rigid wall. Of the casing, the lowest mode of each nodal diameter is
     drawn, from 1 to the highest nodal diameter of these families.
     """
     operated = in_diagram(data)
     if operating_range(data) is not None:
         operated &= data["in_operating_range"].values.astype(bool)
-    families = [*DRAWN_FAMILIES, *data["family"].values[operated]]
     on_rotor = data["mode_body"].values == "bladed-disk"
+    families = [*DRAWN_FAMILIES, *data["family"].values[operated]]
+    if on_rotor.all():
+        families += [*data["mode_family"].values]
     k, frequency = data["mode_nodal_diameter"].values, data["mode_frequency"].values
     rotor = on_rotor & np.isin(data["mode_family"].values, families)
     lowest = {

@@ -6,6 +6,7 @@ times cos(omega t) plus the sine mode times sin(omega t) travels forward; the co
 cos(omega t) minus the sine mode times sin(omega t) travels backward.
 """
 
+from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -16,10 +17,12 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
+from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.rotation.whirl_modes import Direction, in_sense_of_rotation
 from bladewhirl.postprocess.fields.kinematics import casing_rows, clearance_at, line_rows, tip_rows
 from bladewhirl.postprocess.fields.result import stage_dataset
+from bladewhirl.postprocess.modal.point_shapes import casing_shapes, point_shapes
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShapes
 
 Wave = Direction
@@ -84,7 +87,21 @@ def mode_motion(
     )
 
 
-def shapes_dataset(stage: ModalStage, body: Body, numbers: IntArray) -> xr.Dataset:
+@singledispatch
+def shapes_dataset(stage: ModalModel, body: Body, numbers: IntArray) -> xr.Dataset:
+    """Return a Dataset with shapes of some modes of a body: at points of the bladed disk, or at the
+    nodes of the casing.
+
+    Args:
+        stage: bladed disk and casing in their modes.
+        body: body whose modes are returned.
+        numbers: numbers of the modes; of each pair only one number.
+    """
+    return point_shapes(stage, numbers) if body == "bladed-disk" else casing_shapes(stage, numbers)
+
+
+@shapes_dataset.register
+def _(stage: ModalStage, body: Body, numbers: IntArray) -> xr.Dataset:
     """Return a Dataset with shapes and purities of some modes of a body, and with the directions of
     travel of whirling modes.
 

@@ -45,7 +45,8 @@ def modes(
     column "at rest" gives the name of the same branch at rest. -o DIR writes
     pictures of mode shapes; contact scenarios of the first k = 1 mode at the speed at which it
     coincides with the k = 1 mode of the casing; and films, with a picture of each travelling wave.
-    With Coriolis forces, pictures and films show the waves at the speed of the case.
+    With Coriolis forces, pictures and films show the waves at the speed of the case. For a
+    superelement, -o draws mode shapes at the points of its file, and no films.
 
     Args:
         count: Number of modes of each body, from the lowest on; a pair of equal frequencies has one
@@ -66,14 +67,12 @@ def modes(
             raise UserError(f"{name}: needs a folder for the pictures, -o DIR")
     stage = _model(case, overrides, count=count)
     if output is not None:
-        from bladewhirl.models.stage.marched import full_models
-        from bladewhirl.studies.modal.mode_pictures import NEEDS, draw_modes, plan_pictures
+        from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
 
-        full = full_models(stage, "--output", NEEDS)
-        plan = plan_pictures(full, shapes=shapes, animate=animate if films else "", wave=wave)
+        plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
     computed = study.modes(stage)
     if output is not None:
-        draw_modes(full, plan, output, overwrite=overwrite)
+        draw_modes(stage, plan, output, overwrite=overwrite)
     report, hertz = study.report(computed, count), computed.attrs["reference_frequency_hz"]
     unit = f"ω₁ = {hertz:.6g} Hz"
     emit(report.document, *report.tables, unit, json=json, written=[output])
@@ -163,8 +162,8 @@ def critical_speeds(
 
     At a critical speed the shaft whirls at the speed of rotation: forward, as an imbalance drives
     it, or backward; on unequal bearings it whirls in an ellipse. The table lists the critical
-    speeds with the stiffness of the case. The case needs rotation.effects = "full". With --json and
-    no -o nothing is written.
+    speeds with the stiffness of the case. The case needs rotation.effects = "full"; a superelement
+    needs the centre of a wheel. With --json and no -o nothing is written.
 
     Args:
         branches: Number of branches in each direction of whirl.
@@ -189,8 +188,8 @@ def response(
     The case needs excitation.type = "engine-order". The equations of motion of the time
     integration, with damping, mistuning and rotation effects, are solved for the complex amplitude
     at each speed. The table lists the largest amplitude of each engine order; the figure shows the
-    amplitudes of all blades and of nodal diameters against the speed. With --json and no -o nothing
-    is written.
+    amplitudes of all blades and of nodal diameters against the speed. A blade with several contact
+    nodes moves by their mean. With --json and no -o nothing is written.
 
     Args:
         speeds: Speeds of rotation: multiples of ω₁, or "2000 rpm:9000 rpm:10 rpm"; the stop is

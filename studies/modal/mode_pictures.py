@@ -20,13 +20,15 @@ from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.inputs.mode_names import CASING
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body, LabelledModes
-from bladewhirl.models.modal.modal_model import LabelledWhirlModes
+from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
+from bladewhirl.models.stage.marched import full_models
 from bladewhirl.postprocess.modal.mode_shapes import (
     mode_title,
     plot_mode_shapes,
     plot_travelling_wave,
 )
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
+from bladewhirl.postprocess.modal.point_shapes import plot_point_shapes
 from bladewhirl.postprocess.modal.scenarios import plot_scenario
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.pictures.render import render_animation
@@ -37,8 +39,8 @@ BODIES: tuple[Body, ...] = get_args(Body)
 FED: dict[Body, Wave] = {"bladed-disk": "backward", "casing": "forward"}
 """Waves that contact amplifies."""
 
-NEEDS = "its pictures show beams"
-"""Reason why a superelement has no pictures of modes."""
+NEEDS = "films of modes show beams; modes of a superelement have pictures"
+"""Reason why modes of a superelement have no films."""
 
 PANELS = 6  #: default number of pictured modes of a body
 
@@ -79,12 +81,12 @@ class PicturePlan:
 
 
 def plan_pictures(
-    stage: ModalStage, *, shapes: str | None, animate: str | None, wave: str | None
+    stage: ModalModel, *, shapes: str | None, animate: str | None, wave: str | None
 ) -> PicturePlan:
     """Choose the modes to draw and to film.
 
     Args:
-        stage: finite element models with their modes.
+        stage: bladed disk and casing in their modes.
         shapes: names of the modes to draw; if None, the lowest modes.
         animate: names of the modes to film, "" for no films; if None, 1F:1 and the suspension.
         wave: wave shown by films; if None, the wave that contact amplifies.
@@ -94,7 +96,11 @@ def plan_pictures(
     """
     if wave is not None and wave not in get_args(Wave):
         raise UserError(f"--wave {wave}: expected one of {', '.join(get_args(Wave))}")
-    if animate is None:
+    if not stage.of_lines:
+        if animate or wave is not None:
+            raise UserError(f"{'--animate' if animate else '--wave'}: {NEEDS}")
+        filmed = []
+    elif animate is None:
         filmed = _of_family(stage, "bladed-disk", "1F", [1])
         filmed += _of_family(stage, "bladed-disk", "suspension", [1])
     else:
@@ -106,7 +112,7 @@ def plan_pictures(
 
 
 def draw_modes(
-    stage: ModalStage, plan: PicturePlan, folder: Path, *, overwrite: bool = False
+    stage: ModalModel, plan: PicturePlan, folder: Path, *, overwrite: bool = False
 ) -> None:
     """Draw mode shapes, contact scenarios and films into a folder, with a progress bar.
 
@@ -119,15 +125,22 @@ def draw_modes(
     for mode, wave in track(
         plan.films, "films", console=console, transient=True, disable=not console.is_terminal
     ):
-        _film(stage, mode, wave, folder, overwrite=overwrite)
+        _film(full_models(stage, "--animate", NEEDS), mode, wave, folder, overwrite=overwrite)
 
 
-def _lowest(stage: ModalStage) -> list[ChosenMode]:
+def _lowest(stage: ModalModel) -> list[ChosenMode]:
     """Return the default modes to draw: some 1F modes, the suspension, the lowest casing modes."""
-    highest = int(_modes_of(stage, "bladed-disk").nodal_diameter.max())
+    modes = _modes_of(stage, "bladed-disk")
+    highest = int(modes.nodal_diameter.max())
     disk = _of_family(stage, "bladed-disk", "suspension", [1])
     first = [*range(min(PANELS - 1 - len(disk), highest)), highest]
     disk = _of_family(stage, "bladed-disk", "1F", first) + disk
+    if not disk or highest < 0:  # no families, or no nodal diameters
+        lowest = zip(modes.family[:PANELS], modes.nodal_diameter[:PANELS].tolist(), strict=True)
+        disk = [
+            ChosenMode(body="bladed-disk", family=name, nodal_diameter=k, numbers=np.array([i]))
+            for i, (name, k) in enumerate(lowest)
+        ]
     casing = stage.casing_modes
     wall = [
         mode
@@ -138,15 +151,16 @@ def _lowest(stage: ModalStage) -> list[ChosenMode]:
     return disk + wall
 
 
-def _wave(stage: ModalStage, mode: ChosenMode, wave: str | None) -> Wave:
+def _wave(stage: ModalModel, mode: ChosenMode, wave: str | None) -> Wave:
     """Return the wave that a film of a mode shows.
 
     Raises:
         UserError: the mode does not have the wave.
     """
     waves = {*get_args(Wave)} if len(mode.numbers) == 2 else {"standing"}
-    if mode.body == "bladed-disk" and stage.disk_whirl is not None:
-        named, _ = stage.disk_whirl.modes.named_directions(stage.speed)
+    listed = stage.listed_modes
+    if mode.body == "bladed-disk" and isinstance(listed, LabelledWhirlModes):
+        named, _ = listed.modes.named_directions(stage.speed)
         waves = {named[number] for number in mode.numbers}
     amplified = FED[mode.body]
     if wave is None:
@@ -161,9 +175,9 @@ def _wave(stage: ModalStage, mode: ChosenMode, wave: str | None) -> Wave:
 Drawn = Iterator[tuple[str, tuple[Figure, xr.Dataset]]]  #: names of figures, with figures and data
 
 
-def _shapes(stage: ModalStage, modes: list[ChosenMode]) -> Drawn:
+def _shapes(stage: ModalModel, modes: list[ChosenMode]) -> Drawn:
     for body in BODIES:
-        whirls = body == "bladed-disk" and stage.disk_whirl is not None
+        whirls = body == "bladed-disk" and isinstance(stage.listed_modes, LabelledWhirlModes)
         numbers = [
             number
             for mode in modes
@@ -173,13 +187,14 @@ def _shapes(stage: ModalStage, modes: list[ChosenMode]) -> Drawn:
         if numbers:
             data = shapes_dataset(stage, body, np.array(numbers))
             data = data.assign_attrs(title=f"mode shapes, {body}")
-            yield f"{body}-shapes", (plot_mode_shapes(data, body), data)
+            draw = plot_point_shapes if "point_shape" in data else plot_mode_shapes
+            yield f"{body}-shapes", (draw(data, body), data)
 
 
-def _scenarios(stage: ModalStage) -> Drawn:
+def _scenarios(stage: ModalModel) -> Drawn:
     """Yield figures of standard and inverted contact, if a 1F pair moves the shaft and coincides
     with a casing mode."""
-    if stage.case.shaft.clamped:
+    if stage.case.shaft.clamped or not isinstance(stage, ModalStage):
         return
     for name, share in CASING_SHARES.items():
         try:
@@ -215,7 +230,7 @@ def _film(
         export_vtk(motion, folder / f"{stem}-vtk", frames=PICTURES, overwrite=overwrite)
 
 
-def _chosen(stage: ModalStage, option: str, text: str) -> list[ChosenMode]:
+def _chosen(stage: ModalModel, option: str, text: str) -> list[ChosenMode]:
     """Return the modes of a list of names, separated by commas; errors contain the option's name.
 
     A name without nodal diameter means all nodal diameters of the family. A name that several modes
@@ -247,7 +262,7 @@ def _chosen(stage: ModalStage, option: str, text: str) -> list[ChosenMode]:
 
 
 def _of_family(
-    stage: ModalStage, body: Body, family: str, diameters: list[int], *, every: bool = False
+    stage: ModalModel, body: Body, family: str, diameters: list[int], *, every: bool = False
 ) -> list[ChosenMode]:
     """Return the lowest mode of a family with each nodal diameter, or all of them with `every`;
     nodal diameters without such a mode are skipped."""
@@ -271,6 +286,6 @@ def _of_family(
     return chosen
 
 
-def _modes_of(stage: ModalStage, body: Body) -> LabelledModes | LabelledWhirlModes:
+def _modes_of(stage: ModalModel, body: Body) -> LabelledModes | LabelledWhirlModes:
     """Return the modes of a body; for a bladed disk with Coriolis forces, its whirling modes."""
-    return (stage.disk_whirl or stage.disk_modes) if body == "bladed-disk" else stage.casing_modes
+    return stage.listed_modes if body == "bladed-disk" else stage.casing_modes

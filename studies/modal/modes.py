@@ -206,8 +206,10 @@ def report(computed: xr.Dataset, count: int) -> Study:
             continue
         data = listed.isel(mode=slice(count))
         single = data.isel(mode=(data["pattern"] != "sine").values)
+        unknown = bool((single["nodal_diameter"] < 0).all())
         plain = {
-            "purity": bool((single["purity"] > 0.9995).all()),
+            "nodal_diameter": unknown,
+            "purity": unknown or bool((single["purity"] > 0.9995).all()),
             "family_at_rest": bool((single["family"] == single["family_at_rest"]).all()),
         }
         shown = [column for column in columns if not plain.get(column.key, False)]

@@ -1,0 +1,125 @@
+"""Mode shapes of a bladed disk that is given by points and surface triangles, and of its casing."""
+
+from typing import Any
+
+import matplotlib
+import numpy as np
+import xarray as xr
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.models.modal.labels import Body
+from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
+from bladewhirl.postprocess.modal.mode_shapes import COLUMNS, DRAWN, PURE, mode_title
+from bladewhirl.postprocess.plotting.legends import complete
+from bladewhirl.postprocess.plotting.style import FULL_WIDTH, SEQUENTIAL, new_figure, styled
+
+MOST = 20_000
+"""Largest number of triangles of a picture; larger surfaces are drawn as points."""
+
+LARGEST_DOT = 100.0  #: size of a drawn point times the root of the number of points [pt2]
+
+
+def point_shapes(model: ModalModel, numbers: IntArray) -> xr.Dataset:
+    """Return the shapes of some modes of a bladed disk with points.
+
+    Args:
+        model: bladed disk whose `points` are not None.
+        numbers: numbers of the modes among its listed modes.
+    """
+    listed, shapes = model.listed_modes, model.points(numbers)
+    assert shapes is not None
+    modes = listed.modes if isinstance(listed, LabelledWhirlModes) else listed
+    values: dict[str, Any] = {
+        "rotor_frequency": ("rotor_mode", modes.frequency[numbers], {"units": "rad/s"}),
+        "rotor_nodal_diameter": ("rotor_mode", modes.nodal_diameter[numbers]),
+        "rotor_purity": ("rotor_mode", modes.purity[numbers]),
+        "rotor_family": ("rotor_mode", [listed.family[i] for i in numbers]),
+        "point": (("points", "axis"), shapes.position, {"units": "m"}),
+        "triangle": (("triangles", "corner"), shapes.triangle),
+        "point_shape": (
+            ("rotor_mode", "points", "axis"),
+            shapes.displacement,
+            {"units": "kg^-1/2", "long_name": "displacement for unit modal coordinates"},
+        ),
+    }
+    return xr.Dataset(values, attrs=_attributes(model))
+
+
+def casing_shapes(model: ModalModel, numbers: IntArray) -> xr.Dataset:
+    """Return the shapes of some modes of a flexible casing, as `plot_mode_shapes` draws them."""
+    casing, modes = model.casing, model.casing_modes
+    assert casing is not None
+    values: dict[str, Any] = {
+        "casing_frequency": ("casing_mode", modes.frequency[numbers], {"units": "rad/s"}),
+        "casing_nodal_diameter": ("casing_mode", modes.nodal_diameter[numbers]),
+        "casing_purity": ("casing_mode", modes.purity[numbers]),
+        "casing_family": ("casing_mode", [modes.family[i] for i in numbers]),
+        "casing_angle": ("casing_node", casing.mesh.angles, {"units": "rad"}),
+        "casing_shape": (
+            ("casing_node", "casing_component", "casing_mode"),
+            casing.nodal(modes.fields(numbers)),
+        ),
+    }
+    radius = {"casing_radius": casing.mesh.radius}
+    return xr.Dataset(values, attrs=_attributes(model) | radius)
+
+
+def _attributes(model: ModalModel) -> dict[str, Any]:
+    return {
+        "case": model.case.title,
+        "reference_frequency": model.reference_frequency,
+        "rotation": "clockwise" if model.speed < 0.0 else "counter-clockwise",
+    }
+
+
+@styled
+def plot_point_shapes(data: xr.Dataset, body: Body = "bladed-disk") -> Figure:
+    """Draw mode shapes from `point_shapes` side by side: displaced surfaces, coloured by
+    displacement; surfaces of many triangles as points. The body is always the bladed disk."""
+    modes = data.sizes["rotor_mode"]
+    rows = -(-modes // COLUMNS)
+    columns = -(-modes // rows)
+    figure = new_figure(width=FULL_WIDTH, height=0.03 + rows * (0.8 * FULL_WIDTH / columns))
+    rest, triangles = data["point"].values, data["triangle"].values
+    middle = 0.5 * (rest.max(axis=0) + rest.min(axis=0))
+    reach = 0.5 * np.ptp(rest, axis=0).max()
+    dot = np.clip(LARGEST_DOT / np.sqrt(len(rest)), 0.5, 6.0)
+    colours, norm = matplotlib.colormaps[SEQUENTIAL], Normalize(0.0, 1.0)
+    panels = []
+    for mode in range(modes):
+        axes: Any = figure.add_subplot(rows, columns, mode + 1, projection="3d")
+        panels.append(axes)
+        row = data.isel(rotor_mode=mode)
+        moved = row["point_shape"].values
+        size = np.linalg.norm(moved, axis=1)
+        share = size / size.max()
+        drawn = rest + DRAWN * reach / size.max() * moved
+        if 0 < len(triangles) <= MOST:
+            faces = colours(norm(share[triangles].mean(axis=1)))
+            axes.add_collection3d(Poly3DCollection(drawn[triangles], facecolors=faces))
+        else:
+            axes.scatter(*drawn.T, c=colours(norm(share)), s=dot, linewidths=0.0, rasterized=True)
+        bounds = [(centre - reach, centre + reach) for centre in middle]
+        axes.set(xlim=bounds[0], ylim=bounds[1], zlim=bounds[2], box_aspect=(1.0, 1.0, 1.0))
+        axes.view_init(elev=35.0, azim=-60.0)
+        axes.set_axis_off()
+        k, purity = int(row["rotor_nodal_diameter"]), float(row["rotor_purity"])
+        hertz = float(row["rotor_frequency"]) / (2.0 * np.pi)
+        name = mode_title(str(row["rotor_family"].values), k, purity if k >= 0 else 1.0)
+        share_of_k = f"\nk = {k}: {100 * purity:.0f} %" if 0 <= k and purity < PURE else ""
+        axes.set_title(f"{name}\n{hertz:.4g} Hz{share_of_k}".lstrip())
+    figure.colorbar(
+        matplotlib.cm.ScalarMappable(norm, colours),
+        ax=panels,
+        location="right",
+        label="displacement / largest one [–]",
+        shrink=0.8,
+        aspect=20,
+        ticks=[0.0, 0.5, 1.0],
+    )
+    shown = f"Modes of the bladed disk, rotating frame; rotation is {data.attrs['rotation']}"
+    complete(figure, data, shown)
+    return figure
