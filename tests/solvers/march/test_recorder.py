@@ -90,7 +90,7 @@ def test_what_a_stage_has_none_of_is_left_out(tmp_path: Path) -> None:
     with xr.open_dataset(tmp_path / "result.nc") as actual:
         missing = {*STAGE} - {*actual.variables}
         hung = {"rotor_link", "rotor_spring", "mass_node", "point_mass"}
-        absent = {name for name in STAGE if STAGE[name].part in ("nodes", "points")}
+        absent = {name for name in STAGE if STAGE[name].part in ("nodes", "points", "gauges")}
         assert missing == {name for name in STAGE if name.startswith("support_")} | hung | absent
         assert "support" not in actual.sizes
 
@@ -106,7 +106,7 @@ def test_a_result_grows_and_reads_back_to_the_last_bit(tmp_path: Path) -> None:
         recorder.finish("completed", "", {"wall_time": 0.5})
     whole = made_up(stage, 0, 208)
     with xr.open_dataset(tmp_path / "result.nc") as actual:
-        absent = {name for name in RESULT if RESULT[name].part in ("nodes", "points")}
+        absent = {name for name in RESULT if RESULT[name].part in ("nodes", "points", "gauges")}
         absent |= {*COATING, "direction", "xyz"}
         assert {*actual.variables} == {*RESULT} - absent
         for name in actual.variables:
