@@ -30,6 +30,7 @@ from bladewhirl.models.modal.modal_model import (
     PointShapes,
 )
 from bladewhirl.models.modal.modes import Modes, families, is_first_of_pair
+from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
 from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.rotation.whirl_modes import joined_modes, wave_modes
 from bladewhirl.models.stage.hints import unused_matrices
@@ -140,7 +141,12 @@ class ModalSuperelement(ModalModel):
     def waves(self) -> dict[int, Waves]:
         if UNKNOWN in self.blocks or np.ptp(self.stage.factor) > 0.0:
             raise UserError(UNEQUAL_SECTORS)
-        return {k: self._wave(k, block) for k, block in self.blocks.items()}
+        found = {k: self._wave(k, block) for k, block in self.blocks.items()}
+        difference = self.case.shaft.anisotropy
+        if difference and self.clamped_blocks is not None and 1 in found:
+            along_x = self.blocks[1].centre[0].conj()
+            found[1] = on_unequal_bearings(found[1], along_x, difference)
+        return found
 
     @property
     def shaft_waves(self) -> Waves:

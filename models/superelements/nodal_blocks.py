@@ -57,6 +57,7 @@ class NodalBlock:
     stiffness_speed: ComplexArray  #: change of the stiffness at 1 rad/s, (m, m)
     contact: ComplexArray
     """Radial, tangential and axial displacements of the contact nodes [kg^-1/2], (3c, m)."""
+    centre: ComplexArray  #: x and y of the centre [kg^-1/2], (2, m); zero without a centre
     points: ComplexArray  #: displacements of the points along x, y and z [kg^-1/2], (3p, m)
 
     @property
@@ -210,16 +211,16 @@ def _block(
         values = fields.conj().T @ (matrix @ fields)
         return np.asarray(0.5 * (values + sign * values.conj().T))
 
-    held = zero
+    centre = np.zeros((2, modes), dtype=np.complex128)
     if part.centre_dofs is not None:
-        at_centre = fields[part.centre_dofs]
-        held = at_centre.conj().T @ (np.array(springs)[:, None] * at_centre)
+        centre = fields[part.centre_dofs]
     points = np.zeros((0, modes), dtype=np.complex128)
     return NodalBlock(
         stiffness=on_modes(part.stiffness),
-        springs=held,
+        springs=centre.conj().T @ (np.array(springs)[:, None] * centre),
         gyroscopic=on_modes(part.gyroscopic, -1.0),
         stiffness_speed=on_modes(part.stiffness_speed),
         contact=np.asarray(part.contact_rows @ fields),
+        centre=centre,
         points=points if part.recovery is None else np.asarray(part.recovery @ fields),
     )

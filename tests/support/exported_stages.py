@@ -30,10 +30,11 @@ def exported(case: bw.Case, kind: Kind, folder: Path, **tables: Any) -> bw.Case:
     file = folder / f"{kind}.npz"
     bw.write_superelement(file, bw.build_stage(case).to_superelement(kind))
     table = {"file": str(file), "kind": kind, "copies": BLADES}
+    shaft = case.shaft.model_dump(exclude_defaults=True, exclude={"clamped"})
     given = case.model_dump(exclude_defaults=True, include={"casing", "march", "rotation"})
     given |= {
         "bladed_disk": {"superelement": table},
         "reduction": {"free_interface_modes": 4},
-        **({"shaft": {"stiffness": case.shaft.stiffness}} if kind == "wheel" else {}),
+        **({"shaft": shaft} if kind == "wheel" else {}),
     }
     return bw.case_from(given | tables)

@@ -151,8 +151,11 @@ def test_coriolis_forces_split_the_waves_of_a_sector(tmp_path: Path) -> None:
     assert np.diff(of_march).max() > 1e-3 * of_march[0]
 
 
-def test_critical_speeds_of_a_wheel_are_those_of_its_beams(tmp_path: Path) -> None:
-    case = beams(rotation={"effects": "full"})
+@pytest.mark.parametrize("bearings", [{}, {"stiffness_y": 1.4e7, "frame": "static"}])
+def test_critical_speeds_of_a_wheel_are_those_of_its_beams(
+    tmp_path: Path, bearings: dict[str, Any]
+) -> None:
+    case = beams(rotation={"effects": "full"}, shaft={"stiffness": 2e7, **bearings})
     wheel, springs = exported(case, "wheel", tmp_path), np.geomspace(1e5, 1e9, 5)
     first, second = (bw.critical_speeds(each, stiffnesses=springs) for each in (case, wheel))
     assert first["critical_speed"].notnull().all()
@@ -160,7 +163,7 @@ def test_critical_speeds_of_a_wheel_are_those_of_its_beams(tmp_path: Path) -> No
         assert second[name].values == pytest.approx(first[name].values, rel=1e-8, abs=1e-10)
     (tmp_path / "case.toml").write_text(bw.dumps_case(wheel), encoding="utf-8")
     rows = json.loads(answer("critical-speeds", tmp_path / "case.toml", "--json").stdout)
-    assert rows["critical_speeds"][0]["direction"] == "forward"
+    assert rows["critical_speeds"][0]["direction"] == ("elliptic" if bearings else "forward")
     changed = ("critical-speeds", tmp_path / "case.toml", "--set", "rotation.effects=centrifugal")
     assert "no whirl is stationary in rotating axes" in refusal(*changed)
 
