@@ -164,9 +164,7 @@ def test_a_slow_closure_is_marched(file: Path) -> None:
     assert problem.closure.course.largest_loss == pytest.approx(5e-4)
 
 
-@pytest.mark.parametrize(
-    "changes", [{"casing": {"type": "rigid"}}, {"contact": {"sliding": "full"}}]
-)
+@pytest.mark.parametrize("changes", [{"casing": {"type": "rigid"}}])
 def test_keys_of_superelements_need_one(changes: dict[str, Any]) -> None:
     with pytest.raises(bw.CaseError, match=r"or a bladed_disk\.superelement"):
         bw.case_from(changes)
