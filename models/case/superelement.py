@@ -78,10 +78,14 @@ def _cached(file: str, modified: int, size: int) -> Superelement:
 
 
 def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
-    """Yield contradictions between a superelement, or its absence, and other tables of a case."""
+    """Yield contradictions between a superelement, or its absence, and other tables of a case; and
+    what a rigid wall does not allow."""
+    if case.casing.type == "rigid":
+        yield from _rigid_faults(case)
     if case.bladed_disk.superelement is None:
-        if case.casing.type != "ring":
-            yield Inconsistency("casing.type", f'"ring", or a {SOURCE}', (SOURCE,))
+        if case.casing.radius is not None:
+            expected = f"not allowed without {SOURCE}: the radius follows from the tips"
+            yield Inconsistency("casing.radius", expected, (SOURCE,))
         if case.contact.sliding == "full":
             for key, given in (
                 ("casing.coating", case.casing.coating is not None),
@@ -105,12 +109,9 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
     forbidden = f"not allowed together with {SOURCE}; remove this key"
     if case.sketch is not None:
         yield Inconsistency("sketch", forbidden, (SOURCE,))
-    flexible, table = case.casing.type == "ring", case.bladed_disk.superelement
+    table = case.bladed_disk.superelement
     for key, load in case.excitations.items():
-        if load.type == "casing-distortion" and not flexible:
-            expected = 'another excitation, or casing.type = "ring"'
-            yield Inconsistency(f"{key}.type", expected, ("casing.type",))
-        elif load.type in ("imbalance", "harmonic") and table.kind != "wheel":
+        if load.type in ("imbalance", "harmonic") and table.kind != "wheel":
             expected = f'another excitation, or {SOURCE}.kind = "wheel", which has a centre'
             yield Inconsistency(f"{key}.type", expected, (SOURCE,))
         elif load.type in ("imbalance", "harmonic") and table.part.centre_dofs is None:
@@ -147,6 +148,17 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
     if table.kind == "wheel" and table.copies == 1 and (moved or by_order):
         reason = f"initial.{moved[0]}" if moved else f'{by_order[0]}.type = "engine-order"'
         yield Inconsistency(f"{SOURCE}.copies", f"the number of blades of the wheel, for {reason}")
+
+
+def _rigid_faults(case: "Case") -> Iterator[Inconsistency]:
+    """Yield loads and springs that act on a flexible casing."""
+    for key, load in case.excitations.items():
+        if load.type == "casing-distortion":
+            expected = 'another excitation, or casing.type = "ring"'
+            yield Inconsistency(f"{key}.type", expected, ("casing.type",))
+    if case.coupling.stiffness:
+        expected = '0, or casing.type = "ring", whose modes the springs move'
+        yield Inconsistency("coupling.stiffness", expected, ("casing.type",))
 
 
 def _rotation_faults(case: "Case", part: Superelement) -> Iterator[Inconsistency]:

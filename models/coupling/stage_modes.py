@@ -12,6 +12,7 @@ from bladewhirl.models.coupling.springs import CoupledEntries, CouplingModes
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.cyclic import wave_parts
+from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.modes import ModeTable
 from bladewhirl.models.rotation.matrices import RotationMatrices
@@ -49,8 +50,11 @@ def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
 
     Raises:
         ValueError: the stage has no cyclic symmetry, so its modes have no nodal diameter.
+        UserError: the wall is rigid.
     """
     disk, wall = modal.disk_modes, modal.casing_modes
+    if not wall.count:
+        raise UserError('expected casing.type = "ring": springs couple waves of both bodies')
     coupled = coupled_entries(
         tip_motion(modal.disk, disk, disk.family, disk.fields),
         wall_motion(modal.casing, wall, wall.family, wall.fields),

@@ -10,7 +10,6 @@ import numpy as np
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
-from bladewhirl.models.elements.build import case_clearance
 from bladewhirl.models.elements.casing import ALONG, OUTWARD, CasingModel
 from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
@@ -28,10 +27,8 @@ def stage_arrays(
     disk: BladedDiskModel,
     disk_modes: Modes,
     disk_family: tuple[str, ...],
-    casing: CasingModel,
-    casing_modes: Modes,
-    casing_family: tuple[str, ...],
     turning: TurningDisk | None,
+    **wall: Any,
 ) -> StageArrays:
     """Return the arrays of a stage with given modes of bladed disk and casing.
 
@@ -40,10 +37,9 @@ def stage_arrays(
         disk: the bladed disk.
         disk_modes: modes of the full or the reduced bladed disk, with fields on the free DoF.
         disk_family: family of each mode of the bladed disk, (rotor modes,).
-        casing: the casing.
-        casing_modes: modes of the casing.
-        casing_family: family of each mode of the casing, (casing modes,).
         turning: the bladed disk at speed; None without rotation effects.
+        wall: arrays of the wall by name: `casing_arrays` of a flexible casing, `wall_angle` and
+            `clearance`.
     """
     model, mesh, shaft, tips = disk.model, disk.mesh, case.shaft, disk.mesh.node_sets["tips"]
     shape, centre = disk.cartesian(disk_modes.shapes), int(mesh.node_sets["centre"][0])
@@ -77,9 +73,7 @@ def stage_arrays(
         shaft_frame=shaft.frame,
         shaft_stiffness=np.zeros(2) if shaft.clamped else np.array(shaft.springs),
         shaft_damping=np.zeros(2) if shaft.clamped else np.array(shaft.dampings),
-        **casing_arrays(casing, casing_modes, casing_family),
-        wall_angle=casing.mesh.angles,
-        clearance=case_clearance(case)[:, 0],
+        **wall,
     )
 
 

@@ -15,6 +15,7 @@ from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import (
     case_bladed_disk,
     case_casing,
+    case_clearance,
     lowest_frequency,
     numbers_within_reach,
     tip_in_sector,
@@ -24,8 +25,8 @@ from bladewhirl.models.elements.cost import modal_cost, tell_cost
 from bladewhirl.models.elements.cyclic import NO_COLUMN, nodal_diameter_of, nodal_diameters
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.modal.describe import stage_arrays
-from bladewhirl.models.modal.labels import LabelledModes, labelled_modes, whirl_families
+from bladewhirl.models.modal.describe import casing_arrays, stage_arrays
+from bladewhirl.models.modal.labels import LabelledModes, labelled_modes, no_modes, whirl_families
 from bladewhirl.models.modal.modal_model import UNEQUAL_SECTORS, LabelledWhirlModes, ModalModel
 from bladewhirl.models.modal.modes import DENSE_LIMIT, Modes, lowest_pairs, natural_frequencies
 from bladewhirl.models.modal.stage_arrays import StageArrays
@@ -237,10 +238,14 @@ class ModalStage(ModalModel):
             self.disk,
             modes,
             tuple(family[i] for i in disk_modes),
-            self.casing,
-            self.casing_modes.expand(casing_modes),
-            tuple(self.casing_modes.family[i] for i in casing_modes),
             self.turning,
+            **casing_arrays(
+                self.casing,
+                self.casing_modes.expand(casing_modes),
+                tuple(self.casing_modes.family[i] for i in casing_modes),
+            ),
+            wall_angle=self.casing.mesh.angles,
+            clearance=case_clearance(self.case)[:, 0],
         )
 
 
@@ -297,6 +302,10 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
             reference_frequency=reference or lowest_frequency(free, free_modes.frequency),
             free_modes=free_modes,
             clamped_modes=labelled_modes(clamped.structure, tip, "bladed-disk", count),
-            casing_modes=labelled_modes(casing.structure, (RADIAL, TANGENTIAL), "casing", count),
+            casing_modes=(
+                labelled_modes(casing.structure, (RADIAL, TANGENTIAL), "casing", count)
+                if case.casing.type == "ring"
+                else no_modes()
+            ),
             at_speed=tuple(both) or None,
         )

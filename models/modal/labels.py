@@ -96,6 +96,22 @@ class LabelledModes(ModeTable):
         return np.asarray(fields[:, list(columns).index(column)])
 
 
+def no_modes() -> LabelledModes:
+    """Return the modes of a body that does not move."""
+    none, whole = np.zeros(0), np.zeros(0, dtype=np.int64)
+    return LabelledModes(
+        frequency=none,
+        column=whole,
+        nodal_diameter=whole,
+        purity=none,
+        spring_share=none,
+        family=(),
+        amplitudes=(),
+        layout=None,
+        size=0,
+    )
+
+
 def labelled_modes(
     structure: Structure, reference: tuple[int, int], body: Body, count: int | None = None
 ) -> LabelledModes:

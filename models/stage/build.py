@@ -51,7 +51,7 @@ def contact_problem(stage: Stage) -> ContactProblem:
             start=initial_state(stage).take(kept.rotor, kept.casing),
             springs=kept.springs,
             closure=WallClosure.around(
-                case.casing.closure, stage.casing.mesh.angles, stage.casing.mesh.radius
+                case.casing.closure, stage.wall_angle, stage.casing.mesh.radius
             ),
             coating=wall_coating(stage),
             foreshortening=foreshortening(stage),
@@ -78,7 +78,8 @@ def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:
 
 def march_faults(stage: Stage) -> Iterator[Fault]:
     """Yield all faults that prevent time integration."""
-    if not len(stage.kept.rotor) or not len(stage.kept.casing):  # a result has modes of both
+    flexible = stage.reduced_casing.is_flexible
+    if not len(stage.kept.rotor) or (flexible and not len(stage.kept.casing)):
         expected = "modes of the bladed disk and of the casing"
         yield case_fault(stage.case, "reduction.modes", expected)
     yield from time_step_faults(stage)
@@ -112,7 +113,7 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
         )
         yield case_fault(case, "march.time_step", expected)
     element = 2.0 * np.pi / case.casing.elements
-    if not abs(stage.speed) * step < element:
+    if stage.reduced_casing.is_flexible and not abs(stage.speed) * step < element:
         fastest = element / step / stage.reference_frequency
         expected = (
             f"less than {fastest:.6g}, at which a tip passes one casing element in every step"

@@ -284,6 +284,12 @@ class ReducedCasing:
         return len(self.frequency) > 0
 
     @property
+    def angle(self) -> FloatArray:
+        """Angle of each node from +x [rad], (nodes,)."""
+        nodes = len(self.nodal)
+        return np.asarray(2.0 * np.pi / nodes * np.arange(float(nodes)))
+
+    @property
     def element_length(self) -> float:
         """Arc length of one element [m]."""
         return 2.0 * np.pi * self.radius / len(self.nodal)

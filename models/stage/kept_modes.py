@@ -34,7 +34,7 @@ def kept_modes(case: Case, rotor: RadialModes, casing: RadialModes) -> KeptModes
         CaseError: the stage does not have the selected modes, or springs have no modes to couple.
     """
     coupled = None
-    if rotor.is_cyclic and casing.is_cyclic:
+    if rotor.is_cyclic and casing.is_cyclic and len(casing.frequency):
         coupled = coupled_entries(rotor, casing, damping_ratio=case.damping.ratio)
     bodies = [NamedModes(nodal_diameter=b.nodal_diameter, family=b.family) for b in (rotor, casing)]
 

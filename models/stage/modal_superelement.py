@@ -21,6 +21,7 @@ from bladewhirl.models.modal.labels import (
     families_at_speed,
     labelled_modes,
     names_of,
+    no_modes,
     wave_families,
 )
 from bladewhirl.models.modal.modal_model import (
@@ -317,18 +318,7 @@ def _of_casing(stage: SuperelementStage) -> LabelledModes:
     """Return the modes of a flexible casing; none for a rigid wall."""
     if stage.ring is not None:
         return labelled_modes(stage.ring.casing.structure, (RADIAL, TANGENTIAL), "casing")
-    none, whole = np.zeros(0), np.zeros(0, dtype=np.int64)
-    return LabelledModes(
-        frequency=none,
-        column=whole,
-        nodal_diameter=whole,
-        purity=none,
-        spring_share=none,
-        family=(),
-        amplitudes=(),
-        layout=None,
-        size=0,
-    )
+    return no_modes()
 
 
 def _collected(blocks: Blocks, sectors: int, omega: float) -> LabelledModes:

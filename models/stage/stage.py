@@ -33,7 +33,7 @@ from bladewhirl.models.stage.contact_problem import ReducedRotor
 from bladewhirl.models.stage.export import part_superelement, wheel_superelement
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
-from bladewhirl.models.stage.ring import Ring, flexible_ring
+from bladewhirl.models.stage.ring import Ring, stage_casing
 from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
@@ -77,7 +77,9 @@ class Stage(Ring):
             "bladed disk": f"{len(self.rotor.tip_angle)} blades, {self.disk.model.mass:.4g} kg,"
             f" {self.disk.structure.size} degrees of freedom; {self.symmetry['bladed_disk']}",
             "casing": f"{self.casing.mesh.elements} elements, {self.casing.mass:.4g} kg,"
-            f" {self.casing.structure.size} degrees of freedom; {self.symmetry['casing']}",
+            f" {self.casing.structure.size} degrees of freedom; {self.symmetry['casing']}"
+            if self.reduced_casing.is_flexible
+            else "rigid",
             "reference": f"{hertz:.4g} Hz, lowest of the bladed disk with a free centre",
             "speed": f"{self.speed:.5g} rad/s, {self.speed / self.reference_frequency:.4g} times"
             " the reference",
@@ -137,10 +139,10 @@ class Stage(Ring):
     @property
     def symmetry(self) -> dict[str, str]:
         """Symmetry of bladed disk and casing, and methods for modes and reduction, in words."""
-        return {
-            "bladed_disk": self.disk.structure.symmetry,
-            "casing": self.casing.structure.symmetry,
-        }
+        symmetry = {"bladed_disk": self.disk.structure.symmetry}
+        if self.reduced_casing.is_flexible:
+            symmetry["casing"] = self.casing.structure.symmetry
+        return symmetry
 
     @property
     def boundary_sets(self) -> dict[str, IntArray]:
@@ -157,10 +159,8 @@ class Stage(Ring):
             self.disk,
             modes,
             family,
-            self.casing,
-            self.casing_modes.take(self.kept.casing),
-            tuple(self.casing_family[mode] for mode in self.kept.casing),
             self.turning,
+            **self.wall_arrays(self.kept.casing),
         )
         rotor = self.rotor.take(self.kept.rotor)
         backward, forward = wave_frequencies(rotor, modes.nodal_diameter, self.speed)
@@ -196,7 +196,7 @@ def build_stage(case: Case) -> Stage:
             tip,
         )
         lowest_frequency(disk, np.abs(reduction.modes.frequency))  # check against rounding
-        ring = flexible_ring(case)
+        ring = stage_casing(case)
         disk_family = mode_families(disk.structure, reduction.modes, tip, "bladed-disk")
     modes = ring.casing_modes
     rotor = _reduced_rotor(case, disk, reduction.modes, turning)

@@ -29,7 +29,7 @@ from bladewhirl.models.stage.contact_problem import (
     WallClosure,
 )
 from bladewhirl.models.stage.excitations import LoadedStage, X, closing_unbalance, loads_on
-from bladewhirl.models.stage.ring import Ring, flexible_ring
+from bladewhirl.models.stage.ring import Ring, flexible_ring, rigid_wall
 from bladewhirl.models.stage.superelement_loads import (
     blade_angles,
     centre_rows,
@@ -46,11 +46,6 @@ from bladewhirl.models.superelements.reduction import (
 )
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
-
-GRID = 4096  #: number of angles at which the wall is tabulated; more if the profile has many points
-
-PER_POINT = 8
-"""Smallest number of angles at which the wall is tabulated per point of a measured profile."""
 
 LIMIT = 0.2  #: default of march.displacement_limit, divided by the largest radius of a contact node
 
@@ -302,17 +297,11 @@ class SuperelementStage:
         """The wall: at equally spaced angles from 0, or a flexible casing."""
         if self.ring is not None:
             return self.ring.reduced_casing
-        profile, angles = self.case.casing.clearance_profile, self._wall_angle
-        slope = profile.slope(angles) / self.casing_radius
-        clearance = np.column_stack([profile.value(angles), slope])
-        return ReducedCasing.rigid(clearance, self.casing_radius)
+        return rigid_wall(self.case, self.casing_radius)
 
     @property
     def _wall_angle(self) -> FloatArray:
-        if self.ring is not None:
-            return self.ring.casing.mesh.angles
-        angles = max(GRID, PER_POINT * len(self.case.casing.clearance_profile.points))
-        return 2.0 * np.pi / angles * np.arange(float(angles))
+        return self.wall.angle
 
     def _check_start(self, problem: ContactProblem) -> None:
         gap = problem.initial_gap()

@@ -28,6 +28,7 @@ from bladewhirl.postprocess.fields.kinematics import (
     sampling_hint,
 )
 from bladewhirl.postprocess.fields.nodes import deformed_points, frame_meshes, is_flexible
+from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.paraview.parts import StageParts
 
 logger = logging.getLogger(__name__)
@@ -104,6 +105,7 @@ def export_vtk(
             raise ViewError("surface, exaggeration: not allowed for a superelement")
     elif "rotor_line" not in dataset:
         raise ViewError("expected a superelement whose file has points and recovery")
+    dataset = with_wall(dataset)
     if records is None:
         records = frame_records(dataset, frames, start, end)
         if hint := sampling_hint(dataset, records):
@@ -254,6 +256,7 @@ def undeformed_mesh(dataset: xr.Dataset) -> meshio.Mesh:
     number of the blade on the node at its tip, -1 on all other nodes. The nodes of the casing are
     joined by straight lines.
     """
+    dataset = with_wall(dataset)
     rotor = dataset["rotor_point"].values
     angle, radius = dataset["casing_angle"].values, dataset.attrs["casing_radius"]
     ring = radius * directions(angle)

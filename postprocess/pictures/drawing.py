@@ -12,6 +12,7 @@ from bladewhirl.meshes.plane import rotate, unit
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT, EnlargedStage
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.pictures.choices import Field, Frame
 from bladewhirl.postprocess.pictures.colouring import Stations, colouring
 from bladewhirl.postprocess.pictures.symbols import StageSymbols, Symbols
@@ -67,6 +68,7 @@ class Drawing:
     ) -> None:
         if frame not in ("static", "rotating"):
             raise ViewError(f'frame must be "static" or "rotating", got {frame!r}')
+        dataset = with_wall(dataset)
         per_element = -(-RING_STATIONS // dataset.sizes["casing_node"])
         self._stage = stage = EnlargedStage(
             dataset, records, factor=exaggeration, per_line=BEAM_STATIONS, per_element=per_element

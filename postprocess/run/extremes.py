@@ -82,11 +82,13 @@ def largest_force(dataset: xr.Dataset) -> ForcePeak:
 
 
 def stress_peaks(peaks: xr.Dataset) -> dict[str, StressPeak]:
-    """Return the largest stress of the bladed disk and of the casing, from the largest stresses of
-    their members (`stresses.peak_stresses` or `stress_history`)."""
+    """Return the largest stress of the bladed disk and of a flexible casing, from the largest
+    stresses of their members (`stresses.peak_stresses` or `stress_history`)."""
     of_casing = peaks["member"].values == "casing"
     largest = {}
     for body, belongs in (("bladed_disk", ~of_casing), ("casing", of_casing)):
+        if not belongs.any():  # a rigid wall
+            continue
         members = peaks.isel(member=np.flatnonzero(belongs))
         one = members.isel(member=int(np.abs(members["peak_stress"].values).argmax()))
         largest[body] = StressPeak(

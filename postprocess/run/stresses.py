@@ -77,9 +77,10 @@ def stress_history(
 
     Returns:
         Dataset over (time, member); members are "blade 0" and so on, the other parts of the rotor,
-        and "casing". `axial_stress` [Pa] and `axial_strain` [1]: the value of largest magnitude in
-        the member, signed. `bending_stress` [Pa] and `bending_strain` [1]: the largest magnitude at
-        a surface. `largest_stress` and `smallest_stress` [Pa]: extremes at the surfaces. Over
+        and "casing" if it is flexible. `axial_stress` [Pa] and `axial_strain` [1]: the value of
+        largest magnitude in the member, signed. `bending_stress` [Pa] and `bending_strain` [1]: the
+        largest magnitude at a surface. `largest_stress` and `smallest_stress` [Pa]: extremes at the
+        surfaces. Over
         member only: `peak_stress` [Pa], the surface stress of largest magnitude at any time,
         signed, the time `peak_time` [s], and the radius of the point in the undeformed body,
         `peak_radius` [m].
@@ -133,7 +134,6 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
     order = np.argsort(member, kind="stable")
     present = np.unique(member)
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
-    nodes = dataset.sizes["casing_node"]
     rotor = _body(
         "rotor_displacement",
         Strains(*(row[order] for row in rotor_strain_rows(dataset))),
@@ -142,6 +142,10 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
         member[order],
         first=0,
     )
+    rotor_names = [names[number] for number in present]
+    if "casing_displacement" not in dataset:  # a rigid wall
+        return rotor_names, [rotor]
+    nodes = dataset.sizes["casing_node"]
     casing = _body(
         "casing_displacement",
         casing_strain_rows(dataset, CASING_PIECES),
@@ -150,7 +154,7 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
         np.zeros(nodes, dtype=np.int64),
         first=len(present),
     )
-    return [*(names[number] for number in present), "casing"], [rotor, casing]
+    return [*rotor_names, "casing"], [rotor, casing]
 
 
 def _body(

@@ -215,6 +215,9 @@ def _mode_frequencies(dataset: xr.Dataset, way: str) -> Array:
     differ with Coriolis forces."""
     frequencies = []
     for body, family in MODE_LINES.values():
+        if f"{body}_nodal_diameter" not in dataset:  # a rigid wall
+            frequencies.append(np.nan)
+            continue
         candidates = dataset.variables[f"{body}_nodal_diameter"].values == 1
         if family is not None:
             candidates &= dataset.variables[f"{body}_family"].values == family

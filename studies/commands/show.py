@@ -179,6 +179,8 @@ def _of_beams(stage: Stage) -> Shown:
         table(rates, RATES, "Frequencies and speed"),
     ]
     for body, title in (("bladed_disk", "Bladed disk"), ("casing", "Casing")):
+        if not derived[body]:  # a rigid wall
+            continue
         modes = sorted(derived[body], key=lambda mode: mode["nodal_diameter"])
         tables.append(table(modes, MODES, f"{title}, full model"))
 

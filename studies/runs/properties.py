@@ -55,7 +55,8 @@ def stage_properties(stage: Stage) -> dict[str, Any]:
         return {
             "bladed_disk_mass": stage.disk.model.mass,  # kg
             "bladed_disk_parts": stage.disk.model.part_masses,  # beams by part, point masses [kg]
-            "casing_mass": stage.casing.mass,  # with the struts [kg]
+            # With the struts [kg]; None for a rigid wall.
+            "casing_mass": stage.casing.mass if casing.is_flexible else None,
             # The lowest frequency of the full bladed disk with free centre, at rest.
             "reference_frequency": _rate(stage, stage.reference_frequency),
             "speed": _rate(stage, stage.speed),
@@ -132,6 +133,8 @@ def _lowest_of_disk(stage: Stage) -> list[Mode]:
 
 def _lowest_of_casing(stage: Stage) -> list[Mode]:
     modes = stage.casing_modes  # in ascending order
+    if not modes.count:
+        return []
     diameters, first = np.unique(modes.nodal_diameter, return_index=True)
     numbers = range(min(LOWEST, modes.count)) if diameters[0] < 0 else first.tolist()
     return _modes(stage, modes, numbers, modes.frequency)

@@ -101,3 +101,21 @@ def test_engine_orders_act_on_points_of_the_file(kind: str, tmp_path: Path) -> N
     moved = [marched(each)[1] for each in (beams, nodes)]
     assert np.abs(moved[0]).max() > 1e-7
     assert moved[1] == pytest.approx(moved[0], abs=1e-7 * np.abs(moved[0]).max())
+
+
+@pytest.mark.parametrize("kind", ["wheel", "sector", "blade"])
+@pytest.mark.parametrize("wall", ["ring", "rigid"])
+@pytest.mark.parametrize("sliding", ["permanent", "full"])
+def test_contact_in_every_wall_is_that_of_the_beams(
+    kind: str, wall: str, sliding: str, tmp_path: Path
+) -> None:
+    given = {
+        "casing": PINCHED | {"type": wall, "clearance_lobes": [{"lobes": 2, "amplitude": 2e-4}]},
+        "contact": {"sliding": sliding, "tip_rotation": True},
+    }
+    beams, nodes = (marched(each) for each in pair(tmp_path, kind, **given))
+    assert (beams[0].contact_impulse.sum(axis=0) > 0.0).sum() >= 2
+    assert nodes[1] == pytest.approx(beams[1], abs=1e-7 * np.abs(beams[1]).max())
+    for name in ("contact_impulse", "friction_impulse", "energy", "friction_work", "closing_work"):
+        ours, theirs = (getattr(each[0], name) for each in (nodes, beams))
+        assert ours == pytest.approx(theirs, abs=1e-6 * np.abs(theirs).max())
