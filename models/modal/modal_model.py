@@ -18,6 +18,8 @@ from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.rotation.whirl_modes import WhirlModes
 
+FAMILIES = 12  #: default number of modes of each nodal diameter of a superelement
+
 UNEQUAL_SECTORS = (
     "expected equal sectors, without bladed_disk.mistuning, on equal shaft"
     ' springs or on springs with shaft.frame = "static"; each wave then has one nodal'

@@ -15,9 +15,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.plausibility import probable_cause
-from bladewhirl.models.inputs.errors import Fault, UserError
-from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
-from bladewhirl.models.modal.modal_model import ModalModel
+from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.coating import node_coating_faults, wall_coating
@@ -29,7 +27,6 @@ from bladewhirl.models.stage.forced import (
     forced_superelement,
 )
 from bladewhirl.models.stage.hints import stage_hints, superelement_hints
-from bladewhirl.models.stage.modal_superelement import FAMILIES, modal_superelement
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 
@@ -221,46 +218,3 @@ def marched_stage(given: Marchable) -> MarchedStage:
         beams = given.bladed_disk.superelement is None
         given = build_stage(given) if beams else superelement_stage(given)
     return MarchedBeams(given) if isinstance(given, Stage) else MarchedNodes(given)
-
-
-Modelled = Marchable | ModalModel  #: what `modal_model` accepts
-
-
-def modal_model(
-    given: Modelled, *, families: int = FAMILIES, count: int | None = None
-) -> ModalModel:
-    """Return bladed disk and casing of a case, or of a model, in their modes.
-
-    Args:
-        given: a case, its stage or its modes.
-        families: number of modes of each nodal diameter of a superelement; all of beams.
-        count: number of modes to list of a superelement, in place of `families`; all of beams.
-
-    Raises:
-        CaseError: the modes cannot be computed with the numbers of the case.
-    """
-    if isinstance(given, ModalModel):
-        return given
-    case = given if isinstance(given, Case) else given.case
-    if case.bladed_disk.superelement is None:
-        return modal_stage(case)
-    return modal_superelement(case, families=families, count=count)
-
-
-def full_models(given: Modelled, study: str, reason: str) -> ModalStage:
-    """Return the finite element models of beams and casing for a study that needs them.
-
-    Args:
-        given: a case, its stage or its modes.
-        study: name of the study.
-        reason: reason why the study has no result for a superelement.
-
-    Raises:
-        UserError: the bladed disk is a superelement.
-    """
-    case = given if isinstance(given, Case) else given.case
-    if case.bladed_disk.superelement is not None:
-        raise UserError(f"{study}: not for a superelement: {reason}")
-    model = modal_model(given)
-    assert isinstance(model, ModalStage)
-    return model

@@ -25,6 +25,7 @@ from bladewhirl.models.modal.labels import (
     wave_families,
 )
 from bladewhirl.models.modal.modal_model import (
+    FAMILIES,
     UNEQUAL_SECTORS,
     LabelledWhirlModes,
     ModalModel,
@@ -51,9 +52,6 @@ from bladewhirl.models.superelements.nodal_blocks import (
     with_clamped_centre,
 )
 from bladewhirl.models.superelements.superelement import SuperelementError
-
-FAMILIES = 12
-"""Number of modes of each nodal diameter, by default."""
 
 COUPLED, COUPLED_AT_ONE_SPEED = 20, 100
 """Number of further modes of each nodal diameter, which rotation may couple to the chosen ones: for

@@ -255,7 +255,7 @@ def stability(
         physical: Use the physical amplitude of each mode, not unit amplitudes.
         films: Also write the divergent mode as VTK series and GIF.
     """
-    from bladewhirl.models.stage.marched import full_models
+    from bladewhirl.models.stage.modal import full_models
     from bladewhirl.studies.modal import stability_report as study
     from bladewhirl.studies.modal.coupled_system import couple
     from bladewhirl.studies.modal.stability import NEEDS
@@ -286,7 +286,7 @@ def stability(
 def _model(case: Path, overrides: list[str] | None, **numbers: int) -> ModalModel:
     """Return bladed disk and casing of a case file with changes, in their modes; `numbers` are
     those of `modal_model`."""
-    from bladewhirl.models.stage.marched import modal_model
+    from bladewhirl.models.stage.modal import modal_model
 
     with options.case_of(case, overrides) as read, reduction_bar():
         return modal_model(read, **numbers)

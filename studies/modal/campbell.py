@@ -11,7 +11,7 @@ from bladewhirl.files import claim_file
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.modal.labels import LabelledModes, names_of
-from bladewhirl.models.stage.marched import Modelled, modal_model
+from bladewhirl.models.stage.modal import Modelled, modal_model
 from bladewhirl.postprocess.modal.operating_range import UNKNOWN, operating_range
 from bladewhirl.solvers.stability.coincidence import coincidences
 from bladewhirl.studies.modal.campbell_at_speed import (

@@ -6,7 +6,7 @@ import xarray as xr
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.rotation.unequal_bearings import EllipticWaves
-from bladewhirl.models.stage.marched import Modelled, modal_model
+from bladewhirl.models.stage.modal import Modelled, modal_model
 from bladewhirl.studies.modal.study import Figures, Study
 from bladewhirl.studies.modal.veering import spring_stiffnesses
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table

@@ -21,7 +21,7 @@ from bladewhirl.models.inputs.mode_names import CASING
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body, LabelledModes
 from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
-from bladewhirl.models.stage.marched import full_models
+from bladewhirl.models.stage.modal import full_models
 from bladewhirl.postprocess.modal.mode_shapes import (
     mode_title,
     plot_mode_shapes,

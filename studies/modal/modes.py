@@ -10,7 +10,7 @@ from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
 from bladewhirl.models.modal.modes import is_first_of_pair
 from bladewhirl.models.rotation.whirl_modes import Direction, WhirlModes, directions
-from bladewhirl.models.stage.marched import Modelled, modal_model
+from bladewhirl.models.stage.modal import Modelled, modal_model
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
 

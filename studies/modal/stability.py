@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import ascending, speed_of
-from bladewhirl.models.stage.marched import Modelled, full_models
+from bladewhirl.models.stage.modal import Modelled, full_models
 from bladewhirl.postprocess.modal.motion import radial_shapes, shown_clearance
 from bladewhirl.solvers.stability.coupled_modes import (
     CoupledMode,

@@ -12,7 +12,7 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.fields import SMALLEST
 from bladewhirl.models.inputs.units import ascending
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.stage.marched import Modelled, full_models
+from bladewhirl.models.stage.modal import Modelled, full_models
 from bladewhirl.solvers.stability.veering import ShaftVeering, shaft_veering, whirl_veering
 from bladewhirl.studies.modal.modes import modes
 from bladewhirl.studies.modal.study import Figures, Study

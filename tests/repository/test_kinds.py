@@ -18,7 +18,7 @@ QUESTIONS = re.compile(
     r"|\.superelement\b(?: is(?: not)? None|:)"
 )
 
-BUILDERS = {"models/stage/marched.py", "models/case/bladed_disk.py"}
+BUILDERS = {"models/stage/marched.py", "models/stage/modal.py", "models/case/bladed_disk.py"}
 
 LEFT = {
     "models/case/case.py": 2,
