@@ -30,7 +30,7 @@ from bladewhirl.models.superelements.superelement import (
 UNKNOWN = -1  #: nodal diameter of the only block of a structure whose blades differ
 
 ALL = 400
-"""Largest number of coordinates of a wheel of which all modes are used."""
+"""Largest number of coordinates of a blade or a wheel of which all modes are used."""
 
 EQUAL = 1e-6
 """Frequencies of a wheel count as equal if their squares differ by at most this fraction."""
@@ -79,7 +79,10 @@ def blade_blocks(part: Superelement, blades: int, count: int) -> Blocks:
         blades: number of blades.
         count: number of modes of a blade.
     """
-    _, shapes = lowest_modes(part, min(count, part.size - 1))
+    if part.size <= min(count, ALL):
+        shapes = la.eigh(dense(part.stiffness), dense(part.mass))[1]
+    else:
+        _, shapes = lowest_modes(part, min(count, part.size - 1))
     block = _block(part, np.asarray(shapes, dtype=np.complex128))
     return dict.fromkeys(range(blades // 2 + 1), block)
 
