@@ -202,6 +202,7 @@ def test_a_point_holds_growth_eigenvalues_mode_and_scenario(tmp_path: Path) -> N
     point.to_netcdf(tmp_path / "point.nc", engine="h5netcdf")
 
 
+@pytest.mark.slow
 def test_a_chart_agrees_with_its_points(tmp_path: Path) -> None:
     chart = bw.stability(fan_stage(), speed=SPEEDS, kappa=KAPPAS, modes="all")
     assert chart["growth"].dims == ("kappa", "speed")

@@ -77,7 +77,7 @@ def test_points_whose_draws_differ_are_repeated(toy: Toy, tmp_path: Path, differ
     assert resume_sweep(tmp_path).marched == 0
 
 
-@pytest.mark.parametrize("until", [None, 0.2])
+@pytest.mark.parametrize("until", [pytest.param(None, marks=pytest.mark.slow), 0.2])
 def test_neither_workers_nor_kills_change_the_file(
     toy: Toy, tmp_path: Path, until: float | None
 ) -> None:
@@ -96,7 +96,7 @@ def test_neither_workers_nor_kills_change_the_file(
         assert same_bits(tmp_path / "one", folder)
 
 
-@pytest.mark.parametrize("differs", [1, 9])
+@pytest.mark.parametrize("differs", [1, pytest.param(9, marks=pytest.mark.slow)])
 def test_draws_added_later_are_those_of_a_longer_sweep(
     toy: Toy, tmp_path: Path, differs: int
 ) -> None:
@@ -223,6 +223,7 @@ def test_the_file_does_not_depend_on_the_number_of_workers(tmp_path: Path) -> No
     assert shares["uncertain"].values.tolist() == [[count == 8 for count in counts]]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("even")
 def test_draws_and_widths_added_later_are_those_of_a_longer_sweep(tmp_path: Path) -> None:
     run_sweep(CASE, TWO, tmp_path / "all", draws=8, perturb=PERTURB, until=0.2)
