@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, StrictBool, StrictStr
 
-from bladewhirl.models.case.schemes import SchemeName
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.mode_names import mode_choice
 from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys, Table
@@ -15,6 +14,19 @@ from bladewhirl.models.inputs.units import Speed
 
 MOST_STEPS = 1e12
 """Largest number of time steps; so many steps take days, and step numbers are far from overflow."""
+
+SCHEMES = {
+    "central-difference": "bladewhirl.solvers.march.central_difference:CentralDifference",
+    "moreau-jean": "bladewhirl.solvers.march.dense:MoreauJean",
+    "penalty": "bladewhirl.solvers.march.dense:Penalty",
+}
+"""Module and class of each scheme, by its name in cases. The arguments of the class are a problem,
+the time step [s] and the number of steps between records, see `solvers.march.march.Scheme`."""
+
+if TYPE_CHECKING:
+    SchemeName = str
+else:
+    SchemeName = Literal[tuple(SCHEMES)]
 
 WHOLE = 1e-6  #: relative tolerance with which record_step / time_step must be an integer
 
@@ -86,6 +98,12 @@ class Contact(Table):
     stick_speed: fields.PositiveVelocity = 0.01
     """Relative speed above which friction has its full value, for march.scheme = "penalty" [m/s].
     Below this speed friction is smaller, and tips creep instead of sticking."""
+
+    @property
+    def law(self) -> dict[str, float]:
+        """Numbers of the contact laws by key, without the friction coefficient."""
+        numbers = self.model_dump(exclude={"friction"})
+        return {key: value for key, value in numbers.items() if isinstance(value, float)}
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield an error for a restitution above one, which would generate energy."""

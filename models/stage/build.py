@@ -55,9 +55,7 @@ def contact_problem(stage: Stage) -> ContactProblem:
             ),
             coating=wall_coating(stage),
             foreshortening=foreshortening(stage),
-            restitution=case.contact.restitution,
-            penalty_stiffness=case.contact.penalty_stiffness,
-            stick_speed=case.contact.stick_speed,
+            law=case.contact.law,
         )
 
 

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.coupling.equations import difference_of_axes
 from bladewhirl.models.coupling.springs import CouplingSprings
@@ -496,11 +497,8 @@ class ContactProblem:
     coating: WallCoating | NodeCoating | None = None
     """Abradable coating: a `NodeCoating` under `ContactNodes`."""
     foreshortening: Foreshortening | None = None  #: gaps that open as blades bend
-    restitution: float = 0.0  #: restitution coefficient e of the scheme "moreau-jean"
-    penalty_stiffness: float = 1e9  #: contact stiffness of the scheme "penalty" [N/m]
-    stick_speed: float = 0.01
-    """Sliding speed up to which friction in the scheme "penalty" is proportional to the speed
-    [m/s]."""
+    law: dict[str, float] = field(default_factory=lambda: Contact().law)
+    """Numbers of the contact law of the scheme, by their key in the table `contact` of a case."""
 
     def clearance(self, time: float) -> FloatArray:
         """Return the clearance and its derivative by s at each node [m, 1], (nodes, 2)."""

@@ -29,7 +29,13 @@ import scipy.linalg as la
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.structs import Struct, dense_march, lib, zeros
-from bladewhirl.solvers.march.march import Chunk, EndReason, KernelState, check_time_step
+from bladewhirl.solvers.march.march import (
+    Chunk,
+    EndReason,
+    KernelState,
+    LawError,
+    check_time_step,
+)
 from bladewhirl.solvers.packing.arrangement import load_times
 from bladewhirl.solvers.packing.casing import pack_closure
 
@@ -146,14 +152,14 @@ class MoreauJean(_Dense):
     """Scheme with contact impulses and restitution."""
 
     def _law_numbers(self) -> dict[str, float]:
-        return {"restitution": self._problem.restitution}
+        return {"restitution": self._problem.law["restitution"]}
 
 
 class Penalty(_Dense):
     """Scheme with a penalty stiffness and regularised friction.
 
     Raises:
-        ValueError: the time step does not resolve the period of a tip on the penalty stiffness;
+        LawError: the time step does not resolve the period of a tip on the penalty stiffness;
             the message states the limit.
     """
 
@@ -162,12 +168,14 @@ class Penalty(_Dense):
         tips, wall = problem.rotor.tip_radial, problem.casing.nodal[:, 0]
         squares = sum(np.linalg.eigvalsh(rows @ rows.T).max() for rows in (tips, wall))
         limit = (SHARE_OF_STIFFEST / dt) ** 2 / squares
-        if problem.penalty_stiffness > limit:
-            raise ValueError(
-                f"penalty stiffness {problem.penalty_stiffness:.3g} N/m is above {limit:.3g} N/m,"
-                f" the most that a time step of {dt:.3g} s resolves; reduce one of the two"
+        stiffness = problem.law["penalty_stiffness"]
+        if stiffness > limit:
+            raise LawError(
+                "penalty_stiffness",
+                f"less (penalty stiffness {stiffness:.3g} N/m is above {limit:.3g} N/m,"
+                f" the most that a time step of {dt:.3g} s resolves; reduce one of the two)",
             )
-        return {"penalty": problem.penalty_stiffness, "stick_speed": problem.stick_speed}
+        return {"penalty": stiffness, "stick_speed": problem.law["stick_speed"]}
 
 
 def _stage(problem: ContactProblem, dt: float) -> Struct:

@@ -25,6 +25,19 @@ class EndReason(Enum):
     DAMPED = "damped"  #: no further contact is possible, see `FreeMotion`
 
 
+class LawError(ValueError):
+    """Error for a number of a contact law that a scheme does not allow.
+
+    Args:
+        key: key of the number in the table `contact` of a case.
+        expected: what is expected in its place.
+    """
+
+    def __init__(self, key: str, expected: str) -> None:
+        super().__init__(expected)
+        self.key = key
+
+
 @dataclass(frozen=True, kw_only=True)
 class CoatingRecords:
     """Records of an abradable coating."""

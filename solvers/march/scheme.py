@@ -3,7 +3,7 @@
 from importlib import import_module
 from typing import Any
 
-from bladewhirl.models.case.schemes import SCHEMES, SchemeName
+from bladewhirl.models.case.analysis import SCHEMES, SchemeName
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.march.march import Scheme
 

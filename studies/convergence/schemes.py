@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.analysis import SCHEMES
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
-from bladewhirl.models.case.schemes import SCHEMES
 from bladewhirl.models.inputs.errors import writing
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage

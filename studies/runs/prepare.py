@@ -16,7 +16,7 @@ from bladewhirl.models.stage.marched import Marchable, MarchedStage, marched_sta
 from bladewhirl.models.stage.mass_scaling import screening_problem
 from bladewhirl.solvers.march.checkpoint import state_arrays
 from bladewhirl.solvers.march.free_motion import FreeMotion
-from bladewhirl.solvers.march.march import Scheme
+from bladewhirl.solvers.march.march import LawError, Scheme
 from bladewhirl.solvers.march.scheme import make_scheme
 
 Change = Callable[[ContactProblem, Timing], tuple[ContactProblem, Timing]]
@@ -54,12 +54,8 @@ def prepare(given: Marchable, change: Change | None = None) -> Prepared:
     with numbers_within_reach(case):
         try:
             scheme = make_scheme(problem, timing.time_step, timing.record_every, case.march.scheme)
-        except ValueError as error:  # due to the penalty; the time step was checked before
-            if case.march.scheme != "penalty":
-                raise
-            raise CaseError(
-                [case_fault(case, "contact.penalty_stiffness", f"less ({error})")]
-            ) from None
+        except LawError as error:
+            raise CaseError([case_fault(case, f"contact.{error.key}", str(error))]) from None
         scheme.init()
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
 

@@ -8,9 +8,9 @@ import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.analysis import SchemeName
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
-from bladewhirl.models.case.schemes import SchemeName
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import (
@@ -24,10 +24,11 @@ from bladewhirl.studies.verification.contact import bars_in_impact, march_of_a_p
 MASS, SPEED, DEPTH = 2.0, 3.0, 1e-4
 
 
-def thrown_mass(**law: Any) -> ContactProblem:
-    """Return a free mass of 2 kg that moves at 3 m/s towards a wall at a distance of 1 mm."""
+def thrown_mass(**law: float) -> ContactProblem:
+    """Return a free mass of 2 kg that moves at 3 m/s towards a wall at a distance of 1 mm, with
+    numbers of a contact law."""
     start = {"rotor_velocity": np.array([SPEED * MASS**0.5])}
-    return replace(problem(point_mass(MASS), wall(1e-3), start=start), **law)
+    return replace(problem(point_mass(MASS), wall(1e-3), start=start), law=Contact(**law).law)
 
 
 @verifies(0.0, 0.5, 1.0)
@@ -104,7 +105,9 @@ def two_masses_on_a_stop(frequency: float) -> Pair:
     omega = np.sqrt(square)
     rotor = small_rotor(omega, tip_radial=shapes[:1], damping_ratio=0.015 * omega)
     load = Load(rotor=0.1 * shapes[1], casing=np.zeros(1), frequency=frequency)
-    given = replace(problem(rotor, wall(1.0), loads=(load,)), penalty_stiffness=100.0)
+    given = replace(
+        problem(rotor, wall(1.0), loads=(load,)), law=Contact(penalty_stiffness=100.0).law
+    )
     return exact, marched(given, dt, steps, scheme="penalty").rotor_displacement @ shapes[0]
 
 

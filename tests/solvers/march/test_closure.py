@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from contact_cases import assert_same, small_problem
 
+from bladewhirl.models.case.analysis import SchemeName
 from bladewhirl.models.case.closure import Closure
-from bladewhirl.models.case.schemes import SchemeName
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.march.central_difference import CentralDifference

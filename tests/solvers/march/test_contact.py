@@ -17,7 +17,7 @@ from contact_cases import (
 )
 from scipy.interpolate import CubicHermiteSpline
 
-from bladewhirl.models.case.schemes import SCHEMES
+from bladewhirl.models.case.analysis import SCHEMES, Contact
 from bladewhirl.models.stage.contact_problem import Load, ReducedCasing
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.solvers.march.scheme import make_scheme
@@ -246,7 +246,7 @@ def test_a_wall_that_stands_still_works_at_closing_only(scheme: str) -> None:
     """A mass that is thrown at a wall loses its energy there, unless the law gives it back."""
     rotor = small_rotor(np.array([50.0]), tip_radial=np.ones((1, 1)))
     start = {"rotor_velocity": np.array([1.0])}
-    given = replace(problem(rotor, wall(1e-3), start=start), penalty_stiffness=1e6)
+    given = replace(problem(rotor, wall(1e-3), start=start), law=Contact(penalty_stiffness=1e6).law)
     march = make_scheme(given, 1e-5, 1, scheme)
     _, chunk, _ = march.advance(march.init(), 2000)
     assert chunk.contact_impulse.any()

@@ -9,8 +9,8 @@ from contact_cases import ledger_residual, problem, small_rotor, thrown, wall
 from places import EXAMPLES
 from scipy.interpolate import CubicHermiteSpline
 
+from bladewhirl.models.case.analysis import Contact, SchemeName
 from bladewhirl.models.case.file import read_case
-from bladewhirl.models.case.schemes import SchemeName
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
@@ -65,7 +65,7 @@ def test_a_free_mass_goes_where_its_loads_push_it(law: SchemeName) -> None:
         rotor=np.ones(1), casing=np.zeros(1), end=8e-3, ramp=3e-3, frequency=700.0, phase=0.9
     )
     given = problem(small_rotor(np.zeros(1), tip_radial=np.ones((1, 1))), wall(9.0))
-    given = replace(given, loads=(load,), penalty_stiffness=1.0)
+    given = replace(given, loads=(load,), law=Contact(penalty_stiffness=1.0).law)
     chunk = marched(given, 1e-5, 1000, every=500, scheme=law)
     t = np.linspace(0.0, load.end, 20_001)
     rise = np.where(t < load.ramp, 0.5 - 0.5 * np.cos(np.pi * t / load.ramp), 1.0)
@@ -107,7 +107,7 @@ def test_a_tip_under_a_load_sticks_up_to_the_limit_of_friction() -> None:
 
 
 def test_a_penalty_creeps_where_a_tip_should_stick() -> None:
-    base = replace(pad_on_a_wall(), penalty_stiffness=1e6, stick_speed=0.01)
+    base = replace(pad_on_a_wall(), law={"penalty_stiffness": 1e6, "stick_speed": 0.01})
     rotor = replace(base.rotor, frequency=np.array([50.0, 0.0]))
     load = Load(rotor=np.array([0.0, 0.5]), casing=np.zeros(1))
     pressed = 10.0 / 1e6  # so deep that the penalty holds the weight
@@ -130,7 +130,7 @@ def test_a_penalty_pushes_where_the_tip_is_at_half_the_step(speed: float) -> Non
     casing = replace(wall(0.0, 3), clearance=clearance)
     load = Load(rotor=np.array([4.0]), casing=np.zeros(len(casing.frequency)))
     given = problem(rotor, casing, loads=(load,), speed=speed)
-    given = replace(given, penalty_stiffness=penalty)
+    given = replace(given, law=Contact(penalty_stiffness=penalty).law)
     chunk = marched(given, dt, 4000, scheme="penalty")
     middle = (chunk.rotor_displacement + 0.5 * dt * chunk.rotor_velocity)[:-1, 0]
     at = np.mod(2.1 + speed * (chunk.time[:-1] + 0.5 * dt), 2.0 * np.pi)
@@ -165,7 +165,7 @@ def test_displacements_beyond_the_limit_end_it(way: str, law: SchemeName, last: 
     rotor = small_rotor(np.zeros(1), **moved)
     start = {"rotor_velocity": np.array([1.0])}
     given = problem(rotor, wall(9.0), start=start, displacement_limit=0.01005)
-    scheme = make_scheme(replace(given, penalty_stiffness=1.0), 1e-4, 10, law)
+    scheme = make_scheme(replace(given, law=Contact(penalty_stiffness=1.0).law), 1e-4, 10, law)
     state, chunk, end = scheme.advance(scheme.init(), 1000)
     assert end is EndReason.DIVERGENT
     assert state.step == chunk.step[-1] == last
@@ -186,6 +186,10 @@ def test_a_penalty_moves_a_tip_by_half_a_radian_a_step_at_most(tips: int) -> Non
     given = problem(small_rotor(np.zeros(tips), tips, tip_radial=np.eye(tips)), wall(1e-3))
     dt = 1e-4
     stiffest = (0.5 / dt) ** 2
-    make_scheme(replace(given, penalty_stiffness=0.999 * stiffest), dt, 1, "penalty")
+    make_scheme(
+        replace(given, law=Contact(penalty_stiffness=0.999 * stiffest).law), dt, 1, "penalty"
+    )
     with pytest.raises(ValueError, match=r"is above 2\.5e\+07 N/m"):
-        make_scheme(replace(given, penalty_stiffness=1.001 * stiffest), dt, 1, "penalty")
+        make_scheme(
+            replace(given, law=Contact(penalty_stiffness=1.001 * stiffest).law), dt, 1, "penalty"
+        )
