@@ -1,0 +1,49 @@
+"""Figures of any recorded quantity over time."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.titles import head
+from bladewhirl.solvers.march.schema import HISTORY
+
+MOST = 12  #: largest number of lines that are drawn
+
+HEIGHT = 0.06  #: height of a figure [m]
+
+
+def recorded(result: xr.Dataset, *, name: str) -> xr.Dataset:
+    """Return a recorded variable of a result over time; of more than `MOST` columns those with the
+    largest values."""
+    values, dimensions = result[name].values, tuple(map(str, result[name].dims))
+    coordinates = {"time": result["time"].values}
+    if values.ndim > 1:
+        kept = np.sort(np.argsort(-np.abs(values).max(axis=0), kind="stable")[:MOST])
+        values, coordinates[dimensions[1]] = values[:, kept], kept
+    about = HISTORY[name]
+    data = labelled(result, name, {name: (dimensions, values, about.units)}, coordinates)
+    data[name].attrs["long_name"] = about.long_name
+    return data
+
+
+@styled
+def plot_recorded(data: xr.Dataset) -> Figure:
+    """Draw the only variable of a Dataset over time, a line for each column."""
+    (name,) = data.data_vars
+    values = data[name]
+    figure = new_figure(height=HEIGHT)
+    axes = figure.add_subplot()
+    lines = axes.plot(values["time"], values.values)
+    if values.ndim > 1:
+        column = values.dims[1]
+        title = str(column).replace("_", " ")
+        axes.legend(lines, values[column].values, title=title, loc="upper right")
+    text, unit = values.attrs["long_name"], values.attrs["units"]
+    axes.set_ylabel(text if unit == "1" else f"{text} [{unit}]")
+    axes.yaxis.set_major_locator(MaxNLocator(5, integer=values.dtype.kind == "i"))
+    time_axis(axes)
+    head(figure, data)
+    return figure
