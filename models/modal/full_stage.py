@@ -6,9 +6,10 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
+import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
@@ -27,7 +28,12 @@ from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.describe import casing_arrays, stage_arrays
 from bladewhirl.models.modal.labels import LabelledModes, labelled_modes, no_modes, whirl_families
-from bladewhirl.models.modal.modal_model import UNEQUAL_SECTORS, LabelledWhirlModes, ModalModel
+from bladewhirl.models.modal.modal_model import (
+    UNEQUAL_SECTORS,
+    LabelledWhirlModes,
+    ModalModel,
+    ShaftBlock,
+)
 from bladewhirl.models.modal.modes import DENSE_LIMIT, Modes, lowest_pairs, natural_frequencies
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
@@ -180,6 +186,31 @@ class ModalStage(ModalModel):
                 f" got {self.case.rotation.effects}"
             )
         return _disk_waves(self.case, self.at_speed[0])[1]
+
+    @property
+    def shaft_block(self) -> ShaftBlock:
+        disk = self.free_disk if self.at_speed is None else self.at_speed[0].disk
+        structure, layout = disk.structure, disk.structure.layout
+        if layout is None or not structure.is_cyclic:
+            symmetry = structure.symmetry.partition(":")[0]
+            raise UserError(
+                f"veering: expected equal sectors on equal shaft springs, not {symmetry}: only then"
+                " has each mode a single nodal diameter. Use bladewhirl modes for the frequencies"
+                " of this stage"
+            )
+        basis = layout.basis(1)  # the whirl of the centre is its last coordinate
+
+        def block(matrix: sp.csr_array) -> ComplexArray:
+            values = np.asarray((basis.conj().T @ matrix @ basis).toarray())
+            return values.conj() if self.speed < 0.0 else values
+
+        gyroscopic = structure.gyroscopic
+        return ShaftBlock(
+            mass=block(structure.mass),
+            stiffness=block(structure.stiffness - structure.springs),
+            elastic=block(structure.elastic - structure.springs),
+            gyroscopic=None if gyroscopic is None else block(gyroscopic),
+        )
 
     def growth(self, omegas: FloatArray) -> FloatArray | None:
         turning = self.turning

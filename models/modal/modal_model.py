@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.elements.casing import CasingModel
@@ -61,6 +61,17 @@ class LabelledWhirlModes:
             shapes=np.stack([fields.real, -fields.imag], axis=-1).reshape(len(fields), -1),
             sectors=0,
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShaftBlock:
+    """Matrices of nodal diameter 1 without the springs of the shaft, (n, n). The last coordinate is
+    the whirl of the centre along (1, i)/sqrt(2)."""
+
+    mass: ComplexArray  #: mass matrix
+    stiffness: ComplexArray  #: stiffness at the speed of the case
+    elastic: ComplexArray  #: stiffness at rest
+    gyroscopic: ComplexArray | None  #: Coriolis forces at the speed; None without Coriolis forces
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,6 +161,16 @@ class ModalModel(ABC):
         Raises:
             UserError: the sectors differ, or the bladed disk has no centre that moves, or its
                 critical speeds do not follow from its matrices.
+        """
+
+    @property
+    @abstractmethod
+    def shaft_block(self) -> ShaftBlock:
+        """Matrices of nodal diameter 1 with a free centre; of a clockwise rotation their complex
+        conjugates, so that waves against the rotation travel backward.
+
+        Raises:
+            UserError: the sectors differ, or the bladed disk has no centre that moves.
         """
 
     @abstractmethod

@@ -30,6 +30,7 @@ from bladewhirl.models.modal.modal_model import (
     LabelledWhirlModes,
     ModalModel,
     PointShapes,
+    ShaftBlock,
 )
 from bladewhirl.models.modal.modes import Modes, families, is_first_of_pair
 from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
@@ -161,6 +162,33 @@ class ModalSuperelement(ModalModel):
                 " in rotating axes"
             )
         return self.waves[1]
+
+    @property
+    def shaft_block(self) -> ShaftBlock:
+        if self.clamped_blocks is None:
+            raise UserError(
+                f'veering: expected {SOURCE}.kind = "wheel" with centre_dofs: this'
+                f" {self._table.kind} has no centre that can be free or clamped"
+            )
+        wave, block = self.waves[1], self.blocks[1]
+        whirl = (block.centre[0] - 1j * block.centre[1]) / np.sqrt(2.0)
+        # New coordinates, of which the last one is the whirl of the centre and the others leave it
+        # at rest.
+        turn = np.linalg.qr(whirl.conj()[:, None], mode="complete")[0][:, ::-1].copy()
+        turn[:, -1] /= whirl @ turn[:, -1]
+
+        def turned(matrix: ComplexArray) -> ComplexArray:
+            values = turn.conj().T @ matrix @ turn
+            return np.asarray(values.conj() if self.speed < 0.0 else values)
+
+        omega, elastic = self.speed, wave.stiffness - wave.springs
+        coriolis = turned(2.0 * omega * wave.coriolis) if self.effects == "full" else None
+        return ShaftBlock(
+            mass=turned(wave.mass),
+            stiffness=turned(elastic + omega**2 * wave.softening),
+            elastic=turned(elastic),
+            gyroscopic=coriolis,
+        )
 
     def growth(self, omegas: FloatArray) -> FloatArray | None:
         return None

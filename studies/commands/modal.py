@@ -134,8 +134,8 @@ def veering(
     The first two diagrams show frequencies of the full bladed disk against nodal diameter, with a
     free and with a clamped centre: many families, and the first two families with the suspension
     pair. The third shows the modes with one nodal diameter against the stiffness of the shaft
-    springs, where the character of the suspension pair passes from branch to branch. With --json
-    and no -o nothing is written.
+    springs, where the character of the suspension pair passes from branch to branch. A superelement
+    needs the centre of a wheel. With --json and no -o nothing is written.
 
     Args:
         families: Number of families in the first diagram, without the suspension pair.
@@ -143,7 +143,7 @@ def veering(
     from bladewhirl.studies.modal import veering as study
 
     interval = None if stiffnesses is None else stiffnesses.values()
-    stage = _model(case, overrides)
+    stage = _model(case, overrides, families=families)
     springs = study.spring_stiffnesses(stage.case, interval)
     computed = study.report(study.veering(stage, families=families, stiffnesses=springs))
     _present(computed, case, output, overwrite=overwrite, json=json)

@@ -3,16 +3,15 @@
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 import xarray as xr
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.fields import SMALLEST
 from bladewhirl.models.inputs.units import ascending
-from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.stage.modal import Modelled, full_models
+from bladewhirl.models.modal.modal_model import ModalModel
+from bladewhirl.models.stage.modal import Modelled, modal_model
 from bladewhirl.solvers.stability.veering import ShaftVeering, shaft_veering, whirl_veering
 from bladewhirl.studies.modal.modes import modes
 from bladewhirl.studies.modal.study import Figures, Study
@@ -24,12 +23,6 @@ STIFFNESSES, DECADES = 241, 3
 BRANCHES = 5  #: number of modes drawn against the stiffness of the shaft
 
 CLOSE_UP = 2  #: number of families of the second diagram, which also shows the suspension pair
-
-NEEDS = (
-    "it compares a free with a clamped centre and follows the modes of a disk on shaft springs of"
-    " any stiffness; bladewhirl modes lists frequencies by nodal diameter"
-)
-"""Reason why a superelement has no veering diagram."""
 
 MODE_LEVELS = ("centre", "family", "nodal_diameter")  #: coordinates that select a mode
 
@@ -67,9 +60,9 @@ def veering(
 
     Raises:
         UserError: the stage has no cyclic symmetry, so that modes with one nodal diameter cannot be
-            separated.
+            separated, or no centre on shaft springs.
     """
-    stage = full_models(case_or_stage, "veering", NEEDS)
+    stage = modal_model(case_or_stage, families=families)
     families = min(families, stage.disk_modes.count)
     springs = spring_stiffnesses(stage.case, None, stiffnesses)
     branches, computed = _over_shaft(stage, springs), modes(stage)
@@ -93,7 +86,7 @@ def veering(
             case=stage.case.title,
             families=families,
             case_stiffness=stage.case.shaft.stiffness,
-            speed=0.0 if stage.at_speed is None else stage.speed,
+            speed=stage.speed if stage.turns else 0.0,
             reference_frequency=reference,
         )
     )
@@ -201,7 +194,7 @@ def _families(computed: xr.Dataset, families: int) -> xr.Dataset:
     return data.set_index(mode=[*MODE_LEVELS, *(("direction",) if whirls else ())])
 
 
-def _families_at_case(stage: ModalStage, computed: xr.Dataset) -> list[str]:
+def _families_at_case(stage: ModalModel, computed: xr.Dataset) -> list[str]:
     """Return the family of each branch at the stiffness of the case, from all modes `computed`."""
     at_case = _over_shaft(stage, np.array([stage.case.shaft.stiffness])).frequency[0]
     chosen = computed.sel(body="bladed-disk", centre="free", nodal_diameter=1)
@@ -209,28 +202,12 @@ def _families_at_case(stage: ModalStage, computed: xr.Dataset) -> list[str]:
     return [str(name) for name in chosen["family"].values[distance.argmin(axis=1)]]
 
 
-def _over_shaft(stage: ModalStage, springs: FloatArray) -> ShaftVeering:
-    disk = stage.free_disk if stage.at_speed is None else stage.at_speed[0].disk
-    structure, layout = disk.structure, disk.structure.layout
-    if layout is None or not structure.is_cyclic:
-        symmetry = structure.symmetry.partition(":")[0]
-        raise UserError(
-            f"veering: expected equal sectors on equal shaft springs, not {symmetry}: only then has"
-            " each mode a single nodal diameter. Use bladewhirl modes for the frequencies of this"
-            " stage"
-        )
-    basis = layout.basis(1)
-
-    def block(matrix: sp.csr_array) -> ComplexArray:
-        values = np.asarray((basis.conj().T @ matrix @ basis).toarray())
-        return values.conj() if stage.speed < 0.0 else values  # waves towards -theta lead
-
-    mass, stiffness = block(structure.mass), block(structure.stiffness - structure.springs)
-    centre = np.zeros(len(mass), dtype=np.complex128)
-    centre[-1] = 1.0  # the whirl of the centre is the last coordinate, see `SectorLayout.basis`
-    options: dict[str, Any] = {"springs": springs, "branches": min(BRANCHES, len(mass) - 1)}
-    if structure.gyroscopic is None:
-        return shaft_veering(stiffness, mass, centre, **options)
-    elastic = block(structure.elastic - structure.springs)
-    matrices = mass, stiffness, block(structure.gyroscopic)
-    return whirl_veering(matrices, elastic, centre, **options)
+def _over_shaft(stage: ModalModel, springs: FloatArray) -> ShaftVeering:
+    block = stage.shaft_block
+    centre = np.zeros(len(block.mass), dtype=np.complex128)
+    centre[-1] = 1.0
+    options: dict[str, Any] = {"springs": springs, "branches": min(BRANCHES, len(centre) - 1)}
+    if block.gyroscopic is None:
+        return shaft_veering(block.stiffness, block.mass, centre, **options)
+    matrices = block.mass, block.stiffness, block.gyroscopic
+    return whirl_veering(matrices, block.elastic, centre, **options)

@@ -248,3 +248,16 @@ def test_matrices_at_speed_act_alike_in_modes_and_in_the_march(tmp_path: Path, k
     modal = np.diag(rotor.by_copy(rotor.stiffness)[0])
     of_march = gyroscopic_frequencies(np.eye(len(modal)), modal, forces).real
     assert np.sort(of_march[of_march > 0.0])[:8] == pytest.approx(lowest, rel=1e-6)
+
+
+@pytest.mark.parametrize("effects", ["none", "full"])
+def test_veering_of_a_wheel_is_that_of_its_beams(tmp_path: Path, effects: str) -> None:
+    case, springs = beams(rotation={"effects": effects}), np.geomspace(1e5, 1e9, 5)
+    wheel = exported(case, "wheel", tmp_path)
+    first, second = (bw.veering(each, families=2, stiffnesses=springs) for each in (case, wheel))
+    for name in first.data_vars:
+        one, other = first[name].values, second[name].values
+        if one.dtype.kind == "f":
+            assert other == pytest.approx(one, rel=1e-8, abs=1e-9)
+        else:
+            assert other.tolist() == one.tolist()

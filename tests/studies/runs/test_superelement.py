@@ -241,7 +241,7 @@ def test_a_sheet_has_a_picture_of_each_instant(file: Path, tmp_path: Path) -> No
         ("render RUN --html", "expected .png, .gif or .mp4 for a superelement"),
         ("render RUN --orbit", "not allowed for a superelement"),
         ("export RUN --surface", "not allowed for a superelement"),
-        ("veering RUN/case.toml", "a free with a clamped centre"),
+        ("veering RUN/case.toml", "this blade has no centre that can be free or clamped"),
         ("stability RUN/case.toml", "join the wall to one tip of each blade"),
         ("critical-speeds RUN/case.toml", "this blade has no centre that whirls"),
     ],
