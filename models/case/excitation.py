@@ -1,7 +1,7 @@
 """The `[excitation]` table of a case: loads on a stage, with one class for each type."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo, model_validator
@@ -80,8 +80,14 @@ def _factors(value: Any) -> tuple[float, ...]:
 LOWEST_SPEED = Speed(0.95)  #: lowest speed of the paper's Table 2
 
 
+ActsOn = Literal["nothing", "casing", "centre", "blades"]
+"""Part of a stage on which an excitation acts: a stage that lacks it refuses the excitation."""
+
+
 class NoExcitation(Table):
     """No load; motion starts from the initial conditions only."""
+
+    acts_on: ClassVar[ActsOn] = "nothing"
 
     type: Literal["none"] = "none"
     """"none", or "casing-distortion", "imbalance", "harmonic" or "engine-order" with their keys."""
@@ -89,6 +95,8 @@ class NoExcitation(Table):
 
 class CasingDistortion(Table):
     """A pulse on one casing mode (the paper's scenario A)."""
+
+    acts_on: ClassVar[ActsOn] = "casing"
 
     type: Literal["casing-distortion"] = "casing-distortion"
     """Force during [0, duration] on the lowest radial casing mode with nodal diameter k. The mode
@@ -108,6 +116,8 @@ class Imbalance(Table):
 
     The unbalance m e is given, or follows from ``clearance_speed``; exactly one of them is None.
     """
+
+    acts_on: ClassVar[ActsOn] = "centre"
 
     type: Literal["imbalance"] = "imbalance"
     """Force m e Omega^2 at the centre, constant along +x of the rotating frame. Blade 0 is on this
@@ -142,6 +152,8 @@ class Imbalance(Table):
 class Harmonic(Table):
     """A harmonic force at the centre (not in the paper)."""
 
+    acts_on: ClassVar[ActsOn] = "centre"
+
     type: Literal["harmonic"] = "harmonic"
     """Force cos(2 pi frequency t) at the centre along x of a frame."""
     force: Annotated[float, quantity("N", "not negative")] = 1e3
@@ -155,6 +167,8 @@ class Harmonic(Table):
 
 class EngineOrder(Table):
     """Forces on the blades that vary r times in each revolution; r is the engine order."""
+
+    acts_on: ClassVar[ActsOn] = "blades"
 
     type: Literal["engine-order"] = "engine-order"
     """Force F cos(r (Omega t + theta_n) + phase) on blade n at the angle theta_n. Its direction

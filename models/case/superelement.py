@@ -111,10 +111,10 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         yield Inconsistency("sketch", forbidden, (SOURCE,))
     table = case.bladed_disk.superelement
     for key, load in case.excitations.items():
-        if load.type in ("imbalance", "harmonic") and table.kind != "wheel":
+        if load.acts_on == "centre" and table.kind != "wheel":
             expected = f'another excitation, or {SOURCE}.kind = "wheel", which has a centre'
             yield Inconsistency(f"{key}.type", expected, (SOURCE,))
-        elif load.type in ("imbalance", "harmonic") and table.part.centre_dofs is None:
+        elif load.acts_on == "centre" and table.part.centre_dofs is None:
             expected = "another excitation, or a superelement with centre_dofs"
             yield Inconsistency(f"{key}.type", expected, (SOURCE,))
         elif getattr(load, "position", "tip") != "tip":
@@ -144,16 +144,20 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         if key.startswith("centre") and (table.kind != "wheel" or table.part.centre_dofs is None):
             expected = f'motion of the tips only, or {SOURCE}.kind = "wheel" with centre_dofs'
             yield Inconsistency(f"initial.{key}", expected, (SOURCE,))
-    by_order = [key for key, load in case.excitations.items() if load.type == "engine-order"]
-    if table.kind == "wheel" and table.copies == 1 and (moved or by_order):
-        reason = f"initial.{moved[0]}" if moved else f'{by_order[0]}.type = "engine-order"'
+    by_order = [
+        f'{key}.type = "{load.type}"'
+        for key, load in case.excitations.items()
+        if load.acts_on == "blades"
+    ]
+    if table.kind == "wheel" and table.copies == 1 and (moved or on_blades):
+        reason = f"initial.{moved[0]}" if moved else on_blades[0]
         yield Inconsistency(f"{SOURCE}.copies", f"the number of blades of the wheel, for {reason}")
 
 
 def _rigid_faults(case: "Case") -> Iterator[Inconsistency]:
     """Yield loads and springs that act on a flexible casing."""
     for key, load in case.excitations.items():
-        if load.type == "casing-distortion":
+        if load.acts_on == "casing":
             expected = 'another excitation, or casing.type = "ring"'
             yield Inconsistency(f"{key}.type", expected, ("casing.type",))
     if case.coupling.stiffness:
