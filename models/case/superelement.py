@@ -144,7 +144,7 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         if key.startswith("centre") and (table.kind != "wheel" or table.part.centre_dofs is None):
             expected = f'motion of the tips only, or {SOURCE}.kind = "wheel" with centre_dofs'
             yield Inconsistency(f"initial.{key}", expected, (SOURCE,))
-    by_order = [
+    on_blades = [
         f'{key}.type = "{load.type}"'
         for key, load in case.excitations.items()
         if load.acts_on == "blades"

@@ -172,7 +172,7 @@ def test_a_slow_closure_is_marched(file: Path) -> None:
     ],
 )
 def test_keys_of_superelements_need_one(changes: dict[str, Any], key: str) -> None:
-    expected = rf"{key} = .* expected not allowed without bladed_disk\.superelement"
+    expected = rf"{key} = .*: not allowed without bladed_disk\.superelement"
     with pytest.raises(bw.CaseError, match=expected):
         bw.case_from(changes)
 
