@@ -230,14 +230,15 @@ def _recorder(
 def _chunk(records: xr.Dataset, time_step: float, *, profiles: bool) -> Chunk:
     """Return records of a result as a chunk, with or without the profiles of its coating."""
     still = np.zeros((records.sizes["time"], 0))  # of a rigid wall
-    values: dict[str, Any] = {name: records[name].values for name in HISTORY if name in records}
+    names = (field.name for field in fields(Chunk) if field.name in HISTORY)
+    values: dict[str, Any] = {name: records[name].values for name in names if name in records}
     for name in ("casing_displacement", "casing_velocity"):
         values.setdefault(name, still)
     coating = None
     if "coating_strain" in records:
         kept = records.isel(wear_time=slice(None if profiles else 0))
-        names = [field.name for field in fields(CoatingRecords)]
-        coating = CoatingRecords(**{name: kept[name].values for name in names if name in kept})
+        parts = (field.name for field in fields(CoatingRecords))
+        coating = CoatingRecords(**{name: kept[name].values for name in parts if name in kept})
     step = np.rint(values["time"] / time_step).astype(np.int64)
     return Chunk(step=step, coating=coating, **values)
 
