@@ -81,7 +81,18 @@ def test_the_blades_of_a_wheel_are_known_only_by_their_number(tmp_path: Path) ->
     turning = beams(bladed_disk=disk | {"mistuning": mistuning}, rotation={"effects": "full"})
     with pytest.raises(bw.UserError, match="expected equal sectors"):
         bw.critical_speeds(exported(turning, "wheel", tmp_path))
+    # The blades may be listed in any order.
+    mixed = [2, 0, 3, 1, 4]
+    part = replace(
+        part,
+        contact_position=part.contact_position[mixed],
+        contact_dofs=part.contact_dofs[mixed],
+    )
     bw.write_superelement(tmp_path / "wheel.npz", part)
+    both = [bw.modes(each, count=12) for each in (case, different)]
+    tuned, same = (of(each, "bladed-disk", "free", 12) for each in both)
+    for name in LABELS:
+        assert same[name].values.tolist() == tuned[name].values.tolist()
     unknown = bw.with_values(different, {"bladed_disk.superelement.copies": 1})
     assert set(
         of(bw.modes(unknown, count=6), "bladed-disk", "free", 6)["nodal_diameter"].values
