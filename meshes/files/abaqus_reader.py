@@ -17,6 +17,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
+from typing import NamedTuple
 
 import meshio
 import numpy as np
@@ -31,9 +32,21 @@ CURVED = re.compile(r"(T[23]D3|B[23]2|PIPE[23]2)(OS|R)?H?")
 POINT_MASSES = {"MASS": "mass", "ROTARYI": "inertia"}
 """Types of elements with one node, and the names of their data."""
 
-SOLID = re.compile(r"(?:C3D|DC3D|F3D)(\d+).*")
-SOLIDS = {4: "tetra", 10: "tetra10", 8: "hexahedron", 20: "hexahedron20"}
-"""Types of cells by the number of nodes of solid elements (C3D10 has 10 nodes)."""
+SOLIDS = {
+    "C3D4": "tetra",
+    "C3D6": "wedge",
+    "C3D8": "hexahedron",
+    "C3D8I": "hexahedron",
+    "C3D8R": "hexahedron",
+    "C3D10": "tetra10",
+    "C3D15": "wedge15",
+    "C3D20": "hexahedron20",
+    "C3D20R": "hexahedron20",
+}
+"""Type of the cells, named as in meshio, of each element of solids."""
+
+SOLID = re.compile(r"(?:A?C3D|DC3D|F3D)(\d+).*")
+"""Elements of solids, whether supported or not; the number is that of their nodes."""
 
 SECTION = ("width", "thickness", "young_modulus", "density")
 OWN_SETS = re.compile(r"(section|mass|inertia)-\d+", re.I)
@@ -92,26 +105,45 @@ class AbaqusMesh:
         return groups
 
 
-def abaqus_mesh(path: Path) -> meshio.Mesh:
+class SolidMesh(NamedTuple):
+    """Mesh of meshio with what it cannot hold."""
+
+    mesh: meshio.Mesh
+    elements: tuple[str, ...] = ()  #: element of each block of cells; empty if the source has none
+
+
+def abaqus_mesh(path: Path) -> SolidMesh:
     """Return the solid elements of an .inp file, and its sets as sets of points.
 
     Raises:
-        MeshFileError: the file is not a valid .inp file.
+        MeshFileError: the file is not a valid .inp file, or has elements that are not supported.
     """
     content = read_abaqus(path)
     place = {number: row for row, number in enumerate(content.points)}
-    sizes = {kind: SOLID.fullmatch(kind) for kind in set(content.types.values())}
-    solids: dict[int, list[list[int]]] = {}
+    solids: dict[str, list[list[int]]] = {}
     for number, kind in content.types.items():
-        if size := sizes[kind]:
+        if SOLID.fullmatch(kind):
             nodes = [place.get(node, -1) for node in content.elements[number]]
-            solids.setdefault(int(size[1]), []).append(nodes)
-    cells = [(SOLIDS.get(n, f"hexahedron{n}"), np.array(rows)) for n, rows in solids.items()]
-    return meshio.Mesh(
+            solids.setdefault(kind, []).append(nodes)
+    if other := [kind for kind in solids if kind not in SOLIDS]:
+        raise MeshFileError(
+            f"elements of the types {', '.join(SOLIDS)}; found {len(solids[other[0]])} of type"
+            f" {other[0]}{_instead(other[0])}"
+        )
+    cells = [(SOLIDS[kind], np.array(rows)) for kind, rows in solids.items()]
+    mesh = meshio.Mesh(
         np.array([*content.points.values()]).reshape(-1, 3),
         cells or [(POINT, np.zeros((0, 1), dtype=np.int64))],
         point_sets=_by_place(content.groups(), place),
     )
+    return SolidMesh(mesh, tuple(solids))
+
+
+def _instead(kind: str) -> str:
+    """Return the supported elements with the nodes of another one, as the end of a message."""
+    size = SOLID.sub(r"C3D\1", kind)
+    alike = [name for name in SOLIDS if name.rstrip("IR") == size]
+    return f"; write {' or '.join(alike)} if that is what you mean" if alike else ""
 
 
 def read_abaqus(path: Path) -> AbaqusMesh:

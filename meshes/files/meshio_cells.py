@@ -9,9 +9,13 @@ from typing import Any
 
 import meshio
 import numpy as np
+from meshio._mesh import topological_dimension
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.files.groups import MeshFileError
+
+# meshio 5.3 reads and writes wedges with 15 nodes, but has forgotten their dimension.
+topological_dimension.setdefault("wedge15", 3)
 
 LINE, POINT = "line", "vertex"
 

@@ -1,4 +1,4 @@
-"""Meshes of solids: tetrahedra or hexahedra of first or second order, with groups of nodes."""
+"""Meshes of solids: tetrahedra, wedges and hexahedra, with groups of nodes."""
 
 from collections import defaultdict
 from collections.abc import Callable, Mapping
@@ -9,27 +9,37 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from bladewhirl.meshes.files.abaqus_reader import abaqus_mesh
+from bladewhirl.meshes.files.abaqus_reader import SolidMesh, abaqus_mesh
 from bladewhirl.meshes.files.gmsh import TAG, gmsh_mesh, is_member
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.meshio_cells import readable, stacked
 from bladewhirl.meshes.files.vtu import integer_groups
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
-CELLS = ("tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27")
-"""Types of the cells of solids, with the names of meshio and the order of nodes of VTK."""
+ELEMENTS = {
+    "tetra": "C3D4",
+    "tetra10": "C3D10",
+    "wedge": "C3D6",
+    "wedge15": "C3D15",
+    "hexahedron": "C3D8",
+    "hexahedron20": "C3D20",
+    "hexahedron27": "C3D27",
+}
+"""Name of the element of each type of cell, named as in meshio, in meshes without such names. The
+order of nodes is that of VTK."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class VolumeMesh:
-    """Mesh of a solid with cells of one type, in the unit of length of its source.
+    """Mesh of a solid, in the unit of length of its source.
 
     Every node belongs to a cell.
     """
 
     points: FloatArray  #: positions of the nodes, (nodes, 3)
-    cell_type: str  #: one of `CELLS`
-    cells: IntArray  #: nodes of each cell in the order of VTK, (cells, nodes of a cell)
+    blocks: tuple[tuple[str, IntArray], ...]
+    """Name of the elements, as in Abaqus, and nodes of each cell in the order of VTK, (cells,
+    nodes of a cell)."""
     groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> numbers of nodes
     name: str = ""  #: name of the file, without its folder
     rows: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
@@ -50,11 +60,11 @@ def read_volume_mesh(mesh: meshio.Mesh | str | PathLike[str]) -> VolumeMesh:
             or CalculiX.
 
     Raises:
-        MeshFileError: the file cannot be read, or its solid cells do not have one supported type;
-            the text completes "expected ...".
+        MeshFileError: the file cannot be read, or cells have an unsupported type; the text completes
+            "expected ...".
     """
     if isinstance(mesh, meshio.Mesh):
-        return _volumes(mesh, "the mesh")
+        return _volumes(SolidMesh(mesh), "the mesh")
     file = Path(mesh)
     if file.exists() and not file.is_file():
         raise MeshFileError("a regular file")
@@ -63,44 +73,57 @@ def read_volume_mesh(mesh: meshio.Mesh | str | PathLike[str]) -> VolumeMesh:
     return _volumes(READERS[file.suffix.lower()](file), file.name)
 
 
-def _vtu_mesh(path: Path) -> meshio.Mesh:
+def _gmsh_mesh(path: Path) -> SolidMesh:
+    return SolidMesh(gmsh_mesh(path))
+
+
+def _vtu_mesh(path: Path) -> SolidMesh:
     with readable(path):
-        return meshio.vtu.read(str(path))
+        return SolidMesh(meshio.vtu.read(str(path)))
 
 
-READERS: dict[str, Callable[[Path], meshio.Mesh]] = {
-    ".msh": gmsh_mesh,
+READERS: dict[str, Callable[[Path], SolidMesh]] = {
+    ".msh": _gmsh_mesh,
     ".vtu": _vtu_mesh,
     ".inp": abaqus_mesh,
 }
 
 
-def _volumes(mesh: meshio.Mesh, name: str) -> VolumeMesh:
-    solid = [block for block in mesh.cells if block.dim == 3 and len(block.data)]
-    kinds = sorted({block.type for block in solid})
-    if len(kinds) != 1 or kinds[0] not in CELLS:
+def _volumes(source: SolidMesh, name: str) -> VolumeMesh:
+    mesh = source.mesh
+    solid = {n: block for n, block in enumerate(mesh.cells) if block.dim == 3 and len(block.data)}
+    kinds = sorted({block.type for block in solid.values()})
+    if not kinds or not set(kinds) <= ELEMENTS.keys():
         existing = f"found {', '.join(kinds)}" if kinds else "there are none"
-        raise MeshFileError(f"cells of one of the types {', '.join(CELLS)}; {existing}")
-    cells = stacked([block.data for block in solid]).astype(np.int64)
+        raise MeshFileError(f"cells of the types {', '.join(ELEMENTS)}; {existing}")
+    cells: dict[str, list[IntArray]] = {}
+    for number, block in solid.items():
+        element = source.elements[number] if source.elements else ELEMENTS[block.type]
+        cells.setdefault(element, []).append(block.data)
     # A file of Gmsh 2.2 repeats a cell for each of its groups; one occurrence remains.
-    cells = cells[np.sort(np.unique(np.sort(cells, axis=1), axis=0, return_index=True)[1])]
-    if not (cells.min() >= 0 and cells.max() < len(mesh.points)):
+    blocks = {element: _once(stacked(data).astype(np.int64)) for element, data in cells.items()}
+    ends = [end for one in blocks.values() for end in (one.min(), one.max())]
+    if not (min(ends) >= 0 and max(ends) < len(mesh.points)):
         raise MeshFileError("all nodes of the cells; some nodes are not defined")
     points = np.asarray(mesh.points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
         raise MeshFileError("nodes with three finite coordinates")
-    used, numbers = np.unique(cells, return_inverse=True)
+    used = np.unique(np.concatenate([one.ravel() for one in blocks.values()]))
     place = np.full(len(points), -1)
     place[used] = np.arange(len(used))
     groups = {key: np.unique(place[nodes]) for key, nodes in _groups(mesh).items()}
     return VolumeMesh(
         points=points[used],
-        cell_type=kinds[0],
-        cells=numbers.reshape(cells.shape),
+        blocks=tuple((element, place[one]) for element, one in blocks.items()),
         groups={key: nodes[nodes >= 0] for key, nodes in groups.items()},
         name=name,
         rows=used,
     )
+
+
+def _once(cells: IntArray) -> IntArray:
+    """Return the cells without those that have the nodes of an earlier cell."""
+    return cells[np.sort(np.unique(np.sort(cells, axis=1), axis=0, return_index=True)[1])]
 
 
 def _groups(mesh: meshio.Mesh) -> dict[str, IntArray]:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from bladewhirl.files import open_text
-from bladewhirl.meshes.files.abaqus_reader import abaqus_mesh, read_abaqus
+from bladewhirl.meshes.files.abaqus_reader import read_abaqus
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import read_volume_mesh
 from bladewhirl.meshes.line_mesh import IntArray
@@ -73,9 +73,9 @@ def _displacements(path: Path) -> IntArray:
 
 
 def _surface(path: Path) -> IntArray | None:
-    """Return the nodes of the surface triangles; None for elements of several types."""
+    """Return the nodes of the surface triangles; None without solids of supported elements."""
     try:
-        mesh = read_volume_mesh(abaqus_mesh(path))
+        mesh = read_volume_mesh(path)
     except MeshFileError:
         return None
     shown, triangles = surface_triangles(mesh)

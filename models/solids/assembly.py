@@ -1,40 +1,71 @@
-"""Matrices of isotropic elastic solids with scikit-fem.
+"""Matrices of elastic solids with scikit-fem.
 
-Unknown 3 n + c is displacement c of node n. Each block of displacements i and k is assembled with a
-scalar element, which takes a ninth of the time of a vector element.
+Unknown 3 n + c is displacement c of node n; after the nodes come the incompatible modes of elements
+that have some. Each block of displacements i and k is assembled with a scalar element,
+which takes a ninth of the time of a vector element.
 """
 
-from dataclasses import replace
 from itertools import combinations_with_replacement, product
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spl
-from skfem import Basis, BilinearForm, MeshHex1, MeshTet1
-from skfem.assembly import Dofs
+from skfem import Basis, BilinearForm
 
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import VolumeMesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.solids.cells import CELL_TYPES, CellType
+from bladewhirl.models.solids.elements import ELEMENTS, ElementType, Mapping, Rule, Unknowns
 from bladewhirl.models.superelements.frequencies import SYMMETRIC_ORDER
 
+HOURGLASS = 5e-4
+"""Coefficient of the stiffness against hourglass modes, as in CalculiX."""
 
-class Elasticity(NamedTuple):
-    """Constants of an isotropic elastic material."""
+MODES = np.array(
+    [
+        [1, 1, -1, -1, -1, -1, 1, 1],
+        [1, -1, -1, 1, -1, 1, 1, -1],
+        [1, -1, 1, -1, 1, -1, 1, -1],
+        [-1, 1, -1, 1, 1, -1, 1, -1],
+    ]
+)
+"""Hourglass modes of the nodes of a hexahedron in the order of VTK, (4, 8)."""
 
-    young_modulus: float  #: Young's modulus [Pa]
-    poisson_ratio: float  #: Poisson's ratio
+
+DISTORTION = 1e-2
+"""Largest deviation of a cell of C3D8R from a parallelepiped, divided by its size."""
+
+
+class Materials(NamedTuple):
+    """Constants of the isotropic elastic materials of all cells."""
+
+    young_modulus: FloatArray  #: Young's modulus [Pa], (cells,)
+    poisson_ratio: FloatArray  #: Poisson's ratio, (cells,)
+    density: FloatArray  #: density [kg/m3], (cells,)
 
     @property
     def tensor(self) -> FloatArray:
-        """Elasticity tensor [Pa], (3, 3, 3, 3)."""
+        """Elasticity tensor [Pa], (3, 3, 3, 3, cells)."""
         shear = self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
         lame = 2.0 * shear * self.poisson_ratio / (1.0 - 2.0 * self.poisson_ratio)
         one = np.eye(3)
         symmetric = np.einsum("ik,jl->ijkl", one, one) + np.einsum("il,jk->ijkl", one, one)
-        return np.asarray(lame * np.einsum("ij,kl->ijkl", one, one) + shear * symmetric)
+        volumetric = np.einsum("ij,kl->ijkl", one, one)
+        return np.asarray(lame * volumetric[..., None] + shear * symmetric[..., None])
+
+
+class _Block(NamedTuple):
+    """Cells with elements of one type."""
+
+    kind: ElementType
+    cells: IntArray  #: numbers of the cells among all cells
+    positions: FloatArray  #: positions of the nodes of each cell [m], (cells, nodes, 3)
+    unknowns: Unknowns  #: unknowns of its functions
+
+    def basis(self, rule: Rule, functions: type[Any]) -> Basis:
+        """Return functions of displacements at the points of a quadrature."""
+        return self.kind.basis(self.positions, self.unknowns, rule, functions)
 
 
 class Solid:
@@ -42,38 +73,59 @@ class Solid:
 
     Cells have the shape that all their nodes describe (isoparametric elements).
 
+    Args:
+        mesh: mesh, with lengths in m.
+        materials: materials of its cells.
+
     Raises:
         MeshFileError: a cell has no volume, or is turned inside out somewhere.
     """
 
-    def __init__(self, mesh: VolumeMesh) -> None:
+    def __init__(self, mesh: VolumeMesh, materials: Materials) -> None:
+        self._materials = materials
+        self._blocks: list[_Block] = []
+        counts = [ELEMENTS[name].internal * len(cells) for name, cells in mesh.blocks]
+        self.size = len(mesh.points) + sum(counts)  #: number of nodes and internal functions
         self.points = mesh.points  #: positions of the nodes [m], (nodes, 3)
-        self._type = CELL_TYPES[mesh.cell_type]
-        self._mesh, self._node = _skfem_mesh(mesh, self._type)
-        _check_volumes(mesh, self._basis(self._type.stiffness_order))
+        first, following = 0, len(mesh.points)
+        for (name, cells), count in zip(mesh.blocks, counts, strict=True):
+            kind = ELEMENTS[name]
+            nodes = cells[:, kind.order]
+            internal = following + np.arange(count).reshape(len(cells), -1)
+            unknowns = np.concatenate([nodes, internal], axis=1).T
+            numbers = np.arange(first, first + len(cells))
+            self._blocks.append(
+                _Block(kind, numbers, mesh.points[nodes], Unknowns(unknowns, self.size))
+            )
+            first, following = first + len(cells), following + count
+        _check_volumes(self._blocks)
+        for block in self._blocks:
+            if block.kind.hourglass:
+                _check_parallelepipeds(block)
 
-    @property
-    def nodes(self) -> int:
-        """Number of nodes."""
-        return len(self.points)
-
-    def mass(self, density: float, *, reduced: bool = False) -> sp.csr_array:
-        """Return the consistent mass of one component of the displacements [kg], (nodes, nodes).
+    def mass(self, *, reduced: bool | None = None) -> sp.csr_array:
+        """Return the consistent mass of one component of the displacements [kg], (size, size).
 
         Args:
-            density: density [kg/m3].
             reduced: true for the quadrature of the stiffness, false for one that is exact for cells
-                with plane faces.
+                with plane faces; None for that of the name of each element.
         """
-        mass = BilinearForm(lambda u, v, w: density * u * v)
-        order = self._type.stiffness_order if reduced else self._type.mass_order
-        return self._assembled(mass, self._basis(order))
+        total = sp.csr_array((self.size, self.size))
+        for block in self._blocks:
+            kind = block.kind
+            density = self._materials.density[block.cells, None]
+            share = kind.reduced if reduced is None else float(reduced)
+            if share > 0.0:
+                basis = block.basis(kind.stiffness_rule, kind.functions)
+                total += _mass_form(share * density).assemble(basis)
+            if share < 1.0:
+                basis = block.basis(kind.mass_rule, kind.mass_functions)
+                total += _mass_form((1.0 - share) * density).assemble(basis)
+        return sp.csr_array(total)
 
-    def stiffness(
-        self, material: Elasticity, displacement: FloatArray | None = None
-    ) -> sp.csr_array:
-        """Return the stiffness for small motions about a static displacement [N/m], (3 * nodes,
-        3 * nodes).
+    def stiffness(self, displacement: FloatArray | None = None) -> sp.csr_array:
+        """Return the stiffness for small motions about a static displacement [N/m], (3 * size,
+        3 * size).
 
         The block of displacements i and k is int (F_ia C_ajbl F_kb + S_jl delta_ik) dN/dx_j
         dN^T/dx_l dV with the shape functions N, the elasticity tensor C, the gradient F of the
@@ -81,36 +133,38 @@ class Solid:
         the elastic stiffness of the deformed solid, the second the geometric stiffness.
 
         Args:
-            material: elastic constants.
-            displacement: static displacements of the nodes [m], (3 * nodes,); zero by default.
+            displacement: static displacements [m], (3 * size,); zero by default.
         """
-        basis = self._basis(self._type.stiffness_order)
-        law = material.tensor
-        if displacement is None:
-            tangent = law[..., None, None]
-        else:
-            moved = displacement.reshape(-1, 3)[self._node]
-            gradient = np.array([basis.interpolate(component).grad for component in moved.T])
-            stress = np.einsum("ajbl,blen->ajen", law, gradient)
-            position = np.eye(3)[..., None, None] + gradient
-            tangent = np.einsum("iaen,ajbl,kben->ijklen", position, law, position, optimize=True)
-            tangent += np.einsum("ik,jlen->ijklen", np.eye(3), stress)
-        blocks = sp.csr_array((3 * self.nodes, 3 * self.nodes))
-        for i, k in combinations_with_replacement(range(3), 2):
-            block = self._assembled(_contraction(tangent[i, :, k]), basis)
-            unit = np.zeros((3, 3))
-            unit[i, k] = 1.0
-            upper = sp.kron(block, unit, format="csr")
-            blocks += upper if i == k else upper + upper.T
+        blocks = sp.csr_array((3 * self.size, 3 * self.size))
+        tensor = self._materials.tensor
+        for block in self._blocks:
+            basis = block.basis(block.kind.stiffness_rule, block.kind.functions)
+            law = tensor[..., block.cells]
+            if displacement is None:
+                tangent = law[..., None]
+            else:
+                moved = displacement.reshape(-1, 3)
+                gradient = np.array([basis.interpolate(one).grad for one in moved.T])
+                stress = np.einsum("ajble,blen->ajen", law, gradient)
+                position = np.eye(3)[..., None, None] + gradient
+                tangent = np.einsum(
+                    "iaen,ajble,kben->ijklen", position, law, position, optimize=True
+                )
+                tangent += np.einsum("ik,jlen->ijklen", np.eye(3), stress)
+            for i, k in combinations_with_replacement(range(3), 2):
+                part = sp.csr_array(_contraction(tangent[i, :, k]).assemble(basis))
+                if i == k and block.kind.hourglass:
+                    modulus = self._materials.young_modulus[block.cells]
+                    part += _hourglass_stiffness(block, basis, modulus)
+                unit = np.zeros((3, 3))
+                unit[i, k] = 1.0
+                upper = sp.kron(part, unit, format="csr")
+                blocks += upper if i == k else upper + upper.T
         return sp.csr_array(blocks)
 
-    def _basis(self, order: int) -> Any:
-        return Basis(self._mesh, self._type.element(), intorder=order)
 
-    def _assembled(self, form: BilinearForm, basis: Any) -> sp.csr_array:
-        entries = form.assemble(basis).tocoo()
-        place = (self._node[entries.row], self._node[entries.col])
-        return sp.csr_array((entries.data, place), shape=(self.nodes, self.nodes))
+def _mass_form(density: FloatArray) -> BilinearForm:
+    return BilinearForm(lambda u, v, w: density * u * v)
 
 
 def _contraction(tangent: FloatArray) -> BilinearForm:
@@ -121,42 +175,59 @@ def _contraction(tangent: FloatArray) -> BilinearForm:
     )
 
 
-def _skfem_mesh(mesh: VolumeMesh, kind: CellType) -> tuple[Any, IntArray]:
-    """Return a mesh of scikit-fem and the node of each unknown of its scalar element."""
-    places = {tuple(place): number for number, place in enumerate(kind.reference.tolist())}
-    corners = [places[tuple(corner)] for corner in kind.mesh.elem.refdom.p.T.tolist()]
-    vertices, t = np.unique(mesh.cells[:, corners].T, return_inverse=True)
-    t = np.ascontiguousarray(t.reshape(len(corners), -1))
-    first_order = MeshTet1 if len(corners) == 4 else MeshHex1
-    made = first_order(np.ascontiguousarray(mesh.points[vertices].T), t)
-    # Unknown i of the element of displacements is at the node nodes[i] of each cell. The nodes
-    # of the element of the shape, more for 20-node hexahedra, are interpolated.
-    element, shape = kind.element(), kind.mesh.elem()
-    nodes = np.array([places[tuple(place)] for place in element.doflocs.tolist()])
-    if first_order is not kind.mesh:
-        made = kind.mesh.from_mesh(made)
-        locations = made.doflocs.copy()
-        for place, dofs in zip(shape.doflocs, Dofs(made, shape).element_dofs, strict=True):
-            weights = [float(element.lbasis(place[:, None], i)[0][0]) for i in range(len(nodes))]
-            locations[:, dofs] = np.einsum("i,eij->je", weights, mesh.points[mesh.cells[:, nodes]])
-        made = replace(made, doflocs=locations)
-    dofs = Dofs(made, element)
-    node = np.empty(dofs.N, dtype=np.int64)
-    node[dofs.element_dofs] = mesh.cells[:, nodes].T
-    return made, node
+def _hourglass_stiffness(block: _Block, basis: Any, young_modulus: FloatArray) -> sp.csr_array:
+    """Return the stiffness of one displacement against hourglass modes [N/m].
+
+    It is a sum over the four modes of a g g^T, with the vectors g of Flanagan and Belytschko (1981,
+    equation 51), which are zero for a uniform gradient, and a = `HOURGLASS` E V sum |B|^2 for the
+    mean gradients B of the functions and the volume V.
+    """
+    gradient = np.array([field[0].grad[..., 0] for field in basis.basis])  # (8, 3, cells)
+    order = np.argsort(block.kind.order)  # from the order of VTK
+    gradient, x = gradient[order], block.positions[:, order]
+    spread = np.einsum("enj,mn->emj", x, MODES)
+    modes = MODES - np.einsum("emj,nje->emn", spread, gradient)
+    volume = basis.dx.sum(axis=1)
+    scale = HOURGLASS * young_modulus * volume * (gradient**2).sum(axis=(0, 1))
+    entries = np.einsum("e,ema,emb->abe", scale, modes, modes)
+    places = block.unknowns.element_dofs[order]
+    rows, columns = (np.broadcast_to(one, entries.shape) for one in (places[:, None], places[None]))
+    size = (block.unknowns.N, block.unknowns.N)
+    return sp.csr_array((entries.ravel(), (rows.ravel(), columns.ravel())), shape=size)
 
 
-def _check_volumes(mesh: VolumeMesh, basis: Any) -> None:
+def _check_volumes(blocks: list[_Block]) -> None:
     """Check that the determinant of the mapping of each cell has one sign, and is not zero."""
-    volumes = basis.mapping.detDF(basis.X)
-    volumes = np.broadcast_to(volumes, (len(mesh.cells), np.shape(volumes)[-1]))
-    least, most = volumes.min(axis=1), volumes.max(axis=1)
-    bad = np.flatnonzero((least * most <= 0.0) | (abs(volumes).min(axis=1) < 1e-12 * abs(most)))
-    if len(bad):
-        where = ", ".join(f"{value:.6g}" for value in mesh.points[mesh.cells[bad[0]]].mean(axis=0))
+    bad: list[FloatArray] = []
+    for block in blocks:
+        points = block.kind.stiffness_rule[0]
+        volumes = Mapping(block.kind.shape(), block.positions).detDF(points)
+        least, most = volumes.min(axis=1), volumes.max(axis=1)
+        inside_out = (least * most <= 0.0) | (abs(volumes).min(axis=1) < 1e-12 * abs(most))
+        bad += [*block.positions[inside_out].mean(axis=1)]
+    if bad:
+        where = ", ".join(f"{value:.6g}" for value in bad[0])
+        total = sum(len(block.cells) for block in blocks)
         raise MeshFileError(
-            f"cells that are not turned inside out; {len(bad)} of {len(mesh.cells)} are, such as "
+            f"cells that are not turned inside out; {len(bad)} of {total} are, such as "
             f"that around ({where}) m"
+        )
+
+
+def _check_parallelepipeds(block: _Block) -> None:
+    """Check that the stiffness against hourglass modes is that of other programs.
+
+    CalculiX subtracts the uniform gradient from these modes only along z of the deck; frequencies
+    differ by up to 20 % where the cells are no parallelepipeds. Abaqus has another coefficient.
+    """
+    x = block.positions[:, np.argsort(block.kind.order)]
+    spread = np.linalg.norm(np.einsum("enj,mn->emj", x, MODES), axis=2).max(axis=1) / 8.0
+    size = np.linalg.norm(np.ptp(x, axis=1), axis=1)
+    if len(bad := np.flatnonzero(spread > DISTORTION * size)):
+        raise MeshFileError(
+            f"parallelepipeds as elements C3D8R; {len(bad)} of {len(x)} are distorted, and their"
+            " frequencies would depend on an artificial stiffness that differs between programs:"
+            " write C3D8I, or C3D20R with mid-side nodes"
         )
 
 
@@ -164,21 +235,24 @@ IN_PLANE = np.diag([1.0, 1.0, 0.0])
 
 
 def rotating_stiffness(
-    solid: Solid, mass: sp.csr_array, tie: sp.csr_array, material: Elasticity, speed: float
+    solid: Solid, mass: sp.csr_array, tie: sp.csr_array, speed: float
 ) -> sp.csr_array:
-    """Return the stiffness of a solid that rotates about z [N/m], (3 * nodes, 3 * nodes).
+    """Return the stiffness of a solid that rotates about z [N/m], (3 * size, 3 * size).
+
+    As in CalculiX, centrifugal forces act on the functions of the nodes, not on incompatible modes.
 
     Args:
         solid: finite elements; their axis of rotation is z.
-        mass: mass of one component of the displacements [kg], (nodes, nodes).
-        tie: matrix from the coordinates of the static deformation to all displacements, (3 * nodes,
+        mass: mass of one component of the displacements [kg], (size, size).
+        tie: matrix from the coordinates of the static deformation to all displacements, (3 * size,
             coordinates); the coordinates are the free displacements, for a sector those of a
             motion with nodal diameter 0.
-        material: elastic constants.
         speed: speed of rotation [rad/s].
     """
-    softening = speed**2 * sp.kron(mass, IN_PLANE, format="csr")
-    load = tie.T @ (softening @ solid.points.ravel())
-    factor = spl.splu(sp.csc_array(tie.T @ solid.stiffness(material) @ tie), **SYMMETRIC_ORDER)
+    nodal = sp.eye_array(solid.size, len(solid.points), format="csr")
+    softening = speed**2 * sp.kron(nodal.T @ mass @ nodal, IN_PLANE, format="csr")
+    spread = sp.kron(nodal, np.eye(3), format="csr")
+    load = tie.T @ (spread @ (softening @ solid.points.ravel()))
+    factor = spl.splu(sp.csc_array(tie.T @ solid.stiffness() @ tie), **SYMMETRIC_ORDER)
     displacement = tie @ factor.solve(load)
-    return sp.csr_array(solid.stiffness(material, displacement) - softening)
+    return sp.csr_array(solid.stiffness(displacement) - spread @ softening @ spread.T)

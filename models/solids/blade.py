@@ -16,7 +16,8 @@ from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.inputs.fields import positive
 from bladewhirl.models.inputs.plausible import MATERIAL, fault_of
 from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation, to_si
-from bladewhirl.models.solids.assembly import Elasticity, Solid, rotating_stiffness
+from bladewhirl.models.solids.assembly import Materials, Solid, rotating_stiffness
+from bladewhirl.models.solids.elements import ELEMENTS
 from bladewhirl.models.solids.groups import (
     contact_nodes,
     group_nodes,
@@ -39,6 +40,9 @@ CORIOLIS = np.array([[0.0, -2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
 """Acceleration 2 e_z x v of a velocity v at 1 rad/s, as a matrix."""
 
 
+QUADRATURES = {None: None, "full": False, "reduced": True}
+
+
 def mesh3d(
     mesh: meshio.Mesh | str | PathLike[str],
     *,
@@ -54,16 +58,20 @@ def mesh3d(
     unit: str = "m",
     axis: str = "z",
     speed: float | str = 0.0,
-    mass_quadrature: Literal["full", "reduced"] = "full",
+    mass_quadrature: Literal["full", "reduced"] | None = None,
     coriolis: bool = False,
     name: str = "",
 ) -> Superelement:
-    """Make a superelement of a blade or a sector from a mesh of tetrahedra or hexahedra.
+    """Make a superelement of a blade or a sector from a mesh of tetrahedra, wedges or hexahedra.
 
     The material is isotropic and linearly elastic, the mass is consistent. Elements have the shape
-    that all their nodes describe, and the usual quadratures: 1 and 4 points for the stiffness of
-    tetrahedra of first and second order, 2 x 2 x 2 and 3 x 3 x 3 for that of hexahedra. Hexahedra
-    of first order are too stiff in bending.
+    that all their nodes describe. Those of an .inp file are C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10,
+    C3D15, C3D20 and C3D20R, with the functions and the quadrature of CalculiX; other files name no
+    elements and have the fully integrated one of their cells, such as C3D20 for hexahedra of 20
+    nodes. `source` of the superelement lists them. A hint tells that elements of first order are
+    too stiff in bending. C3D8I has incompatible modes, which are further coordinates. C3D8R has the
+    stiffness against hourglass modes of Flanagan and Belytschko (1981); cells must be
+    parallelepipeds, because programs differ for other shapes.
 
     With a speed, the stiffness is that for small motions about the rotating structure, in a
     rotating frame: K_u + K_s - speed^2 M_xy. K_u is the elastic stiffness of the statically
@@ -90,28 +98,35 @@ def mesh3d(
             axes x, y and z of the mesh become z, x and y, or y, z and x.
         speed: speed of rotation [rad/s], or text such as "12000 rpm".
         mass_quadrature: "full", exact for cells with plane faces and evenly spaced nodes, or
-            "reduced", with the quadrature points of the stiffness. CalculiX uses the reduced mass,
-            which gives higher frequencies for coarse meshes of tetrahedra.
+            "reduced", with the quadrature points of the stiffness. By default it is reduced for
+            C3D20R and, but for one percent, C3D8R, and full for other elements. CalculiX uses the
+            reduced mass, which gives higher frequencies for coarse meshes of tetrahedra.
         coriolis: true to add the matrix of the Coriolis forces 2 M e_z x v, for the velocity v and
             a speed of 1 rad/s.
         name: name of the superelement; by default that of the file.
 
     Returns:
         the superelement, with sparse matrices on the displacements of the nodes that are not
-        clamped, in ascending order of the nodes of the mesh, and with its surface for pictures.
+        clamped, in ascending order of the nodes of the mesh, and incompatible modes, and with its
+        surface for pictures.
 
     Raises:
         CaseError: an argument is invalid, the file cannot be read, a group is missing, nodes of the
             faces do not match, or contact nodes are clamped.
     """
-    material = Elasticity(positive("young_modulus", young_modulus, "Pa"), _ratio(poisson_ratio))
+    modulus, ratio = positive("young_modulus", young_modulus, "Pa"), _ratio(poisson_ratio)
     rho, omega = positive("density", density, "kg/m3"), _speed(speed)
-    for key, value in (("young_modulus", material.young_modulus), ("density", rho)):
+    for key, value in (("young_modulus", modulus), ("density", rho)):
         if expected := fault_of(value, *MATERIAL[key]):
             warnings.warn(f"unusual {key} = {value!r}: expected {expected}", Hint, stacklevel=2)
-    if mass_quadrature not in ("full", "reduced"):
+    if mass_quadrature not in QUADRATURES:
         raise invalid("mass_quadrature", mass_quadrature, '"full" or "reduced"')
     volumes = _scaled(mesh, unit, axis)
+    if stiff := [name for name, _ in volumes.blocks if ELEMENTS[name].first_order]:
+        names = " and ".join(stiff)
+        expected = "expected elements of second order, or C3D8I in place of C3D8"
+        text = f"elements {names} of first order are too stiff in bending: {expected}"
+        warnings.warn(text, Hint, stacklevel=2)
     fixed = np.zeros(0, int) if clamped is None else group_nodes(volumes, "clamped", clamped)
     group = group_nodes(volumes, "contact", contact)
     touching = contact_nodes(volumes.points, group, contacts, fixed)
@@ -120,13 +135,14 @@ def mesh3d(
         first = group_nodes(volumes, "left", sides[0])
         second = group_nodes(volumes, "right", sides[1])
         faces = matching_faces(volumes.points, first, second, sides[2], fixed)
+    cells = sum(len(cells) for _, cells in volumes.blocks)
     try:
-        solid = Solid(volumes)
+        solid = Solid(volumes, Materials(*(np.full(cells, v) for v in (modulus, ratio, rho))))
     except MeshFileError as error:
         raise invalid("mesh", volumes.name, str(error)) from None
-    dofs = _numbers(solid.nodes, fixed)
+    dofs = _numbers(solid.size, fixed)
     select = sp.eye_array(dofs.size, format="csr")[:, np.flatnonzero(dofs.ravel() != FIXED)]
-    mass = solid.mass(rho, reduced=mass_quadrature == "reduced")
+    mass = solid.mass(reduced=QUADRATURES[mass_quadrature])
     shown, triangles = surface_triangles(volumes)
     content: dict[str, Any] = {
         "mass": sp.csr_array(select.T @ sp.kron(mass, np.eye(3), format="csr") @ select),
@@ -141,21 +157,24 @@ def mesh3d(
         "triangles": triangles,
         "recovery": sp.csr_array(select[(3 * shown[:, None] + np.arange(3)).ravel()]),
         "name": name or volumes.name,
-        "source": f"mesh3d: {volumes.name}, {len(volumes.cells)} cells of type {volumes.cell_type},"
-        f" {material.young_modulus:g} Pa, {material.poisson_ratio:g}, {rho:g} kg/m3,"
+        "source": f"mesh3d: {volumes.name}, {_elements(volumes)},"
+        f" {modulus:g} Pa, {ratio:g}, {rho:g} kg/m3,"
         f" {omega:g} rad/s",
         **{key: dofs[nodes] for key, nodes in faces.items()},
     }
-    part = Superelement(
-        stiffness=sp.csr_array(select.T @ solid.stiffness(material) @ select), **content
-    )
+    part = Superelement(stiffness=sp.csr_array(select.T @ solid.stiffness() @ select), **content)
     if omega == 0.0:
         return part
     if not len(fixed):
         raise invalid("speed", speed, "clamped nodes; a free part does not resist rotation")
     tie = select if copies is None else select @ cyclic_reduction(part, copies, 0).transformation
-    stiffness = rotating_stiffness(solid, mass, tie, material, omega)
+    stiffness = rotating_stiffness(solid, mass, tie, omega)
     return Superelement(stiffness=sp.csr_array(select.T @ stiffness @ select), **content)
+
+
+def _elements(mesh: VolumeMesh) -> str:
+    """Return the number of the elements of each name."""
+    return ", ".join(f"{len(cells)} elements {name}" for name, cells in mesh.blocks)
 
 
 def _ratio(value: float) -> float:

@@ -4,18 +4,27 @@ import numpy as np
 
 from bladewhirl.meshes.files.volumes import VolumeMesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.solids.cells import CELL_TYPES
+from bladewhirl.models.solids.elements import ELEMENTS
+
+MOST_CORNERS = 4
+"""Largest number of corners of a face."""
 
 
 def surface_triangles(mesh: VolumeMesh) -> tuple[IntArray, IntArray]:
     """Return the nodes on the surface, (p,), and triangles between them, (t, 3). Corners of
     triangles are positions in the first array, counter-clockwise when seen from outside."""
-    kind = CELL_TYPES[mesh.cell_type]
-    corners = np.array(kind.faces)
-    keys = np.sort(mesh.cells[:, corners].reshape(-1, corners.shape[1]), axis=1)
-    _, first, count = np.unique(keys, axis=0, return_index=True, return_counts=True)
-    cell, face = np.divmod(np.sort(first[count == 1]), len(corners))
-    triangles = mesh.cells[cell[:, None, None], np.array(kind.triangles)[face]].reshape(-1, 3)
+    keys, covers, places = [], [], []
+    for block, (name, cells) in enumerate(mesh.blocks):
+        kind = ELEMENTS[name].cell
+        for number, (face, cover) in enumerate(zip(kind.faces, kind.triangles, strict=True)):
+            corners = np.full((len(cells), MOST_CORNERS), -1)
+            corners[:, : len(face)] = cells[:, face]
+            keys.append(np.sort(corners, axis=1))
+            covers += [*cells[:, cover]]
+            places += [(block, cell, number) for cell in range(len(cells))]
+    _, first, count = np.unique(np.concatenate(keys), axis=0, return_index=True, return_counts=True)
+    outside = sorted(first[count == 1].tolist(), key=places.__getitem__)
+    triangles = np.concatenate([covers[face] for face in outside])
     shown, numbers = np.unique(triangles, return_inverse=True)
     return shown, numbers.reshape(-1, 3)
 

@@ -1,13 +1,14 @@
-"""Structured meshes of solids: boxes of a grid, of which each is a hexahedron or six tetrahedra."""
+"""Structured meshes of solids: boxes of a grid, of which each is a hexahedron,
+two wedges or six tetrahedra."""
 
 from collections.abc import Callable
-from itertools import permutations, product
+from itertools import count, permutations, product
 from typing import Any
 
 import meshio
 import numpy as np
 
-from bladewhirl.models.solids.cells import CELL_TYPES
+from bladewhirl.models.solids.cells import CELL_TYPES, CellType
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 from bladewhirl.models.superelements.superelement import Superelement
@@ -37,9 +38,9 @@ def grid_mesh(
     for box in product(*map(range, boxes)):
         if not inside((np.array(box) + 0.5) / boxes):
             continue
-        for corners in _tetrahedra() if len(kind.corners) == 4 else [kind.corners]:
-            mean = kind.reference @ (corners[1:4] - corners[0]) if len(corners) == 4 else None
-            nodes = kind.reference if mean is None else corners[0] + mean
+        for corners in _parts(kind):
+            span = corners[1:4] - corners[0]
+            nodes = corners[0] + kind.reference @ (np.eye(3) if len(corners) == 8 else span)
             cells.append(2 * np.array(box) + (2 * nodes).round().astype(int))
     numbers = np.ravel_multi_index(np.moveaxis(np.array(cells), -1, 0), tuple(steps + 1))
     used, numbers = np.unique(numbers, return_inverse=True)
@@ -49,6 +50,14 @@ def grid_mesh(
         [(cell_type, numbers.reshape(len(cells), -1))],
         point_sets={name: np.flatnonzero(mask(place)) for name, mask in groups.items()},
     )
+
+
+def _parts(kind: CellType) -> list[Array]:
+    """Return the corners of cells that fill the unit cube."""
+    if len(kind.corners) == 4:
+        return _tetrahedra()
+    turned = np.array([1, 1, 0]) + kind.corners * [-1, -1, 1]
+    return [kind.corners, turned] if len(kind.corners) == 6 else [kind.corners]
 
 
 def _tetrahedra() -> list[Array]:
@@ -64,6 +73,12 @@ def _tetrahedra() -> list[Array]:
 
 def cantilever(cell_type: str, boxes: tuple[int, int, int] = (6, 2, 1)) -> meshio.Mesh:
     """Return a blade of 100 x 30 x 5 mm at a radius of 0.2 m, staggered by 30 degrees."""
+    return _cantilever(cell_type, boxes, lambda centre: True)
+
+
+def _cantilever(
+    cell_type: str, boxes: tuple[int, int, int], inside: Callable[[Array], Any]
+) -> meshio.Mesh:
     c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
 
     def shape(place: Array) -> Array:
@@ -71,7 +86,7 @@ def cantilever(cell_type: str, boxes: tuple[int, int, int] = (6, 2, 1)) -> meshi
         return np.stack([x, c * y - s * z, s * y + c * z], axis=1)
 
     return grid_mesh(
-        *(boxes, shape, cell_type),
+        *(boxes, shape, cell_type, inside),
         root=lambda place: place[:, 0] == 0.0,
         tip=lambda place: place[:, 0] == 1.0,
     )
@@ -120,3 +135,55 @@ def wheel_frequencies(
     chosen = range(sectors // 2 + 1) if diameters is None else diameters
     reductions = (cyclic_reduction(part, sectors, int(k)) for k in chosen)
     return np.array([lowest_frequencies(one.mass, one.stiffness, count) for one in reductions])
+
+
+def deck_text(mesh: meshio.Mesh, *elements: str) -> str:
+    """Return an Abaqus deck of nodes, elements and sets of nodes; the set of all elements is all.
+
+    Args:
+        mesh: mesh.
+        elements: name of the elements of each block of cells, such as C3D20R.
+    """
+    text = "*NODE, NSET=every\n"
+    for number, (x, y, z) in enumerate(mesh.points.tolist(), 1):
+        text += f"{number}, {x:.13f}, {y:.13f}, {z:.13f}\n"
+    numbers = count(1)
+    for element, block in zip(elements, mesh.cells, strict=True):
+        text += f"*ELEMENT, TYPE={element}, ELSET=all\n"
+        for nodes in (block.data + 1).tolist():
+            row = list(map(str, [next(numbers), *nodes]))
+            lines = [", ".join(row[at : at + 10]) for at in range(0, len(row), 10)]
+            text += ",\n".join(lines) + "\n"
+    return text + "".join(node_set(*one) for one in mesh.point_sets.items())
+
+
+def joined(first: meshio.Mesh, second: meshio.Mesh) -> meshio.Mesh:
+    """Return two meshes as one; nodes at one place become one node."""
+    points = np.concatenate([first.points, second.points]).round(13)
+    kept, number = np.unique(points, axis=0, return_inverse=True)
+    number = number.ravel()
+    sides = (number[: len(first.points)], number[len(first.points) :])
+    cells = [
+        (block.type, side[block.data])
+        for side, mesh in zip(sides, (first, second), strict=True)
+        for block in mesh.cells
+    ]
+    sets = {
+        name: np.union1d(sides[0][first.point_sets[name]], sides[1][second.point_sets[name]])
+        for name in first.point_sets
+    }
+    return meshio.Mesh(kept, cells, point_sets=sets)
+
+
+def half_cantilever(cell_type: str, *, outer: bool) -> meshio.Mesh:
+    """Return the inner or the outer half of `cantilever`."""
+
+    def inside(centre: Array) -> bool:
+        return bool((centre[0] > 0.5) == outer)
+
+    return _cantilever(cell_type, (6, 2, 1), inside)
+
+
+def node_set(name: str, nodes: Any) -> str:
+    """Return a set of nodes of a deck; nodes are numbered from 0."""
+    return f"*NSET, NSET={name}\n" + "".join(f"{node + 1},\n" for node in nodes)

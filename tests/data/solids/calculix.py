@@ -10,59 +10,49 @@ import subprocess
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from solid_meshes import SECTORS, bladed_sector, cantilever
+from solid_meshes import (
+    SECTORS,
+    bladed_sector,
+    cantilever,
+    deck_text,
+    half_cantilever,
+    joined,
+    node_set,
+)
+
+from bladewhirl.meshes.files.abaqus_reader import SOLIDS
+from bladewhirl.models.solids.cells import CELL_TYPES
 
 SPEED = 1500.0
 """Speed of rotation [rad/s]."""
 
-MATERIAL = """*MATERIAL, NAME=steel
+FACES = {
+    4: ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
+    6: ((0, 1, 2), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)),
+    8: (
+        *((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1)),
+        *((1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)),
+    ),
+}
+"""Corners of the faces S1, S2 and so on of the elements of CalculiX, by the number of corners."""
+
+STEEL = """*MATERIAL, NAME=steel
 *ELASTIC
 210e9, 0.3
 *DENSITY
 7800.0
 *SOLID SECTION, ELSET=all, MATERIAL=steel
 """
-TYPES = {"tetra": "C3D4", "tetra10": "C3D10", "hexahedron20": "C3D20"}
-FACES = {
-    "tetra10": ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
-    "hexahedron20": (
-        *((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1)),
-        *((1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)),
-    ),
-}
-"""Corners of the faces S1, S2 and so on of the elements of CalculiX."""
 
 
-def rows(numbers) -> str:
-    """Return a row of numbers, continued on further lines after ten numbers."""
-    parts = [numbers[at : at + 10] for at in range(0, len(numbers), 10)]
-    return ",\n".join(", ".join(map(str, part)) for part in parts) + "\n"
-
-
-def node_set(name, nodes) -> str:
-    return f"*NSET, NSET={name}\n" + "".join(f"{node + 1},\n" for node in nodes)
-
-
-def mesh_text(mesh) -> str:
-    """Return nodes, elements, sets of nodes and the material."""
-    block = mesh.cells[0]
-    text = "*NODE, NSET=every\n"
-    for number, (x, y, z) in enumerate(mesh.points.tolist(), 1):
-        text += f"{number}, {x:.13f}, {y:.13f}, {z:.13f}\n"
-    text += f"*ELEMENT, TYPE={TYPES[block.type]}, ELSET=all\n"
-    for number, nodes in enumerate((block.data + 1).tolist(), 1):
-        text += rows([number, *nodes])
-    return text + "".join(node_set(*one) for one in mesh.point_sets.items()) + MATERIAL
-
-
-def sector_text(mesh) -> str:
+def sector_text(mesh, element: str) -> str:
     """Return a mesh with cyclic symmetry; the right face depends on the left one."""
     left, right = (set(mesh.point_sets[name].tolist()) for name in ("left", "right"))
-    text = mesh_text(mesh)
+    text = deck_text(mesh, element) + STEEL
     text += node_set("held", sorted(set(mesh.point_sets["root"].tolist()) - right))
     text += "*SURFACE, NAME=Sright, TYPE=NODE\nright,\n*SURFACE, NAME=Sleft\n"
     for number, cell in enumerate(mesh.cells[0].data.tolist(), 1):
-        for face, corners in enumerate(FACES[mesh.cells[0].type], 1):
+        for face, corners in enumerate(FACES[len(CELL_TYPES[SOLIDS[element]].corners)], 1):
             if {cell[corner] for corner in corners} <= left:
                 text += f"{number}, S{face}\n"
     text += "*TIE, NAME=faces, CYCLIC SYMMETRY, POSITION TOLERANCE=1e-5\nSright, Sleft\n"
@@ -90,13 +80,18 @@ def frequencies(model: str, modes: str, speed: float) -> list[tuple[int, float]]
 
 
 content: dict = {"speed": SPEED, "sectors": SECTORS}
-for kind in TYPES:
-    model = mesh_text(cantilever(kind)) + "*BOUNDARY\nroot, 1, 3\n"
+for kind, shape in SOLIDS.items():
+    model = deck_text(cantilever(shape), kind) + STEEL + "*BOUNDARY\nroot, 1, 3\n"
     for key, speed in (("blade", 0.0), ("rotating blade", SPEED)):
         found = [value for _, value in frequencies(model, "10\n", speed)]
         content.setdefault(key, {})[kind] = found
-for kind in FACES:
-    model = sector_text(bladed_sector(kind))
+mixed = joined(half_cantilever("wedge15", outer=False), half_cantilever("hexahedron20", outer=True))
+model = deck_text(mixed, "C3D15", "C3D20R") + STEEL + "*BOUNDARY\nroot, 1, 3\n"
+content["wedges and hexahedra"] = [value for _, value in frequencies(model, "10\n", 0.0)]
+for kind, shape in SOLIDS.items():
+    if kind == "C3D8R":
+        continue  # only parallelepipeds are read
+    model = sector_text(bladed_sector(shape), kind)
     select = "20\n*SELECT CYCLIC SYMMETRY MODES, NMIN=0, NMAX=6\n"
     for key, speed in (("sector", 0.0), ("rotating sector", SPEED)):
         found = frequencies(model, select, speed)
@@ -106,7 +101,7 @@ for kind in FACES:
         ]
 here = Path(__file__).parent
 (here / "calculix.json").write_text(json.dumps(content, indent=1) + "\n")
-model = mesh_text(cantilever("tetra", (2, 1, 1))) + "*BOUNDARY\nroot, 1, 3\n"
+model = deck_text(cantilever("tetra", (2, 1, 1)), "C3D4") + STEEL + "*BOUNDARY\nroot, 1, 3\n"
 with TemporaryDirectory() as folder:
     deck = Path(folder) / "matrices.inp"
     deck.write_text(model + steps("*FREQUENCY, SOLVER=MATRIXSTORAGE\n", SPEED))

@@ -8,8 +8,17 @@ import meshio
 import numpy as np
 import pytest
 from places import ROOT
-from solid_meshes import SECTORS, bladed_sector, cantilever, wheel_frequencies
+from solid_meshes import (
+    SECTORS,
+    bladed_sector,
+    cantilever,
+    deck_text,
+    half_cantilever,
+    joined,
+    wheel_frequencies,
+)
 
+from bladewhirl.meshes.files.abaqus_reader import SOLIDS
 from bladewhirl.models.inputs.errors import CaseError, Hint
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.solids.cells import CELL_TYPES
@@ -25,27 +34,58 @@ BLADE = ROOT / "tests" / "data" / "solids" / "blade.msh"
 """A blade in mm; blade.py made the file with Gmsh."""
 
 
-@pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron20"])
-def test_frequencies_of_a_blade_are_those_of_calculix(kind: str) -> None:
-    part = mesh3d(cantilever(kind), **STEEL, mass_quadrature="reduced")
+def deck(folder: Path, mesh: meshio.Mesh, element: str) -> Path:
+    """Write an Abaqus deck of a mesh with elements of one name."""
+    path = folder / "deck.inp"
+    path.write_text(deck_text(mesh, element))
+    return path
+
+
+@pytest.mark.parametrize("element", SOLIDS)
+def test_frequencies_of_a_blade_are_those_of_calculix(element: str, tmp_path: Path) -> None:
+    path = deck(tmp_path, cantilever(SOLIDS[element]), element)
+    part = mesh3d(path, **STEEL, mass_quadrature="reduced")
     actual = lowest_frequencies(part.mass, part.stiffness, 10)
-    assert actual == pytest.approx(CALCULIX["blade"][kind], rel=1e-6)
+    assert actual == pytest.approx(CALCULIX["blade"][element], rel=1e-6)
 
 
-@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20"])
-def test_frequencies_of_a_rotating_blade_are_those_of_calculix(kind: str) -> None:
-    speed = CALCULIX["speed"]
-    part = mesh3d(cantilever(kind), **STEEL, mass_quadrature="reduced", speed=speed)
+@pytest.mark.parametrize("element", SOLIDS)
+def test_frequencies_of_a_rotating_blade_are_those_of_calculix(
+    element: str, tmp_path: Path
+) -> None:
+    speed, path = CALCULIX["speed"], deck(tmp_path, cantilever(SOLIDS[element]), element)
+    part = mesh3d(path, **STEEL, mass_quadrature="reduced", speed=speed)
     actual = lowest_frequencies(part.mass, part.stiffness, 10)
-    assert actual == pytest.approx(CALCULIX["rotating blade"][kind], rel=1e-6)
-    assert actual[0] > 1.4 * CALCULIX["blade"][kind][0]  # else the comparison would say little
+    assert actual == pytest.approx(CALCULIX["rotating blade"][element], rel=1e-6)
 
 
-@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20"])
+def test_wedges_among_hexahedra_are_those_of_calculix(tmp_path: Path) -> None:
+    halves = (("wedge15", False), ("hexahedron20", True))
+    mesh = joined(*(half_cantilever(kind, outer=outer) for kind, outer in halves))
+    path = tmp_path / "deck.inp"
+    path.write_text(deck_text(mesh, "C3D15", "C3D20R"))
+    part = mesh3d(path, **STEEL, mass_quadrature="reduced")
+    actual = lowest_frequencies(part.mass, part.stiffness, 10)
+    assert actual == pytest.approx(CALCULIX["wedges and hexahedra"], rel=1e-6)
+    assert "12 elements C3D15, 6 elements C3D20R" in part.source
+    assert part.points is not None
+    assert part.triangles is not None
+    corners = part.points[part.triangles]
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
+    volume = np.einsum("ti,ti", areas, corners[:, 0]) / 3.0
+    assert volume == pytest.approx(0.1 * 0.03 * 0.005)
+
+
+@pytest.mark.parametrize("element", SOLIDS.keys() - {"C3D8R"})
 @pytest.mark.parametrize("speed", [0.0, CALCULIX["speed"]])
-def test_frequencies_of_a_wheel_are_those_of_calculix(kind: str, speed: float) -> None:
-    part = mesh3d(bladed_sector(kind), **STEEL, **TIE, mass_quadrature="reduced", speed=speed)
-    expected = np.array(CALCULIX["rotating sector" if speed else "sector"][kind])
+def test_frequencies_of_a_wheel_about_x_are_those_of_calculix(
+    element: str, speed: float, tmp_path: Path
+) -> None:
+    mesh = bladed_sector(SOLIDS[element])
+    mesh.points = mesh.points[:, [2, 0, 1]]
+    path = deck(tmp_path, mesh, element)
+    part = mesh3d(path, **STEEL, **TIE, mass_quadrature="reduced", speed=speed, axis="x")
+    expected = np.array(CALCULIX["rotating sector" if speed else "sector"][element])
     actual = wheel_frequencies(part, SECTORS, 10)
     assert actual == pytest.approx(expected, rel=1e-6)
 
@@ -65,8 +105,37 @@ def test_solids_resist_no_rigid_motion_and_have_the_energy_of_uniform_strain(kin
     density = 2.0 * shear * (strain**2).sum() + lame * np.trace(strain) ** 2
     along = np.tile([1.0, 0.0, 0.0], len(x))
     volume = along @ mesh3d(mesh, **STEEL, clamped=None).mass @ along / 7800.0
-    close = 1e-3 if kind == "tetra10" else 1e-12  # four points for a curved cell
+    close = {"tetra10": 1e-3, "wedge15": 1e-3}.get(kind, 1e-12)  # few points for a curved cell
     assert moved @ part.stiffness @ moved == pytest.approx(volume * density, rel=close)
+
+
+def test_elements_of_reduced_integration_have_the_mass_of_calculix(tmp_path: Path) -> None:
+    """The quadrature of the mass is by default that of the name."""
+    for element, close in (("C3D8R", 2e-2), ("C3D20R", 1e-6), ("C3D20", 1e-6)):
+        part = mesh3d(deck(tmp_path, cantilever(SOLIDS[element]), element), **STEEL)
+        actual = lowest_frequencies(part.mass, part.stiffness, 10)
+        assert actual == pytest.approx(CALCULIX["blade"][element], rel=close)
+        assert abs(actual / CALCULIX["blade"]["C3D8"][:10] - 1.0).max() > 0.1
+
+
+@pytest.mark.parametrize(
+    ("element", "expected"),
+    [
+        ("C3D8R", "parallelepipeds as elements C3D8R; 9 of 9 are distorted"),
+        ("C3D8H", "found 9 of type C3D8H; write C3D8 or C3D8I or C3D8R if that is what you mean"),
+    ],
+)
+def test_elements_that_would_be_another_element_are_refused(
+    element: str, expected: str, tmp_path: Path
+) -> None:
+    with pytest.raises(CaseError) as caught:
+        mesh3d(deck(tmp_path, bladed_sector("hexahedron"), element), **STEEL)
+    assert expected in str(caught.value)
+
+
+def test_elements_of_first_order_are_called_too_stiff() -> None:
+    with pytest.warns(Hint, match="elements C3D8 of first order are too stiff in bending"):
+        mesh3d(cantilever("hexahedron", (2, 1, 1)), **STEEL)
 
 
 def test_a_body_at_rest_in_the_static_frame_needs_no_force() -> None:
@@ -173,7 +242,7 @@ def _turned_inside_out() -> meshio.Mesh:
             TIE | {"left": "tip"},
             "left face; 4 on the left and 6",
         ),
-        (_without("triangle"), {}, "cells of one of the types tetra, tetra10, hexahedron"),
+        (_without("triangle"), {}, "cells of the types tetra, tetra10, wedge, wedge15, hexahedron"),
         (_turned_inside_out(), {}, "1 of 12 are, such as that around (0.208333, "),
         ("missing.msh", {}, "missing.msh"),
         ("blade.stl", {}, "a mesh file, .msh, .vtu, .inp"),
