@@ -60,8 +60,8 @@ def read_volume_mesh(mesh: meshio.Mesh | str | PathLike[str]) -> VolumeMesh:
             or CalculiX.
 
     Raises:
-        MeshFileError: the file cannot be read, or cells have an unsupported type; the text completes
-            "expected ...".
+        MeshFileError: the file cannot be read, or cells have an unsupported type; the text
+            completes "expected ...".
     """
     if isinstance(mesh, meshio.Mesh):
         return _volumes(SolidMesh(mesh), "the mesh")

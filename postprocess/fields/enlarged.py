@@ -16,6 +16,8 @@ along an arc and keeps its length, as it does in the linear model. With `contact
 distance d by which each point of a blade draws back, of second order in the true displacement, is
 drawn with the same factor, r + factor (u_r - d), so that the drawn gap remains the factor times the
 gap of the march.
+
+Points of a surface are drawn in the same way, and their axial displacement is multiplied as well.
 """
 
 from collections.abc import Sequence
@@ -37,12 +39,92 @@ DRAWN_CLEARANCE = 0.1
 DRAWN_MOTION = 0.25
 #: a displacement of this fraction of the tip radius makes the linear model wrong by a tenth
 LARGE_DISPLACEMENT = 0.3
+#: drawn thickness of a rigid wall divided by the tip radius
+RIGID = 0.02
 
 MOST = 1e9  #: largest factor; 1 / MOST is the smallest factor
 
 
-class EnlargedStage:
-    """Drawn positions of rotor and casing at chosen records: the rotor in rotating axes, the casing
+class EnlargedWall:
+    """Drawn positions of the wall at chosen records, in static axes, with displacements and
+    clearance multiplied. A rigid wall has no motion of its own.
+
+    Args:
+        dataset: a result.
+        records: numbers of records.
+        factor: factor of displacements and clearance; chosen by `round_factor` when None.
+        per_element: number of pieces into which each element of the casing, or a whole rigid wall,
+            is divided.
+
+    Raises:
+        ViewError: the factor is not positive, larger than `MOST`, or smaller than the inverse of
+            `MOST`.
+    """
+
+    def __init__(
+        self, dataset: xr.Dataset, records: IntArray, *, factor: float | None, per_element: int
+    ) -> None:
+        if factor is not None and not 1.0 / MOST <= factor <= MOST:
+            raise ViewError(
+                f"exaggeration must be a positive number, {1.0 / MOST:g} to {MOST:g}, got {factor}"
+            )
+        self._dataset = dataset
+        self.factor = factor or 1.0
+        self._chosen = factor
+        self.tip_radius = float(dataset.attrs["tip_radius"])
+        #: angle from the casing's to the rotor's axes (record,) [rad]
+        self.turns = kinematics.turn(dataset, records)
+        if "casing_shape" in dataset:
+            self.angle = kinematics.ring_angles(dataset, per_element)
+            ring = kinematics.combine(
+                history(dataset, "casing_displacement", records),
+                kinematics.casing_rows(dataset, self.angle),
+            )
+            self.ring_displacement = rotate(ring, self.angle)
+            self.wall_thickness = np.repeat(dataset["casing_thickness"].values, per_element)
+        else:
+            self.angle = np.linspace(0.0, 2 * np.pi, per_element, endpoint=False)
+            self.ring_displacement = np.zeros((len(records), per_element, 2))
+            self.wall_thickness = np.full(per_element, RIGID * self.tip_radius)
+        self._change = kinematics.clearance_change(dataset, records, self.angle)
+
+    def _enlarge(self, size: float, radius: float, rotor_displacement: float) -> None:
+        """Choose the factor for a stage or blade of a size [m] from the largest displacement of the
+        rotor [m] and of the wall, and from the clearance, which is measured from a radius [m]."""
+        ring = float(np.linalg.norm(self.ring_displacement, axis=-1).max())
+        self.largest_displacement = max(rotor_displacement, ring)
+        clearance = kinematics.clearance_at(self._dataset, self.angle)
+        recess = float(np.max(self._dataset["tip_recess"].values, initial=0.0))
+        self.factor = self._chosen or round_factor(
+            size,
+            (DRAWN_CLEARANCE, float(clearance.max() + recess)),
+            (DRAWN_MOTION, self.largest_displacement),
+        )
+        self.inner_radius = radius + self.factor * clearance
+
+    def outward_reach(self) -> float:
+        """Return the largest outward displacement of the casing, times the factor [m]."""
+        outward = (self.ring_displacement * directions(self.angle)).sum(axis=-1)
+        return self.factor * max(0.0, float(outward.max()))
+
+    def wall(self, index: int) -> Array:
+        """Return inner and outer surface (station, side, 2) [m] of the drawn casing."""
+        ring = self.ring_displacement[index]
+        radius = self.inner_radius + self.factor * self._change[index]
+        rest = radius[:, None] * directions(self.angle)
+        inner = magnify(rest, ring, ring.mean(axis=0), self.factor)
+        tangent = np.roll(inner, -1, axis=0) - np.roll(inner, 1, axis=0)
+        outward = -rotate(unit(tangent), np.pi / 2)
+        return np.stack([inner, inner + self.wall_thickness[:, None] * outward], axis=1)
+
+    def wall_at_rest(self) -> Array:
+        """Return the outer surface of the drawn casing at rest (station, 2) [m]."""
+        radius = self.inner_radius + self.wall_thickness
+        return np.asarray(radius[:, None] * directions(self.angle))
+
+
+class EnlargedStage(EnlargedWall):
+    """Drawn positions of beams and casing at chosen records: the rotor in rotating axes, the casing
     in static axes, with displacements and clearance multiplied.
 
     Args:
@@ -66,45 +148,22 @@ class EnlargedStage:
         per_line: int,
         per_element: int,
     ) -> None:
-        if factor is not None and not 1.0 / MOST <= factor <= MOST:
-            raise ViewError(
-                f"exaggeration must be a positive number, {1.0 / MOST:g} to {MOST:g}, got {factor}"
-            )
-        self._dataset = dataset
-        self.tip_radius = float(dataset.attrs["tip_radius"])
-        #: angle from the casing's to the rotor's axes (record,) [rad]
-        self.turns = kinematics.turn(dataset, records)
+        super().__init__(dataset, records, factor=factor, per_element=per_element)
         self.line, rows = kinematics.line_rows(dataset, per_line)
         self._thickness = rotor_sections(dataset, "thickness", per_line)
         q = history(dataset, "rotor_displacement", records)
         self.rotor_displacement = kinematics.combine(q, rows.reshape(-1, 2, rows.shape[-1]))
         self._node = kinematics.combine(q, dataset["rotor_shape"].values[:, :2])
         self.centre = self._node[:, int(dataset["centre_node"])]
-        self.angle = kinematics.ring_angles(dataset, per_element)
-        ring = kinematics.combine(
-            history(dataset, "casing_displacement", records),
-            kinematics.casing_rows(dataset, self.angle),
-        )
-        self.ring_displacement = rotate(ring, self.angle)
-        self.wall_thickness = np.repeat(dataset["casing_thickness"].values, per_element)
         self._moved = self.rotor_displacement
         stations = (len(records), *self.line.shape)
         drawn = drawn_back(dataset, records, self.line, self._moved.reshape(stations))
         if drawn is not None:
             self._draw_back(drawn)
-        bodies = (self.rotor_displacement, self.ring_displacement)
-        self.largest_displacement = max(float(np.linalg.norm(u, axis=-1).max()) for u in bodies)
-        recess = dataset["tip_recess"].values
-        clearance = kinematics.clearance_at(dataset, self.angle)
-        largest_clearance = float(clearance.max() + np.max(recess, initial=0.0))
-        self.factor = factor or round_factor(
-            self.tip_radius,
-            (DRAWN_CLEARANCE, largest_clearance),
-            (DRAWN_MOTION, self.largest_displacement),
-        )
-        self.inner_radius = self.tip_radius + self.factor * clearance
-        self._change = kinematics.clearance_change(dataset, records, self.angle)
+        largest = float(np.linalg.norm(self.rotor_displacement, axis=-1).max())
+        self._enlarge(self.tip_radius, self.tip_radius, largest)
         self.nodes = dataset["rotor_point"].values  #: drawn nodes at rest (rotor_node, 2) [m]
+        recess = dataset["tip_recess"].values
         shift = self.factor * recess - kinematics.recess_at_rest(dataset)
         if shift.any():
             self.nodes, self.line = with_recess(dataset, self.line, shift)
@@ -118,6 +177,12 @@ class EnlargedStage:
         of_nodes[:, self._dataset["rotor_line"].values] = drawn[:, :, [0, -1]]
         self._node = self._node - of_nodes[..., None] * unit(nodes)
 
+    @property
+    def largest_bend(self) -> float:
+        """Largest displacement relative to the centre [m]."""
+        bent = self.rotor_displacement - self.centre[:, None]
+        return float(np.linalg.norm(bent, axis=-1).max())
+
     def rotor_line(self, index: int) -> Array:
         """Return drawn stations of beams (rotor_line, station, 2) [m] at the index-th record."""
         shift = self.centre[index]
@@ -128,26 +193,6 @@ class EnlargedStage:
     def rotor_nodes(self, index: int) -> Array:
         """Return the drawn nodes (rotor_node, 2) [m] at the index-th record."""
         return magnify(self.nodes, self._node[index], self.centre[index], self.factor)
-
-    def outward_reach(self) -> float:
-        """Return the largest outward displacement of the casing, times the factor [m]."""
-        outward = (self.ring_displacement * directions(self.angle)).sum(axis=-1)
-        return self.factor * max(0.0, float(outward.max()))
-
-    def wall(self, index: int) -> Array:
-        """Return inner and outer surface (station, side, 2) [m] of the drawn casing."""
-        ring = self.ring_displacement[index]
-        radius = self.inner_radius + self.factor * self._change[index]
-        rest = radius[:, None] * directions(self.angle)
-        inner = magnify(rest, ring, ring.mean(axis=0), self.factor)
-        tangent = np.roll(inner, -1, axis=0) - np.roll(inner, 1, axis=0)
-        outward = -rotate(unit(tangent), np.pi / 2)
-        return np.stack([inner, inner + self.wall_thickness[:, None] * outward], axis=1)
-
-    def wall_at_rest(self) -> Array:
-        """Return the outer surface of the drawn casing at rest (station, 2) [m]."""
-        radius = self.inner_radius + self.wall_thickness
-        return np.asarray(radius[:, None] * directions(self.angle))
 
     def rotor_sides(self, index: int, line: Array, wall: Array) -> Array:
         """Return the right and left side of each beam (rotor_line, station, side, 2) [m].

@@ -292,7 +292,7 @@ def record_lengths(dataset: xr.Dataset) -> Array:
 
 def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = False) -> Array:
     """Return the force of the casing on each contact node (record, contact_node, 2) [N], normal and
-    friction together.
+    friction together, with a third component if there is axial friction.
 
     The force is the impulse since the previous record divided by the time since that record. This
     mean force converges as the time step decreases, while the peak force does not. The normal part
@@ -301,8 +301,10 @@ def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = F
     """
     if "contact_impulse" not in dataset:
         return np.zeros((len(records), dataset.sizes["contact_node"], 2))
-    pushed = [history(dataset, f"{kind}_impulse", records) for kind in ("contact", "friction")]
-    polar = -np.stack(pushed, axis=-1) / record_lengths(dataset)[records, None, None]
+    pushed = [-history(dataset, f"{kind}_impulse", records) for kind in ("contact", "friction")]
+    if "axial_impulse" in dataset:
+        pushed.append(history(dataset, "axial_impulse", records))
+    polar = np.stack(pushed, axis=-1) / record_lengths(dataset)[records, None, None]
     angle = dataset["tip_angle"].values[None]
     return rotate(polar, angle if rotating else angle + turn(dataset, records)[:, None])
 

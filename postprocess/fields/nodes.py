@@ -62,17 +62,57 @@ def displacement(
     )
 
 
-def deformed_points(dataset: xr.Dataset, records: IntArray) -> FloatArray:
-    """Return the displacement of all points of all copies, in axes that turn with the first copy.
+def copy_coordinates(dataset: xr.Dataset, name: str, records: IntArray) -> FloatArray:
+    """Return modal coordinates or their rates at some records, (record, copy, mode)."""
+    values = dataset[name].isel(time=records).values
+    return np.asarray(values.reshape(len(values), dataset.sizes["copy"], -1))
+
+
+def point_vectors(dataset: xr.Dataset, coordinates: FloatArray) -> FloatArray:
+    """Return displacements or velocities of all points, in axes that turn with the first copy.
+
+    Args:
+        dataset: result of a superelement with points.
+        coordinates: modal coordinates, or their rates, (copy, mode).
 
     Returns:
-        displacements [m], (records, copies, points, 3).
+        vectors (point, 3), of one copy after another [m] or [m/s].
     """
     shape = dataset["point_shape"].values
-    modal = dataset["rotor_displacement"].isel(time=records).values
-    modal = modal.reshape(len(modal), dataset.sizes["copy"], -1)
-    moved = np.einsum("rcm,pam->rcpa", modal, shape)
-    return rotate(moved, dataset["copy_angle"].values[:, None])
+    moved = (coordinates @ shape.reshape(-1, shape.shape[-1]).T).reshape(len(coordinates), -1, 3)
+    return rotate(moved, dataset["copy_angle"].values[:, None]).reshape(-1, 3)
+
+
+def placed_points(dataset: xr.Dataset) -> FloatArray:
+    """Return the undeformed points of all copies, (point, 3) [m]."""
+    angle = dataset["copy_angle"].values[:, None]
+    return rotate(dataset["point"].values, angle).reshape(-1, 3)
+
+
+def copied_cells(dataset: xr.Dataset) -> IntArray:
+    """Return the points of each triangle of all copies, or each point if there are no triangles,
+    (cell, corner)."""
+    points = dataset.sizes["point"]
+    cells = np.arange(points)[:, None]
+    if "triangle" in dataset:
+        cells = dataset["triangle"].values
+    return np.vstack([cells + n * points for n in range(dataset.sizes["copy"])])
+
+
+def placed_contact_nodes(dataset: xr.Dataset) -> FloatArray:
+    """Return the undeformed contact nodes, (contact_node, 3) [m]."""
+    radius, axial = dataset["contact_radius"].values, dataset["axial_position"].values
+    return np.column_stack([radius[:, None] * directions(dataset["tip_angle"].values), axial])
+
+
+def point_blades(dataset: xr.Dataset) -> IntArray:
+    """Return the blade of each point of all copies, (point,): its copy or, on a single body with
+    several blades, the blade of the nearest contact node."""
+    copies, points = dataset.sizes["copy"], dataset.sizes["point"]
+    if copies > 1:
+        return np.repeat(np.arange(copies), points)
+    nearest = KDTree(placed_contact_nodes(dataset)).query(dataset["point"].values)[1]
+    return np.asarray(dataset["blade"].values[nearest])
 
 
 def is_flexible(dataset: xr.Dataset) -> bool:
@@ -121,51 +161,34 @@ def ring_mesh(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
 def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, meshio.Mesh]:
     """Return the meshes of blades, contact nodes and a flexible casing at a record; points are at
     undeformed positions, and displacements are arrays."""
-    copies = dataset.sizes["copy"]
     ahead = float(dataset.attrs["speed"] * dataset["time"][record])
     turn = 0.0 if rotating else ahead
-    points = dataset["point"].values
-    placed = rotate(points, dataset["copy_angle"].values[:, None])
-    moved = deformed_points(dataset, np.array([record]))[0]
-    flat, motion = (rotate(values.reshape(-1, 3), turn) for values in (placed, moved))
-    kind, cells = "vertex", np.arange(len(points))[:, None]
-    if "triangle" in dataset:
-        kind, cells = "triangle", dataset["triangle"].values
+    coordinates = copy_coordinates(dataset, "rotor_displacement", np.array([record]))[0]
+    placed, moved = placed_points(dataset), point_vectors(dataset, coordinates)
+    cells = copied_cells(dataset)
     meshes = {"casing": ring_mesh(dataset, record, turn - ahead)} if is_flexible(dataset) else {}
     return meshes | {
         "blades": meshio.Mesh(
-            flat,
-            [(kind, np.vstack([cells + n * len(points) for n in range(copies)]))],
+            rotate(placed, turn),
+            [("triangle" if cells.shape[1] == 3 else "vertex", cells)],
             {
-                "displacement": motion,
-                "radial_displacement": np.sum(unit(flat * [1.0, 1.0, 0.0]) * motion, axis=1),
-                "blade": _blades(dataset, placed),
+                "displacement": rotate(moved, turn),
+                "radial_displacement": np.sum(unit(placed * [1.0, 1.0, 0.0]) * moved, axis=1),
+                "blade": point_blades(dataset),
             },
         ),
         "contact": _contact(dataset, record, turn),
     }
 
 
-def _blades(dataset: xr.Dataset, placed: FloatArray) -> IntArray:
-    """Return the blade of each point at its position at rest, (points,): its copy or, on a single
-    body with several blades, the blade of the nearest contact node."""
-    copies, points = placed.shape[:2]
-    if copies > 1:
-        return np.repeat(np.arange(copies), points)
-    radius, axial = dataset["contact_radius"].values, dataset["axial_position"].values
-    nodes = np.column_stack([radius[:, None] * directions(dataset["tip_angle"].values), axial])
-    return np.asarray(dataset["blade"].values[KDTree(nodes).query(placed[0])[1]])
-
-
 def _contact(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
     angle = dataset["tip_angle"].values + turn
-    radius, axial = dataset["contact_radius"].values, dataset["axial_position"].values
     moved, force = (
         rotate(dataset[name][record].values, angle)
         for name in ("contact_displacement", "contact_force")
     )
     return meshio.Mesh(
-        np.column_stack([radius[:, None] * directions(angle), axial]),
+        rotate(placed_contact_nodes(dataset), turn),
         [("vertex", np.arange(len(angle))[:, None])],
         {"displacement": moved, "contact_force": force, "blade": dataset["blade"].values},
     )

@@ -32,6 +32,7 @@ from bladewhirl.postprocess.paraview.boxes import (
 from bladewhirl.postprocess.pictures.symbols import StageSymbols
 from bladewhirl.postprocess.run.wear import coating_of
 
+GRIDS = ("rotor", "casing", "contact", "supports")
 #: kinds of symbols that are written; struts include rigid links
 HOLDERS = ("springs", "dampers", "struts")
 PORTION = 300  #: largest number of records computed together
@@ -54,6 +55,8 @@ class StageParts:
         ResultError: the result is of an old format without cross-sections.
     """
 
+    grid_names = GRIDS
+
     def __init__(
         self,
         dataset: xr.Dataset,
@@ -64,6 +67,7 @@ class StageParts:
         exaggeration: float | None = None,
     ) -> None:
         self._dataset, self._rotating = dataset, rotating
+        self.size = float(dataset.attrs["tip_radius"])  #: half the size of the stage [m]
         beam_pieces, arc_points = (BEAM_PIECES, ARC_POINTS) if surface else (1, LINE_ARC_POINTS)
         self._per_element = -(-arc_points // dataset.sizes["casing_node"])
         self._per_line = beam_pieces

@@ -18,27 +18,22 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.files import claim, owned, replacing, write_atomically
-from bladewhirl.meshes.plane import directions, rotate
+from bladewhirl.meshes.plane import directions
 from bladewhirl.postprocess.fields.kinematics import (
     IntArray,
-    ViewError,
     contact_forces,
     frame_records,
     history,
     sampling_hint,
 )
-from bladewhirl.postprocess.fields.nodes import deformed_points, frame_meshes, is_flexible
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
+from bladewhirl.postprocess.paraview.node_parts import NodeParts
 from bladewhirl.postprocess.paraview.parts import StageParts
 
 logger = logging.getLogger(__name__)
 
 #: line of view.py that is replaced by the description of the series
 FILL = "SERIES: dict[str, Any] = {}"
-BODIES = ("rotor", "casing")
-PARTS: tuple[str, ...] = (*BODIES, "contact", "supports")
-NODE_PARTS: tuple[str, ...] = ("blades", "contact")
-"""Parts of a series of a superelement; with a flexible casing it also has the part "casing"."""
 INDEX = "series.pvd"  #: name of the index of a series
 
 Progress = Callable[[int, int], None]
@@ -85,8 +80,9 @@ def export_vtk(
 
     For a superelement with points, the part `blades` has the points and triangles of its file,
     `contact` the contact nodes, `casing` the inner face of a flexible casing; they have
-    `displacement`, blades and casing also `radial_displacement`, contact nodes `contact_force`;
-    blades and contact nodes have the number `blade`, on a wheel that of the nearest contact node.
+    `displacement` and `warp`, blades and casing also `radial_displacement`, contact nodes
+    `contact_force`; blades and contact nodes have the number `blade`, on a wheel that of the
+    nearest contact node.
 
     With `surface`, beams and wall are boxes of their true thickness and width, made of quads. With
     `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and all
@@ -100,35 +96,23 @@ def export_vtk(
         ResultError: the result is of an old format without cross-sections.
         FileExistsError: a file exists that the manifest does not list.
     """
-    if "point_shape" in dataset:
-        if surface or exaggeration is not None:
-            raise ViewError("surface, exaggeration: not allowed for a superelement")
-    elif "rotor_line" not in dataset:
-        raise ViewError("expected a superelement whose file has points and recovery")
     dataset = with_wall(dataset)
     if records is None:
         records = frame_records(dataset, frames, start, end)
         if hint := sampling_hint(dataset, records):
             logger.info(hint)
-    names, others = NODE_PARTS, dict[str, meshio.Mesh | str]()
-    if "point_shape" in dataset:
-        grids: Iterable[Mapping[str, meshio.Mesh]] = (
-            frame_meshes(dataset, int(record), rotating) for record in records
-        )
-        names = (*NODE_PARTS, "casing") if is_flexible(dataset) else NODE_PARTS
-        about = _about_nodes(dataset, records)
-    else:
-        parts = StageParts(
-            dataset, records, surface=surface, rotating=rotating, exaggeration=exaggeration
-        )
-        names, grids, about = PARTS, parts.grids(), _about(dataset, records, parts)
+    look: dict[str, Any] = {"surface": surface, "rotating": rotating, "exaggeration": exaggeration}
+    kind = StageParts if "rotor_line" in dataset else NodeParts
+    parts: StageParts | NodeParts = kind(dataset, records, **look)
+    others: dict[str, meshio.Mesh | str] = {"view.py": view_script(_about(dataset, records, parts))}
+    if "rotor_line" in dataset:
         others["mesh.vtu"] = undeformed_mesh(dataset)
     return write_series(
         Path(directory),
-        names,
+        parts.grid_names,
         dataset["time"].values[records],
-        grids,
-        {**others, "view.py": view_script(about)},
+        parts.grids(),
+        others,
         overwrite=overwrite,
         progress=progress,
     )
@@ -210,7 +194,7 @@ def _write_index(path: Path, entries: list[str]) -> None:
     )
 
 
-def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[str, Any]:
+def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts | NodeParts) -> dict[str, Any]:
     """Return the description of the series for view.py: title, first instant to show, sizes, names
     of the parts."""
     force = np.linalg.norm(contact_forces(dataset, records), axis=-1).max(axis=1)
@@ -219,31 +203,11 @@ def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[st
     return {
         "title": str(dataset.attrs["title"]),
         "time": float(dataset["time"].values[records[shown]]),
-        "vectors": "warp",
         "exaggeration": parts.exaggeration,
         "largest_displacement": parts.largest_displacement,
         "largest_force": float(force.max()),
-        "size": float(dataset.attrs["tip_radius"]),
+        "size": parts.size,
         "parts": parts.names,
-    }
-
-
-def _about_nodes(dataset: xr.Dataset, records: IntArray) -> dict[str, Any]:
-    """Return the description of the series for view.py, which shows the strongest contact."""
-    forces = np.linalg.norm(dataset["contact_force"].values[records], axis=-1).max(axis=1)
-    moved = [np.linalg.norm(deformed_points(dataset, records[[n]])) for n in range(len(records))]
-    shown = int(np.argmax(forces if forces.any() else moved))
-    largest = np.linalg.norm(deformed_points(dataset, records[[np.argmax(moved)]]), axis=-1).max()
-    copies = dataset["copy_angle"].values[:, None]
-    return {
-        "title": str(dataset.attrs["title"]),
-        "time": float(dataset["time"].values[records[shown]]),
-        "vectors": "displacement",
-        "exaggeration": 1.0,
-        "largest_displacement": float(largest),
-        "largest_force": float(forces.max()),
-        "size": float(np.ptp(rotate(dataset["point"].values, copies), axis=(0, 1)).max()) / 2.0,
-        "parts": [*NODE_PARTS],
     }
 
 

@@ -32,7 +32,7 @@ def main() -> None:
     scene.AnimationTime = SERIES["time"]
 
     drawn = simple.WarpByVector(registrationName="drawn", Input=series)
-    drawn.Vectors = ["POINTS", SERIES["vectors"]]
+    drawn.Vectors = ["POINTS", "warp"]
     drawn.ScaleFactor = 1.0
     shown = simple.Show(drawn, view)
     shown.LineWidth = 1.5

@@ -10,6 +10,7 @@ from matplotlib.colors import to_rgb
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, turn
+from bladewhirl.postprocess.fields.netcdf import need
 from bladewhirl.postprocess.pictures.choices import Frame
 from bladewhirl.postprocess.pictures.colouring import Colouring, scale_end
 from bladewhirl.postprocess.pictures.symbols import Symbols
@@ -59,14 +60,14 @@ def scene_colours(colouring: Colouring, levels: int) -> Array:
 
 
 def contact_text(forces: Array) -> str:
-    """Return a text with the number of blades in contact and the largest of the contact `forces`
-    (blade, 2) [N]."""
-    size = np.linalg.norm(forces, axis=1)
-    touching = int(np.count_nonzero(size))
+    """Return a text with the number of blades in contact and the largest of the sizes of the
+    contact `forces` on the blades (blade,) [N]."""
+    touching = int(np.count_nonzero(forces))
     if not touching:
         return "no contact"
-    largest = f"largest force now {handy(float(size.max()), 'N', 3)},\nwith friction"
-    return f"{touching} of {len(size)} blades in contact\n{largest}"
+    largest = f"largest force now {handy(float(forces.max()), 'N', 3)},\nwith friction"
+    blades = "blades" if len(forces) > 1 else "blade"
+    return f"{touching} of {len(forces)} {blades} in contact\n{largest}"
 
 
 def speed_text(dataset: xr.Dataset) -> str:
@@ -92,9 +93,12 @@ def shaft_trail(dataset: xr.Dataset, records: IntArray, frame: Frame) -> tuple[A
     Returns:
         positions in static or rotating axes, relative to the radius of the circle (record, 2);
         title of the inset, with the radius of the circle.
+
+    Raises:
+        ResultError: the rotor has no centre that moves.
     """
-    rows = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
-    way = history(dataset, "rotor_displacement", records) @ rows.T
+    need(dataset, "centre_shape")
+    way = history(dataset, "rotor_displacement", records) @ dataset["centre_shape"].values.T
     if frame == "static":
         way = rotate(way, turn(dataset, records))
     reach = float(np.linalg.norm(way, axis=1).max())

@@ -1,7 +1,8 @@
 """Colouring of the stage in a picture, by a field of a result or by parts.
 
 The values are true values, independent of the exaggeration of the picture. The two sides of beams
-and of the wall have different values, because bending strains differ.
+and of the wall have different values, because bending strains differ. A surface has a value at each
+point.
 """
 
 from collections.abc import Mapping
@@ -18,8 +19,10 @@ from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.blades import line_blades
+from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.enlarged import rounded_up
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
+from bladewhirl.postprocess.fields.nodes import copy_coordinates, point_blades, point_vectors
 from bladewhirl.postprocess.fields.strains import (
     Strains,
     casing_strain_rows,
@@ -34,6 +37,7 @@ PART_COLOURS = tuple(
     COLOURS[name] for name in ("k = 0", "other k", "suspension", "k = 1", "contact", "rest")
 )
 """Colours of the parts of the rotor, used cyclically; the casing has its own colour."""
+MAGNITUDES = ("displacement", "deformation", "velocity")  #: fields that are sizes of vectors
 
 
 class Stations(NamedTuple):
@@ -51,10 +55,16 @@ class Colouring:
     unit: str  #: unit of the scale; "" for parts
     scale: float  #: factor from the SI unit to `unit`
     rotor: Array  #: values (record, line, station, side)
+    surface: Array  #: values (record, point)
     casing: Array  #: values (record, station, side); the first station is not repeated at the end
     signed: bool = False  #: true if the scale contains negative values
     #: colours of parts by name; the values are then numbers of parts. None for a field
     parts: Mapping[str, str] | None = None
+
+    @property
+    def bodies(self) -> tuple[Array, Array, Array]:
+        """Values of all bodies."""
+        return self.rotor, self.surface, self.casing
 
     @property
     def colour_map(self) -> Colormap:
@@ -80,7 +90,7 @@ class Colouring:
     @property
     def largest(self) -> float:
         """Largest magnitude of the values, in the SI unit."""
-        sizes = [np.abs(values[np.isfinite(values)]) for values in (self.rotor, self.casing)]
+        sizes = [np.abs(values[np.isfinite(values)]) for values in self.bodies]
         return float(max(np.max(size, initial=0.0) for size in sizes))
 
 
@@ -90,7 +100,7 @@ def colouring(
     """Return the values of a field at some records; velocities are in rotating or static axes.
 
     Raises:
-        ViewError: the field does not exist.
+        ViewError: the field does not exist, or needs beams.
         ResultError: strain or stress is requested of a result of an old format without
             cross-sections.
     """
@@ -98,14 +108,21 @@ def colouring(
         raise ViewError(f"colour must be one of {', '.join(get_args(Field))}, got {field!r}")
     if field == "part":
         return _parts(dataset, records, stations)
-    if field == "gap":
-        rotor, casing = _gap(dataset, records, stations)
-    elif field in ("displacement", "deformation", "velocity"):
-        rotor, casing = _magnitude(dataset, field, records, stations, rotating)
+    if "rotor_line" in dataset:
+        surface = np.zeros((len(records), 0))
+        if field == "gap":
+            rotor = _gap(dataset, records, stations)
+        elif field in MAGNITUDES:
+            rotor = _beam_magnitude(dataset, field, records, stations, rotating)
+        else:
+            rotor = _beam_strain(dataset, field, records, stations)
     else:
-        rotor, casing = _strained(dataset, field, records, stations)
+        rotor = np.zeros((len(records), 0, stations.per_line + 1, 2))
+        surface = _surface(dataset, field, records, rotating)
+    casing = _casing(dataset, field, records, stations, rotating)
     base = {"velocity": "m/s", "stress": "Pa"}.get(field, "m/m" if "strain" in field else "m")
-    largest = float(max(np.nanmax(np.abs(rotor)), np.nanmax(np.abs(casing), initial=0.0)))
+    known = [np.abs(values[np.isfinite(values)]) for values in (rotor, surface, casing)]
+    largest = float(max(np.max(values, initial=0.0) for values in known))
     unit, scale = ("m/s", 1.0) if field == "velocity" else handy_unit(largest, base)
     names = {"stress": "surface stress", "gap": "gap at the tip"}
     return Colouring(
@@ -113,52 +130,98 @@ def colouring(
         unit=unit,
         scale=scale,
         rotor=rotor,
+        surface=surface,
         casing=casing,
         signed=field in ("stress", "axial-strain", "bending-strain"),
     )
 
 
-def _magnitude(
+def _beam_magnitude(
     dataset: xr.Dataset, field: str, records: IntArray, stations: Stations, rotating: bool
-) -> tuple[Array, Array]:
-    """Return the magnitude of a vector field for rotor and for casing: of the displacement, of the
-    deformation (displacement without the mean motion of the body), or of the velocity in the axes
-    of the picture.
-    """
+) -> Array:
+    """Return the magnitude of a vector field of beams: of the displacement, of the deformation
+    (displacement without the mean motion of the body), or of the velocity in the axes of the
+    picture."""
     _, rows = kinematics.line_rows(dataset, stations.per_line)
-    beams = rows.reshape(-1, 2, rows.shape[-1])
-    angle = kinematics.ring_angles(dataset, stations.per_element)
-    ring = rotate(kinematics.casing_rows(dataset, angle), angle[:, None], axis=1)
     centre = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
-    speed = float(dataset.attrs["speed"])
-    sizes = []
-    for body, shape, mean, spin in (  # `spin`: speed of the body in the axes of the picture
-        ("rotor", beams, centre, 0.0 if rotating else speed),
-        ("casing", ring, ring.mean(axis=0), -speed if rotating else 0.0),
-    ):
-        rows_shown = shape - mean if field == "deformation" else shape
-        values = kinematics.combine(history(dataset, f"{body}_displacement", records), rows_shown)
+    beams = rows.reshape(-1, 2, rows.shape[-1])
+    spin = 0.0 if rotating else float(dataset.attrs["speed"])
+    values = _magnitude(dataset, "rotor", field, records, beams, centre, spin)
+    return _on_both_sides(values.reshape(len(records), *rows.shape[:2]))
+
+
+def _magnitude(
+    dataset: xr.Dataset,
+    body: str,
+    field: str,
+    records: IntArray,
+    shape: Array,
+    mean: Array,
+    spin: float,
+) -> Array:
+    """Return the magnitude of a vector field of a body (record, point), whose axes turn at the
+    speed `spin` [rad/s] in the axes of the picture. `shape` and `mean` are its displacements
+    (point, 2, mode) and mean motion (2, mode) for unit modal coordinates."""
+    shown = shape - mean if field == "deformation" else shape
+    values = kinematics.combine(history(dataset, f"{body}_displacement", records), shown)
+    if field == "velocity":
+        rate = kinematics.combine(history(dataset, f"{body}_velocity", records), shown)
+        values = rate + spin * rotate(values, np.pi / 2)
+    return np.asarray(np.linalg.norm(values, axis=-1))
+
+
+def _surface(dataset: xr.Dataset, field: str, records: IntArray, rotating: bool) -> Array:
+    """Return the values at all points of a surface, (record, point)."""
+    if field == "gap":
+        gap = of_blades(dataset, history(dataset, "gap", records), np.minimum)
+        return np.asarray(gap[:, point_blades(dataset)])
+    if field not in MAGNITUDES:
+        shown = ", ".join((*MAGNITUDES, "gap", "part"))
+        raise ViewError(
+            f'colour = "{field}": a superelement has no strains of its surface; expected {shown}'
+        )
+    spin = 0.0 if rotating else float(dataset.attrs["speed"])
+    values = []
+    for record in records:
+        at = np.array([record])
+        motion = copy_coordinates(dataset, "rotor_displacement", at)[0]
+        vectors = point_vectors(dataset, motion)
+        if field == "deformation" and "centre_shape" in dataset:
+            vectors[:, :2] -= motion.ravel() @ dataset["centre_shape"].values.T
         if field == "velocity":
-            rate = kinematics.combine(history(dataset, f"{body}_velocity", records), rows_shown)
-            values = rate + spin * rotate(values, np.pi / 2)
-        sizes.append(np.linalg.norm(values, axis=-1))
-    rotor, casing = sizes
-    return _on_both_sides(rotor.reshape(len(records), *rows.shape[:2])), _on_both_sides(casing)
+            rate = point_vectors(dataset, copy_coordinates(dataset, "rotor_velocity", at)[0])
+            rate[:, :2] += spin * rotate(vectors[:, :2], np.pi / 2)
+            vectors = rate
+        values.append(np.linalg.norm(vectors, axis=1))
+    return np.array(values)
 
 
-def _strained(
-    dataset: xr.Dataset, field: str, records: IntArray, stations: Stations
-) -> tuple[Array, Array]:
-    """Return axial or bending strain, or surface stress, of rotor and casing."""
-    beams = rotor_strain_rows(dataset, stations.per_line)
-    rotor = beams.at(history(dataset, "rotor_displacement", records))
-    ring = casing_strain_rows(dataset, stations.per_element)
-    wall = ring.at(history(dataset, "casing_displacement", records))
-    casing = _at_surfaces(wall, field, dataset["casing_young_modulus"].values[:, None])[:, :, :-1]
-    return (
-        _at_surfaces(rotor, field, rotor_sections(dataset, "young_modulus", stations.per_line)),
-        casing.reshape(len(records), -1, 2),
+def _casing(
+    dataset: xr.Dataset, field: str, records: IntArray, stations: Stations, rotating: bool
+) -> Array:
+    """Return the values on both sides of the wall; NaN for gaps, and on a rigid wall."""
+    wall = (len(records), stations.per_element * dataset.sizes.get("casing_node", 1), 2)
+    if field == "gap" or "casing_shape" not in dataset:
+        return np.full(wall, np.nan)
+    if field not in MAGNITUDES:
+        ring = casing_strain_rows(dataset, stations.per_element)
+        strains = ring.at(history(dataset, "casing_displacement", records))
+        modulus = dataset["casing_young_modulus"].values[:, None]
+        return _at_surfaces(strains, field, modulus)[:, :, :-1].reshape(wall)
+    angle = kinematics.ring_angles(dataset, stations.per_element)
+    rows = rotate(kinematics.casing_rows(dataset, angle), angle[:, None], axis=1)
+    spin = -float(dataset.attrs["speed"]) if rotating else 0.0
+    return _on_both_sides(
+        _magnitude(dataset, "casing", field, records, rows, rows.mean(axis=0), spin)
     )
+
+
+def _beam_strain(dataset: xr.Dataset, field: str, records: IntArray, stations: Stations) -> Array:
+    """Return axial or bending strain, or surface stress, of beams."""
+    beams = rotor_strain_rows(dataset, stations.per_line)
+    strains = beams.at(history(dataset, "rotor_displacement", records))
+    modulus = rotor_sections(dataset, "young_modulus", stations.per_line)
+    return _at_surfaces(strains, field, modulus)
 
 
 def _at_surfaces(strains: Strains, field: str, modulus: Array) -> Array:
@@ -173,28 +236,29 @@ def _at_surfaces(strains: Strains, field: str, modulus: Array) -> Array:
     return np.asarray(modulus[..., None] * (axial + bend))
 
 
-def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> tuple[Array, Array]:
+def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Array:
     """Return the gap at the tip of a blade for all stations of the blade; NaN on other parts."""
     gap, blade = history(dataset, "gap", records), line_blades(dataset)
     values = np.where(blade >= 0, gap[:, blade], np.nan)
-    rotor = np.repeat(values[:, :, None], stations.per_line + 1, axis=2)
-    casing = np.full((len(records), stations.per_element * dataset.sizes["casing_node"]), np.nan)
-    return _on_both_sides(rotor), _on_both_sides(casing)
+    return _on_both_sides(np.repeat(values[:, :, None], stations.per_line + 1, axis=2))
 
 
 def _parts(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colouring:
-    """Return the colouring by parts: the parts of the rotor in mesh order, then the casing."""
-    part = dataset["rotor_part"].values.astype(str)
-    names = list(dict.fromkeys(part))
+    """Return the colouring by parts: the parts of the rotor in mesh order, then the casing. A
+    surface is one part."""
+    part = dataset["rotor_part"].values.astype(str) if "rotor_part" in dataset else np.array([])
+    names = list(dict.fromkeys(part)) or ["bladed disk"]
     number = np.array([names.index(name) for name in part], dtype=np.float64)
     shape = (len(records), len(part), stations.per_line + 1)
-    wall = (len(records), stations.per_element * dataset.sizes["casing_node"])
+    points = dataset.sizes.get("copy", 0) * dataset.sizes.get("point", 0)
+    wall = (len(records), stations.per_element * dataset.sizes.get("casing_node", 1))
     shown = {name or "other beams": colour for name, colour in zip(names, cycle(PART_COLOURS))}
     return Colouring(
         name="part",
         unit="",
         scale=1.0,
         rotor=_on_both_sides(np.broadcast_to(number[:, None], shape)),
+        surface=np.zeros((len(records), points)),
         casing=_on_both_sides(np.full(wall, float(len(names)))),
         parts=shown | {"casing": COLOURS["casing"]},
     )

@@ -1,6 +1,7 @@
-"""Geometry of a picture of the stage: beams and wall as filled ribbons, contact as arrows.
+"""Geometry of a picture of the stage: beams and wall as filled ribbons, surfaces of triangles,
+contact as arrows.
 
-Points are taken from `EnlargedStage` and transformed to the axes of the picture.
+Points are taken from a body of `bodies` and transformed to the axes of the picture.
 """
 
 from dataclasses import dataclass
@@ -10,16 +11,14 @@ import xarray as xr
 
 from bladewhirl.meshes.plane import rotate, unit
 from bladewhirl.postprocess.fields import kinematics
-from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT, EnlargedStage
+from bladewhirl.postprocess.fields.by_blade import blade_count, of_blades
+from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
+from bladewhirl.postprocess.pictures.bodies import BEAM_STATIONS, body_of
 from bladewhirl.postprocess.pictures.choices import Field, Frame
 from bladewhirl.postprocess.pictures.colouring import Stations, colouring
-from bladewhirl.postprocess.pictures.symbols import StageSymbols, Symbols
-
-BEAM_STATIONS = 6  #: number of straight pieces of a beam
-RING_STATIONS = 720  #: smallest number of straight pieces of the casing
-MARK = 0.7  #: radius of the mark on the first blade, relative to the tip radius
+from bladewhirl.postprocess.pictures.symbols import Symbols
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,18 +30,28 @@ class Ribbon:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Surface:
+    """Surface of triangles; without points if the rotor consists of beams."""
+
+    points: Array  #: places, and distance towards the viewer (point, 3) [m]
+    values: Array  #: true values of the field (point,)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Picture:
     """Stage at one record. Positions are as drawn, with displacements and clearance multiplied by
     the exaggeration; values of fields and forces are true."""
 
     time: float  #: [s]
-    rotor: Ribbon
+    rotor: Ribbon  #: beams
+    surface: Surface
     casing: Ribbon
     shaft: Array  #: drawn centre (2,) [m]
-    tips: Array  #: drawn tips (blade, 2) [m]
+    tips: Array  #: drawn contact nodes (contact_node, 2) [m]
     mark: Array  #: drawn mark on the first blade (2,) [m], which shows the rotation
     symbols: Symbols  #: springs, supports, masses
-    forces: Array  #: true contact force on each tip (blade, 2) [N], in the axes of the picture
+    forces: Array  #: true contact force on each node (contact_node, 2) [N], as seen in the picture
+    blade_forces: Array  #: size of the contact force on each blade (blade,) [N]
 
 
 class Drawing:
@@ -53,8 +62,12 @@ class Drawing:
         records: numbers of the records.
         exaggeration: factor of displacements and clearance; a round number is chosen when None.
         frame: axes of the picture: in "static" axes the rotor turns, in "rotating" axes the casing
-            turns backward.
-        colour: field that colours beams and wall, see `colouring`.
+            turns backward. When None, "static", for a single blade "rotating".
+        colour: field that colours rotor and wall, see `colouring`.
+
+    Raises:
+        ViewError: the frame, the field or the exaggeration is invalid, or a rotor without beams has
+            no surface.
     """
 
     def __init__(
@@ -63,56 +76,56 @@ class Drawing:
         records: IntArray,
         *,
         exaggeration: float | None = None,
-        frame: Frame = "static",
+        frame: Frame | None = None,
         colour: Field = "displacement",
     ) -> None:
-        if frame not in ("static", "rotating"):
+        if frame not in (None, "static", "rotating"):
             raise ViewError(f'frame must be "static" or "rotating", got {frame!r}')
         dataset = with_wall(dataset)
-        per_element = -(-RING_STATIONS // dataset.sizes["casing_node"])
-        self._stage = stage = EnlargedStage(
-            dataset, records, factor=exaggeration, per_line=BEAM_STATIONS, per_element=per_element
-        )
+        several = blade_count(dataset) > 1
+        self.frame: Frame = frame or ("static" if several else "rotating")
+        rotating = self.frame == "rotating"
+        self.around = several or not rotating  #: whether the axis is in the picture
+        self._dataset = dataset
+        self._body = body = body_of(dataset, records, exaggeration, around=self.around)
+        self.triangles = body.triangles  #: points of each triangle of the surface (triangle, 3)
+        self.nodes = body.nodes  #: nodes of beams, or contact nodes, at rest (node, 2) [m]
+        self._stage = stage = body.stage
         self.records = records
-        self.frame = frame
         self.exaggeration = stage.factor
         self.largest_displacement = stage.largest_displacement
-        self.nodes = stage.nodes
         self.times = dataset["time"].values[records]
         angle = stage.turns
         self._rotor_turn, self._casing_turn = (
-            (angle, 0 * angle) if frame == "static" else (0 * angle, -angle)
+            (0 * angle, -angle) if rotating else (angle, 0 * angle)
         )
-        self._forces = kinematics.contact_forces(dataset, records, rotating=frame == "rotating")
-        self._tips = dataset["tip_node"].values
-        from_mark = stage.line.reshape(-1, 2) - MARK * stage.nodes[self._tips[0]]
-        self._mark = int(np.argmin(np.sum(from_mark**2, axis=1)))
-        self._symbols = StageSymbols(dataset, stage.angle, stage.outward_reach())
+        self._forces = kinematics.contact_forces(dataset, records, rotating=rotating)
+        per_element = len(stage.angle) // dataset.sizes.get("casing_node", 1)
         self.colouring = colouring(
-            dataset, colour, records, Stations(BEAM_STATIONS, per_element), frame == "rotating"
+            dataset, colour, records, Stations(BEAM_STATIONS, per_element), rotating
         )
 
     @property
     def largest_force(self) -> float:
-        """Largest contact force in the records [N]."""
+        """Largest contact force on a contact node in the records [N]."""
         return float(np.linalg.norm(self._forces, axis=-1).max())
 
     def linear_limit(self) -> float | None:
         """Return the displacement [m] at which a linear model has an error of a tenth; None if all
         displacements at these records are smaller."""
-        bent = self._stage.rotor_displacement - self._stage.centre[:, None]
         limit = LARGE_DISPLACEMENT * self._stage.tip_radius
-        return limit if np.linalg.norm(bent, axis=-1).max() > limit else None
+        return limit if self._body.largest_bend > limit else None
 
     def reach(self) -> tuple[float, float]:
-        """Return the largest distance of the drawn stage, and of tips in contact, from the origin
+        """Return the largest distance of the drawn stage, and of tips in contact, from the middle
         [m]."""
         stage = contact = 0.0
         for index in range(len(self)):
             seen = self.picture(index)
             touching = seen.tips[np.any(seen.forces, axis=1)]
             contact = max(contact, float(np.max(np.sum(touching**2, axis=-1), initial=0.0)))
-            for shape in (seen.rotor.sides, seen.casing.sides, *seen.symbols):
+            surface = seen.surface.points[:, :2]
+            for shape in (seen.rotor.sides, surface, seen.casing.sides, *seen.symbols):
                 stage = max(stage, float(np.max(np.sum(shape**2, axis=-1), initial=0.0)))
         return float(np.sqrt(stage)), float(np.sqrt(contact))
 
@@ -121,31 +134,22 @@ class Drawing:
 
     def picture(self, index: int) -> Picture:
         """Return the stage at the index-th of the chosen records."""
-        stage, turned = self._stage, self._rotor_turn[index]
-        line, nodes, wall = stage.rotor_line(index), stage.rotor_nodes(index), stage.wall(index)
-        centre = stage.factor * stage.centre[index]
-        closed = np.append(np.arange(len(wall)), 0)  # the first station is repeated at the end
+        turns = float(self._rotor_turn[index]), float(self._casing_turn[index])
+        shape, colours = self._body.shape(index, *turns), self.colouring
+        forces = self._forces[index]
         return Picture(
             time=float(self.times[index]),
-            rotor=Ribbon(
-                sides=rotate(stage.rotor_sides(index, line, wall), turned),
-                values=self.colouring.rotor[index],
-            ),
+            rotor=Ribbon(sides=shape.ribbons, values=colours.rotor[index]),
+            surface=Surface(points=shape.surface, values=colours.surface[index]),
             casing=Ribbon(
-                sides=rotate(wall[closed], self._casing_turn[index])[None],
-                values=self.colouring.casing[index][closed][None],
+                sides=shape.wall[None], values=colours.casing[index][shape.stations][None]
             ),
-            shaft=rotate(centre, turned),
-            tips=rotate(nodes[self._tips], turned),
-            mark=rotate(line.reshape(-1, 2)[self._mark], turned),
-            symbols=self._symbols.together(
-                self._symbols.drawn(
-                    wall[:, 1], stage.wall_at_rest(), centre, nodes, float(stage.turns[index])
-                ),
-                self._casing_turn[index],
-                turned,
-            ),
-            forces=self._forces[index],
+            shaft=shape.centre,
+            tips=shape.tips,
+            mark=shape.mark,
+            symbols=shape.symbols,
+            forces=self._body.seen(forces),
+            blade_forces=np.linalg.norm(of_blades(self._dataset, forces.T), axis=0),
         )
 
 

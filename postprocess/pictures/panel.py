@@ -9,6 +9,7 @@ import xarray as xr
 
 from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.models.inputs.units import handy
+from bladewhirl.postprocess.fields.by_blade import blade_starts
 from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
@@ -59,7 +60,7 @@ class Panel:
         if sheet:
             shown.append(f"bars: {bar}")
         else:
-            shown.append(look.DOTS)
+            shown += [look.DOTS] if drawing.around else []
             write(scene.plotter, bar, 0.085, 11, indent=-look.SQUARE)
         write_title(scene.plotter, dataset)
         self._time = write(scene.plotter, "", TOPS["time"], 22)
@@ -74,9 +75,7 @@ class Panel:
         )
         self._contact = write(scene.plotter, "", TOPS["contact"], 14, color=look.FORCE_COLOUR)
         self._orbit = None if trail is None else Orbit(scene, dataset, trail)
-        self._numbers = BladeNumbers(
-            scene, dataset.sizes["contact_node"], LETTERS if sheet else 1.0
-        )
+        self._numbers = BladeNumbers(scene, blade_starts(dataset), LETTERS if sheet else 1.0)
         limit = drawing.linear_limit()
         if limit is not None:
             words = f"blades bend by more than\n{handy(limit, 'm', 3)}: a linear model"
@@ -91,7 +90,7 @@ class Panel:
     def show(self, picture: Picture) -> None:
         """Update time, contact text, blade numbers and orbit."""
         self._time.input = f"t = {1e3 * picture.time:.1f} ms"
-        self._contact.input = look.contact_text(picture.forces)
+        self._contact.input = look.contact_text(picture.blade_forces)
         self._numbers.show(picture)
         if self._orbit is not None:
             self._orbit.show(picture.time)
@@ -151,15 +150,16 @@ class Orbit:
 class BladeNumbers:
     """Numbers next to the blades; with many blades only every second, fifth or tenth number."""
 
-    def __init__(self, scene: StageScene, blades: int, letters: float = 1.0) -> None:
+    def __init__(self, scene: StageScene, tips: IntArray, letters: float = 1.0) -> None:
         steps = (1, 2, 5, 10, 20, 50, 100, 200, 500)
-        stride = next(step for step in steps if letters * blades <= 25 * step)
-        self._blades = np.arange(0, blades, stride)
+        stride = next(step for step in steps if letters * len(tips) <= 25 * step)
+        blades = np.arange(0, len(tips), stride)
+        self._tips, self._size = tips[blades], scene.size
         self._corner, far = scene.place(0.0, 0.0), scene.place(1.0, 1.0)
         self._pixels = np.array(scene.plotter.window_size) / (far - self._corner)
         self._actors = [
             write(scene.plotter, str(blade), 0.0, 10 * letters, indent=float(blade))
-            for blade in self._blades
+            for blade in blades
         ]
         for actor in self._actors:
             actor.prop.SetJustificationToCentered()
@@ -169,9 +169,10 @@ class BladeNumbers:
 
     def show(self, picture: Picture) -> None:
         """Move the numbers to their blades."""
-        span = picture.tips[self._blades] - picture.shaft
+        span = picture.tips[self._tips] - picture.shaft
         aside = rotate(unit(span), np.pi / 2)
-        beside = picture.shaft + NUMBER_PLACE * span + NUMBER_ASIDE * np.abs(span).max() * aside
+        apart = NUMBER_ASIDE * min(np.abs(span).max(), self._size) * aside
+        beside = picture.shaft + NUMBER_PLACE * span + apart
         for actor, place in zip(self._actors, self._pixels * (beside - self._corner), strict=True):
             actor.SetPosition(*place)
 

@@ -13,6 +13,9 @@ from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows, wi
 from bladewhirl.postprocess.pictures.symbols import MASS, Symbols
 
 DISC_CORNERS = 32
+FRONT = 1.5  #: layer before which the layers of ribbons lie, and after which all others lie
+DEPTH = 2.0  #: distance of these layers from the middle of surfaces, relative to the stage
+AMBIENT = 0.25  #: part of the light on surfaces that does not depend on their direction
 CIRCLE = directions(2 * np.pi * np.arange(DISC_CORNERS) / DISC_CORNERS)
 
 
@@ -20,17 +23,23 @@ class StageScene:
     """Stage in a `pyvista.Plotter`, on the screen or off-screen.
 
     Colours show the true values of the field. Dots mark the shaft and the first blade if `marks` is
-    true. Objects lie in layers at different z, so the view must be along z, see `aim`.
+    true and the centre is in the picture. Objects lie in layers at different z, with surfaces of
+    triangles in front of the wall, so the view must be along z, see `aim`.
     """
 
     def __init__(self, plotter: pyvista.Plotter, drawing: Drawing, *, marks: bool = True) -> None:
         self.plotter = plotter
         self.drawing = drawing
         stage, contact = drawing.reach()
-        self._size = max(stage, contact / (1 - look.LONGEST_ARROW))  # arrows end on the tips
+        #: distance from the middle to the edge of the picture [m]
+        self.size = max(stage, contact / (1 - look.LONGEST_ARROW))  # arrows end on the tips
         force = drawing.largest_force
-        self._metres_per_newton = look.LONGEST_ARROW * self._size / force if force else 0.0
+        marks = marks and drawing.around
+        self._metres_per_newton = look.LONGEST_ARROW * self.size / force if force else 0.0
         first = drawing.picture(0)
+        surface = first.surface.points
+        self._depth = DEPTH * self.size if len(surface) else 0.0
+        self._surface = self._add(len(surface), drawing.triangles, layer=None)
         self._outlines, self._ribbons = [], []
         for ribbon in (first.casing, first.rotor):
             lines, stations = ribbon.values.shape[:2]
@@ -82,9 +91,9 @@ class StageScene:
 
     def show(self, picture: Picture) -> None:
         """Show a picture: change the points and colours of all objects in place."""
-        circle = self._size * CIRCLE
+        circle = self.size * CIRCLE
         # The outline of the inner surface lies inside the wall, so that gaps keep their size.
-        edge = look.OUTLINE * self._size
+        edge = look.OUTLINE * self.size
         for outline, mesh, ribbon, inner in zip(
             self._outlines, self._ribbons, (picture.casing, picture.rotor), (0.0, edge), strict=True
         ):
@@ -94,11 +103,12 @@ class StageScene:
             sides = widened(ribbon.sides, inner - edge, 0.0)
             middle = sides.mean(axis=2)
             _move(mesh, np.stack([sides[:, :, 0], middle, middle, sides[:, :, 1]], axis=2))
-            values = np.repeat(ribbon.values, 2, axis=-1)
-            mesh.point_data["value"][:] = self.drawing.colouring.scale * values.ravel()
+            self._colour(mesh, np.repeat(ribbon.values, 2, axis=-1))
+        self._surface.points[:] = picture.surface.points
+        self._colour(self._surface, picture.surface.values)
         for name, width, _, strokes in look.strokes_of(picture.symbols):
-            _move(self._edges[name], stroke_corners(strokes, (width + 2 * look.EDGE) * self._size))
-            _move(self._strokes[name], stroke_corners(strokes, width * self._size))
+            _move(self._edges[name], stroke_corners(strokes, (width + 2 * look.EDGE) * self.size))
+            _move(self._strokes[name], stroke_corners(strokes, width * self.size))
         for mesh, share in zip(self._masses, (MASS + look.OUTLINE, MASS), strict=True):
             _move(mesh, picture.symbols.masses[:, None] + share * circle)
         for mesh, middle, share in (
@@ -110,7 +120,7 @@ class StageScene:
             _move(mesh, middle + share * circle)
         touching = np.any(picture.forces, axis=1)[:, None, None]
         _move(self._discs, picture.tips[:, None] + look.CONTACT_DISC * touching * circle)
-        width = look.ARROW_WIDTH * self._size
+        width = look.ARROW_WIDTH * self.size
         _move(self._arrows, arrows(picture.tips, picture.forces, self._metres_per_newton, width))
 
     def dots(self, middles: Array, size: float, colour: str, *, layer: int) -> None:
@@ -118,20 +128,20 @@ class StageScene:
         faces = disc_triangles(len(middles))
         for step, share, shade in ((0, size + look.OUTLINE, look.INK), (1, size, colour)):
             mesh = self._add(len(middles) * DISC_CORNERS, faces, layer=layer + step, color=shade)
-            _move(mesh, middles[:, None] + share * self._size * CIRCLE)
+            _move(mesh, middles[:, None] + share * self.size * CIRCLE)
 
     def symbols(self, symbols: Symbols) -> None:
         """Add symbols that are the same in all pictures."""
         for _, width, colour, strokes in look.strokes_of(symbols):
             quads = np.arange(4 * len(strokes)).reshape(-1, 4)
             mesh = self._add(4 * len(strokes), quads, layer=2, color=colour)
-            _move(mesh, stroke_corners(strokes, width * self._size))
+            _move(mesh, stroke_corners(strokes, width * self.size))
 
     def aim(self) -> None:
         """Set the view along the axis, with the stage in the left part of the window."""
         aside = self.place(0.5, 0.5)[0]
         self.plotter.enable_parallel_projection()
-        self.plotter.camera_position = [(aside, 0, 10 * self._size), (aside, 0, 0), (0, 1, 0)]
+        self.plotter.camera_position = [(aside, 0, 10 * self.size), (aside, 0, 0), (0, 1, 0)]
         self.plotter.camera.parallel_scale = self._half_height
         self.plotter.reset_camera_clipping_range()
 
@@ -147,19 +157,21 @@ class StageScene:
     def _half_height(self) -> float:
         """Half of the height of the window, measured in the drawing plane [m]."""
         width, height = self.plotter.window_size
-        return float(look.MARGIN * self._size * max(1.0, height / (look.SQUARE * width)))
+        return float(look.MARGIN * self.size * max(1.0, height / (look.SQUARE * width)))
 
     def _add(
         self,
         points: int,
         *faces: IntArray,
-        layer: float,
+        layer: float | None,
         color: str | None = None,
         shown: bool = True,
     ) -> pyvista.PolyData:
-        """Add a mesh of polygons without lighting, coloured by the field if `color` is None."""
+        """Add a mesh of polygons without lighting in a layer, or a lit surface if `layer` is None;
+        coloured by the field if `color` is None."""
         space = np.zeros((points, 3))
-        space[:, 2] = 1e-3 * layer * self._size
+        if layer is not None:
+            space[:, 2] = 1e-3 * layer * self.size + np.copysign(self._depth, layer - FRONT)
         cells = np.concatenate([np.insert(f, 0, f.shape[1], axis=1).ravel() for f in faces])
         mesh = pyvista.PolyData(space, cells)
         if color is None:
@@ -175,12 +187,16 @@ class StageScene:
             clim=colouring.limits,
             nan_color=look.NO_VALUE,
             interpolate_before_map=True,
-            lighting=False,
+            lighting=layer is None,
+            ambient=AMBIENT if layer is None else 0.0,
             show_scalar_bar=False,
         )
         if color is None:
             self.colours = actor.mapper
         return mesh
+
+    def _colour(self, mesh: pyvista.PolyData, values: Array) -> None:
+        mesh.point_data["value"][:] = self.drawing.colouring.scale * values.ravel()
 
 
 def stroke_corners(strokes: Array, width: float) -> Array:

@@ -14,6 +14,7 @@ from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.result import stage_dataset
 from bladewhirl.postprocess.pictures.appearance import FAINT, SQUARE
 from bladewhirl.postprocess.pictures.drawing import Drawing
@@ -31,29 +32,25 @@ DOT = 0.011  #: radius of the dots of the first set, relative to the radius of t
 
 
 def stage_at_rest(
-    arrays: StageArrays, *, title: str, tip_radius: float, casing_radius: float, clamped: bool
+    arrays: StageArrays, attributes: Mapping[str, str | float | int], *, title: str
 ) -> xr.Dataset:
-    """Return a Dataset of a stage at rest, with a single record."""
-    motion = {
-        "time": np.zeros(1),
-        "rotor_displacement": np.zeros((1, len(arrays.rotor_frequency))),
-        "casing_displacement": np.zeros((1, len(arrays.casing_frequency))),
-    }
-    return stage_dataset(arrays, motion).assign_attrs(
-        title=title,
-        tip_radius=tip_radius,
-        casing_radius=casing_radius,
-        clamped=int(clamped),
-        speed=0.0,
-    )
+    """Return a Dataset of a stage at rest, with a single record. `attributes` are those that a
+    result of the stage has."""
+    motion = {"time": np.zeros(1), "rotor_displacement": np.zeros((1, len(arrays.rotor_frequency)))}
+    if arrays.casing_frequency.size:
+        motion["casing_displacement"] = np.zeros((1, len(arrays.casing_frequency)))
+    if arrays.contact_shape.size:
+        motion["contact_displacement"] = np.zeros((1, len(arrays.blade), 3))
+    return stage_dataset(arrays, motion).assign_attrs(attributes, title=title, speed=0.0)
 
 
 def draw_stage(dataset: xr.Dataset, path: str | Path, *, node_sets: Mapping[str, IntArray]) -> Path:
     """Draw a stage from `stage_at_rest` with its parts, sets and supports as PNG; return the path.
-    `node_sets` contains the nodes of the rotor by the name of the set.
+    `node_sets` contains the nodes of beams, or the contact nodes of a surface, by the name of the
+    set.
 
     Raises:
-        ViewError: the path does not end in .png.
+        ViewError: the path does not end in .png, or the rotor has neither beams nor a surface.
         OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".png")
@@ -106,10 +103,11 @@ def _sizes(dataset: xr.Dataset) -> str:
     """Return number of blades, tip radius and clearance as text of three lines."""
     clearance = dataset["clearance"].values[:, None] + dataset["tip_recess"].values
     unit, scale = handy_unit(clearance.max(), "m")
+    blades = blade_count(dataset)
     limits = (clearance.min(), clearance.max())
     ends = dict.fromkeys(f"{scale * length:.3g}" for length in limits)
     return (
-        f"{dataset.sizes['contact_node']} blades\n"
+        f"{blades} blade{'s' if blades > 1 else ''}\n"
         f"tip radius {handy(float(dataset.attrs['tip_radius']), 'm', 4)}\n"
         f"clearance {' to '.join(ends)} {unit}"
     )

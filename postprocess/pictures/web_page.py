@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from bladewhirl.files import write_atomically
 from bladewhirl.postprocess.fields.blades import member_names
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
+from bladewhirl.postprocess.fields.nodes import point_blades
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.colouring import Colouring
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows
@@ -48,7 +50,6 @@ def render_page(
     stage, contact = drawing.reach()
     size = max(stage, contact / (1 - look.LONGEST_ARROW)) * look.MARGIN
     places, shades, layout = _pack(drawing, size, progress)
-    names, member = member_names(dataset)
     about = {
         **_instants(drawing),
         **_looks(drawing.colouring),
@@ -56,10 +57,12 @@ def render_page(
             [name, width * FULL / look.MARGIN, shade]
             for name, width, shade, _ in look.strokes_of(drawing.picture(0).symbols)
         ],
-        **_orbit(dataset, drawing),
+        **(_orbit(dataset, drawing) if "centre_shape" in dataset else {}),
         "layout": layout,
         "casingShades": drawing.colouring.rotor[0].size,
-        "members": [names[number] for number in member],  # of each beam
+        "surfaceShades": shades.shape[1] - drawing.colouring.surface.shape[1],
+        "marks": drawing.around,
+        **_members(dataset),
     }
     colouring = drawing.colouring
     text = filled_template(
@@ -75,8 +78,9 @@ def render_page(
         faint=look.FAINT,
         force=look.FORCE_COLOUR,
         about=about,
-        places=base64.b64encode(zlib.compress(places.tobytes())).decode(),
-        shades=base64.b64encode(zlib.compress(shades.tobytes())).decode(),
+        triangles=_packed(drawing.triangles.astype("<i4")),
+        places=_packed(places),
+        shades=_packed(shades),
     )
     write_atomically(target, text)
     return target
@@ -86,23 +90,38 @@ def _pack(
     drawing: Drawing, size: float, progress: Progress | None
 ) -> tuple[Array, Array, dict[str, list[int]]]:
     """Return the points (record, coordinate), the shades (record, station), and the layout of a
-    record: the offset and shape of each array of points, by name."""
+    record: the offset and shape of each array of points, by name. Shades are those of the shapes
+    rotor, casing and surface."""
     places, shades, layout = [], [], dict[str, list[int]]()
     for index in range(len(drawing)):
-        shapes = _shapes(drawing, drawing.picture(index), size)
+        picture = drawing.picture(index)
+        shapes = _shapes(drawing, picture, size)
         if not layout:
             first = 0
             for name, values in shapes.items():
                 layout[name] = [first, *values.shape]
                 first += values.size
         places.append(np.concatenate([values.ravel() for values in shapes.values()]))
-        rotor, casing = drawing.colouring.rotor[index], drawing.colouring.casing[index]
-        values = np.concatenate([rotor.ravel(), casing.ravel(), casing[0]])
+        bodies = picture.rotor, picture.casing, picture.surface
+        values = np.concatenate([body.values.ravel() for body in bodies])
         shades.append(_shades(drawing.colouring, values))
         if progress is not None:
             progress(index + 1, len(drawing))
-    scaled = np.round(FULL / size * np.array(places))
+    scaled = np.clip(np.round(FULL / size * np.array(places)), -FULL, FULL)  # depth may be larger
     return scaled.astype("<i2"), np.array(shades), layout
+
+
+def _packed(values: NDArray[Any]) -> str:
+    """Return an array compressed, as text."""
+    return base64.b64encode(zlib.compress(values.tobytes())).decode()
+
+
+def _members(dataset: xr.Dataset) -> dict[str, list[str]]:
+    """Return the name of the member that each beam and each point of a surface belongs to."""
+    if "rotor_line" in dataset:
+        names, member = member_names(dataset)
+        return {"members": [names[number] for number in member], "ofPoints": []}
+    return {"members": [], "ofPoints": [f"blade {number}" for number in point_blades(dataset)]}
 
 
 def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Array]:
@@ -112,6 +131,7 @@ def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Arr
     return {
         "rotor": picture.rotor.sides,
         "casing": picture.casing.sides,
+        "surface": picture.surface.points,
         **{name: strokes for name, _, _, strokes in look.strokes_of(picture.symbols)},
         "masses": picture.symbols.masses,
         "arrows": arrows(picture.tips, picture.forces, length, look.ARROW_WIDTH * size),
@@ -134,13 +154,13 @@ def _shades(colouring: Colouring, values: Array) -> Array:
 
 
 def _instants(drawing: Drawing) -> dict[str, Any]:
-    """Return for each picture its time, the text about contact, and 1 for each blade in contact,
-    else 0."""
-    forces = [drawing.picture(index).forces for index in range(len(drawing))]
+    """Return for each picture its time, the text about contact, and 1 for each contact node in
+    contact, else 0."""
+    pictures = [drawing.picture(index) for index in range(len(drawing))]
     return {
         "times": [f"t = {1e3 * time:.1f} ms" for time in drawing.times],
-        "contact": [look.contact_text(force) for force in forces],
-        "touching": [np.any(force, axis=1).astype(int).tolist() for force in forces],
+        "contact": [look.contact_text(picture.blade_forces) for picture in pictures],
+        "touching": [np.any(picture.forces, axis=1).astype(int).tolist() for picture in pictures],
     }
 
 

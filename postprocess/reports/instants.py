@@ -84,7 +84,7 @@ def instants(
         plots=[_orbit(orbit), _histories(maps, energy)],
         times=drawing.times,
         first=int(np.searchsorted(records, marked)),
-        words=[look.contact_text(picture.forces).replace("\n", ", ") for picture in pictures],
+        words=[look.contact_text(picture.blade_forces).replace("\n", ", ") for picture in pictures],
         places=[MILLI * orbit[frame].values[records] for frame in FRAMES],
         machine=_machine(drawing, pictures),
     )

@@ -25,7 +25,7 @@ def render(
     end: options.End = None,
     time: Annotated[list[float] | None, options.time("--time")] = None,
     exaggeration: float | None = None,
-    frame: Frame = "static",
+    frame: Frame | None = None,
     colour: Field = "displacement",
     orbit: Annotated[bool, typer.Option("--orbit")] = False,
     overwrite: options.Replace = False,
@@ -46,19 +46,19 @@ def render(
         page: An interactive animation for any browser, which works offline.
         output: File to write; its suffix replaces --gif, --mp4, --png or --html. By default
             animation.gif, animation.mp4, still.png, sheet.png or page.html in DIR.
-        frames: Number of pictures: by default 120, of a superelement 60, in a sheet 9.
+        frames: Number of pictures: by default 120, in a sheet 9.
         time: Instant of a still; may be given several times. By default the record with the largest
             mean contact force (normal and friction) since the previous record.
         exaggeration: Factor on displacements and clearance; 1: true to scale; automatic by default.
-        frame: Frame of reference of the picture.
-        colour: Field that colours beams and wall.
+        frame: Frame of reference of the picture: by default static, rotating for a single blade.
+        colour: Field that colours rotor and wall; strains and stresses are those of beams.
         orbit: Show the shaft's orbit in an inset.
     """
     from bladewhirl.files import check_file
     from bladewhirl.postprocess.fields.kinematics import nearest_records, sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.studies.runs.render import check_view, window_records
     from bladewhirl.studies.runs.render import render as draw
+    from bladewhirl.studies.runs.render import window_records
 
     flags = {"gif": gif, "mp4": mp4, "png": png, "sheet": sheet, "html": page}
     targets = _targets(directory, output, [kind for kind, flag in flags.items() if flag])
@@ -72,8 +72,6 @@ def render(
             with writing(path):
                 check_file(path, overwrite=overwrite)
         nearest_records(result, times)  # refuses times outside the run
-        for path, _ in pictures:
-            check_view(result, path, **view)
         for path, chosen in pictures:
             with progress_bar(path.name) as update, writing(path):
                 draw(result, path, **chosen, **view, exaggeration=exaggeration, progress=update)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Mapping
 from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,6 +17,7 @@ from bladewhirl.studies.runs.columns import Column, facts, table, texts
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from bladewhirl.meshes.line_mesh import IntArray
     from bladewhirl.models.stage.stage import Stage
     from bladewhirl.models.stage.superelement_stage import SuperelementStage
 
@@ -102,8 +102,8 @@ OF_SUPERELEMENT = (
 )
 """Columns of the properties of a superelement."""
 
-Shown = tuple[dict[str, Any], list["Table"], Callable[[Path], None]]
-"""Properties for JSON, printed tables, and a function that draws the stage into a file."""
+Shown = tuple[dict[str, Any], list["Table"], Mapping[str, "IntArray"]]
+"""Properties for JSON, printed tables, and the nodes of named sets, which a picture shows."""
 
 
 def show(
@@ -135,14 +135,17 @@ def show(
             stage = marched_stage(checked)
         beams = isinstance(stage, MarchedBeams)
         shown: Callable[[Any], Shown] = _of_beams if beams else _of_superelement
-        derived, tables, draw = shown(stage.model)
+        derived, tables, node_sets = shown(stage.model)
         for hint in stage.hints():
             typer.echo(f"Hint: {hint}.", err=True)
         if png:
+            from bladewhirl.postprocess.pictures.stage import draw_stage, stage_at_rest
+
             target = output or Path(f"{case.stem}.png")
             options.claim_output(target, named=True, overwrite=overwrite)
+            at_rest = stage_at_rest(stage.arrays, stage.attributes, title=checked.title)
             with writing(target):
-                draw(target)
+                draw_stage(at_rest, target, node_sets=node_sets)
             typer.echo(f"Wrote {target}.", err=True)
     document = {"case": checked.model_dump(mode="json", exclude_none=True), "derived": derived}
     full = (f"\n{dumps_case(checked)}".removesuffix("\n"),) if with_case else ()
@@ -150,15 +153,16 @@ def show(
 
 
 def _of_superelement(stage: SuperelementStage) -> Shown:
+    import numpy as np
+
     from bladewhirl.studies.runs.properties import superelement_properties
-    from bladewhirl.studies.runs.superelement_picture import draw_superelement
 
     derived = superelement_properties(stage)
     tables = [
         facts(texts(derived, OF_SUPERELEMENT)),
         table(derived["contact_nodes"], NODES, "Contact nodes of a copy"),
     ]
-    return derived, tables, partial(draw_superelement, stage)
+    return derived, tables, {"contact nodes": np.arange(stage.part.contacts * stage.copies)}
 
 
 def _of_beams(stage: Stage) -> Shown:
@@ -183,17 +187,4 @@ def _of_beams(stage: Stage) -> Shown:
             continue
         modes = sorted(derived[body], key=lambda mode: mode["nodal_diameter"])
         tables.append(table(modes, MODES, f"{title}, full model"))
-
-    def draw(target: Path) -> None:
-        from bladewhirl.postprocess.pictures.stage import draw_stage, stage_at_rest
-
-        at_rest = stage_at_rest(
-            stage.arrays,
-            title=stage.case.title,
-            tip_radius=stage.rotor.tip_radius,
-            casing_radius=stage.reduced_casing.radius,
-            clamped=stage.case.shaft.clamped,
-        )
-        draw_stage(at_rest, target, node_sets=stage.disk.mesh.node_sets)
-
-    return derived, tables, draw
+    return derived, tables, stage.disk.mesh.node_sets

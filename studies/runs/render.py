@@ -29,7 +29,7 @@ def render(
     start: float | None = None,
     end: float | None = None,
     exaggeration: float | None = None,
-    frame: Frame = "static",
+    frame: Frame | None = None,
     colour: Field = "displacement",
     orbit: bool = False,
     progress: Callable[[int, int], None] | None = None,
@@ -44,14 +44,15 @@ def render(
         path: path of the file; an older file is replaced.
         time: instant of a still, or instants of a sheet [s]; if None, a still shows the instant of
             the largest contact force.
-        frames: number of pictures; if None, 120 in a film, 60 of a superelement, 9 in a sheet.
+        frames: number of pictures; if None, 120 in a film, 9 in a sheet.
         start: start of a film or a sheet [s]. Without start and end, a film is around the strongest
             contact, and a sheet covers the revolution with the strongest contact.
         end: end of a film or a sheet [s].
         exaggeration: factor on displacements and clearance, 1 for true size; automatic if None.
-        frame: "static" or "rotating" axes. A superelement is drawn in rotating axes.
-        colour: field that colours beams and wall, such as "stress"; of beams only.
-        orbit: whether stills, GIF and MP4 have an inset with the orbit of the shaft of beams.
+        frame: "static" or "rotating" axes; if None, static, and rotating for a single blade.
+        colour: field that colours rotor and wall, such as "velocity"; strains and stresses are
+            those of beams.
+        orbit: whether stills, GIF and MP4 have an inset with the orbit of the shaft.
         progress: called with the numbers of finished and of all pictures of a film.
 
     Returns:
@@ -59,14 +60,13 @@ def render(
 
     Raises:
         ResultError: the result does not exist.
-        ViewError: the suffix is unknown, a time or the window is invalid, or a superelement cannot
-            be drawn in this way.
+        ViewError: the suffix is unknown, a time or the window is invalid, the file of a
+            superelement has no triangles, or it has no strains of its surface.
         OffScreenError: the system cannot draw without a display.
         UserError: the file cannot be written.
     """
     from bladewhirl.postprocess.fields.kinematics import ViewError, nearest_records
     from bladewhirl.postprocess.fields.result import opened
-    from bladewhirl.postprocess.pictures import blades
     from bladewhirl.postprocess.pictures import render as pictures
     from bladewhirl.postprocess.pictures.web_page import render_page
 
@@ -79,19 +79,13 @@ def render(
         )
     look: dict[str, Any] = {"exaggeration": exaggeration, "frame": frame, "colour": colour}
     with opened(result) as dataset, writing(target):
-        of_nodes = _of_nodes(dataset)
-        check_view(dataset, target, frame=frame, colour=colour, orbit=orbit)
         still = kind == ".png" and not windowed and not isinstance(time, Sequence)
         if time is not None:
             records = nearest_records(dataset, np.atleast_1d(time))
         elif still:
-            strongest = blades.strongest_force if of_nodes else pictures.strongest_contact
-            records = np.array([strongest(dataset)])
+            records = np.array([pictures.strongest_contact(dataset)])
         else:
             records = window_records(dataset, target, frames=frames, start=start, end=end)
-        if of_nodes:
-            look = {"exaggeration": exaggeration, "progress": progress}
-            return blades.render_blades(dataset, target, records, **look)
         if still:
             return pictures.render_still(dataset, target, int(records[0]), orbit=orbit, **look)
         if kind == ".png":
@@ -103,36 +97,12 @@ def render(
         )
 
 
-def check_view(result: xr.Dataset, path: Path, *, frame: Frame, colour: Field, orbit: bool) -> None:
-    """Raise a ViewError if a superelement cannot be drawn in this way."""
-    from bladewhirl.postprocess.fields.kinematics import ViewError
-    from bladewhirl.postprocess.pictures.blades import SUFFIXES
-
-    if not _of_nodes(result):
-        return
-    if path.suffix.lower() not in SUFFIXES:
-        raise ViewError(f"{path}: expected .png, .gif or .mp4 for a superelement")
-    if (frame, colour, orbit) != ("static", "displacement", False):
-        raise ViewError(
-            "frame, colour, orbit: not allowed for a superelement, which is drawn in rotating axes"
-            " and coloured by its displacement"
-        )
-
-
 def window_records(
     result: xr.Dataset, path: Path, *, frames: int | None, start: float | None, end: float | None
 ) -> IntArray:
     """Return the records of a sheet if the path ends in .png, otherwise the records of a film."""
-    from bladewhirl.postprocess.pictures import blades
     from bladewhirl.postprocess.pictures import render as pictures
 
     if path.suffix.lower() == ".png":
         return pictures.sheet_records(result, frames or SHEET_PICTURES, start=start, end=end)
-    if _of_nodes(result):
-        return blades.film_records(result, frames=frames, start=start, end=end)
     return pictures.animation_records(result, frames=frames, start=start, end=end)
-
-
-def _of_nodes(result: xr.Dataset) -> bool:
-    """Return whether blades are drawn by their surface, with the forces on contact nodes."""
-    return "contact_displacement" in result

@@ -1,18 +1,14 @@
 """Pages: complete without a network, and true to the drawing."""
 
-import base64
-import json
 import re
-import zlib
 from html import unescape
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 import synthetic_result as synthetic
 import xarray as xr
-from numpy.typing import NDArray
+from web_pages import page, part
 
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.web_page import FULL, NONE, render_page
@@ -23,28 +19,6 @@ RECORDS = np.arange(376, 388, 4)  # the first without contact
 @pytest.fixture(scope="module")
 def result() -> xr.Dataset:
     return synthetic.synthetic_result(elements=2)
-
-
-def page(path: Path) -> tuple[dict[str, Any], NDArray[np.int16], NDArray[np.uint8]]:
-    """What a page knows, its places and its shades, (record, number) each."""
-    text = path.read_text(encoding="utf-8")
-    about = json.loads(re.search(r"^const about = (.*);$", text, re.MULTILINE)[1])  # type: ignore[index]
-    packed = {
-        name: zlib.decompress(base64.b64decode(re.search(rf'{name}: "([^"]*)"', text)[1]))  # type: ignore[index]
-        for name in ("places", "shades")
-    }
-    count = len(about["times"])
-    return (
-        about,
-        np.frombuffer(packed["places"], dtype="<i2").reshape(count, -1),
-        np.frombuffer(packed["shades"], dtype=np.uint8).reshape(count, -1),
-    )
-
-
-def part(about: dict[str, Any], places: NDArray[np.int16], name: str) -> NDArray[np.float64]:
-    """One kind of thing at all records, as the page finds it."""
-    first, *shape = about["layout"][name]
-    return np.asarray(places[:, first : first + int(np.prod(shape))].reshape(-1, *shape) / FULL)
 
 
 def test_places_are_those_of_the_drawing(result: xr.Dataset, tmp_path: Path) -> None:

@@ -60,7 +60,7 @@ def test_options_of_the_view(run: Path, monkeypatch: pytest.MonkeyPatch) -> None
     answer("render", run, "--png", *options)
     [view] = calls
     assert view.pop("progress")
-    look = {"exaggeration": 5.0, "frame": "static", "colour": "gap", "orbit": True}
+    look = {"exaggeration": 5.0, "frame": None, "colour": "gap", "orbit": True}
     assert view == {"time": 0.1, **look}
 
 

@@ -1,6 +1,5 @@
 """Runs of superelements: from a file of matrices to a folder with results."""
 
-import inspect
 import json
 import runpy
 import sys
@@ -21,11 +20,11 @@ from small_run import assert_same_bits
 
 import bladewhirl as bw
 from bladewhirl.models.case.file import loads
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.stage.coating import axial_tracks, spacing
 from bladewhirl.models.stage.hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
-from bladewhirl.postprocess.fields.nodes import _blades, displacement, frame_meshes, wall_at
-from bladewhirl.postprocess.pictures.blades import blade_view
+from bladewhirl.postprocess.fields.nodes import displacement, wall_at
 from bladewhirl.postprocess.run.contact_nodes import ring_motion, tip_orbits
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.studies.runs.outputs import Run
@@ -33,7 +32,6 @@ from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.properties import superelement_properties
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.runs.run import resume
-from bladewhirl.studies.runs.superelement_picture import draw_superelement
 
 UNMARKED = {"thickness": 1e-3, "young_modulus": 1e9, "yield_stress": 2e6}
 LAYER = UNMARKED | {"footprint": 4e-3}
@@ -207,39 +205,6 @@ def test_engine_order_forces_give_the_steady_answer_of_the_modes(file: Path) -> 
     assert moved == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
 
 
-@pytest.mark.usefixtures("can_draw")
-def test_a_still_shows_contact_and_a_page_is_refused(file: Path, tmp_path: Path) -> None:
-    case = bw.case_from(tables(file, bladed_disk={"superelement": {"file": str(file)}}))
-    result, _ = march_in_memory(prepare(case))
-    bw.render(result, tmp_path / "contact.png")
-    bw.render(result, tmp_path / "start.png", time=0.0)
-    contact, start = (
-        np.asarray(Image.open(tmp_path / name).convert("RGB"), dtype=int)
-        for name in ("contact.png", "start.png")
-    )
-    arrows = (contact[..., 0] > contact[..., 1] + 25) & (contact[..., 2] > contact[..., 1] + 10)
-    assert arrows.sum() > 50  # forces are drawn in purple
-    assert (np.abs(contact - start).sum(axis=-1) > 0).mean() > 0.01
-    with pytest.raises(bw.ViewError, match=r"expected \.png, \.gif or \.mp4"):
-        bw.render(result, tmp_path / "page.html")
-    with pytest.raises(bw.ViewError, match="frame, colour, orbit: not allowed for a superelement"):
-        bw.render(result, tmp_path / "orbit.png", orbit=True)
-
-
-@pytest.mark.usefixtures("can_draw")
-def test_a_sheet_has_a_picture_of_each_instant(file: Path, tmp_path: Path) -> None:
-    case = bw.case_from(tables(file, bladed_disk={"superelement": {"file": str(file)}}))
-    result, _ = march_in_memory(prepare(case))
-    times = result["time"].values[[0, -1]]
-    bw.render(result, tmp_path / "sheet.png", time=times.tolist())
-    sheet = np.asarray(Image.open(tmp_path / "sheet.png").convert("RGB"))
-    rest, moved = np.split(sheet, 2, axis=1)
-    bw.render(result, tmp_path / "still.png", time=float(times[1]))
-    still = np.asarray(Image.open(tmp_path / "still.png").convert("RGB"))
-    np.testing.assert_array_equal(moved, still)  # of the same scales, as nothing moves at t = 0
-    assert (rest != moved).any()
-
-
 @pytest.mark.parametrize(
     ("command", "expected"),
     [
@@ -390,15 +355,15 @@ def test_blades_start_with_the_motion_of_their_tips(file: Path) -> None:
 
 
 def test_show_draws_the_blades_and_the_wall(file: Path, tmp_path: Path) -> None:
-    stage = superelement_stage(bw.case_from(tables(file)))
-    draw_superelement(stage, tmp_path / "stage.png")
+    case = tmp_path / "case.toml"
+    case.write_text(dumps_case(bw.case_from(tables(file))))
+    answer("show", case, "--png", "-o", tmp_path / "stage.png")
     picture = np.asarray(Image.open(tmp_path / "stage.png").convert("RGB")).reshape(-1, 3)
     assert len(np.unique(picture, axis=0)) > 20
     bare = replace(blade(), points=None, recovery=None, triangles=None)
     bw.write_superelement(tmp_path / "bare.npz", bare)
-    stage = superelement_stage(bw.case_from(tables(tmp_path / "bare.npz")))
-    with pytest.raises(bw.ViewError, match="points, recovery and triangles"):
-        draw_superelement(stage, tmp_path / "bare.png")
+    case.write_text(dumps_case(bw.case_from(tables(tmp_path / "bare.npz"))))
+    assert "points, recovery and triangles" in refusal("show", case, "--png")
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
@@ -418,19 +383,6 @@ def test_a_run_has_figures_by_name_and_a_report(run: Run, tmp_path: Path) -> Non
         assert bw.plot.contact_nodes(result).axes
 
 
-def test_every_picture_is_drawn_once(run: Run) -> None:
-    drawn: list[str] = []
-    with run.open() as result:
-        records = np.arange(100, 104)
-        with blade_view(result, records, None) as picture:
-            cells = inspect.getclosurevars(picture).nonlocals
-            window = cells["plotter"].render_window
-            window.AddObserver("StartEvent", lambda *_: drawn.append("drawn"))
-            pictures = [picture(index) for index in (0, 1, 2)]
-    assert len(drawn) == len(pictures)
-    assert (pictures[0] != pictures[2]).any()
-
-
 def test_a_series_of_blades_has_a_view_and_the_names_of_beams(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -440,25 +392,15 @@ def test_a_series_of_blades_has_a_view_and_the_names_of_beams(
     blades = meshio.read(folder / "frames" / "blades_00000.vtu")
     assert np.bincount(blades.point_data["blade"]).tolist() == [18, 18, 18]
     nodes = meshio.read(folder / "frames" / "contact_00000.vtu").point_data
-    assert {"displacement", "contact_force", "blade"} == set(nodes)
+    assert {"displacement", "warp", "contact_force", "blade"} == set(nodes)
     simple = MagicMock()
     simple.GetParaViewVersion.return_value = (5, 11)
     monkeypatch.setitem(sys.modules, "paraview", MagicMock(simple=simple))
     monkeypatch.setattr(sys, "argv", ["view.py", "picture.png"])
     runpy.run_path(str(folder / "view.py"))
-    assert simple.WarpByVector.return_value.Vectors == ["POINTS", "displacement"]
+    assert simple.WarpByVector.return_value.Vectors == ["POINTS", "warp"]
     assert simple.Glyph.return_value.ScaleArray == ["POINTS", "contact_force"]
     assert simple.SaveScreenshot.call_args.args[0] == "picture.png"
-
-
-def test_points_of_a_wheel_have_the_blade_of_the_nearest_contact_node(run: Run) -> None:
-    with run.open() as result:
-        wheel = result.isel(copy=[0], rotor_mode=slice(result.sizes["mode"])).load()
-        angles = wheel["tip_angle"].values
-        places = 0.2 * np.stack([np.cos(angles), np.sin(angles), 0.0 * angles], axis=-1)
-        blade = frame_meshes(wheel, 0, rotating=True)["blades"].point_data["blade"]
-    assert set(blade.tolist()) == {0}  # those of the first of three blades
-    assert _blades(wheel, places[None]).tolist() == [0, 0, 0, 1, 1, 1, 2, 2, 2]
 
 
 @pytest.mark.parametrize("share", [0.25, 0.35, 0.7])

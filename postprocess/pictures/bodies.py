@@ -1,0 +1,200 @@
+"""What is drawn of a stage: beams with supports, or a surface of triangles, and the wall."""
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.meshes.plane import directions, rotate, unit
+from bladewhirl.postprocess.fields.enlarged import EnlargedStage, EnlargedWall
+from bladewhirl.postprocess.fields.enlarged_surface import EnlargedSurface
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.nodes import copied_cells
+from bladewhirl.postprocess.pictures.symbols import StageSymbols, Symbols
+
+BEAM_STATIONS = 6  #: number of straight pieces of a beam
+RING_STATIONS = 720  #: smallest number of straight pieces of the casing
+MARK = 0.7  #: radius of the mark on the first blade, relative to the tip radius
+
+TOWARDS = np.array([0.4, -0.3, 1.0])  #: direction from surfaces around the axis to the viewer
+LEAN, SWING = 0.35, 1.1  #: inclination of the view of a single blade, to the root and to an edge
+ABOVE = 0.1  #: distance of the middle of a picture from that of a single blade, by its size
+ARC = 0.06  #: angle over which the wall is drawn on each side of a single blade [rad]
+ARC_STATIONS = 41
+BEYOND = 0.15  #: part of the wall that is drawn beyond the contact nodes, by their axial distance
+NARROW = 0.01  #: smallest such part, relative to the tip radius
+
+
+class Shape(NamedTuple):
+    """Drawn positions at one record in the axes of the picture."""
+
+    ribbons: Array  #: both sides of beams (line, station, side, 2) [m]
+    surface: Array  #: points, with their distance towards the viewer (point, 3) [m]
+    wall: Array  #: both sides of the drawn wall (station, side, 2) [m]
+    stations: IntArray  #: number of the station of the wall whose colour is at each drawn station
+    tips: Array  #: contact nodes (contact_node, 2) [m]
+    centre: Array  #: (2,) [m]
+    mark: Array  #: (2,) [m]
+    symbols: Symbols
+
+
+class Body(Protocol):
+    """Stage of which `Drawing` makes pictures."""
+
+    nodes: Array  #: nodes of beams, or contact nodes of a surface, at rest (node, 2) [m]
+    triangles: IntArray  #: points of each triangle of the surface (triangle, 3)
+    largest_bend: float  #: largest displacement of the rotor relative to its centre [m]
+
+    @property
+    def stage(self) -> EnlargedWall:
+        """Drawn positions."""
+
+    def shape(self, index: int, rotor: float, casing: float) -> Shape:
+        """Return the drawn positions at the index-th record, with the rotor and the casing turned
+        by angles [rad]."""
+
+    def seen(self, vectors: Array) -> Array:
+        """Return vectors (..., 2 or 3) as they are seen in the picture (..., 2)."""
+
+
+class Beams:
+    """Beams and their supports in the ring of the casing, seen along the axis."""
+
+    def __init__(
+        self, dataset: xr.Dataset, records: IntArray, factor: float | None, per_element: int
+    ) -> None:
+        self.stage = stage = EnlargedStage(
+            dataset, records, factor=factor, per_line=BEAM_STATIONS, per_element=per_element
+        )
+        self.nodes, self.triangles = stage.nodes, np.zeros((0, 3), dtype=np.int64)
+        self.largest_bend = stage.largest_bend
+        self._tips = dataset["tip_node"].values
+        from_mark = stage.line.reshape(-1, 2) - MARK * stage.nodes[self._tips[0]]
+        self._mark = int(np.argmin(np.sum(from_mark**2, axis=1)))
+        self._symbols = StageSymbols(dataset, stage.angle, stage.outward_reach())
+
+    def shape(self, index: int, rotor: float, casing: float) -> Shape:
+        """Return the drawn positions, see `Body`."""
+        stage = self.stage
+        line, nodes, wall = stage.rotor_line(index), stage.rotor_nodes(index), stage.wall(index)
+        centre = stage.factor * stage.centre[index]
+        closed = np.append(np.arange(len(wall)), 0)  # the first station is repeated at the end
+        ahead = float(stage.turns[index])
+        symbols = self._symbols.drawn(wall[:, 1], stage.wall_at_rest(), centre, nodes, ahead)
+        return Shape(
+            ribbons=rotate(stage.rotor_sides(index, line, wall), rotor),
+            surface=np.zeros((0, 3)),
+            wall=rotate(wall[closed], casing),
+            stations=closed,
+            tips=rotate(nodes[self._tips], rotor),
+            centre=rotate(centre, rotor),
+            mark=rotate(line.reshape(-1, 2)[self._mark], rotor),
+            symbols=self._symbols.together(symbols, casing, rotor),
+        )
+
+    def seen(self, vectors: Array) -> Array:
+        """Return vectors in the plane as they are."""
+        return vectors
+
+
+class Triangles:
+    """Surface of triangles and the inner face of the wall around it.
+
+    Args:
+        dataset: a result.
+        records: numbers of the records.
+        factor: factor of displacements and clearance, chosen when None.
+        per_element: number of pieces of an element of the casing, or of a rigid wall.
+        around: true to show the whole wall, seen nearly along the axis; false for the wall near a
+            single blade, which is seen from the side, where its bending is visible.
+    """
+
+    def __init__(
+        self,
+        dataset: xr.Dataset,
+        records: IntArray,
+        factor: float | None,
+        per_element: int,
+        around: bool,
+    ) -> None:
+        if "triangle" not in dataset:
+            raise ViewError("expected a superelement whose file has points, recovery and triangles")
+        stage = EnlargedSurface(dataset, records, factor=factor, per_element=per_element)
+        self.stage, self.triangles = stage, copied_cells(dataset)
+        self.largest_bend = stage.largest_bend
+        axial, angle = dataset["axial_position"].values, dataset["tip_angle"].values
+        margin = BEYOND * np.ptp(axial) + NARROW * stage.tip_radius
+        self._edges = axial.min() - margin, axial.max() + margin
+        target = MARK * stage.nodes[dataset["blade"].values == 0].mean(axis=0)
+        self._mark = int(np.argmin(np.linalg.norm(stage.rest - target, axis=1)))
+        self._axes, self._focus = _axes(TOWARDS, np.array([0.0, 1.0, 0.0])), np.zeros(3)
+        self._arc: Array | None = None
+        if not around:
+            self._axes, self._focus = _view_of_blade(stage.rest, stage.size)
+            self._arc = np.linspace(angle.min() - ARC, angle.max() + ARC, ARC_STATIONS)
+        self.nodes = self._placed(stage.nodes, 0.0)[..., :2]
+
+    def shape(self, index: int, rotor: float, casing: float) -> Shape:
+        """Return the drawn positions, see `Body`."""
+        stage = self.stage
+        wall = stage.wall(index)[:, 0]
+        stations = np.append(np.arange(len(wall)), 0)
+        inner = wall[stations]
+        if self._arc is not None:
+            at = self._arc + float(stage.turns[index])
+            radius = np.interp(
+                at, np.arctan2(wall[:, 1], wall[:, 0]), np.hypot(*wall.T), period=2 * np.pi
+            )
+            inner = radius[:, None] * directions(at)
+            stations = np.round(at * len(wall) / (2 * np.pi)).astype(np.int64) % len(wall)
+        edges = np.stack([stage.wall_edge(inner, axial) for axial in self._edges], axis=1)
+        points = self._placed(stage.points(index), rotor)
+        return Shape(
+            ribbons=np.zeros((0, BEAM_STATIONS + 1, 2, 2)),
+            surface=points,
+            wall=self._placed(edges, casing)[..., :2],
+            stations=stations,
+            tips=self._placed(stage.contact_nodes(index), rotor)[..., :2],
+            centre=self._placed(np.append(stage.factor * stage.centre[index], 0.0), rotor)[:2],
+            mark=points[self._mark, :2],
+            symbols=Symbols(),
+        )
+
+    def seen(self, vectors: Array) -> Array:
+        """Return the projections of vectors in the plane or in space."""
+        return np.asarray(vectors @ self._axes[:2, : vectors.shape[-1]].T)
+
+    def _placed(self, points: Array, turn: float) -> Array:
+        """Return points (..., 3) turned by an angle [rad], in the axes of the view [m]."""
+        return np.asarray((rotate(points, turn) - self._focus) @ self._axes.T)
+
+
+def _axes(towards: Array, up: Array) -> Array:
+    """Return the axes of a view from the direction to the viewer and a direction that is drawn
+    upward (3, 3)."""
+    forward = unit(towards)
+    right = unit(np.cross(up, forward))
+    return np.stack([right, np.cross(forward, right), forward])
+
+
+def _view_of_blade(points: Array, size: float) -> tuple[Array, Array]:
+    """Return axes and middle of the view of a blade of points (point, 3) and of a size [m]: of its
+    face, from the side and slightly from the root."""
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    face = np.linalg.svd(points - middle, full_matrices=False)[2][2]  # normal to the blade
+    out = np.append(unit(middle[:2]), 0.0)
+    face = face if face[2] >= 0.0 else -face
+    towards = face - LEAN * out + SWING * np.cross(out, face)
+    return _axes(towards, out), middle + ABOVE * size * out
+
+
+def body_of(dataset: xr.Dataset, records: IntArray, factor: float | None, *, around: bool) -> Body:
+    """Return the beams of a result, or its surface; see `Triangles` for `around`.
+
+    Raises:
+        ViewError: the factor is invalid, or the result has no surface.
+    """
+    per_element = -(-RING_STATIONS // dataset.sizes.get("casing_node", 1))
+    if "rotor_line" in dataset:
+        return Beams(dataset, records, factor, per_element)
+    return Triangles(dataset, records, factor, per_element, around)

@@ -1,0 +1,174 @@
+"""Pictures and pages of superelements: surfaces of triangles in the wall."""
+
+import inspect
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from PIL import Image
+from rod_blade import blade, tables
+from web_pages import page, part
+
+import bladewhirl as bw
+from bladewhirl.postprocess.fields.kinematics import contact_forces
+from bladewhirl.postprocess.fields.nodes import frame_meshes, point_blades
+from bladewhirl.postprocess.pictures.drawing import Drawing
+from bladewhirl.postprocess.pictures.offscreen import stage_view
+from bladewhirl.postprocess.pictures.render import strongest_contact
+from bladewhirl.postprocess.pictures.web_page import FULL, render_page
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
+
+CLEARANCE, LOBE, PHASE, CLOSURE = 3e-4, 3.1e-4, 0.3, 4e-5  # of `tables`
+RADIUS, FACTOR = 0.3, 20.0
+RECORDS = np.array([3, 40, 90])
+SMALL = (320, 240)
+
+
+def marched(folder: Path, copies: int) -> xr.Dataset:
+    """Result of separate blades in an oval wall."""
+    file = folder / "rods.npz"
+    bw.write_superelement(file, blade())
+    table = {"superelement": {"file": str(file), "copies": copies}}
+    case = bw.case_from(tables(file, bladed_disk=table, march__duration=0.012))
+    return march_in_memory(prepare(case))[0]
+
+
+@pytest.fixture(scope="module")
+def three(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
+    return marched(tmp_path_factory.mktemp("three"), 3)
+
+
+@pytest.fixture(scope="module")
+def single(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
+    return marched(tmp_path_factory.mktemp("single"), 1)
+
+
+@pytest.mark.parametrize("frame", ["static", "rotating"])
+def test_the_drawn_gap_is_the_factor_times_the_gap(three: xr.Dataset, frame: Any) -> None:
+    drawing = Drawing(three, RECORDS, exaggeration=FACTOR, frame=frame)
+    stage: Any = drawing._stage  # before the projection, which shortens distances
+    for index, record in enumerate(RECORDS):
+        nodes, wall = stage.contact_nodes(index), stage.wall(index)[:, 0]
+        moved = three["contact_displacement"].values[record]
+        time = float(three["time"][record])
+        ahead = float(three.attrs["speed"]) * time
+        at = np.arctan2(nodes[:, 1], nodes[:, 0]) + ahead
+        clearance = CLEARANCE + LOBE * np.cos(2 * (at - PHASE))
+        clearance -= CLOSURE * (1.0 - np.exp(-time / 2e-3))
+        drawn = np.interp(
+            at, np.arctan2(wall[:, 1], wall[:, 0]), np.hypot(*wall.T), period=2 * np.pi
+        )
+        gap = (drawn - np.hypot(nodes[:, 0], nodes[:, 1])) / FACTOR
+        np.testing.assert_allclose(gap, clearance - moved[:, 0], atol=2e-7)
+        rest = three["axial_position"].values
+        np.testing.assert_allclose(nodes[:, 2], rest + FACTOR * moved[:, 2], atol=1e-15)
+
+
+def test_points_swing_along_arcs_and_have_the_true_colour(three: xr.Dataset) -> None:
+    drawing = Drawing(three, RECORDS, exaggeration=FACTOR, frame="rotating")
+    stage: Any = drawing._stage
+    for index, record in enumerate(RECORDS):
+        mesh = frame_meshes(three, int(record), rotating=True)["blades"]
+        moved = mesh.point_data["displacement"]
+        values = drawing.picture(index).surface.values
+        np.testing.assert_allclose(values, np.linalg.norm(moved, axis=1), rtol=1e-12)
+        drawn, rest = stage.points(index), mesh.points
+        out = rest[:, :2] / np.hypot(*rest[:, :2].T)[:, None]
+        radial = np.sum(moved[:, :2] * out, axis=1)
+        radius = np.hypot(*rest[:, :2].T) + FACTOR * radial
+        np.testing.assert_allclose(np.hypot(*drawn[:, :2].T), radius, rtol=1e-12)
+    assert drawing.largest_displacement >= values.max()
+
+
+def test_forces_in_space_keep_their_size(three: xr.Dataset) -> None:
+    record = strongest_contact(three)
+    picture = Drawing(three, np.array([record])).picture(0)
+    force = contact_forces(three, np.array([record]))[0]
+    assert force.shape == (9, 3)
+    whole = np.linalg.norm(force.reshape(3, 3, 3).sum(axis=1), axis=1)
+    assert whole.max() > 0.0
+    np.testing.assert_allclose(picture.blade_forces, whole, rtol=1e-12)
+    assert 0.0 < np.linalg.norm(picture.forces, axis=1).max() < whole.max()  # inclined to the view
+
+
+def test_a_single_blade_fills_the_picture_in_rotating_axes(
+    single: xr.Dataset, three: xr.Dataset
+) -> None:
+    near, around = Drawing(single, RECORDS), Drawing(single, RECORDS, frame="static")
+    assert (near.frame, near.around) == ("rotating", False)
+    assert near.reach()[0] < 0.15 * RADIUS < RADIUS < around.reach()[0]
+    assert Drawing(three, RECORDS).frame == "static"
+    # The wall at its clearance, in axes in which it turns backward.
+    walls = [near.picture(index).casing.sides[0, :, 0] for index in range(len(RECORDS))]
+    assert np.abs(walls[0] - walls[1]).max() > 1e-4
+    assert np.linalg.norm(walls[0][-1] - walls[1][-1]) < 0.05 * RADIUS
+
+
+@pytest.mark.parametrize(
+    ("colour", "unit"), [("deformation", "mm"), ("velocity", "m/s"), ("gap", "mm"), ("part", "")]
+)
+def test_fields_of_surfaces(three: xr.Dataset, colour: Any, unit: str) -> None:
+    colouring = Drawing(three, RECORDS, colour=colour, frame="static").colouring
+    assert colouring.surface.shape == (3, 54)
+    assert colouring.unit in (unit, "µm")
+    if colour == "velocity":
+        before, after = (frame_meshes(three, r, rotating=False)["blades"] for r in (39, 41))
+        moved = after.point_data["displacement"] - before.point_data["displacement"]
+        rate = np.linalg.norm(moved, axis=1) / float(three["time"][41] - three["time"][39])
+        np.testing.assert_allclose(colouring.surface[1], rate, atol=0.1 * rate.max())
+    if colour == "gap":
+        gap = three["gap"].values[RECORDS].reshape(3, 3, 3).min(axis=2)
+        np.testing.assert_array_equal(colouring.surface, np.repeat(gap, 18, axis=1))
+    if colour == "part":
+        assert list(colouring.parts or {}) == ["bladed disk", "casing"]
+        assert np.all(colouring.casing == 1.0)
+    else:
+        assert np.isnan(colouring.casing).all()  # of a rigid wall
+
+
+def test_the_page_has_the_surface_and_its_depth(three: xr.Dataset, tmp_path: Path) -> None:
+    path = render_page(three, tmp_path / "a.html", RECORDS)
+    about, places, shades = page(path)
+    drawing = Drawing(three, RECORDS)
+    for index, drawn in enumerate(part(about, places, "surface")):
+        points = drawing.picture(index).surface.points
+        scale = drawn[:, 0] @ points[:, 0] / (points[:, 0] @ points[:, 0])
+        np.testing.assert_allclose(drawn, scale * points, atol=1.0 / FULL)
+        assert scale * drawing.reach()[0] < 1.0
+    assert about["ofPoints"] == [f"blade {n}" for n in point_blades(three)]
+    assert about["surfaceShades"] + len(points) == shades.shape[1]
+    assert "orbit" not in about  # blades without a common centre
+    assert about["marks"]
+
+
+def test_points_of_a_wheel_have_the_blade_of_the_nearest_contact_node(three: xr.Dataset) -> None:
+    wheel = three.isel(copy=[0], rotor_mode=slice(three.sizes["mode"]))
+    angles = wheel["tip_angle"].values
+    places = 0.2 * np.stack([np.cos(angles), np.sin(angles), 0.0 * angles], axis=-1)
+    wheel = wheel.drop_dims("point").assign(point=(("point", "xyz"), places))
+    assert point_blades(wheel).tolist() == [0, 0, 0, 1, 1, 1, 2, 2, 2]
+
+
+@pytest.mark.usefixtures("can_draw")
+class TestFiles:
+    def test_a_still_shows_contact_where_it_is(self, three: xr.Dataset, tmp_path: Path) -> None:
+        bw.render(three, tmp_path / "contact.png")
+        bw.render(three, tmp_path / "start.png", time=0.0)
+        for name, touches in (("contact", True), ("start", False)):
+            image = np.asarray(Image.open(tmp_path / f"{name}.png").convert("RGB"), dtype=int)
+            stage = image[:, : 3 * image.shape[1] // 4]
+            vermilion = np.abs(stage - [0xD5, 0x5E, 0x00]).sum(axis=-1) < 40
+            assert (vermilion.sum() > 50) == touches
+
+    def test_every_picture_is_drawn_once(self, single: xr.Dataset) -> None:
+        drawn: list[str] = []
+        drawing = Drawing(single, RECORDS)
+        with stage_view(single, drawing, SMALL) as picture:
+            window = inspect.getclosurevars(picture).nonlocals["plotter"].render_window
+            window.AddObserver("StartEvent", lambda *_: drawn.append("drawn"))
+            pictures = [picture(index) for index in (0, 1, 2)]
+        assert len(drawn) == len(pictures)
+        assert (pictures[0] != pictures[2]).any()
