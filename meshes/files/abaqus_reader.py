@@ -87,9 +87,11 @@ class AbaqusMesh:
     node_sets: dict[str, list[int]] = field(default_factory=dict)
     element_sets: dict[str, list[int]] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)  #: name in capitals -> name
+    solid_sections: list[tuple[str, str]] = field(default_factory=list)  #: set and material
     sections: list[tuple[str, str, float, float]] = field(default_factory=list)
     """Set, material, width and thickness of each rectangular section."""
     materials: dict[str, dict[str, float]] = field(default_factory=dict)
+    unread: dict[str, str] = field(default_factory=dict)  #: material -> keyword that is not read
     masses: list[tuple[str, str, float]] = field(default_factory=list)  #: type of data, set, value
     material: str = ""  #: name of the material that is being read
 
@@ -105,11 +107,27 @@ class AbaqusMesh:
         return groups
 
 
+class Section(NamedTuple):
+    """Material of a group of cells, in the units of the file."""
+
+    group: str  #: name of the group
+    material: str  #: name of the material
+    properties: Mapping[str, float]  #: young_modulus, poisson_ratio and density, as far as given
+    unread: str  #: keyword of the material that is not read, or nothing
+
+    def missing(self, key: str) -> str:
+        """Return why a property is missing."""
+        keyword = self.unread or ("*DENSITY" if key == "density" else "an isotropic *ELASTIC")
+        verb = f"has {keyword}, which is not read" if self.unread else f"lacks {keyword}"
+        return f"material {self.material} of their set {self.group} {verb}"
+
+
 class SolidMesh(NamedTuple):
     """Mesh of meshio with what it cannot hold."""
 
     mesh: meshio.Mesh
     elements: tuple[str, ...] = ()  #: element of each block of cells; empty if the source has none
+    sections: tuple[Section, ...] = ()  #: materials of groups of cells; later ones replace earlier
 
 
 def abaqus_mesh(path: Path) -> SolidMesh:
@@ -121,22 +139,43 @@ def abaqus_mesh(path: Path) -> SolidMesh:
     content = read_abaqus(path)
     place = {number: row for row, number in enumerate(content.points)}
     solids: dict[str, list[list[int]]] = {}
+    cell: dict[int, tuple[str, int]] = {}
     for number, kind in content.types.items():
         if SOLID.fullmatch(kind):
-            nodes = [place.get(node, -1) for node in content.elements[number]]
-            solids.setdefault(kind, []).append(nodes)
+            rows = solids.setdefault(kind, [])
+            cell[number] = kind, len(rows)
+            rows.append([place.get(node, -1) for node in content.elements[number]])
     if other := [kind for kind in solids if kind not in SOLIDS]:
         raise MeshFileError(
             f"elements of the types {', '.join(SOLIDS)}; found {len(solids[other[0]])} of type"
             f" {other[0]}{_instead(other[0])}"
         )
     cells = [(SOLIDS[kind], np.array(rows)) for kind, rows in solids.items()]
+    members = {name: [cell[n] for n in m if n in cell] for name, m in content.element_sets.items()}
     mesh = meshio.Mesh(
         np.array([*content.points.values()]).reshape(-1, 3),
         cells or [(POINT, np.zeros((0, 1), dtype=np.int64))],
         point_sets=_by_place(content.groups(), place),
+        cell_sets={
+            name: [np.array([row for k, row in chosen if k == kind], dtype=int) for kind in solids]
+            for name, chosen in members.items()
+            if chosen
+        },
     )
-    return SolidMesh(mesh, tuple(solids))
+    return SolidMesh(mesh, tuple(solids), tuple(_sections(content)))
+
+
+def _sections(content: AbaqusMesh) -> Iterator[Section]:
+    for group, material in content.solid_sections:
+        if material.upper() not in content.materials:
+            raise MeshFileError(f"*MATERIAL, NAME={material}, which a *SOLID SECTION names")
+        unread = content.unread.get(material.upper(), "")
+        properties = {
+            key: value
+            for key, value in content.materials[material.upper()].items()
+            if not unread.startswith("*DENSITY" if key == "density" else "*ELASTIC")
+        }
+        yield Section(group, material, properties, unread)
 
 
 def _instead(kind: str) -> str:
@@ -222,10 +261,11 @@ def _read(card: Card, content: AbaqusMesh) -> None:
         case "MATERIAL":
             content.material = card.needs("NAME").upper()
             content.materials[content.material] = {}
-        case "ELASTIC" if card.parameters.get("TYPE", "ISOTROPIC").upper().startswith("ISO"):
-            content.materials[content.material]["young_modulus"] = float(card.rows[0][0])
-        case "DENSITY":
-            content.materials[content.material]["density"] = float(card.rows[0][0])
+        case "SOLID SECTION":
+            section = card.needs("ELSET"), card.parameters.get("MATERIAL", "")
+            content.solid_sections.append(section)
+        case "ELASTIC" | "DENSITY":
+            _read_property(card, content)
         case "MASS":
             content.masses.append(("mass", card.needs("ELSET"), float(card.rows[0][0])))
         case "ROTARY INERTIA":
@@ -265,6 +305,19 @@ def _read_elements(card: Card, content: AbaqusMesh) -> None:
             raise MeshFileError(f"each element once; element number {number} is defined twice")
         content.elements[number], content.types[number] = [first, *others], kind
     extend(content.element_sets, card.parameters.get("ELSET"), [row[0] for row in rows])
+
+
+def _read_property(card: Card, content: AbaqusMesh) -> None:
+    """Read a property of the material that is being read; solids need one that is constant."""
+    kind = card.parameters.get("TYPE", "ISOTROPIC").upper()
+    values = [float(value) for value in card.rows[0] if value]
+    if card.keyword == "ELASTIC" and not kind.startswith("ISO"):
+        content.unread[content.material] = f"*ELASTIC, TYPE={kind}"
+        return
+    names = ("density",) if card.keyword == "DENSITY" else ("young_modulus", "poisson_ratio")
+    content.materials[content.material] |= dict(zip(names, values, strict=False))
+    if len(card.rows) > 1:
+        content.unread[content.material] = f"*{card.keyword} for several temperatures"
 
 
 def _read_section(card: Card, content: AbaqusMesh) -> None:
@@ -367,7 +420,7 @@ def _material(content: AbaqusMesh, name: str) -> dict[str, float]:
     for keyword, value in (("ELASTIC", "young_modulus"), ("DENSITY", "density")):
         if value not in properties:
             raise MeshFileError(f"an isotropic *{keyword} under *MATERIAL, NAME={name}")
-    return properties
+    return {key: properties[key] for key in ("young_modulus", "density")}
 
 
 def _section_data(content: AbaqusMesh, line: Mapping[int, int]) -> dict[str, FloatArray]:

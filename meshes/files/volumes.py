@@ -1,7 +1,7 @@
 """Meshes of solids: tetrahedra, wedges and hexahedra, with groups of nodes."""
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -9,7 +9,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from bladewhirl.meshes.files.abaqus_reader import SolidMesh, abaqus_mesh
+from bladewhirl.meshes.files.abaqus_reader import Section, SolidMesh, abaqus_mesh
 from bladewhirl.meshes.files.gmsh import TAG, gmsh_mesh, is_member
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.meshio_cells import readable, stacked
@@ -41,6 +41,9 @@ class VolumeMesh:
     """Name of the elements, as in Abaqus, and nodes of each cell in the order of VTK, (cells,
     nodes of a cell)."""
     groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> numbers of nodes
+    cell_groups: Mapping[str, IntArray] = field(default_factory=dict)
+    """Name -> numbers of cells, counted through all blocks."""
+    sections: tuple[Section, ...] = ()  #: materials of groups of cells in the file
     name: str = ""  #: name of the file, without its folder
     rows: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     """Place of each node among the points of the source, (nodes,)."""
@@ -96,12 +99,19 @@ def _volumes(source: SolidMesh, name: str) -> VolumeMesh:
     if not kinds or not set(kinds) <= ELEMENTS.keys():
         existing = f"found {', '.join(kinds)}" if kinds else "there are none"
         raise MeshFileError(f"cells of the types {', '.join(ELEMENTS)}; {existing}")
-    cells: dict[str, list[IntArray]] = {}
+    sources: dict[str, list[int]] = {}
     for number, block in solid.items():
         element = source.elements[number] if source.elements else ELEMENTS[block.type]
-        cells.setdefault(element, []).append(block.data)
-    # A file of Gmsh 2.2 repeats a cell for each of its groups; one occurrence remains.
-    blocks = {element: _once(stacked(data).astype(np.int64)) for element, data in cells.items()}
+        sources.setdefault(element, []).append(number)
+    blocks: dict[str, IntArray] = {}
+    place_of: dict[int, IntArray] = {}  # the number of each cell of a block of the source
+    total = 0
+    for element, numbers in sources.items():
+        parts = [mesh.cells[number].data for number in numbers]
+        blocks[element], rank = _once(stacked(parts).astype(np.int64))
+        split = np.split(total + rank, np.cumsum([len(part) for part in parts])[:-1])
+        place_of |= dict(zip(numbers, split, strict=True))
+        total += len(blocks[element])
     ends = [end for one in blocks.values() for end in (one.min(), one.max())]
     if not (min(ends) >= 0 and max(ends) < len(mesh.points)):
         raise MeshFileError("all nodes of the cells; some nodes are not defined")
@@ -111,44 +121,49 @@ def _volumes(source: SolidMesh, name: str) -> VolumeMesh:
     used = np.unique(np.concatenate([one.ravel() for one in blocks.values()]))
     place = np.full(len(points), -1)
     place[used] = np.arange(len(used))
-    groups = {key: np.unique(place[nodes]) for key, nodes in _groups(mesh).items()}
+    groups: defaultdict[str, list[IntArray]] = defaultdict(list)
+    cell_groups: defaultdict[str, list[IntArray]] = defaultdict(list)
+    for key, nodes in (*mesh.point_sets.items(), *integer_groups(_named(mesh.point_data))):
+        groups[key].append(place[np.asarray(nodes, dtype=np.int64)])
+    for key, number, inside in _cell_groups(mesh):
+        groups[key].append(place[mesh.cells[number].data[inside].ravel()])
+        if number in place_of:
+            cell_groups[key].append(place_of[number][inside])
+    members = {key: np.unique(np.concatenate(nodes)) for key, nodes in groups.items()}
     return VolumeMesh(
         points=points[used],
         blocks=tuple((element, place[one]) for element, one in blocks.items()),
-        groups={key: nodes[nodes >= 0] for key, nodes in groups.items()},
+        groups={key: nodes[nodes >= 0] for key, nodes in members.items()},
+        cell_groups={key: np.unique(np.concatenate(one)) for key, one in cell_groups.items()},
+        sections=source.sections,
         name=name,
         rows=used,
     )
 
 
-def _once(cells: IntArray) -> IntArray:
-    """Return the cells without those that have the nodes of an earlier cell."""
-    return cells[np.sort(np.unique(np.sort(cells, axis=1), axis=0, return_index=True)[1])]
+def _once(cells: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the cells without those that have the nodes of an earlier cell, and the place of each
+    cell among them. A file of Gmsh 2.2 repeats a cell for each of its groups."""
+    same = np.unique(np.sort(cells, axis=1), axis=0, return_index=True, return_inverse=True)
+    first = np.sort(same[1])
+    return cells[first], np.searchsorted(first, same[1][same[2].ravel()])
 
 
-def _groups(mesh: meshio.Mesh) -> dict[str, IntArray]:
-    """Return the numbers of the nodes of each group, repeated nodes included."""
-    groups: defaultdict[str, list[IntArray]] = defaultdict(list)
-    for key, nodes in mesh.point_sets.items():
-        groups[key].append(np.asarray(nodes, dtype=np.int64))
+def _cell_groups(mesh: meshio.Mesh) -> Iterator[tuple[str, int, IntArray]]:
+    """Yield the name of each group of cells, the number of a block and its members there."""
     for key, members in mesh.cell_sets.items():
         if not key.startswith("gmsh:"):
-            for block, inside in zip(mesh.cells, members, strict=True):
+            for number, inside in enumerate(members):
                 if inside is not None and len(inside):
-                    groups[key].append(block.data[np.asarray(inside, dtype=int)])
-    for key, nodes in integer_groups(_named(mesh.point_data)):
-        groups[key].append(nodes)
+                    yield key, number, np.asarray(inside, dtype=int)
     for number, block in enumerate(mesh.cells):
         arrays = {key: values[number] for key, values in _named(mesh.cell_data).items()}
         for key, inside in integer_groups(arrays):
-            groups[key].append(block.data[inside])
-    # Without tags the field data are not groups of Gmsh.
-    for key, (tag, dimension) in mesh.field_data.items() if TAG in mesh.cell_data else ():
-        for number, block in enumerate(mesh.cells):
+            yield key, number, inside
+        # Without tags the field data are not groups of Gmsh.
+        for key, (tag, dimension) in mesh.field_data.items() if TAG in mesh.cell_data else ():
             if block.dim == dimension:
-                inside = is_member(mesh, number, key, tag)
-                groups[key].append(block.data[inside])
-    return {key: np.concatenate([np.ravel(one) for one in nodes]) for key, nodes in groups.items()}
+                yield key, number, np.flatnonzero(is_member(mesh, number, key, tag))
 
 
 def _named(arrays: Mapping[str, FloatArray]) -> dict[str, FloatArray]:

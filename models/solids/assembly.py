@@ -17,6 +17,7 @@ from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import VolumeMesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.solids.elements import ELEMENTS, ElementType, Mapping, Rule, Unknowns
+from bladewhirl.models.solids.materials import Materials
 from bladewhirl.models.superelements.frequencies import SYMMETRIC_ORDER
 
 HOURGLASS = 5e-4
@@ -35,24 +36,6 @@ MODES = np.array(
 
 DISTORTION = 1e-2
 """Largest deviation of a cell of C3D8R from a parallelepiped, divided by its size."""
-
-
-class Materials(NamedTuple):
-    """Constants of the isotropic elastic materials of all cells."""
-
-    young_modulus: FloatArray  #: Young's modulus [Pa], (cells,)
-    poisson_ratio: FloatArray  #: Poisson's ratio, (cells,)
-    density: FloatArray  #: density [kg/m3], (cells,)
-
-    @property
-    def tensor(self) -> FloatArray:
-        """Elasticity tensor [Pa], (3, 3, 3, 3, cells)."""
-        shear = self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
-        lame = 2.0 * shear * self.poisson_ratio / (1.0 - 2.0 * self.poisson_ratio)
-        one = np.eye(3)
-        symmetric = np.einsum("ik,jl->ijkl", one, one) + np.einsum("il,jk->ijkl", one, one)
-        volumetric = np.einsum("ij,kl->ijkl", one, one)
-        return np.asarray(lame * volumetric[..., None] + shear * symmetric[..., None])
 
 
 class _Block(NamedTuple):

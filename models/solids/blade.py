@@ -13,10 +13,8 @@ from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import VolumeMesh, read_volume_mesh
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import Hint
-from bladewhirl.models.inputs.fields import positive
-from bladewhirl.models.inputs.plausible import MATERIAL, fault_of
 from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation, to_si
-from bladewhirl.models.solids.assembly import Materials, Solid, rotating_stiffness
+from bladewhirl.models.solids.assembly import Solid, rotating_stiffness
 from bladewhirl.models.solids.elements import ELEMENTS
 from bladewhirl.models.solids.groups import (
     contact_nodes,
@@ -25,6 +23,7 @@ from bladewhirl.models.solids.groups import (
     matching_faces,
     sector_faces,
 )
+from bladewhirl.models.solids.materials import Given, materials_of
 from bladewhirl.models.solids.surface import surface_triangles
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.superelement import FIXED, Superelement
@@ -46,9 +45,9 @@ QUADRATURES = {None: None, "full": False, "reduced": True}
 def mesh3d(
     mesh: meshio.Mesh | str | PathLike[str],
     *,
-    young_modulus: float | str,
-    poisson_ratio: float,
-    density: float | str,
+    young_modulus: Given = None,
+    poisson_ratio: Given = None,
+    density: Given = None,
     clamped: str | None = "root",
     contact: str = "tip",
     contacts: int | None = None,
@@ -56,6 +55,7 @@ def mesh3d(
     right: str | None = None,
     copies: int | None = None,
     unit: str = "m",
+    mass_unit: str | None = None,
     axis: str = "z",
     speed: float | str = 0.0,
     mass_quadrature: Literal["full", "reduced"] | None = None,
@@ -83,9 +83,11 @@ def mesh3d(
         mesh: mesh of meshio, or path of a .msh file of Gmsh with physical groups, a .vtu file, or
             an .inp file of Abaqus or CalculiX with sets of nodes or elements. The mesh
             must be at its true position relative to the axis of rotation.
-        young_modulus: Young's modulus [Pa], or text such as "210 GPa".
-        poisson_ratio: Poisson's ratio, from 0 to less than 0.5.
-        density: density [kg/m3], or text such as "7.8 g/cm3".
+        young_modulus: Young's modulus [Pa], or text such as "210 GPa", of the cells to which an
+            .inp file gives no material in a solid section; or a dictionary from names of groups to
+            such values, which replace those of the file.
+        poisson_ratio: Poisson's ratio, from 0 to less than 0.5, in the same way.
+        density: density [kg/m3], or text such as "7.8 g/cm3", in the same way.
         clamped: group of the nodes that do not move; None for a free part.
         contact: group of the contact nodes.
         contacts: number of contact nodes, evenly spaced along the chord of the group and in the
@@ -94,6 +96,8 @@ def mesh3d(
             nodes match after a rotation by one pitch. Both groups or none are given.
         copies: number of sectors in the wheel; required with left and right.
         unit: unit of length of the mesh, such as "mm".
+        mass_unit: unit of mass of the materials of an .inp file, such as "t" for N, mm and s;
+            required if the unit of length is not m.
         axis: axis of rotation of the mesh, "x", "y" or "z". The axis of the superelement is z:
             axes x, y and z of the mesh become z, x and y, or y, z and x.
         speed: speed of rotation [rad/s], or text such as "12000 rpm".
@@ -114,11 +118,7 @@ def mesh3d(
         CaseError: an argument is invalid, the file cannot be read, a group is missing, nodes of the
             faces do not match, or contact nodes are clamped.
     """
-    modulus, ratio = positive("young_modulus", young_modulus, "Pa"), _ratio(poisson_ratio)
-    rho, omega = positive("density", density, "kg/m3"), _speed(speed)
-    for key, value in (("young_modulus", modulus), ("density", rho)):
-        if expected := fault_of(value, *MATERIAL[key]):
-            warnings.warn(f"unusual {key} = {value!r}: expected {expected}", Hint, stacklevel=2)
+    omega = _speed(speed)
     if mass_quadrature not in QUADRATURES:
         raise invalid("mass_quadrature", mass_quadrature, '"full" or "reduced"')
     volumes = _scaled(mesh, unit, axis)
@@ -135,9 +135,10 @@ def mesh3d(
         first = group_nodes(volumes, "left", sides[0])
         second = group_nodes(volumes, "right", sides[1])
         faces = matching_faces(volumes.points, first, second, sides[2], fixed)
-    cells = sum(len(cells) for _, cells in volumes.blocks)
+    given = {"young_modulus": young_modulus, "poisson_ratio": poisson_ratio, "density": density}
+    materials = materials_of(volumes, given, unit, mass_unit)
     try:
-        solid = Solid(volumes, Materials(*(np.full(cells, v) for v in (modulus, ratio, rho))))
+        solid = Solid(volumes, materials)
     except MeshFileError as error:
         raise invalid("mesh", volumes.name, str(error)) from None
     dofs = _numbers(solid.size, fixed)
@@ -157,9 +158,7 @@ def mesh3d(
         "triangles": triangles,
         "recovery": sp.csr_array(select[(3 * shown[:, None] + np.arange(3)).ravel()]),
         "name": name or volumes.name,
-        "source": f"mesh3d: {volumes.name}, {_elements(volumes)},"
-        f" {modulus:g} Pa, {ratio:g}, {rho:g} kg/m3,"
-        f" {omega:g} rad/s",
+        "source": f"mesh3d: {volumes.name}, {_elements(volumes)}, {materials}, {omega:g} rad/s",
         **{key: dofs[nodes] for key, nodes in faces.items()},
     }
     part = Superelement(stiffness=sp.csr_array(select.T @ solid.stiffness() @ select), **content)
@@ -175,16 +174,6 @@ def mesh3d(
 def _elements(mesh: VolumeMesh) -> str:
     """Return the number of the elements of each name."""
     return ", ".join(f"{len(cells)} elements {name}" for name, cells in mesh.blocks)
-
-
-def _ratio(value: float) -> float:
-    try:
-        ratio = finite(value)
-    except (TypeError, ValueError):
-        ratio = -1.0
-    if not 0.0 <= ratio < 0.5:
-        raise invalid("poisson_ratio", value, "a number from 0 to less than 0.5")
-    return ratio
 
 
 def _speed(value: float | str) -> float:

@@ -37,6 +37,19 @@ def group_nodes(mesh: VolumeMesh, key: str, name: str) -> IntArray:
     return mesh.groups[chosen]
 
 
+def cells_of(mesh: VolumeMesh, key: str, name: str) -> IntArray:
+    """Return the cells of a group; its name need not match in upper and lower case.
+
+    Raises:
+        CaseError: no group of cells has the name; the error names ``key``.
+    """
+    for group, cells in mesh.cell_groups.items():
+        if group.upper() == name.upper():
+            return cells
+    listed = ", ".join(sorted(mesh.cell_groups)) or "there are none"
+    raise invalid(key, name, f"a group of cells of {mesh.name}: {listed}")
+
+
 def contact_nodes(
     points: FloatArray, nodes: IntArray, count: int | None, clamped: IntArray
 ) -> IntArray:

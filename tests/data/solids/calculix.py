@@ -88,6 +88,9 @@ for kind, shape in SOLIDS.items():
 mixed = joined(half_cantilever("wedge15", outer=False), half_cantilever("hexahedron20", outer=True))
 model = deck_text(mixed, "C3D15", "C3D20R") + STEEL + "*BOUNDARY\nroot, 1, 3\n"
 content["wedges and hexahedra"] = [value for _, value in frequencies(model, "10\n", 0.0)]
+here = Path(__file__).parent
+model = (here / "two_materials.inp").read_text() + "*BOUNDARY\nroot, 1, 3\n"
+content["two materials"] = frequencies(model, "3\n", 0.0)[0][1]
 for kind, shape in SOLIDS.items():
     if kind == "C3D8R":
         continue  # only parallelepipeds are read
@@ -99,7 +102,6 @@ for kind, shape in SOLIDS.items():
         content.setdefault(key, {})[kind] = [
             [value for number, value in found if number == k][::2] for k in range(7)
         ]
-here = Path(__file__).parent
 (here / "calculix.json").write_text(json.dumps(content, indent=1) + "\n")
 model = deck_text(cantilever("tetra", (2, 1, 1)), "C3D4") + STEEL + "*BOUNDARY\nroot, 1, 3\n"
 with TemporaryDirectory() as folder:

@@ -133,6 +133,73 @@ def test_elements_that_would_be_another_element_are_refused(
     assert expected in str(caught.value)
 
 
+DATA = ROOT / "tests" / "data" / "solids"
+
+TWO = (DATA / "two_materials.inp").read_text()
+
+
+def frequency_of(folder: Path, text: str, **given: Any) -> float:
+    (folder / "deck.inp").write_text(text)
+    part = mesh3d(folder / "deck.inp", **given)
+    return float(lowest_frequencies(part.mass, part.stiffness, 1)[0])
+
+
+def test_materials_of_sections_are_those_of_calculix(tmp_path: Path) -> None:
+    expected = CALCULIX["two materials"]
+    assert frequency_of(tmp_path, TWO) == pytest.approx(expected, rel=1e-6)
+    by_set = {"young_modulus": {"Outer": "10 GPa"}}  # the square of the first frequency is between
+    raised = frequency_of(tmp_path, TWO, **by_set)
+    assert 1.01 * expected < raised < np.sqrt(10.0) * expected
+    one = {"young_modulus": 4 * 1.1e11, "poisson_ratio": 0.3, "density": 4400.0}
+    with pytest.warns(Hint, match=r"young_modulus = 440000000000.0 is only for cells without"):
+        assert frequency_of(tmp_path, TWO, **one) == pytest.approx(expected, rel=1e-6)
+    bare = TWO[: TWO.index("*MATERIAL")]
+    double = frequency_of(tmp_path, bare, **one)
+    titanium = frequency_of(tmp_path, bare, **one | {"young_modulus": 1.1e11})
+    assert double == pytest.approx(2.0 * titanium, rel=1e-9)
+
+
+def test_materials_of_a_deck_in_mm_need_the_unit_of_mass(tmp_path: Path) -> None:
+    head, tail = TWO.split("*NODE, NSET=all\n")[1].split("*ELEMENT", 1)
+    rows = [[float(value) for value in line.split(",")] for line in head.splitlines()]
+    nodes = "".join(f"{n:.0f}, {1e3 * x}, {1e3 * y}, {1e3 * z}\n" for n, x, y, z in rows)
+    text = f"*NODE\n{nodes}*ELEMENT{tail}".replace("4400", "4.4e-9").replace("\n200\n", "\n2e-10\n")
+    text = text.replace("1.1e11", "1.1e5").replace("1e9", "1e3")
+    expected = pytest.approx(CALCULIX["two materials"], rel=1e-6)
+    assert frequency_of(tmp_path, text, unit="mm", mass_unit="t") == expected
+    with pytest.raises(CaseError, match="mass_unit: expected the unit of mass"):
+        frequency_of(tmp_path, text, unit="mm")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "given", "expected"),
+    [
+        ("*DENSITY\n200\n", "", {}, "a value for 4 of 8 cells; material foam .* lacks \\*DENSITY"),
+        (
+            *(
+                "*ELASTIC\n1e9, 0.3",
+                "*ELASTIC, TYPE=ORTHO\n1e9, 1e9, 1e9, 1e9, 1e9, 1e9, 1e9, 1e9\n1e9",
+            ),
+            {},
+            "young_modulus: .* has \\*ELASTIC, TYPE=ORTHO, which is not read",
+        ),
+        ("1e9, 0.3", "1e9, 0.3, 20\n9e8, 0.3, 200", {}, "\\*ELASTIC for several temperatures"),
+        ("NAME=foam", "NAME=sponge", {}, "\\*MATERIAL, NAME=foam, which a \\*SOLID SECTION names"),
+        (
+            "",
+            "",
+            {"density": {"rim": 9.0}},
+            'density = "rim": expected a group of cells of deck.inp: blade, inner',
+        ),
+    ],
+)
+def test_materials_that_are_not_read_are_named(
+    old: str, new: str, given: Any, expected: str, tmp_path: Path
+) -> None:
+    with pytest.raises(CaseError, match=expected):
+        frequency_of(tmp_path, TWO.replace(old, new), **given)
+
+
 def test_elements_of_first_order_are_called_too_stiff() -> None:
     with pytest.warns(Hint, match="elements C3D8 of first order are too stiff in bending"):
         mesh3d(cantilever("hexahedron", (2, 1, 1)), **STEEL)
