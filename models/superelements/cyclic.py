@@ -15,6 +15,9 @@ import scipy.sparse as sp
 
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
+MOST = 4000
+"""Largest number of coordinates of a sector."""
+
 
 class CyclicReduction(NamedTuple):
     """Matrices of a sector for one nodal diameter, Hermitian; real if k = 0 or k = sectors / 2."""
@@ -24,6 +27,18 @@ class CyclicReduction(NamedTuple):
     transformation: sp.csr_array
     """Matrix from the m coordinates, all but those on the right face, to the coordinates of the
     sector, (n, m)."""
+
+
+def check_size(part: Superelement) -> None:
+    """Check that dense matrices of a sector fit in memory.
+
+    Raises:
+        SuperelementError: the sector has too many coordinates.
+    """
+    if part.size > MOST:
+        raise SuperelementError(
+            f"expected a sector of at most {MOST} coordinates, got {part.size}; reduce it first"
+        )
 
 
 def cyclic_reduction(part: Superelement, sectors: int, k: int) -> CyclicReduction:

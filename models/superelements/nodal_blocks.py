@@ -17,13 +17,12 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.cyclic import check_size, cyclic_reduction
 from bladewhirl.models.superelements.reduction import lowest_modes, static_solution
 from bladewhirl.models.superelements.superelement import (
     FIXED,
     Matrix,
     Superelement,
-    SuperelementError,
     dense,
 )
 
@@ -38,9 +37,6 @@ EQUAL = 1e-6
 CYCLIC = 1e-4
 """A wheel is cyclic if a turn by one blade maps the modes of equal frequency onto each other with a
 relative error of at most this."""
-
-MOST = 4000
-"""Largest number of coordinates of a sector."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,10 +94,7 @@ def sector_blocks(part: Superelement, sectors: int, count: int) -> Blocks:
     Raises:
         SuperelementError: the sector has too many coordinates, or no matching faces.
     """
-    if part.size > MOST:
-        raise SuperelementError(
-            f"expected a sector of at most {MOST} coordinates, got {part.size}; reduce it first"
-        )
+    check_size(part)
     blocks = {}
     for k in range(sectors // 2 + 1):
         reduced = cyclic_reduction(part, sectors, k)

@@ -9,12 +9,9 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
-from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.cyclic import check_size, cyclic_reduction
 from bladewhirl.models.superelements.reduction import FURTHER, ReducedSuperelement, rigid_limit
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
-
-MOST = 4000
-"""Largest number of coordinates of a sector."""
 
 
 def massless_wheel(
@@ -38,10 +35,7 @@ def massless_wheel(
     Raises:
         SuperelementError: the sector has too many or too few coordinates, or rigid modes.
     """
-    if part.size > MOST:
-        raise SuperelementError(
-            f"expected a sector of at most {MOST} coordinates, got {part.size}; reduce it first"
-        )
+    check_size(part)
     rows = part.contact_rows
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
     frequency, contact, points, strains = [], [], [], []
