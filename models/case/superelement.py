@@ -6,13 +6,34 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Inconsistency, Table, path_of, value_at
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
 if TYPE_CHECKING:
     from bladewhirl.models.case.case import Case
 
 SOURCE = "bladed_disk.superelement"  #: key of the table
+
+RULES: tuple[tuple[str, tuple[object, ...], str], ...] = (
+    (
+        "march.scheme",
+        ("central-difference",),
+        "the laws of the other schemes act on tips that have a mass, in two directions",
+    ),
+    (
+        "contact.sliding",
+        ("full", "permanent"),
+        "a contact node also slides along the axis, where a signed speed has no meaning",
+    ),
+    (
+        "contact.foreshortening",
+        (False,),
+        "linear matrices do not say by how much a tip draws back when its blade bends",
+    ),
+    ("coupling.stiffness", (0.0,), "the springs act on modes of beams, which a file does not name"),
+    ("reduction.modes", ("all",), "the modes of a file are chosen when the file is made"),
+)
+"""Keys that a superelement restricts: the values that it allows, and the reason."""
 
 
 class SuperelementTable(Table):
@@ -123,17 +144,10 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         elif (points := getattr(load, "points", ())) and max(points) >= table.part.point_count:
             expected = f"numbers of points of the file, below {table.part.point_count}"
             yield Inconsistency(f"{key}.points", expected, (SOURCE,))
-    rules: tuple[tuple[str, object, tuple[object, ...]], ...] = (
-        ("march.scheme", case.march.scheme, ("central-difference",)),
-        ("contact.sliding", case.contact.sliding, ("full", "permanent")),
-        ("coupling.stiffness", case.coupling.stiffness, (0.0,)),
-        ("reduction.modes", case.reduction.modes, ("all",)),
-    )
-    for key, value, allowed in rules:
-        if value not in allowed:
-            texts = _listed(allowed)
-            expected = f"{texts} with {SOURCE}" if texts else forbidden
-            yield Inconsistency(key, expected, (SOURCE,))
+    for key, allowed, reason in RULES:
+        if value_at(case, path_of(key)) not in allowed:
+            texts = " or ".join(f'"{one}"' if isinstance(one, str) else str(one) for one in allowed)
+            yield Inconsistency(key, f"{texts} with {SOURCE}: {reason}", (SOURCE,))
     yield from _rotation_faults(case, table.part)
     coating = case.casing.coating
     if coating is not None and coating.friction not in (None, case.contact.friction):
@@ -180,7 +194,3 @@ def _rotation_faults(case: "Case", part: Superelement) -> Iterator[Inconsistency
             '"hot": the file does not give the static growth of the contact nodes by rotation'
         )
         yield Inconsistency("rotation.clearance", expected, (SOURCE,))
-
-
-def _listed(allowed: tuple[object, ...]) -> str:
-    return " or ".join(f'"{one}"' for one in allowed if isinstance(one, str))

@@ -76,7 +76,7 @@ class CoupledEquations:
     @property
     def factors(self) -> FloatArray:
         """Integrals of cos^2(k theta) over a turn, (harmonics,); divided by pi if not `with_pi`."""
-        return (np.pi if self.with_pi else 1.0) * np.where(self.harmonics == 0, 2.0, 1.0)
+        return wave_integrals(self.harmonics, with_pi=self.with_pi)
 
     def springs(self, angle: ArrayLike, kappa: float) -> FloatArray:
         """Return K* at angles Omega t of any shape (...), as (..., modes, modes) [1/s^2].
@@ -85,12 +85,8 @@ class CoupledEquations:
             angle: Omega t [rad].
             kappa: stiffness of the springs between the bodies [N/m] per radian.
         """
-        angle = np.asarray(angle, dtype=np.float64)
-        turn = np.multiply.outer(angle, self.harmonics)
-        stretch = self.casing - rotate(np.eye(2), -turn[..., None]) @ self.rotor
-        root = np.sqrt(self.factors)
-        rows = (root[:, None, None] * stretch).reshape(*angle.shape, -1, len(self.frequency))
-        return np.asarray(kappa * np.swapaxes(rows, -1, -2) @ rows)
+        rows = self.casing, self.rotor
+        return spring_stiffness(*rows, self.harmonics, kappa * self.factors, angle)
 
     def stiffness(self, angle: ArrayLike, kappa: float, *, speed: float = 0.0) -> FloatArray:
         """Return the stiffness matrix of the coordinates x; see `springs` for the arguments.
@@ -190,6 +186,37 @@ def companion(by_position: Matrix, by_rate: Matrix, unit: float = 1.0) -> Matrix
     state[..., n:, :n] = by_position / unit
     state[..., n:, n:] = by_rate
     return state
+
+
+def wave_integrals(harmonics: IntArray, *, with_pi: bool) -> FloatArray:
+    """Return the integral f_k of cos^2(k theta) over a turn for nodal diameters k, (harmonics,);
+    divided by pi if not `with_pi`."""
+    return (np.pi if with_pi else 1.0) * np.where(harmonics == 0, 2.0, 1.0)
+
+
+def spring_stiffness(
+    casing: FloatArray,
+    rotor: FloatArray,
+    harmonics: IntArray,
+    factors: FloatArray,
+    angle: ArrayLike,
+) -> FloatArray:
+    """Return K* at angles Omega t of any shape (...), as (..., modes, modes) [1/s^2].
+
+    Args:
+        casing: A_k of all modes [kg^-1/2], (harmonics, 2, modes).
+        rotor: B_k of all modes [kg^-1/2], (harmonics, 2, modes).
+        harmonics: nodal diameters k, (harmonics,).
+        factors: f_k kappa [N/m], (harmonics,).
+        angle: Omega t [rad].
+    """
+    angle = np.asarray(angle, dtype=np.float64)
+    turn = np.multiply.outer(angle, harmonics)
+    stretch = casing - rotate(np.eye(2), -turn[..., None]) @ rotor
+    rows = (np.sqrt(factors)[:, None, None] * stretch).reshape(
+        *angle.shape, 2 * len(harmonics), casing.shape[-1]
+    )
+    return np.asarray(np.swapaxes(rows, -1, -2) @ rows)
 
 
 def difference_of_axes(centre: FloatArray, angle: ArrayLike) -> FloatArray:

@@ -19,7 +19,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray, IntArray
-from bladewhirl.models.coupling.equations import CoupledEquations
+from bladewhirl.models.coupling.equations import (
+    CoupledEquations,
+    spring_stiffness,
+    wave_integrals,
+)
 
 ANGLES = 181
 """Number of angles of the rotor at which frequencies are computed if they depend on the angle."""
@@ -167,11 +171,6 @@ class CoupledEntries:
         coordinates = np.flatnonzero(self.modes.on_casing[self.modes.entry] == on_casing)
         return coordinates, self.numbers[coordinates]
 
-    def places(self, rotor_modes: int) -> IntArray:
-        """Return the position of each coordinate in a list of all rotor modes followed by all
-        casing modes."""
-        return self.numbers + rotor_modes * self.modes.on_casing[self.modes.entry]
-
     @property
     def radial(self) -> dict[int, IntArray]:
         """Numbers of the casing's coupled modes by nodal diameter."""
@@ -206,21 +205,32 @@ class CoupledEntries:
                 )
         return self.take([self.modes.name.index(name) for name in SIX_NAMES])
 
+    def springs(self, kappa: float, rotor_modes: int, casing_modes: int) -> "CouplingSprings":
+        """Return springs between these modes.
 
-@dataclass(frozen=True, kw_only=True)
-class CouplingSprings(CoupledEntries):
-    """Springs between rotor and casing: the coupled modes and the stiffness."""
+        Args:
+            kappa: stiffness of the springs [N/m] per radian.
+            rotor_modes: number of all modes of the rotor.
+            casing_modes: number of all modes of the casing.
+        """
+        equations, ends = self.modes.equations, []
+        bodies = (False, rotor_modes, equations.rotor), (True, casing_modes, equations.casing)
+        for on_casing, modes, rows in bodies:
+            coordinates, numbers = self.coordinates(on_casing=on_casing)
+            ends.append(np.zeros((len(equations.harmonics), 2, modes)))
+            ends[-1][..., numbers] = rows[..., coordinates]
+        return CouplingSprings(
+            kappa=kappa,
+            harmonics=equations.harmonics,
+            rotor=ends[0],
+            casing=ends[1],
+            highest_frequency=self.highest_frequency(kappa),
+            with_pi=equations.with_pi,
+        )
 
-    kappa: float  #: stiffness [N/m] per radian
-
-    @property
-    def factors(self) -> FloatArray:
-        """Modal spring stiffness f_k kappa of each nodal diameter [N/m], (harmonics,)."""
-        return self.kappa * self.modes.equations.factors
-
-    @property
-    def highest_frequency(self) -> float:
-        """Highest frequency of the coupled modes at any angle [rad/s].
+    def highest_frequency(self, kappa: float) -> float:
+        """Return the highest frequency of the modes at any angle [rad/s], coupled by springs of a
+        stiffness [N/m].
 
         If all modes come in pairs, the angle of the rotor only rotates the coordinates of each pair
         and does not change the frequencies: one angle is enough. If there is a single mode, the
@@ -230,10 +240,40 @@ class CouplingSprings(CoupledEntries):
         for k in self.modes.harmonics:
             part = self.modes.harmonic(k)
             angles = np.linspace(0.0, 2.0 * np.pi, 1 if np.all(part.paired) else ANGLES)
-            stiffness = part.equations.stiffness(angles / max(k, 1), self.kappa)
+            stiffness = part.equations.stiffness(angles / max(k, 1), kappa)
             highest = max(highest, float(np.linalg.eigvalsh(stiffness).max()))
         return float(np.sqrt(highest))
 
+
+@dataclass(frozen=True, kw_only=True)
+class CouplingSprings:
+    """Springs between rotor and casing: their stiffness, and the radial waves of both ends."""
+
+    kappa: float  #: stiffness [N/m] per radian
+    harmonics: IntArray  #: nodal diameters k of the waves, (harmonics,)
+    rotor: FloatArray
+    """B_k: cosine and sine part at the tips, in rotating axes, for unit modal coordinates
+    [kg^-1/2], (harmonics, 2, rotor modes)."""
+    casing: FloatArray  #: A_k: the same of the wall [kg^-1/2], (harmonics, 2, casing modes)
+    highest_frequency: float
+    """Highest frequency of the coupled modes at any angle, or an upper bound [rad/s]."""
+    with_pi: bool = True  #: keep the factor pi of the integral in Eq. (8)
+
+    @property
+    def factors(self) -> FloatArray:
+        """Modal spring stiffness f_k kappa of each nodal diameter [N/m], (harmonics,)."""
+        return self.kappa * wave_integrals(self.harmonics, with_pi=self.with_pi)
+
+    @property
+    def places(self) -> IntArray:
+        """Numbers of the coupled modes among all modes, of the rotor and then of the casing."""
+        rows = np.concatenate([self.rotor, self.casing], axis=-1)
+        return np.flatnonzero(rows.any(axis=(0, 1)))
+
     def stiffness(self, *, angle: ArrayLike) -> FloatArray:
-        """Return K* of the coordinates at an angle Omega t [rad], (..., size, size) [1/s^2]."""
-        return self.modes.equations.springs(angle, self.kappa)
+        """Return K* of the coupled modes at an angle Omega t [rad], (..., coupled, coupled)
+        [1/s^2]."""
+        empty = np.zeros_like(self.rotor), np.zeros_like(self.casing)
+        casing = np.concatenate([empty[0], self.casing], axis=-1)[..., self.places]
+        rotor = np.concatenate([self.rotor, empty[1]], axis=-1)[..., self.places]
+        return spring_stiffness(casing, rotor, self.harmonics, self.factors, angle)

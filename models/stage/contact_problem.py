@@ -590,7 +590,7 @@ class ContactProblem:
             self.rotor.centre, angle
         )
         if self.springs is not None:
-            place = self.springs.places(rotor)
+            place = self.springs.places
             stiffness[..., place[:, None], place] += self.springs.stiffness(angle=angle)
         return stiffness
 

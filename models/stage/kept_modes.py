@@ -19,7 +19,8 @@ class KeptModes:
 
     rotor: IntArray  #: modes of the bladed disk, (rotor modes kept,)
     casing: IntArray  #: modes of the casing, (casing modes kept,)
-    springs: CouplingSprings | None  #: springs between selected modes; None without stiffness
+    coupled: CoupledEntries | None  #: selected modes that springs couple; None without stiffness
+    springs: CouplingSprings | None  #: the springs between them
 
 
 def kept_modes(case: Case, rotor: RadialModes, casing: RadialModes) -> KeptModes:
@@ -45,23 +46,25 @@ def kept_modes(case: Case, rotor: RadialModes, casing: RadialModes) -> KeptModes
             raise CaseError([case_fault(case, key, f"modes of the stage ({error})")]) from None
 
     on_rotor, on_casing = named("reduction.modes", case.reduction.modes)
-    springs = None
-    if case.coupling.stiffness:
+    held, springs, kappa = None, None, case.coupling.stiffness
+    if kappa:
         if coupled is None:
             expected = "0, or a stage with cyclic symmetry"
             raise CaseError([case_fault(case, "coupling.stiffness", expected)])
         chosen = named("coupling.modes", case.coupling.modes)
-        springs = _springs(case, coupled, (on_rotor, on_casing), chosen)
-    return KeptModes(rotor=on_rotor, casing=on_casing, springs=springs)
+        held = _coupled_modes(case, coupled, (on_rotor, on_casing), chosen)
+        springs = held.springs(kappa, len(on_rotor), len(on_casing))
+    return KeptModes(rotor=on_rotor, casing=on_casing, coupled=held, springs=springs)
 
 
-def _springs(
+def _coupled_modes(
     case: Case,
     coupled: CoupledEntries,
     kept: tuple[IntArray, IntArray],
     chosen: tuple[IntArray, IntArray],
-) -> CouplingSprings:
-    """Return the springs between modes that belong to `reduction.modes` and to `coupling.modes`.
+) -> CoupledEntries:
+    """Return the modes that belong to `reduction.modes` and to `coupling.modes`, numbered among
+    those of `reduction.modes`.
 
     Args:
         case: case with the stiffness of the springs.
@@ -83,8 +86,7 @@ def _springs(
     if case.coupling.amplitude != "physical":
         entries = entries.with_unit_amplitudes()
     rotor, casing = (np.searchsorted(numbers, entries.number) for numbers in kept)
-    return CouplingSprings(
+    return CoupledEntries(
         modes=replace(entries.modes, with_pi=case.coupling.pi),
         number=np.where(entries.modes.on_casing, casing, rotor),
-        kappa=case.coupling.stiffness,
     )

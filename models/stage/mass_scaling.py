@@ -51,7 +51,7 @@ def screening_problem(problem: ContactProblem, timing: Timing) -> tuple[ContactP
     cut = screening_cut(problem)
     above = problem.casing.frequency > cut
     springs = problem.springs
-    if springs is not None and above[springs.number[springs.modes.on_casing]].any():
+    if springs is not None and above[springs.casing.any(axis=(0, 1))].any():
         raise ValueError(
             "coupling springs (coupling.stiffness) that act on no casing mode above"
             f" {cut / (2.0 * np.pi):.4g} Hz"

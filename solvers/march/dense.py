@@ -225,7 +225,7 @@ def _turning(problem: ContactProblem) -> tuple[np.ndarray, FloatArray, FloatArra
         numbers of the modes that are coupled, (n,); cosine parts and sine parts of the stiffness,
         (harmonics, n, n) each.
     """
-    order = 2 * max(1, *(problem.springs.modes.harmonics if problem.springs else (0,)))
+    order = 2 * max(1, *(problem.springs.harmonics if problem.springs else (0,)))
     angles = 2.0 * np.pi / (2 * order + 1) * np.arange(2 * order + 1)
     around = problem.spring_stiffness(angles)
     coupled = np.flatnonzero(np.abs(around).max(axis=(0, 1)))

@@ -82,18 +82,18 @@ def _springs_between(
 ) -> Arrays:
     if springs is None:
         return zeros("Springs", {"harmonics": 0, "waves": 0, "moved": 0})
-    equations, numbers, ends = springs.modes.equations, springs.numbers, []
-    for arrangement, rows in zip(arrangements, (equations.rotor, equations.casing), strict=True):
-        harmonic, part, coordinate = np.nonzero(rows)
+    ends = []
+    for arrangement, rows in zip(arrangements, (springs.rotor, springs.casing), strict=True):
+        harmonic, part, mode = np.nonzero(rows)
         ends.append(
             {
-                "place": arrangement.entry[numbers[coordinate]],
+                "place": arrangement.entry[mode],
                 "wave": 2 * harmonic + part,
-                "amplitude": rows[harmonic, part, coordinate],
+                "amplitude": rows[harmonic, part, mode],
             }
         )
     return {
-        "nodal_diameter": equations.harmonics.astype(np.float64),
+        "nodal_diameter": springs.harmonics.astype(np.float64),
         "factor": np.repeat(springs.factors, 2),
         "rotor": ends[0],
         "casing": ends[1],

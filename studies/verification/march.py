@@ -109,7 +109,7 @@ def dense_march(
         for load in given.loads:
             force = force + load_factor(load, time) * np.r_[load.rotor, load.casing]
         if given.springs is not None:
-            place = given.springs.places(m)
+            place = given.springs.places
             force[place] -= given.springs.stiffness(angle=speed * time) @ x[place]
         return np.asarray(force)
 

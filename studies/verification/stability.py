@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -12,17 +13,20 @@ from scipy.special import mathieu_a, mathieu_b
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
-from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings
+from bladewhirl.models.coupling.springs import CoupledEntries, CouplingModes
 from bladewhirl.models.modal.full_stage import modal_stage
+from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.stability.floquet import Floquet, floquet
 from bladewhirl.solvers.stability.growth import coincidence_speeds, growth_rate
 from bladewhirl.solvers.stability.zones import UnstableZones, unstable_zones
 from bladewhirl.studies.modal.coupled_system import EvenSystem, couple
-from bladewhirl.studies.verification.bodies import default_stage, marched
+from bladewhirl.studies.verification.bodies import marched
 from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 
-POINT = {"march.speed": 1.17, "coupling.stiffness": 500.0, "reduction.modes": "six"}
+KAPPA = 500.0  #: stiffness of the coupling springs at the example point [N/m]
+POINT = {"march.speed": 1.17, "coupling.stiffness": KAPPA, "reduction.modes": "six"}
 """The paper's example point, Figs 11 and 14."""
 
 DAMPED = ("0.0", "0.005")
@@ -48,12 +52,18 @@ def mathieu_border(name: str) -> Pair:
 
 
 @cache
-def coupled(ratio: str) -> tuple[ContactProblem, CouplingSprings]:
-    """Return the paper's six modes at its example point as a contact problem, and their springs."""
+def coupled(ratio: str) -> tuple[ContactProblem, CouplingModes]:
+    """Return the paper's six modes at its example point, as a contact problem and with names."""
     push = {"initial.centre_velocity": [1e-6, 0.0], "damping.ratio": float(ratio)}
-    given = default_stage(POINT | push)
-    assert given.springs is not None  # the stiffness of the point is not zero
-    return given, given.springs
+    given, coupling = on_springs(POINT | push)
+    return given, coupling.modes
+
+
+def on_springs(changes: dict[str, Any]) -> tuple[ContactProblem, CoupledEntries]:
+    """Return the contact problem of the default case with changes, and its coupled modes."""
+    stage = build_stage(with_values(Case(), changes))
+    assert stage.kept.coupled is not None  # the coupling stiffness is not zero
+    return contact_problem(stage), stage.kept.coupled
 
 
 def late_growth(given: ContactProblem, steps: int) -> float:
@@ -65,11 +75,11 @@ def late_growth(given: ContactProblem, steps: int) -> float:
 
 def monodromy(ratio: str) -> Floquet:
     """Return the Floquet analysis of the example point by direct integration."""
-    given, coupling = coupled(ratio)
+    given, modes = coupled(ratio)
     return floquet(
-        lambda times: coupling.modes.equations.stiffness(given.speed * times, coupling.kappa),
+        lambda times: modes.equations.stiffness(given.speed * times, KAPPA),
         period=2.0 * np.pi / given.speed,
-        damping=coupling.modes.equations.damping,
+        damping=modes.equations.damping,
     )
 
 
@@ -80,9 +90,9 @@ def growth_rates(ratio: str) -> Pairs:
 
     The growth rate is positive only with the factor pi of Eq. (8).
     """
-    given, coupling = coupled(ratio)
+    given, modes = coupled(ratio)
     exact, direct = reference("published")["growth_at_1.17_500"][ratio], monodromy(ratio).growth
-    invariant = growth_rate(coupling.modes, speed=given.speed, kappa=coupling.kappa)
+    invariant = growth_rate(modes, speed=given.speed, kappa=KAPPA)
     return {
         "growth_by_monodromy": (exact, direct),
         "growth_in_the_invariant_frame": (direct, invariant),
@@ -93,21 +103,20 @@ def growth_rates(ratio: str) -> Pairs:
 @verifies()
 def growth_without_pi() -> Pair:
     """Compare the growth rate by Eq. (9) as printed, without the factor pi, with zero."""
-    given, coupling = coupled("0.0")
-    modes = replace(coupling.modes, with_pi=False)
-    return 0.0, growth_rate(modes, speed=given.speed, kappa=coupling.kappa)
+    given, modes = coupled("0.0")
+    without = replace(modes, with_pi=False)
+    return 0.0, growth_rate(without, speed=given.speed, kappa=KAPPA)
 
 
 @verifies()
 def monodromy_by_runge_kutta() -> Pair:
     """Compare the monodromy matrix, scaled by the reference frequency, with Runge-Kutta."""
-    given, coupling = coupled("0.005")
-    modes, kappa = coupling.modes, coupling.kappa
+    given, modes = coupled("0.005")
     size, damping = modes.size, modes.equations.damping
 
     def rate(time: float, state: FloatArray) -> FloatArray:
         x, v = state.reshape(2, size, 2 * size)
-        stiffness = modes.equations.stiffness(given.speed * time, kappa)
+        stiffness = modes.equations.stiffness(given.speed * time, KAPPA)
         return np.concatenate([v, -stiffness @ x - damping @ v]).ravel()
 
     whole = np.eye(2 * size).ravel()
@@ -128,14 +137,14 @@ def growth_of_a_march_at_speed() -> Pair:
     forces. The coupling springs of the eigenvalue problem are expressed in the modes of the stage
     at rest.
     """
-    changes = {"march.speed": 1.65, "coupling.stiffness": 1000.0, "damping.ratio": 0.005}
+    kappa = 1000.0
+    changes = {"march.speed": 1.65, "coupling.stiffness": kappa, "damping.ratio": 0.005}
     push = {"reduction.modes": "six", "initial.centre_velocity": [1e-12, 0.0]}
-    at_rest = default_stage(changes | push)
+    at_rest, coupling = on_springs(changes | push)
     case = with_values(Case(), changes | {"rotation.effects": "full"})
     system = couple(modal_stage(case), modes="six", damped=True, with_pi=True, physical=False)
     assert isinstance(system, EvenSystem)
-    coupling, omega = at_rest.springs, at_rest.speed
-    assert coupling is not None  # the coupling stiffness is not zero
+    omega = at_rest.speed
     of_rotation = system.modes.coriolis, system.modes.softening
     modes = replace(coupling.modes, coriolis=of_rotation[0], softening=of_rotation[1])
     on_rotor = ~modes.on_casing
@@ -155,14 +164,15 @@ def growth_of_a_march_at_speed() -> Pair:
     both, amplitude = modes.frequency.copy(), modes.amplitude.copy()
     both[on_rotor], amplitude[on_rotor] = frequency, axes.T @ amplitude[on_rotor]
     stiff = replace(coupling, modes=replace(coupling.modes, frequency=both, amplitude=amplitude))
-    turned = replace(at_rest, rotor=rotor, springs=stiff)
-    return growth_rate(modes, speed=omega, kappa=coupling.kappa), late_growth(turned, 200_000)
+    sizes = len(at_rest.rotor.frequency), len(at_rest.casing.frequency)
+    turned = replace(at_rest, rotor=rotor, springs=stiff.springs(kappa, *sizes))
+    return growth_rate(modes, speed=omega, kappa=kappa), late_growth(turned, 200_000)
 
 
 def zones_at(kappa: float) -> tuple[CouplingModes, UnstableZones]:
     """Return the undamped modes of the example point and their zones for a stiffness [N/m]."""
-    given, coupling = coupled("0.0")
-    modes, unit = coupling.modes, given.speed / 1.17
+    given, modes = coupled("0.0")
+    unit = given.speed / 1.17
     return modes, unstable_zones(modes, kappas=np.array([kappa]), low=0.6 * unit, high=3.0 * unit)
 
 

@@ -8,7 +8,7 @@ from contact_cases import ledger_residual, run, run_as_reference, thrown
 from faults import faults
 from stages import stage
 
-from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings
+from bladewhirl.models.coupling.springs import CoupledEntries, CouplingModes
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 
@@ -22,9 +22,11 @@ def problem(*overrides: str) -> ContactProblem:
     return contact_problem(stage(*COARSE, *POINT, *overrides))
 
 
-def springs(given: ContactProblem) -> CouplingSprings:
-    assert given.springs is not None
-    return given.springs
+def held(*overrides: str) -> CoupledEntries:
+    """The modes that the springs of the stage couple."""
+    coupled = stage(*COARSE, *POINT, *overrides).kept.coupled
+    assert coupled is not None
+    return coupled
 
 
 def sideways(given: ContactProblem, speed: float = 10.0) -> ContactProblem:
@@ -78,22 +80,24 @@ def test_a_single_mode_on_springs_marches_as_written_out() -> None:
         damping_ratio=np.zeros(2),
         paired=np.array([True, False]),
     )
-    held = CouplingSprings(modes=modes, number=np.array([0, 2]), kappa=2e6)
-    given = replace(given, springs=held)
+    sizes = len(given.rotor.frequency), len(given.casing.frequency)
+    springs = CoupledEntries(modes=modes, number=np.array([0, 2])).springs(2e6, *sizes)
+    given = replace(given, springs=springs)
     run_as_reference(given, 1e-5, 400)
     angles = np.linspace(0.0, 2.0 * np.pi / 3.0, 40)
-    whole = np.diag(modes.frequency[modes.entry] ** 2) + held.stiffness(angle=angles)
+    frequency = np.concatenate([given.rotor.frequency, given.casing.frequency])[springs.places]
+    whole = np.diag(frequency**2) + springs.stiffness(angle=angles)
     highest = np.sqrt(np.linalg.eigvalsh(whole).max())
-    assert held.highest_frequency == pytest.approx(highest, rel=1e-3)
+    assert springs.highest_frequency == pytest.approx(highest, rel=1e-3)
 
 
 def test_amplitudes_are_those_of_tips_and_casing() -> None:
-    given = problem("coupling.modes=all", "coupling.amplitude=physical")
-    held = springs(given)
-    modes = held.modes
+    chosen = "coupling.modes=all", "coupling.amplitude=physical"
+    given, coupled = problem(*chosen), held(*chosen)
+    modes = coupled.modes
     assert modes.entries > 20
     angle = 2.0 * np.pi * np.arange(20) / 20
-    for entry, number in enumerate(held.number):
+    for entry, number in enumerate(coupled.number):
         k, a = modes.nodal_diameter[entry], modes.amplitude[entry]
         pair = [number, number + 1]
         if modes.on_casing[entry]:
@@ -106,8 +110,8 @@ def test_amplitudes_are_those_of_tips_and_casing() -> None:
 
 
 def test_unit_amplitudes_keep_their_phase() -> None:
-    paper = springs(problem("coupling.modes=all")).modes.amplitude
-    physical = springs(problem("coupling.modes=all", "coupling.amplitude=physical")).modes.amplitude
+    paper = held("coupling.modes=all").modes.amplitude
+    physical = held("coupling.modes=all", "coupling.amplitude=physical").modes.amplitude
     np.testing.assert_array_equal(paper, np.sign(physical))
 
 

@@ -67,10 +67,9 @@ def test_springs_on_scaled_modes_are_refused() -> None:
     problem, timing = contact_problem(built), built.case.march.timing
     assert problem.springs is not None
     assert screening_problem(problem, timing)[1].time_step == pytest.approx(1e-5)
-    last = np.where(
-        problem.springs.modes.on_casing, len(problem.casing.frequency) - 1, problem.springs.number
-    )
-    moved = replace(problem, springs=replace(problem.springs, number=last))
+    last = np.zeros_like(problem.springs.casing)
+    last[..., -1] = 1.0
+    moved = replace(problem, springs=replace(problem.springs, casing=last))
     with pytest.raises(ValueError, match="that act on no casing mode above"):
         screening_problem(moved, timing)
 
