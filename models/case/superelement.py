@@ -30,10 +30,15 @@ RULES: tuple[tuple[str, tuple[object, ...], str], ...] = (
         (False,),
         "linear matrices do not say by how much a tip draws back when its blade bends",
     ),
-    ("coupling.stiffness", (0.0,), "the springs act on modes of beams, which a file does not name"),
     ("reduction.modes", ("all",), "the modes of a file are chosen when the file is made"),
 )
 """Keys that a superelement restricts: the values that it allows, and the reason."""
+
+OF_SPRINGS: tuple[tuple[str, tuple[object, ...], str], ...] = (
+    ("coupling.modes", ("all",), "the modes of a file have no names"),
+    ("coupling.amplitude", ("physical",), "the springs act on the contact nodes"),
+)
+"""Keys that a superelement restricts if springs act between it and the casing."""
 
 
 class SuperelementTable(Table):
@@ -144,7 +149,7 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         elif (points := getattr(load, "points", ())) and max(points) >= table.part.point_count:
             expected = f"numbers of points of the file, below {table.part.point_count}"
             yield Inconsistency(f"{key}.points", expected, (SOURCE,))
-    for key, allowed, reason in RULES:
+    for key, allowed, reason in RULES + (OF_SPRINGS if case.coupling.stiffness else ()):
         if value_at(case, path_of(key)) not in allowed:
             texts = " or ".join(f'"{one}"' if isinstance(one, str) else str(one) for one in allowed)
             yield Inconsistency(key, f"{texts} with {SOURCE}: {reason}", (SOURCE,))
@@ -163,9 +168,11 @@ def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
         for key, load in case.excitations.items()
         if load.acts_on == "blades"
     ]
-    if table.kind == "wheel" and table.copies == 1 and (moved or on_blades):
-        reason = f"initial.{moved[0]}" if moved else on_blades[0]
-        yield Inconsistency(f"{SOURCE}.copies", f"the number of blades of the wheel, for {reason}")
+    springs = ["coupling.stiffness"] if case.coupling.stiffness else []
+    needed = [*(f"initial.{key}" for key in moved), *on_blades, *springs]
+    if table.kind == "wheel" and table.copies == 1 and needed:
+        expected = f"the number of blades of the wheel, for {needed[0]}"
+        yield Inconsistency(f"{SOURCE}.copies", expected)
 
 
 def _rigid_faults(case: "Case") -> Iterator[Inconsistency]:

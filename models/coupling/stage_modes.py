@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.meshes.ring_mesh import U, W
@@ -151,10 +152,7 @@ def coupled_entries(
         raise ValueError("coupling by nodal diameter needs a stage with cyclic symmetry")
     blades, elements = len(rotor.angles), len(casing.angles)
     tips, tip_amplitude = rotor.amplitudes(np.isin(rotor.family, ("suspension", *FAMILIES)))
-    wall, wall_amplitude = casing.amplitudes(2 * casing.nodal_diameter < elements, radial_only=True)
-    on_both, lowest = np.unique(casing.nodal_diameter[wall], return_index=True)
-    lowest = lowest[np.isin(on_both, rotor.nodal_diameter[tips])]
-    wall, wall_amplitude = wall[lowest], wall_amplitude[lowest]
+    wall, wall_amplitude = lowest_radial(casing, rotor.nodal_diameter[tips])
     on_casing = np.arange(len(wall) + len(tips)) < len(wall)
     k = np.append(casing.nodal_diameter[wall], rotor.nodal_diameter[tips])
     families = ["casing"] * len(wall) + [rotor.family[i] for i in tips]
@@ -171,6 +169,16 @@ def coupled_entries(
         paired=((k > 0) & (2 * k < np.where(on_casing, elements, blades)))[order],
     )
     return CoupledEntries(modes=modes, number=np.append(wall, tips)[order])
+
+
+def lowest_radial(casing: RadialModes, diameters: ArrayLike) -> tuple[IntArray, FloatArray]:
+    """Return numbers and amplitudes of the lowest radial mode of the casing of each of the given
+    nodal diameters below half the number of elements; see `RadialModes.amplitudes`."""
+    elements = len(casing.angles)
+    wall, amplitude = casing.amplitudes(2 * casing.nodal_diameter < elements, radial_only=True)
+    present, lowest = np.unique(casing.nodal_diameter[wall], return_index=True)
+    lowest = lowest[np.isin(present, diameters)]
+    return wall[lowest], amplitude[lowest]
 
 
 def tip_motion(

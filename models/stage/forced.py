@@ -112,6 +112,8 @@ def forced_superelement(
     reference = stage.reference_frequency
     if stage.rotor_at(stage.speed).anisotropy:
         raise UserError("response: expected equal shaft springs")
+    if stage.case.coupling.stiffness:
+        raise UserError("response: not allowed with springs between bladed disk and casing")
     for omega in omegas:
         if stage.case.rotation.effects != "none":
             at_speed = {"march.speed": omega / reference}

@@ -15,6 +15,7 @@ from bladewhirl.models.case.excitation import EngineOrder, Imbalance
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.shaft import Rotation
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
+from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.imports.inspection import NEGATIVE
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.describe import casing_arrays
@@ -32,10 +33,12 @@ from bladewhirl.models.stage.excitations import LoadedStage, X, closing_unbalanc
 from bladewhirl.models.stage.ring import Ring, flexible_ring, rigid_wall
 from bladewhirl.models.stage.superelement_loads import (
     blade_angles,
+    blade_means,
     centre_rows,
     engine_order_forces,
     static_shapes,
 )
+from bladewhirl.models.stage.superelement_springs import coupling_springs
 from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
@@ -141,6 +144,7 @@ class SuperelementStage:
             ),
             closure=WallClosure.around(case.casing.closure, self._wall_angle, self.wall.radius),
             coating=self.coating,
+            springs=self._springs(rotor),
             loads=loads_on(
                 LoadedStage(
                     case=case,
@@ -183,6 +187,17 @@ class SuperelementStage:
                 case.shaft.damping * speed if case.shaft.damping_frame == "static" else 0.0
             ),
         )
+
+    def _springs(self, rotor: ReducedRotor) -> CouplingSprings | None:
+        """Return the springs between blades and casing; None without them."""
+        if not self.case.coupling.stiffness:
+            return None
+        assert self.ring is not None  # the case refuses springs on a rigid wall
+        radial = self.reduced.contact.reshape(len(self.blade), 3, -1)[:, 0]
+        moved = sp.block_diag([blade_means(self.blade) @ radial] * self.copies)
+        outward = np.asarray(moved.toarray(), dtype=np.float64)
+        middle = blade_angles(self.angle, self.blade).ravel()
+        return coupling_springs(self.case, outward, middle, rotor.frequency, self.ring)
 
     def _unbalance(self, rotor: ReducedRotor, load: Imbalance) -> float:
         """Return the unbalance m e of an imbalance [kg m]."""

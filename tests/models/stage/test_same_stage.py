@@ -1,6 +1,7 @@
 """Stages of beams and the same stages as superelements: the same loads, springs, dampers and
 rotation effects give the same march."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -119,3 +120,22 @@ def test_contact_in_every_wall_is_that_of_the_beams(
     for name in ("contact_impulse", "friction_impulse", "energy", "friction_work", "closing_work"):
         ours, theirs = (getattr(each[0], name) for each in (nodes, beams))
         assert ours == pytest.approx(theirs, abs=1e-6 * np.abs(theirs).max())
+
+
+@pytest.mark.parametrize("kind", ["wheel", "sector", "blade"])
+def test_springs_to_the_casing_are_those_of_the_beams(kind: str, tmp_path: Path) -> None:
+    springs = {"stiffness": 2e8, "modes": "all", "amplitude": "physical"}
+    order = {"type": "engine-order", "order": 1, "amplitude": 40.0, "direction": "30 deg"}
+    given = {"coupling": springs, "casing": PINCHED, "excitation": order}
+    problems = pair(tmp_path, kind, **given)
+    without = marched(replace(problems[0], springs=None))[1]
+    beams, nodes = (marched(each) for each in problems)
+    largest = np.abs(beams[1]).max()
+    assert np.abs(without - beams[1]).max() > 1e-2 * largest
+    assert nodes[1] == pytest.approx(beams[1], abs=1e-8 * largest)
+    for name in ("energy", "coupling_work", "external_work"):
+        ours, theirs = (getattr(each[0], name) for each in (nodes, beams))
+        assert ours == pytest.approx(theirs, abs=1e-6 * np.abs(theirs).max())
+    assert nodes[0].coupling_work.any()
+    critical = problems[0].critical_time_step, problems[1].critical_time_step
+    assert 0.9 * critical[0] < critical[1] <= critical[0]
