@@ -1,6 +1,6 @@
 from . import plot as plot
 from .models.case.case import Case as Case
-from .models.case.check import case_from as case_from
+from .models.case.case import case_from as case_from
 from .models.case.file import read_case as read_case
 from .models.case.file import with_values as with_values
 from .models.case.template import dumps_case as dumps_case

@@ -1,5 +1,6 @@
 """The `[bladed_disk]` table of a case and its inner tables: taper, shrouds, rings, masses."""
 
+import math
 from collections.abc import Iterable, Iterator
 from itertools import combinations, pairwise
 from typing import Annotated, Literal
@@ -205,6 +206,22 @@ class BladedDisk(ReplacedKeys):
     """File with the matrices of a blade, a sector or a wheel, which replaces all other keys of
     [bladed_disk] except the mistuning of the stiffness: { file = "blade.npz", copies = 22, kind =
     "blade" }; by default there is none."""
+
+    @property
+    def count(self) -> int:
+        """Number of blades, or copies of a superelement."""
+        if self.superelement is not None:
+            return self.superelement.copies
+        return self.blades if self.mesh is None else len(self.mesh.tip_points)
+
+    @property
+    def radius(self) -> float:
+        """Largest radius of a tip or of a contact node [m]; of a mesh, its `tip_radius`."""
+        if self.superelement is not None:
+            return float(self.superelement.part.contact_radius.max())
+        if self.mesh is None:
+            return self.tip_radius
+        return self.mesh.tip_radius or max(math.hypot(*tip) for tip in self.mesh.tip_points)
 
     @property
     def cut_radii(self) -> list[float]:

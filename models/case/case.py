@@ -6,34 +6,26 @@ its source. Numbers are in SI units; text includes a unit, "1 mm". New kinds of 
 as optional tables.
 """
 
-import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
-from pydantic import Field, StrictStr, ValidationError
+from pydantic import ValidationError
 
-from bladewhirl.models.case.analysis import Contact, Coupling, Damping, Initial, March, Reduction
-from bladewhirl.models.case.bladed_disk import BladedDisk
-from bladewhirl.models.case.casing import Casing
+from bladewhirl.models.case.check import faults_of
 from bladewhirl.models.case.excitation import (
     CasingDistortion,
     EngineOrder,
-    Excitation,
-    ExcitationTable,
     Harmonic,
     Imbalance,
-    NoExcitation,
 )
-from bladewhirl.models.case.sensors import SensorRows, sensor_faults
-from bladewhirl.models.case.shaft import Rotation, Shaft
-from bladewhirl.models.case.sketch import SketchTable
-from bladewhirl.models.case.superelement import superelement_faults
+from bladewhirl.models.case.sensors import sensor_faults
+from bladewhirl.models.case.superelement_rules import superelement_faults
+from bladewhirl.models.case.tables import Tables
 from bladewhirl.models.inputs.errors import CaseError, shown
-from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys
-from bladewhirl.models.sections.rectangular import Material
+from bladewhirl.models.inputs.table import Inconsistency
 
 
-class Case(ReplacedKeys):
+class Case(Tables):
     """A bladed disk on its shaft, a casing, a load and a speed; by default the paper's fan stage.
 
     Raises:
@@ -42,35 +34,9 @@ class Case(ReplacedKeys):
             ``ValidationError``.
     """
 
-    replacements: ClassVar = {"sketch": ("bladed_disk",)}
-
-    title: StrictStr = "Fan stage"
-    """Title, free text."""
-    material: Material = Material()
-    bladed_disk: BladedDisk = BladedDisk()
-    shaft: Shaft = Shaft()
-    rotation: Rotation = Rotation()
-    casing: Casing = Casing()
-    reduction: Reduction = Reduction()
-    damping: Damping = Damping()
-    contact: Contact = Contact()
-    excitation: ExcitationTable = NoExcitation()
-    """One table [excitation], or several tables [[excitation]] whose loads act together."""
-    initial: Initial = Initial()
-    sketch: SketchTable | None = Field(
-        default=None, examples=["{ sectors = 22, nodes = [...], members = [...], sets = [...] }"]
-    )
-    """A bladed disk drawn in Python, in place of [bladed_disk]."""
-    coupling: Coupling = Coupling()
-    march: March = March()
-    sensor: SensorRows = ()
-    """Sensors, whose signals a run writes to sensors.nc and NAME.csv, each a table [[sensor]]."""
-
     if not TYPE_CHECKING:  # type checkers see the keys
 
         def __init__(self, **tables: Any) -> None:
-            from bladewhirl.models.case.check import faults_of
-
             try:
                 super().__init__(**tables)
             except ValidationError as error:
@@ -164,38 +130,12 @@ class Case(ReplacedKeys):
         march = self.march.in_seconds(self.march.speed.rad_per_s(reference))
         return self if march is self.march else self.model_copy(update={"march": march})
 
-    @property
-    def excitations(self) -> Mapping[str, Excitation]:
-        """Excitations by dotted key: "excitation", or "excitation.0", "excitation.1", ... if there
-        is a list of them."""
-        loads = self.excitation
-        if isinstance(loads, tuple):
-            return {f"excitation.{row}": load for row, load in enumerate(loads)}
-        return {"excitation": loads}
 
-    def key_of(self, load: Excitation) -> str:
-        """Return the dotted key of one of the `excitations`."""
-        return next(key for key, each in self.excitations.items() if each == load)
+def case_from(tables: Mapping[str, Any]) -> Case:
+    """Make a case from nested tables, as a case file contains them.
 
-    @property
-    def blades(self) -> int:
-        """Number of blades."""
-        if self.sketch is not None:
-            return self.sketch.tips
-        if self.bladed_disk.superelement is not None:
-            return self.bladed_disk.superelement.copies
-        mesh = self.bladed_disk.mesh
-        return self.bladed_disk.blades if mesh is None else len(mesh.tip_points)
-
-    @property
-    def tip_radius(self) -> float:
-        """Tip radius from which the clearance is measured [m]."""
-        if self.sketch is not None:
-            return self.sketch.radius
-        if self.bladed_disk.superelement is not None:
-            part = self.bladed_disk.superelement.part
-            return self.casing.radius or float(part.contact_radius.max())
-        mesh = self.bladed_disk.mesh
-        if mesh is None:
-            return self.bladed_disk.tip_radius
-        return mesh.tip_radius or max(math.hypot(*tip) for tip in mesh.tip_points)
+    Raises:
+        CaseError: the case is invalid; the error lists all faults. Contradictions between values
+            are reported only if each value is valid by itself.
+    """
+    return Case(**tables)

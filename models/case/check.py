@@ -8,9 +8,9 @@ from typing import Any, get_args
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EXCITATIONS, ONE, SEVERAL
 from bladewhirl.models.case.sensors import SENSORS, Sensor, SensorList, sensor_faults
+from bladewhirl.models.case.tables import Tables
 from bladewhirl.models.inputs.errors import CaseError, Fault, toml_key
 from bladewhirl.models.inputs.fields import EXPECTED
 from bladewhirl.models.inputs.table import INCONSISTENT, Path, Table, value_at
@@ -25,16 +25,6 @@ FIXED_PHRASES = {"bool_type": "true or false", "string_type": "text"}
 """Text of the expected value for each type of pydantic error."""
 
 TABLE_ERRORS = ("model_type", "model_attributes_type", "dict_type")
-
-
-def case_from(tables: Mapping[str, Any]) -> Case:
-    """Make a case from nested tables, as a case file contains them.
-
-    Raises:
-        CaseError: the case is invalid; the error lists all faults. Contradictions between values
-            are reported only if each value is valid by itself.
-    """
-    return Case(**tables)
 
 
 def sensors_from(rows: Sequence[Any], blades: int) -> tuple[Sensor, ...]:
@@ -153,7 +143,7 @@ def _known_key(location: Path, path: Path) -> str:
 @cache
 def _known_keys() -> tuple[tuple[str, ...], ...]:
     """Return all keys of a case, each once."""
-    return tuple(dict.fromkeys(_keys_of(Case)))
+    return tuple(dict.fromkeys(_keys_of(Tables)))
 
 
 def _keys_of(table: type[Table]) -> Iterator[tuple[str, ...]]:

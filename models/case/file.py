@@ -12,8 +12,8 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from bladewhirl.files import open_text
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from, dotted, faults_of
+from bladewhirl.models.case.case import Case, case_from
+from bladewhirl.models.case.check import dotted, faults_of
 from bladewhirl.models.case.excitation import EXCITATIONS
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.inputs.table import Table, path_of, value_at

@@ -3,42 +3,13 @@
 import os
 from collections.abc import Iterator
 from functools import lru_cache
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import Inconsistency, Table, path_of, value_at
+from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
-if TYPE_CHECKING:
-    from bladewhirl.models.case.case import Case
-
 SOURCE = "bladed_disk.superelement"  #: key of the table
-
-RULES: tuple[tuple[str, tuple[object, ...], str], ...] = (
-    (
-        "march.scheme",
-        ("central-difference",),
-        "the laws of the other schemes act on tips that have a mass, in two directions",
-    ),
-    (
-        "contact.sliding",
-        ("full", "permanent"),
-        "a contact node also slides along the axis, where a signed speed has no meaning",
-    ),
-    (
-        "contact.foreshortening",
-        (False,),
-        "linear matrices do not say by how much a tip draws back when its blade bends",
-    ),
-    ("reduction.modes", ("all",), "the modes of a file are chosen when the file is made"),
-)
-"""Keys that a superelement restricts: the values that it allows, and the reason."""
-
-OF_SPRINGS: tuple[tuple[str, tuple[object, ...], str], ...] = (
-    ("coupling.modes", ("all",), "the modes of a file have no names"),
-    ("coupling.amplitude", ("physical",), "the springs act on the contact nodes"),
-)
-"""Keys that a superelement restricts if springs act between it and the casing."""
 
 
 class SuperelementTable(Table):
@@ -101,103 +72,3 @@ def _cached(file: str, modified: int, size: int) -> Superelement:
     from bladewhirl.models.superelements.file import read_superelement  # loads scipy.io
 
     return read_superelement(file)
-
-
-def superelement_faults(case: "Case") -> Iterator[Inconsistency]:
-    """Yield contradictions between a superelement, or its absence, and other tables of a case; and
-    what a rigid wall does not allow."""
-    if case.casing.type == "rigid":
-        yield from _rigid_faults(case)
-    if case.bladed_disk.superelement is None:
-        if case.casing.radius is not None:
-            expected = f"not allowed without {SOURCE}: the radius follows from the tips"
-            yield Inconsistency("casing.radius", expected, (SOURCE,))
-        if case.contact.sliding == "full":
-            for key, given in (
-                ("casing.coating", case.casing.coating is not None),
-                ("contact.foreshortening", case.contact.foreshortening),
-            ):
-                if given:
-                    expected = (
-                        f'"permanent" or "signed" with {key} of beams, whose forces have a given'
-                        " direction of sliding"
-                    )
-                    yield Inconsistency("contact.sliding", expected, (key,))
-        for key, load in case.excitations.items():
-            if getattr(load, "points", ()):
-                expected = f"not allowed without {SOURCE}; give position"
-                yield Inconsistency(f"{key}.points", expected, (SOURCE,))
-        worn = None if case.casing.coating is None else case.casing.coating.profile
-        if worn is not None and worn.tracks:
-            expected = f"points without axial positions, or a {SOURCE}"
-            yield Inconsistency("casing.coating.profile", expected, (SOURCE,))
-        return
-    forbidden = f"not allowed together with {SOURCE}; remove this key"
-    if case.sketch is not None:
-        yield Inconsistency("sketch", forbidden, (SOURCE,))
-    table = case.bladed_disk.superelement
-    for key, load in case.excitations.items():
-        if load.acts_on == "centre" and table.kind != "wheel":
-            expected = f'another excitation, or {SOURCE}.kind = "wheel", which has a centre'
-            yield Inconsistency(f"{key}.type", expected, (SOURCE,))
-        elif load.acts_on == "centre" and table.part.centre_dofs is None:
-            expected = "another excitation, or a superelement with centre_dofs"
-            yield Inconsistency(f"{key}.type", expected, (SOURCE,))
-        elif getattr(load, "position", "tip") != "tip":
-            expected = f'"tip" with {SOURCE}, whose matrices have no centre line; give points'
-            yield Inconsistency(f"{key}.position", expected, (SOURCE,))
-        elif (points := getattr(load, "points", ())) and max(points) >= table.part.point_count:
-            expected = f"numbers of points of the file, below {table.part.point_count}"
-            yield Inconsistency(f"{key}.points", expected, (SOURCE,))
-    for key, allowed, reason in RULES + (OF_SPRINGS if case.coupling.stiffness else ()):
-        if value_at(case, path_of(key)) not in allowed:
-            texts = " or ".join(f'"{one}"' if isinstance(one, str) else str(one) for one in allowed)
-            yield Inconsistency(key, f"{texts} with {SOURCE}: {reason}", (SOURCE,))
-    yield from _rotation_faults(case, table.part)
-    coating = case.casing.coating
-    if coating is not None and coating.friction not in (None, case.contact.friction):
-        expected = f"the value of contact.friction with {SOURCE}"
-        yield Inconsistency("casing.coating.friction", expected, (SOURCE,))
-    moved = [key for key, value in case.initial.model_dump(exclude_defaults=True).items() if value]
-    for key in moved:
-        if key.startswith("centre") and (table.kind != "wheel" or table.part.centre_dofs is None):
-            expected = f'motion of the tips only, or {SOURCE}.kind = "wheel" with centre_dofs'
-            yield Inconsistency(f"initial.{key}", expected, (SOURCE,))
-    on_blades = [
-        f'{key}.type = "{load.type}"'
-        for key, load in case.excitations.items()
-        if load.acts_on == "blades"
-    ]
-    springs = ["coupling.stiffness"] if case.coupling.stiffness else []
-    needed = [*(f"initial.{key}" for key in moved), *on_blades, *springs]
-    if table.kind == "wheel" and table.copies == 1 and needed:
-        expected = f"the number of blades of the wheel, for {needed[0]}"
-        yield Inconsistency(f"{SOURCE}.copies", expected)
-
-
-def _rigid_faults(case: "Case") -> Iterator[Inconsistency]:
-    """Yield loads and springs that act on a flexible casing."""
-    for key, load in case.excitations.items():
-        if load.acts_on == "casing":
-            expected = 'another excitation, or casing.type = "ring"'
-            yield Inconsistency(f"{key}.type", expected, ("casing.type",))
-    if case.coupling.stiffness:
-        expected = '0, or casing.type = "ring", whose modes the springs move'
-        yield Inconsistency("coupling.stiffness", expected, ("casing.type",))
-
-
-def _rotation_faults(case: "Case", part: Superelement) -> Iterator[Inconsistency]:
-    """Yield errors for rotation effects whose matrices the file lacks."""
-    effects = case.rotation.effects
-    for key, without, needed in (
-        ("stiffness_speed", "tension stiffens no blade and the rotation softens none", effects),
-        ("gyroscopic", "there are no Coriolis forces", effects == "full"),
-    ):
-        if needed not in ("none", False) and getattr(part, key) is None:
-            expected = f'"none", or a file with {key}, without which {without}'
-            yield Inconsistency("rotation.effects", expected, (SOURCE,))
-    if case.rotation.clearance == "cold":
-        expected = (
-            '"hot": the file does not give the static growth of the contact nodes by rotation'
-        )
-        yield Inconsistency("rotation.clearance", expected, (SOURCE,))

@@ -21,8 +21,8 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from, faults_of
+from bladewhirl.models.case.case import Case, case_from
+from bladewhirl.models.case.check import faults_of
 from bladewhirl.models.case.sketch import SketchTable
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.sketch_build import build_sketch

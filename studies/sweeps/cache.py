@@ -14,8 +14,8 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import writing
 from bladewhirl.studies.runs import folder
+from bladewhirl.studies.sweeps.marching import march_points
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
-from bladewhirl.studies.sweeps.workers import march_points
 
 KEY_LENGTH = 16  #: number of characters in the name of a run
 

@@ -27,6 +27,7 @@ from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import OVER, TABLE, Grid, PointTable, Value, make_grid
 from bladewhirl.studies.sweeps.carried import STATES_NAME, Carry
 from bladewhirl.studies.sweeps.draws import UNTIL, parse_draws
+from bladewhirl.studies.sweeps.marching import march_points
 from bladewhirl.studies.sweeps.plan import (
     SweepOptions,
     SweepPlan,
@@ -39,7 +40,6 @@ from bladewhirl.studies.sweeps.points import Work
 from bladewhirl.studies.sweeps.rounds import Rounds
 from bladewhirl.studies.sweeps.store import Store, create
 from bladewhirl.studies.sweeps.table import Columns, point_table
-from bladewhirl.studies.sweeps.workers import march_points
 
 HISTORIES_NAME = "histories"  #: name of the folder of full histories
 

@@ -21,30 +21,15 @@ from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, marc
 READY = 1  #: number of points that wait for each worker, so that no worker is ever idle
 
 
-def march_points(
-    work: Work, points: Iterable[Point | None], *, scheduler: str | None, workers: int | None
+def march_in_processes(
+    work: Work, points: Iterable[Point | None], workers: int | None
 ) -> Iterator[tuple[int, Outcome]]:
-    """March points; yield the number and the outcome of each point as the outcome arrives.
+    """March points in processes of this computer, see `march_points`.
 
     If a worker dies, new workers are started. The points that were being marched at that time are
     marched again at the end, one at a time, so that a point is certainly the cause if its worker
     dies again; this point fails.
-
-    Args:
-        work: data common to all points.
-        points: points to march. None means that no point can be marched before the outcome of
-            another one has been yielded.
-        scheduler: address of a dask scheduler, whose workers march; None for this computer.
-        workers: number of processes of this computer; one per core when None.
-
-    Raises:
-        UserError: the scheduler does not answer, has no TLS, or its workers have another version.
     """
-    if scheduler is not None:
-        from bladewhirl.studies.sweeps.cluster import march_on_cluster
-
-        yield from march_on_cluster(work, points, scheduler)
-        return
     waiting: Iterator[Point | None] = iter(points)
     suspects: list[Point] = []
     while True:

@@ -7,8 +7,7 @@ import numpy as np
 import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.ring_mesh import W
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.stage.build import contact_problem

@@ -9,7 +9,7 @@ import xarray as xr
 from scipy.optimize import brentq
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import case_from
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.postprocess.fields.result import stage_dataset
 from bladewhirl.postprocess.run.sensors import sensors_of, signals

@@ -9,7 +9,7 @@ import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import RingMesh
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import case_from
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.build import case_bladed_disk, tip_in_sector
 from bladewhirl.models.elements.casing import CasingModel, Support, assemble_casing

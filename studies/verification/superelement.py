@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import case_from
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,

@@ -10,9 +10,8 @@ from pydantic import ValidationError
 
 from bladewhirl.models.case.analysis import Initial, March
 from bladewhirl.models.case.bladed_disk import BladedDisk, DiskSection
-from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.case.casing import Casing
-from bladewhirl.models.case.check import case_from
 from bladewhirl.models.case.excitation import EXCITATIONS, CasingDistortion, Harmonic, Imbalance
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.shaft import Shaft

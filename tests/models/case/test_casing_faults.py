@@ -3,7 +3,7 @@
 import pytest
 from faults import fault
 
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import case_from
 
 LOBES = {"lobes": 2, "amplitude": 1e-4}
 SHRINKING = {"amount": 1e-4, "time_constant": 1.0}

@@ -7,8 +7,7 @@ import pytest
 from command_line import answer
 from stages import SMALL, stage, steel
 
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.geometry.sketch import Sketch

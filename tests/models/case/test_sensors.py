@@ -5,7 +5,7 @@ import pytest
 from faults import fault
 
 import bladewhirl as bw
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import case_from
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.case.template import template
 

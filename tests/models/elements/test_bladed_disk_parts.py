@@ -7,7 +7,7 @@ import pytest
 from stages import natural_frequencies
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import case_from
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel

@@ -12,8 +12,7 @@ from places import EXAMPLES
 from stages import observed_order
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.case.file import loads, read_case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements.build import case_clearance

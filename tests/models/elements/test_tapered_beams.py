@@ -9,7 +9,7 @@ import xarray as xr
 from stages import observed_order, steel
 from synthetic_result import synthetic_result
 
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import case_from
 from bladewhirl.models.elements.build import case_bladed_disk
 from bladewhirl.models.sections.rectangular import QUANTITIES, Section, along, along_elements
 from bladewhirl.postprocess.fields.strains import rotor_sections, rotor_strain_rows

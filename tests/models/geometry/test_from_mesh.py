@@ -22,8 +22,7 @@ from bladewhirl.meshes.files.groups import GroupedLines
 from bladewhirl.meshes.files.registry import WRITERS, left_out, write_line_mesh
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.bladed_disk import BladedDisk as BladedDiskTable
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.case.file import loads, read_case, with_values
 from bladewhirl.models.case.mesh_file import MeshSection, MeshTable
 from bladewhirl.models.case.template import dumps_case, template

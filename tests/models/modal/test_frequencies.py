@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import case_from
 from bladewhirl.models.elements.build import case_bladed_disk
 from bladewhirl.models.modal.full_stage import lowest_frequencies
 

@@ -9,8 +9,7 @@ import pytest
 from command_line import answer
 from stages import oracle
 
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.shaft import Rotation
 from bladewhirl.models.case.template import dumps_case

@@ -6,7 +6,7 @@ from places import EXAMPLES
 from stages import CASING_REFERENCE, RADIUS, casing_modes, observed_order, ring, steel
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import case_from
 from bladewhirl.models.case.file import loads, read_case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements.build import case_casing

@@ -9,8 +9,7 @@ import pytest
 from faults import fault
 from stages import stage
 
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements import cost

@@ -9,7 +9,7 @@ import scipy.linalg as la
 from contact_cases import random_problem, run, wall
 from places import EXAMPLES
 
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.case import case_from
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import contact_problem

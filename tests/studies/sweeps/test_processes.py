@@ -24,8 +24,8 @@ import bladewhirl as bw
 from bladewhirl.postprocess.sweep.dataset import DONE, Layout
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
 from bladewhirl.studies.sweeps import workers
+from bladewhirl.studies.sweeps.marching import march_points
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work
-from bladewhirl.studies.sweeps.workers import march_points
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("pictures_unsaved")]
 

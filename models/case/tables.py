@@ -1,0 +1,71 @@
+"""The tables of a case, and what follows from them."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from pydantic import Field, StrictStr
+
+from bladewhirl.models.case.analysis import Contact, Coupling, Damping, Initial, March, Reduction
+from bladewhirl.models.case.bladed_disk import BladedDisk
+from bladewhirl.models.case.casing import Casing
+from bladewhirl.models.case.excitation import Excitation, ExcitationTable, NoExcitation
+from bladewhirl.models.case.sensors import SensorRows
+from bladewhirl.models.case.shaft import Rotation, Shaft
+from bladewhirl.models.case.sketch import SketchTable
+from bladewhirl.models.inputs.table import ReplacedKeys
+from bladewhirl.models.sections.rectangular import Material
+
+
+class Tables(ReplacedKeys):
+    """The tables of a case."""
+
+    replacements: ClassVar = {"sketch": ("bladed_disk",)}
+
+    title: StrictStr = "Fan stage"
+    """Title, free text."""
+    material: Material = Material()
+    bladed_disk: BladedDisk = BladedDisk()
+    shaft: Shaft = Shaft()
+    rotation: Rotation = Rotation()
+    casing: Casing = Casing()
+    reduction: Reduction = Reduction()
+    damping: Damping = Damping()
+    contact: Contact = Contact()
+    excitation: ExcitationTable = NoExcitation()
+    """One table [excitation], or several tables [[excitation]] whose loads act together."""
+    initial: Initial = Initial()
+    sketch: SketchTable | None = Field(
+        default=None, examples=["{ sectors = 22, nodes = [...], members = [...], sets = [...] }"]
+    )
+    """A bladed disk drawn in Python, in place of [bladed_disk]."""
+    coupling: Coupling = Coupling()
+    march: March = March()
+    sensor: SensorRows = ()
+    """Sensors, whose signals a run writes to sensors.nc and NAME.csv, each a table [[sensor]]."""
+
+    @property
+    def excitations(self) -> Mapping[str, Excitation]:
+        """Excitations by dotted key: "excitation", or "excitation.0", "excitation.1", ... if there
+        is a list of them."""
+        loads = self.excitation
+        if isinstance(loads, tuple):
+            return {f"excitation.{row}": load for row, load in enumerate(loads)}
+        return {"excitation": loads}
+
+    def key_of(self, load: Excitation) -> str:
+        """Return the dotted key of one of the `excitations`."""
+        return next(key for key, each in self.excitations.items() if each == load)
+
+    @property
+    def blades(self) -> int:
+        """Number of blades."""
+        if self.sketch is not None:
+            return self.sketch.tips
+        return self.bladed_disk.count
+
+    @property
+    def tip_radius(self) -> float:
+        """Tip radius from which the clearance is measured [m]."""
+        if self.sketch is not None:
+            return self.sketch.radius
+        return self.casing.radius or self.bladed_disk.radius
