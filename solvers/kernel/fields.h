@@ -58,51 +58,58 @@ INLINED void combine_rows(const Matrix *rows, const double *factor, double *out)
     }
 }
 
-/* Store the sums of `folded_fields` at the nodes n, N/2 - n, N/2 + n and N - n. */
+/* Store the sums of `fold_field` at the points n, N/2 - n, N/2 + n and N - n; `start` is added, or
+ * NULL. */
 INLINED void unfold(Lanes cos_even, Lanes cos_odd, Lanes sin_even, Lanes sin_odd, int64_t i,
                     int64_t middle, const double *start, double *out)
 {
     Lanes near = add(cos_even, cos_odd), far = sub(cos_even, cos_odd);
     Lanes turned = add(sin_even, sin_odd), back = sub(sin_even, sin_odd);
+    Lanes first = add(near, turned), second = add(far, back);
     int64_t x = middle - i - LANES + 1;
-    store(out + i, add(add(near, turned), load(start + i)));
-    store(out + middle + i, add(add(far, back), load(start + middle + i)));
-    store_reversed(out + x, sub(far, back), start + x);
-    store_reversed(out + middle + x, sub(near, turned), start + middle + x);
+    store(out + i, start ? add(first, load(start + i)) : first);
+    store(out + middle + i, start ? add(second, load(start + middle + i)) : second);
+    store_reversed(out + x, sub(far, back), start ? start + x : NULL);
+    store_reversed(out + middle + x, sub(near, turned), start ? start + middle + x : NULL);
 }
 
-/* Do the same as `nodal_field` for an even number of nodes, four nodes at a time. The cosines and
- * sines at the nodes n, N/2 - n, N/2 + n and N - n differ only by their signs, which depend on the
- * parity of the harmonic. The rows of `fold` are cosines of even harmonics, cosines of odd ones,
- * sines of even ones, sines of odd ones, and the cosine of N/2 in the position of a sine. */
-static inline void folded_fields(const Casing *casing, const Matrix *start, FieldScratch *f)
+/* Compute a field at an even number of points of the circle, N = 2 `middle`, from its columns, four
+ * points at a time; point 0 is repeated. The cosines and sines at the points n, N/2 - n, N/2 + n and
+ * N - n differ only by their signs, which depend on the parity of the harmonic. The rows of `fold`
+ * are cosines of even harmonics, cosines of odd ones, sines of even ones, sines of odd ones, and the
+ * cosine of N/2 in the position of a sine. `slopes` are the columns of a second field, or NULL; the
+ * rows of `start` are added to the rows of `out`, unless `start` is NULL. */
+INLINED void fold_field(const Matrix *fold, int64_t half, int64_t middle, const double *values,
+                        const double *slopes, const Matrix *start, double *out, int64_t wide)
 {
-    const Matrix *fold = &casing->fold;
-    const double *values = f->value.at, *slopes = f->slope.at;
-    int64_t half = casing->half, width = fold->columns, used = fold->rows / 4;
-    int64_t middle = casing->nodes / 2;
+    int64_t width = fold->columns, used = fold->rows / 4;
     for (int64_t i = 0; i < width; i += LANES) {
         Lanes ce = splat(0.0), co = ce, se = ce, so = ce, de = ce, d_o = ce, te = ce, to = ce;
         const double *row = fold->at + i;
         for (int64_t h = 0; h < used; h++, row += width) {
             Lanes even = load(row), odd = load(row + used * width);
             ce = muladd(even, splat(values[h]), ce);
-            de = muladd(even, splat(slopes[h]), de);
             co = muladd(odd, splat(values[used + h]), co);
-            d_o = muladd(odd, splat(slopes[used + h]), d_o);
+            if (slopes) {
+                de = muladd(even, splat(slopes[h]), de);
+                d_o = muladd(odd, splat(slopes[used + h]), d_o);
+            }
             even = load(row + 2 * used * width);
             odd = load(row + 3 * used * width);
             se = muladd(even, splat(values[half + h]), se);
-            te = muladd(even, splat(slopes[half + h]), te);
             so = muladd(odd, splat(values[half + used + h]), so);
-            to = muladd(odd, splat(slopes[half + used + h]), to);
+            if (slopes) {
+                te = muladd(even, splat(slopes[half + h]), te);
+                to = muladd(odd, splat(slopes[half + used + h]), to);
+            }
         }
         Lanes last = load(fold->at + 4 * used * width + i);
         ce = muladd(last, splat(values[half + used - 1]), ce);
-        de = muladd(last, splat(slopes[half + used - 1]), de);
-        unfold(ce, co, se, so, i, middle, start->at, f->nodal.at);
-        unfold(de, d_o, te, to, i, middle, start->at + start->columns,
-               f->nodal.at + f->nodal.columns);
+        unfold(ce, co, se, so, i, middle, start ? start->at : NULL, out);
+        if (slopes) {
+            de = muladd(last, splat(slopes[half + used - 1]), de);
+            unfold(de, d_o, te, to, i, middle, start->at + start->columns, out + wide);
+        }
     }
 }
 
@@ -115,7 +122,8 @@ static const Matrix *nodal_field(const Casing *casing, const NodalField *field, 
     if (casing->modes == 0)
         return start;
     if (casing->fold.rows > 0) {
-        folded_fields(casing, start, f);
+        fold_field(&casing->fold, casing->half, casing->nodes / 2, f->value.at, f->slope.at, start,
+                   f->nodal.at, f->nodal.columns);
         return &f->nodal;
     }
     combine_rows(&field->shape, f->value.at, value);
@@ -233,7 +241,10 @@ static inline int close_gaps(const Rotor *rotor, const Casing *casing, const dou
                              double limit, FieldScratch *f, double *gap)
 {
     int64_t within = 0, tips = f->element.size;
-    combine_rows(&rotor->shape, f->rotor.at, f->radial.at);
+    if (rotor->fold.rows > 0)
+        fold_field(&rotor->fold, rotor->half, tips / 2, f->rotor.at, NULL, NULL, f->radial.at, 0);
+    else
+        combine_rows(&rotor->shape, f->rotor.at, f->radial.at);
     if (!field_at_tips(nodal_field(casing, &casing->radial, f), f, gap))
         return 0;
     for (int64_t j = 0; j < tips; j++) {

@@ -75,6 +75,8 @@ typedef struct {
     Matrix shape;       /* (sums, wide) value of each column at each tip */
     Matrix cross_shape; /* (sums, wide) value of the partner column of each column at each tip; on a
                          * dense rotor u_t of each mode */
+    Matrix fold;        /* (folded_tips, quarter_tips) `shape` on a quarter of the circle, see
+                         * `fold_field`, or empty */
     Matrix spread;      /* (tips, columns) transpose of `shape` */
     Matrix drag_spread; /* (tips, columns) distribution of friction: `spread` on a cyclic rotor,
                          * otherwise the transpose of `cross_shape` */
@@ -130,7 +132,7 @@ typedef struct {
     NodalField radial;
     NodalField tangential;
     Matrix fold;           /* (folded, quarter) shape on a quarter of the circle, see
-                            * `folded_fields`, or empty */
+                            * `fold_field`, or empty */
     int64_t half;          /* number of columns between partners */
     int64_t shared;        /* 1 if all nodal values have the same shape */
     Vector compliance;     /* (compliance) blocks of 4 x 4 for s = -1, 0, 1, see `delassus` */
@@ -319,7 +321,7 @@ typedef struct {
     IntVector element;  /* (tips) element under each tip */
     Matrix hermite;     /* (4, wide) Hermite weights of each tip on its element: w, w', w, w' */
     Vector recess;      /* (wide) recess of each tip minus the closure above it [m] */
-    Vector radial;      /* (wide) radial displacement of each tip [m] */
+    Vector radial;      /* (closed_tips) radial displacement of each tip [m]; unused entries follow */
     Vector tangential;  /* (wide) tangential displacement of each tip [m] */
     Vector other;       /* (wide) scratch */
     Vector free_gap;    /* (wide) gap without contact forces [m] */

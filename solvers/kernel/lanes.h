@@ -138,7 +138,7 @@ static inline void store_reversed(double *restrict to, Lanes a, const double *re
     double t[LANES];
     store(t, a);
     for (int k = 0; k < LANES; k++)
-        to[k] = t[LANES - 1 - k] + start[k];
+        to[k] = start ? t[LANES - 1 - k] + start[k] : t[LANES - 1 - k];
 }
 
 /* Scalar product of arrays of any length. */

@@ -198,6 +198,7 @@ class CentralDifference:
                 "node_casing": casing.entries if self._nodes else 0,
                 "twice_wide": max(2 * wide, coated * closed),
                 "closed": closed,
+                "closed_tips": padded(wide + 1),
                 "bent_entries": 0 if bending is None else rotor.entries,
                 "answered_tips": 0 if bending is None else len(bending.answers),
                 "closed_coating": coated * closed,

@@ -9,7 +9,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import is_pair, nodal_diameter_of, real_dft
 from bladewhirl.models.stage.contact_problem import Load
-from bladewhirl.solvers.kernel.structs import Struct, aligned, lib, padded
+from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
 
 PAIR = 2 * lib.LANES  # the kernel processes the columns of a casing two registers at a time
 FIT = 1e-9  # largest relative deviation of the displacements of a cyclic body from its DFT columns
@@ -196,6 +196,24 @@ def pack_body(
 def scheme_inverse(frequency: FloatArray, damping_ratio: FloatArray, dt: float) -> FloatArray:
     """Return the inverse of A = M/dt^2 + D/(2 dt) for each mode [s2], (modes,)."""
     return np.asarray(1.0 / (1.0 / dt**2 + damping_ratio * np.abs(frequency) / dt))
+
+
+def folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
+    """Return the shape (points, columns) on a quarter of the circle for `fold_field` (kernel).
+
+    The result has no rows if folding is impossible: the columns are not separated by parity, or
+    the points of a quarter, padded to whole vector registers, extend beyond half of the circle.
+    """
+    points = len(shape)
+    width = padded(points // 4 + 1)
+    if arrangement.parts == 1 or width - 1 > points // 2:
+        return aligned((0, lib.LANES))
+    quarter = shape[:width]
+    last = quarter[:, arrangement.half + arrangement.used - 1]
+    rows = quarter[:, np.concatenate([arrangement.columns_of(part) for part in range(2)])].T
+    rows = rows.reshape(2, 2, arrangement.used, width).transpose(1, 0, 2, 3).reshape(-1, width)
+    rows[3 * arrangement.used - 1] = 0.0
+    return aligned_copy(np.vstack([rows, last]))
 
 
 def by_sliding(pressed: FloatArray, dragged: FloatArray, friction: float) -> FloatArray:

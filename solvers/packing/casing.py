@@ -12,7 +12,7 @@ from bladewhirl.models.stage.contact_problem import (
     WallClosure,
     WallCoating,
 )
-from bladewhirl.solvers.kernel.structs import Arrays, Struct, aligned, aligned_copy, lib, padded
+from bladewhirl.solvers.kernel.structs import Arrays, Struct, aligned, aligned_copy, lib
 from bladewhirl.solvers.packing.arrangement import (
     FIT,
     Arrangement,
@@ -20,6 +20,7 @@ from bladewhirl.solvers.packing.arrangement import (
     by_column,
     by_sliding,
     dense_arrangement,
+    folded,
     lengthened,
     pack_body,
     scheme_inverse,
@@ -84,7 +85,7 @@ def pack_casing(
         body=pack_body(casing.frequency, casing.damping_ratio, loads, arrangement, dt),
         radial=radial,
         tangential=tangential,
-        fold=_folded(shape, arrangement),
+        fold=folded(shape, arrangement),
         half=half,
         shared=cyclic,
         compliance=aligned_copy(blocks.reshape(-1)),
@@ -179,24 +180,6 @@ def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, Floa
     place = harmonics.place[column]
     place = np.where(odd, (place + harmonics.half) % (2 * harmonics.half), place)
     return harmonics.arrangement(place), np.array(weights), harmonics.shape
-
-
-def _folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
-    """Return the shape (nodes, columns) on a quarter of the circle for `_folded_fields` (kernel).
-
-    The result has no rows if folding is impossible: the columns are not separated by parity, or
-    the nodes of a quarter, padded to whole vector registers, extend beyond half of the circle.
-    """
-    nodes = len(shape)
-    width = padded(nodes // 4 + 1)
-    if arrangement.parts == 1 or width - 1 > nodes // 2:
-        return aligned((0, lib.LANES))
-    quarter = shape[:width]
-    last = quarter[:, arrangement.half + arrangement.used - 1]
-    rows = quarter[:, np.concatenate([arrangement.columns_of(part) for part in range(2)])].T
-    rows = rows.reshape(2, 2, arrangement.used, width).transpose(1, 0, 2, 3).reshape(-1, width)
-    rows[3 * arrangement.used - 1] = 0.0
-    return aligned_copy(np.vstack([rows, last]))
 
 
 def nodal_response(casing: ReducedCasing, dt: float) -> FloatArray:

@@ -1,10 +1,11 @@
 """The compiled march against the reference in plain NumPy, step for step, on all kinds of stage."""
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pytest
-from contact_cases import assert_same, random_problem, run_as_reference, thrown
+from contact_cases import assert_same, random_problem, run_as_reference, stage_problem, thrown
 from kernel_fuzz import check
 from places import EXAMPLES
 from reference_march import Reference
@@ -14,6 +15,7 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import joined
+from bladewhirl.solvers.packing import rotor
 
 STAGES: dict[str, tuple[str, ...]] = {
     "casing distortion, clamped": ("casing_distortion",),
@@ -34,6 +36,21 @@ def test_every_kind_of_stage_marches_as_the_reference(kind: str, cyclic: bool) -
     dt = min(1e-6, 0.5 * given.critical_time_step)
     assert cyclic or not any(CentralDifference(given, dt, 1, cyclic=False).cyclic)
     state, _ = run_as_reference(given, dt, 120, cyclic=cyclic)
+    assert state.statistics.complementarity_residual < 1e-10
+
+
+@pytest.mark.parametrize("blades", [16, 22])
+@pytest.mark.parametrize("sliding", ["permanent", "signed"])
+def test_tips_on_a_quarter_of_the_circle_march_as_the_reference(
+    blades: int, sliding: Literal["permanent", "signed"], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As the tips of rotors with many blades; here the rotors are smaller, to save time."""
+    monkeypatch.setattr(rotor, "FOLDED", 6)
+    given = replace(thrown(stage_problem(blades), 40.0, spread=0.5), sliding=sliding)
+    folded = CentralDifference(given, 1e-6, 1)._rotor.fold
+    assert len(folded) > blades
+    state, chunk = run_as_reference(given, 1e-6, 120)
+    assert chunk.contact_steps.any()
     assert state.statistics.complementarity_residual < 1e-10
 
 

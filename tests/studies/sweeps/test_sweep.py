@@ -31,10 +31,10 @@ from bladewhirl.studies.sweeps import cluster as sweep_cluster
 from bladewhirl.studies.sweeps import plan as sweep_plan
 from bladewhirl.studies.sweeps import workers
 from bladewhirl.studies.sweeps.axes import make_grid
+from bladewhirl.studies.sweeps.marching import march_points
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, plan_sweep, read_plan, write_plan
 from bladewhirl.studies.sweeps.points import Failure, Point, Work
 from bladewhirl.studies.sweeps.sweep import HISTORIES_NAME, resume_sweep, run_sweep
-from bladewhirl.studies.sweeps.marching import march_points
 
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
 
