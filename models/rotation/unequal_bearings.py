@@ -64,7 +64,7 @@ class EllipticWaves(Waves):
     def _motions(self, omega: float) -> tuple[ComplexArray, ComplexArray]:
         """Return w (2 n,) and the fields (p, q), (2 n, 2 n), of all motions at a speed omega."""
         coriolis = 2.0 * omega * self.static.coriolis
-        stiffness = self.static.stiffness + omega**2 * self.static.softening
+        stiffness = self.static.stiffness_at(omega)
         rates, fields = gyroscopic_eigen(self.static.mass, stiffness, coriolis)
         size = len(self.mass)
         # (W, p, q) and (-W, conj q, conj p) are the same motion. The sign of the action
@@ -104,5 +104,6 @@ def on_unequal_bearings(waves: Waves, centre: ComplexArray, difference: float) -
         coriolis=both(waves.coriolis + 1j * waves.mass),
         softening=both(waves.softening - waves.mass + 2j * waves.coriolis),
         springs=both(waves.springs) + coupling,
+        softening4=None if waves.softening4 is None else both(waves.softening4),
     )
     return EllipticWaves(**vars(waves), static=static)

@@ -48,6 +48,8 @@ class Waves:
     coriolis: ComplexArray  #: Coriolis matrix G; zero without Coriolis forces
     softening: ComplexArray  #: K_G1 - M_t
     springs: ComplexArray  #: part of K due to the shaft springs
+    softening4: ComplexArray | None = None
+    """Further change of the stiffness at 1 rad/s, growing with Omega^4; None if there is none."""
     frame: int = 0
     """Nodal diameter k' of a frame in which frequencies are w - k' Omega: 0 in the rotating frame,
     `nodal_diameter` in the static frame."""
@@ -57,19 +59,26 @@ class Waves:
         stiffness = self.stiffness + (ratio - 1.0) * self.springs
         return replace(self, stiffness=stiffness, springs=ratio * self.springs)
 
+    def stiffness_at(self, omega: float) -> ComplexArray:
+        """Return the stiffness at a speed [rad/s], (n, n)."""
+        stiffness = self.stiffness + omega**2 * self.softening
+        if self.softening4 is not None:
+            stiffness = stiffness + omega**4 * self.softening4
+        return np.asarray(stiffness)
+
     def frequencies(self, omega: float) -> ComplexArray:
         """Return w at a speed omega, in descending order [rad/s], (2 n,).
 
         The first n are the branches of waves that travel backward when the disk is at rest, the
         last n those of waves that travel forward.
         """
-        stiffness = self.stiffness + omega**2 * self.softening
+        stiffness = self.stiffness_at(omega)
         return gyroscopic_frequencies(self.mass, stiffness, 2.0 * omega * self.coriolis)
 
     def spring_shares(self, omega: float) -> FloatArray:
         """Return for each wave at a speed omega [rad/s] the share of its strain energy that is in
         the shaft springs, in the order of `frequencies`, (2 n,)."""
-        stiffness = self.stiffness + omega**2 * self.softening
+        stiffness = self.stiffness_at(omega)
         return self.shares(gyroscopic_eigen(self.mass, stiffness, 2.0 * omega * self.coriolis)[1])
 
     def shares(self, fields: ComplexArray) -> FloatArray:
@@ -103,18 +112,25 @@ class Waves:
     def synchronous(self, order: int) -> tuple[FloatArray, FloatArray]:
         """Return the speeds at which a wave has w = m Omega, where m is the order.
 
-        The speeds follow from the Hermitian eigenproblem K p = Omega^2 (m^2 M + M_t - 2 i m G -
-        K_G1) p. Order 0 gives the critical speeds of a load that rotates with the disk, such as an
-        imbalance; at these speeds the frequencies w of the branches that travel forward at rest
-        reach zero, in the order of their ranks. Order k gives the speeds at which a backward wave
-        is stationary relative to the casing.
+        The speeds follow from the eigenproblem K p = Omega^2 (m^2 M + M_t - 2 i m G - K_G1) p -
+        Omega^4 `softening4` p, which is Hermitian without the last term. Order 0 gives the critical
+        speeds of a load that rotates with the disk, such as an imbalance; at these speeds the
+        frequencies w of the branches that travel forward at rest reach zero, in the order of their
+        ranks. Order k gives the speeds at which a backward wave is stationary relative to the
+        casing.
 
         Returns:
             speeds in ascending order [rad/s] (waves,), and the share of the strain energy in the
             shaft springs (waves,).
         """
         pulled = order**2 * self.mass - 2j * order * self.coriolis - self.softening
-        speeds, fields = positive_speeds(self.stiffness, pulled)
+        if self.softening4 is None:
+            speeds, fields = positive_speeds(self.stiffness, pulled)
+        else:
+            squares, fields = _polynomial_eigen([self.stiffness, -pulled, self.softening4])
+            real = (np.abs(squares.imag) <= REAL * np.abs(squares)) & (squares.real > 0.0)
+            order_of = np.flatnonzero(real)[np.argsort(squares[real].real)]
+            speeds, fields = np.sqrt(squares[order_of].real), fields[:, order_of]
         return speeds, self.shares(fields)
 
     def growth(
@@ -135,7 +151,7 @@ class Waves:
         """
         damping = modal_damping(self.mass, self.stiffness, damping_ratio)
         damping = damping + 2.0 * omega * self.coriolis
-        stiffness = self.stiffness + omega**2 * self.softening
+        stiffness = self.stiffness_at(omega)
         if centre is not None:
             turn = np.array([[0.0, -1.0], [1.0, 0.0]])
             damping = damping + bearing * centre @ centre.conj().T
@@ -153,27 +169,38 @@ class Waves:
             casing_frequency: frequency omega_c of the casing [rad/s].
             highest: upper bound of the speeds [rad/s].
         """
-        k, size = self.nodal_diameter - self.frame, len(self.mass)
+        k = self.nodal_diameter - self.frame
         twice = 2j * self.coriolis
         second = k * twice - k**2 * self.mass + self.softening
         first = casing_frequency * (2.0 * k * self.mass - twice)
         zeroth = self.stiffness - casing_frequency**2 * self.mass
+        powers = [zeroth, first, second]
+        if self.softening4 is not None:
+            powers += [np.zeros_like(second), self.softening4]
         inverse = inverse_root(self.stiffness)
-        second, first, zeroth = (
-            inverse @ each @ inverse.conj().T
-            for each in (highest**2 * second, highest * first, zeroth)
-        )
-        # The eigenvalues of this pencil are highest / Omega.
-        left = np.vstack([np.hstack([-first, -second]), np.eye(size, 2 * size)])
-        over, under = la.eigvals(
-            left, la.block_diag(zeroth, np.eye(size)), homogeneous_eigvals=True
-        )
-        sure = np.abs(over) > np.finfo(np.float64).eps * np.abs(under)
-        meetings = highest * under[sure] / over[sure]
+        scaled = [
+            inverse @ (highest**power * each) @ inverse.conj().T
+            for power, each in enumerate(powers)
+        ]
+        meetings = highest * _polynomial_eigen(scaled)[0]
         speeds = np.sort(meetings[np.abs(meetings.imag) <= REAL * np.abs(meetings)].real)
         met = (speeds > 0.0) & (speeds <= highest)
         met &= self.nodal_diameter * speeds > casing_frequency
         return np.asarray(speeds[met])
+
+
+def _polynomial_eigen(coefficients: list[ComplexArray]) -> tuple[ComplexArray, ComplexArray]:
+    """Return the finite x and the vectors p of (C_0 + x C_1 + x^2 C_2 + ...) p = 0, (m,) and
+    (n, m)."""
+    constant, *others = coefficients
+    size, degree = len(constant), len(others)
+    # The eigenvalues of this pencil are 1 / x.
+    left = np.eye(size * degree, k=-size, dtype=np.complex128)
+    left[:size] = -np.hstack(others)
+    right = la.block_diag(constant, np.eye(size * (degree - 1)))
+    (over, under), vectors = la.eig(left, right, homogeneous_eigvals=True)
+    sure = np.abs(over) > np.finfo(np.float64).eps * np.abs(under)
+    return under[sure] / over[sure], vectors[-size:, sure]
 
 
 def waves(matrices: RotationMatrices, nodal_diameter: int, effects: Effects) -> Waves:

@@ -182,10 +182,11 @@ class ModalSuperelement(ModalModel):
             return np.asarray(values.conj() if self.speed < 0.0 else values)
 
         omega, elastic = self.speed, wave.stiffness - wave.springs
+        change = wave.stiffness_at(omega) - wave.stiffness
         coriolis = turned(2.0 * omega * wave.coriolis) if self.effects == "full" else None
         return ShaftBlock(
             mass=turned(wave.mass),
-            stiffness=turned(elastic + omega**2 * wave.softening),
+            stiffness=turned(elastic + change),
             elastic=turned(elastic),
             gyroscopic=coriolis,
         )
@@ -211,17 +212,15 @@ class ModalSuperelement(ModalModel):
     def _table(self) -> SuperelementTable:
         return self.stage.table
 
-    def _softening(self, block: NodalBlock) -> ComplexArray:
-        """Return the change of the stiffness at 1 rad/s, if the case includes it."""
-        return block.stiffness_speed * float(self.case.rotation.effects != "none")
-
     def _wave(self, k: int, block: NodalBlock) -> Waves:
+        turning = self.case.rotation.effects != "none"
         return Waves(
             nodal_diameter=k,
             mass=np.eye(block.size, dtype=np.complex128),
             stiffness=block.stiffness,
             coriolis=0.5 * block.gyroscopic * float(self.effects == "full"),
-            softening=self._softening(block),
+            softening=block.stiffness_speed * float(turning),
+            softening4=block.stiffness_speed4 if turning else None,
             springs=block.springs,
         )
 
@@ -243,7 +242,7 @@ class ModalSuperelement(ModalModel):
                     copies,
                     (
                         np.eye(block.size, dtype=np.complex128),
-                        block.stiffness + omega**2 * self._softening(block),
+                        self._wave(k, block).stiffness_at(omega),
                         omega * block.gyroscopic,
                     ),
                     (block.springs, block.stiffness),
@@ -351,7 +350,7 @@ def _collected(blocks: Blocks, sectors: int, omega: float) -> LabelledModes:
     """Return the modes of all blocks without Coriolis forces, ascending, without families."""
     squares, shares, columns, diameters, amplitudes = [], [], [], [], []
     for k, block in blocks.items():
-        square, vectors = la.eigh(block.stiffness + omega**2 * block.stiffness_speed)
+        square, vectors = la.eigh(block.stiffness + block.change(omega))
         strained, held = (
             np.einsum("im,ij,jm->m", vectors.conj(), matrix, vectors).real
             for matrix in (block.stiffness, block.springs)

@@ -262,6 +262,8 @@ class SuperelementStage:
         if self.damped_as_at_rest:
             assert reduced.stiffness_speed is not None  # the case refuses a file without it
             at_rest = np.diag(reduced.frequency**2) - speed**2 * reduced.stiffness_speed
+            if reduced.stiffness_speed4 is not None:
+                at_rest = at_rest - speed**4 * reduced.stiffness_speed4
             squares, shapes = np.linalg.eigh(at_rest)
             rates = 2.0 * self._ratio * np.sqrt(np.maximum(squares, 0.0))
             matrices.append((shapes * rates) @ shapes.T)

@@ -16,10 +16,9 @@ def at_speed(part: Superelement, omega: float, *, coriolis: bool) -> Superelemen
         coriolis: keep the matrix of the Coriolis forces, if there is one.
     """
     assert part.stiffness_speed is not None
-    rest, change = part.stiffness, part.stiffness_speed
-    if sp.issparse(rest) and sp.issparse(change):
-        stiffness = sp.csr_array(rest + omega**2 * change)
-    else:
-        stiffness = dense(rest) + omega**2 * dense(change)
-    gyroscopic = part.gyroscopic if coriolis else None
-    return replace(part, stiffness=stiffness, gyroscopic=gyroscopic)
+    terms = [part.stiffness, omega**2 * part.stiffness_speed]
+    if part.stiffness_speed4 is not None:
+        terms.append(omega**4 * part.stiffness_speed4)
+    together = all(sp.issparse(term) for term in terms)
+    stiffness = sp.csr_array(sum(terms)) if together else sum(map(dense, terms))
+    return replace(part, stiffness=stiffness, gyroscopic=part.gyroscopic if coriolis else None)

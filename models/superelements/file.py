@@ -20,16 +20,14 @@ from bladewhirl.models.superelements.containers import (
     whole_numbers,
 )
 from bladewhirl.models.superelements.superelement import (
+    SQUARE,
     Matrix,
     Superelement,
     SuperelementError,
     errors_of,
 )
 
-MATRICES = (
-    *("mass", "stiffness", "damping", "gyroscopic", "stiffness_speed"),
-    *("recovery", "strain_recovery"),
-)
+MATRICES = (*SQUARE, "recovery", "strain_recovery")
 NUMBERS = ("contact_position", "points")
 INTEGERS = ("contact_dofs", "centre_dofs", "triangles", "left_dofs", "right_dofs")
 TEXTS = ("name", "source")

@@ -21,6 +21,7 @@ from bladewhirl.models.superelements.cyclic import check_size, cyclic_reduction
 from bladewhirl.models.superelements.reduction import lowest_modes, static_solution
 from bladewhirl.models.superelements.superelement import (
     FIXED,
+    SQUARE,
     Matrix,
     Superelement,
     dense,
@@ -51,10 +52,19 @@ class NodalBlock:
     springs: ComplexArray  #: part of the stiffness due to the springs of the shaft [1/s2], (m, m)
     gyroscopic: ComplexArray  #: Coriolis forces at 1 rad/s, (m, m), skew-Hermitian
     stiffness_speed: ComplexArray  #: change of the stiffness at 1 rad/s, (m, m)
+    stiffness_speed4: ComplexArray | None
+    """Its part that grows with the fourth power of the speed, (m, m); None if there is none."""
     contact: ComplexArray
     """Radial, tangential and axial displacements of the contact nodes [kg^-1/2], (3c, m)."""
     centre: ComplexArray  #: x and y of the centre [kg^-1/2], (2, m); zero without a centre
     points: ComplexArray  #: displacements of the points along x, y and z [kg^-1/2], (3p, m)
+
+    def change(self, omega: float) -> ComplexArray:
+        """Return the change of the stiffness at a speed [rad/s], (m, m)."""
+        change = omega**2 * self.stiffness_speed
+        if self.stiffness_speed4 is not None:
+            change = change + omega**4 * self.stiffness_speed4
+        return np.asarray(change)
 
     @property
     def size(self) -> int:
@@ -136,10 +146,9 @@ def with_clamped_centre(part: Superelement) -> Superelement:
             return None
         return sp.csr_array(matrix)[kept][:, kept] if sp.issparse(matrix) else matrix[kept][:, kept]
 
-    square = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_speed")
     return replace(
         part,
-        **{key: cut(getattr(part, key)) for key in square},
+        **{key: cut(getattr(part, key)) for key in SQUARE},
         contact_dofs=place[part.contact_dofs],
         centre_dofs=None,
         recovery=None if part.recovery is None else sp.csc_array(part.recovery)[:, kept],
@@ -210,12 +219,13 @@ def _block(
     centre = np.zeros((2, modes), dtype=np.complex128)
     if part.centre_dofs is not None:
         centre = fields[part.centre_dofs]
-    points = np.zeros((0, modes), dtype=np.complex128)
+    points, fourth = np.zeros((0, modes), dtype=np.complex128), part.stiffness_speed4
     return NodalBlock(
         stiffness=on_modes(part.stiffness),
         springs=centre.conj().T @ (np.array(springs)[:, None] * centre),
         gyroscopic=on_modes(part.gyroscopic, -1.0),
         stiffness_speed=on_modes(part.stiffness_speed),
+        stiffness_speed4=None if fourth is None else on_modes(fourth),
         contact=np.asarray(part.contact_rows @ fields),
         centre=centre,
         points=points if part.recovery is None else np.asarray(part.recovery @ fields),

@@ -46,7 +46,7 @@ ENOUGH = 1e-12
 largest radial static flexibility."""
 
 
-FURTHER = ("damping", "gyroscopic", "stiffness_speed")
+FURTHER = ("damping", "gyroscopic", "stiffness_speed", "stiffness_speed4")
 """Optional matrices of a superelement, which couple its modes."""
 
 
@@ -74,6 +74,8 @@ class ReducedSuperelement:
     """Matrix of the Coriolis forces of the file at 1 rad/s, (modes, modes)."""
     stiffness_speed: FloatArray | None = None
     """Change of the stiffness by rotation at 1 rad/s from the file, (modes, modes)."""
+    stiffness_speed4: FloatArray | None = None
+    """Its part that grows with the fourth power of the speed, (modes, modes)."""
     kept: int
     """Number of the lowest modes, which have the damping ratio of the structure; higher modes have
     that of the boundary."""

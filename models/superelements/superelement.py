@@ -40,6 +40,10 @@ def errors_of(source: object) -> Iterator[None]:
         raise SuperelementError(*(f"{source}: {line}" for line in error.lines)) from None
 
 
+SQUARE = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_speed", "stiffness_speed4")
+"""Names of the matrices between coordinates."""
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Superelement:
     """Matrices of a blade clamped at its root, of a sector or of a wheel, in SI units.
@@ -63,6 +67,10 @@ class Superelement:
     stiffness_speed: Matrix | None = None
     """Change of the stiffness by steady rotation (geometric stiffness minus spin softening), for a
     speed of 1 rad/s [kg], (n, n), symmetric; it grows with the square of the speed."""
+    stiffness_speed4: Matrix | None = None
+    """Further change of the stiffness (of the elastic stiffness by the second power of the static
+    displacement) for a speed of 1 rad/s [kg s2], (n, n), symmetric; it grows with the fourth power
+    of the speed."""
     centre_dofs: IntArray | None = None
     """Numbers of the x and y displacement of the centre of a wheel, (2,)."""
     points: FloatArray | None = None  #: undeformed points for pictures [m], (p, 3)
@@ -141,13 +149,12 @@ class Superelement:
 def _faults(part: Superelement) -> Iterator[str]:
     """Yield the faults of the arrays of a superelement, each as "KEY: expected ..."."""
     n = part.size
-    square = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_speed")
-    for key in (*square, "recovery", "strain_recovery", "contact_position", "points"):
+    for key in (*SQUARE, "recovery", "strain_recovery", "contact_position", "points"):
         given = getattr(part, key)
         if given is not None and not np.isfinite(given.data if sp.issparse(given) else given).all():
             yield f"{key}: expected finite numbers"
             return
-    for key in square:
+    for key in SQUARE:
         matrix = getattr(part, key)
         if matrix is None:
             continue
@@ -159,7 +166,7 @@ def _faults(part: Superelement) -> Iterator[str]:
         largest = abs(values).max() if values.size else 0.0
         if abs(matrix + sign * matrix.T).max() > SYMMETRIC * largest:
             yield f"{key}: expected a {word} matrix"
-        if key not in ("gyroscopic", "stiffness_speed") and np.any(diagonal(matrix) < 0.0):
+        if key in ("mass", "stiffness", "damping") and np.any(diagonal(matrix) < 0.0):
             yield f"{key}: expected no negative numbers on the diagonal"
     masses = diagonal(part.mass)
     if not masses.any():
