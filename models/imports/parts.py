@@ -1,7 +1,7 @@
 """Matrices and nodes of a part as another program wrote them, and the superelement made of them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -34,6 +34,44 @@ class ForeignPart:
     """Row of the x, y and z displacement of each node, from 0; -1 where it is fixed, (nodes, 3)."""
     groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> positions in `numbers`
     surface: IntArray | None = None  #: corners of surface triangles, positions in `numbers`, (t, 3)
+
+    def __post_init__(self) -> None:
+        size = self.size
+        outside = self.dofs[(self.dofs != FIXED) & ((self.dofs < 0) | (self.dofs >= size))]
+        if len(outside):
+            raise SuperelementError(
+                f"{self.source}: expected rows of nodes up to {size}, the size of the mass,"
+                f" got {int(outside.max()) + 1}"
+            )
+
+    @property
+    def size(self) -> int:
+        """Number of rows of the matrices."""
+        return int(self.mass.shape[0])
+
+    @property
+    def matrices(self) -> dict[str, Matrix]:
+        """Mass, stiffness and, if present, damping and gyroscopic, by name."""
+        keys = ("mass", "stiffness", "damping", "gyroscopic")
+        return {key: matrix for key in keys if (matrix := getattr(self, key)) is not None}
+
+    def of_rows(self, kept: IntArray) -> "ForeignPart":
+        """Return the part with some rows and columns of its matrices only, in ascending order; the
+        displacements of the others are fixed."""
+        place = np.full(self.size + 1, FIXED)  # the last entry is for displacements that are fixed
+        place[kept] = np.arange(len(kept))
+        chosen = {key: matrix[kept][:, kept] for key, matrix in self.matrices.items()}
+        return replace(self, dofs=place[self.dofs], **chosen)
+
+    def without_empty_rows(self) -> "ForeignPart":
+        """Return the part without the rows that are zero in all matrices, such as those of the
+        rotations of nodes of solids; `source` states their number."""
+        used = sum(abs(matrix).sum(axis=1) for matrix in self.matrices.values())
+        kept = np.flatnonzero(used)
+        if len(kept) == self.size:
+            return self
+        source = f"{self.source}, without {self.size - len(kept)} empty rows"
+        return replace(self.of_rows(kept), source=source)
 
     def nodes(self, key: str, given: str) -> IntArray:
         """Return the positions in `numbers` of the nodes of a group, or of nodes given by their
@@ -90,21 +128,13 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
     length, mass = _unit(choice.length_unit, "m"), _unit(choice.mass_unit, "kg")
     if choice.axis not in AXES:
         raise SuperelementError(f"axis {choice.axis}: expected x, y or z")
+    name = choice.name or part.source
+    part = part.without_empty_rows()
+    if choice.clamped is not None:
+        held = part.dofs[part.nodes("clamped", choice.clamped)]
+        part = part.of_rows(np.setdiff1d(np.arange(part.size), held))
     order = AXES[choice.axis]
     points, dofs = length * part.points[:, order], part.dofs[:, order]
-    size = part.mass.shape[0]
-    outside = dofs[(dofs != FIXED) & ((dofs < 0) | (dofs >= size))]
-    if len(outside):
-        raise SuperelementError(
-            f"{part.source}: expected rows of nodes up to {size}, the size of the mass,"
-            f" got {int(outside.max()) + 1}"
-        )
-    free = np.arange(size)
-    if choice.clamped is not None:
-        free = np.setdiff1d(free, dofs[part.nodes("clamped", choice.clamped)])
-        place = np.full(size + 1, FIXED)  # the last entry is for displacements that are fixed
-        place[free] = np.arange(len(free))
-        dofs, size = place[dofs], len(free)
     fixed_nodes = np.flatnonzero((dofs == FIXED).all(axis=1))
     with errors_of(part.source):
         group = part.nodes("contact", choice.contact)
@@ -116,20 +146,17 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
             faces = matching_faces(points, first, second, sides[2], fixed_nodes)
     shown = np.arange(len(points)) if part.surface is None else np.unique(part.surface)
     made = Superelement(
-        mass=mass * part.mass[free][:, free],
-        stiffness=mass * part.stiffness[free][:, free],
-        damping=None if part.damping is None else mass * part.damping[free][:, free],
-        gyroscopic=None if part.gyroscopic is None else mass * part.gyroscopic[free][:, free],
+        **{key: mass * matrix for key, matrix in part.matrices.items()},
         contact_position=points[touching],
         contact_dofs=dofs[touching],
         points=points[shown],
-        recovery=_recovery(dofs[shown], size),
+        recovery=_recovery(dofs[shown], part.size),
         triangles=None if part.surface is None else np.searchsorted(shown, part.surface),
-        name=choice.name or part.source,
+        name=name,
         source=part.source,
         **{key: dofs[nodes] for key, nodes in faces.items()},
     )
-    along = np.zeros((3, size))
+    along = np.zeros((3, part.size))
     for axis in range(3):
         along[axis, dofs[dofs[:, axis] != FIXED, axis]] = 1.0
     return made, along

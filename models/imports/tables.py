@@ -208,14 +208,15 @@ def _market(path: Path) -> Any:
         head = stream.read(len(MATRIX_MARKET))
     if head != MATRIX_MARKET:
         return read_triplets(path)
-    rows, columns, entries, _, field, _ = sio.mminfo(path)
+    rows, columns, entries, _, field, symmetry = sio.mminfo(path)
     if rows != columns or field in ("complex", "pattern"):
         raise SuperelementError(
             f"{path}: expected a square real matrix, got {rows} x {columns}, {field}"
         )
-    if not rows <= entries <= path.stat().st_size:
+    if max(rows, entries) > path.stat().st_size:
         raise ValueError(f"{rows} rows and {entries} entries in {path.stat().st_size} bytes")
-    return sio.mmread(path)
+    matrix = sp.csr_array(sio.mmread(path))
+    return _completed(matrix) if symmetry == "general" else matrix
 
 
 def read_triplets(path: Path, size: int | None = None) -> sp.csr_array:
@@ -226,7 +227,8 @@ def read_triplets(path: Path, size: int | None = None) -> sp.csr_array:
 
     Args:
         path: path of the file.
-        size: number of rows and columns; by default the largest number of a row.
+        size: number of rows and columns; by default the largest number of a row, which is at most
+            the number of bytes of the file.
 
     Raises:
         SuperelementError: the file is missing, or has lines of another form.
@@ -237,10 +239,15 @@ def read_triplets(path: Path, size: int | None = None) -> sp.csr_array:
         row, column = (whole_numbers("rows and columns", numbers[:, n]) - 1 for n in range(2))
         values = real_numbers("values", numbers[:, 2])
     most = int(max(row.max(), column.max())) + 1 if len(values) else 0
-    size = min(most, len(values)) if size is None else size  # each row has an entry
+    size = min(most, path.stat().st_size) if size is None else size
     if not len(values) or most > size or min(row.min(), column.min()) < 0:
         raise SuperelementError(f"{path}: expected rows and columns from 1 to {size}, got {most}")
-    matrix = sp.csr_array((values, (row, column)), shape=(size, size))
+    return _completed(sp.csr_array((values, (row, column)), shape=(size, size)))
+
+
+def _completed(matrix: sp.csr_array) -> sp.csr_array:
+    """Return a matrix; if only one triangle has entries, the symmetric matrix of the triangle."""
+    row, column = matrix.nonzero()
     if np.all(row <= column) or np.all(row >= column):
         return sp.csr_array(matrix + matrix.T - sp.diags_array(matrix.diagonal()))
     return matrix
