@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -50,7 +51,7 @@ class ForeignPart:
         return int(self.mass.shape[0])
 
     @property
-    def matrices(self) -> dict[str, Matrix]:
+    def matrices(self) -> dict[str, Any]:
         """Mass, stiffness and, if present, damping and gyroscopic, by name."""
         keys = ("mass", "stiffness", "damping", "gyroscopic")
         return {key: matrix for key in keys if (matrix := getattr(self, key)) is not None}

@@ -98,8 +98,8 @@ def test_empty_rows_are_left_out_and_one_triangle_is_enough(tables: Path, head: 
         if head:
             sio.mmwrite(tables / f"{name}.mtx", triangle, symmetry="general")
         else:
-            rows = zip(triangle.row + 1, triangle.col + 1, triangle.data, strict=True)
-            text = "".join(f"{i} {j} {value:.17g}\n" for i, j, value in rows)
+            entries = zip(triangle.row + 1, triangle.col + 1, triangle.data, strict=True)
+            text = "".join(f"{i} {j} {value:.17g}\n" for i, j, value in entries)
             (tables / f"{name}.mtx").write_text(text)
     lines = (tables / "rows.csv").read_text().splitlines()
     table = [lines[0]]
