@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 
@@ -74,6 +74,49 @@ def read_volume_mesh(mesh: meshio.Mesh | str | PathLike[str]) -> VolumeMesh:
     if file.suffix.lower() not in READERS:
         raise MeshFileError(f"a mesh file, {', '.join(READERS)}")
     return _volumes(READERS[file.suffix.lower()](file), file.name)
+
+
+def merged(mesh: VolumeMesh, distance: float) -> VolumeMesh:
+    """Return a mesh in which nodes within a distance of each other are one node, the first of them.
+
+    Args:
+        mesh: mesh.
+        distance: largest distance, in the unit of length of the mesh; nothing is merged if it is 0.
+
+    Raises:
+        MeshFileError: cells would lie on one another.
+    """
+    if distance <= 0.0:
+        return mesh
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import KDTree
+
+    # One point of each box is compared, so that there are few pairs even if all points coincide.
+    boxes = np.floor(mesh.points / (distance / np.sqrt(3.0)))
+    _, first, box = np.unique(boxes, axis=0, return_index=True, return_inverse=True)
+    pairs = KDTree(mesh.points[first]).query_pairs(distance, output_type="ndarray")
+    links = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(first), len(first)))
+    group = connected_components(links, directed=False)[1][box.ravel()]
+    kept, place = np.unique(group, return_index=True, return_inverse=True)[1:]
+    order = np.argsort(kept)
+    place = np.argsort(order)[place]
+    if len(kept) == len(mesh.points):
+        return mesh
+    blocks = tuple((element, place[cells]) for element, cells in mesh.blocks)
+    for element, cells in blocks:
+        if twice := len(cells) - len(_once(cells)[0]):
+            raise MeshFileError(
+                f"cells at different places; {twice} of {len(cells)} elements {element} lie on"
+                " others"
+            )
+    return replace(
+        mesh,
+        points=mesh.points[kept[order]],
+        blocks=blocks,
+        groups={name: np.unique(place[nodes]) for name, nodes in mesh.groups.items()},
+        rows=mesh.rows[kept[order]],
+    )
 
 
 def _gmsh_mesh(path: Path) -> SolidMesh:

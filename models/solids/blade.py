@@ -10,13 +10,14 @@ import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.meshes.files.groups import MeshFileError
-from bladewhirl.meshes.files.volumes import VolumeMesh, read_volume_mesh
+from bladewhirl.meshes.files.volumes import VolumeMesh, merged, read_volume_mesh
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation, to_si
 from bladewhirl.models.solids.assembly import Solid, rotating_stiffness
 from bladewhirl.models.solids.elements import ELEMENTS
 from bladewhirl.models.solids.groups import (
+    MATCHING,
     contact_nodes,
     group_nodes,
     invalid,
@@ -59,6 +60,7 @@ def mesh3d(
     axis: str = "z",
     speed: float | str = 0.0,
     mass_quadrature: Literal["full", "reduced"] | None = None,
+    merge: float | str | None = None,
     coriolis: bool = False,
     name: str = "",
 ) -> Superelement:
@@ -105,6 +107,9 @@ def mesh3d(
             "reduced", with the quadrature points of the stiffness. By default it is reduced for
             C3D20R and, but for one percent, C3D8R, and full for other elements. CalculiX uses the
             reduced mass, which gives higher frequencies for coarse meshes of tetrahedra.
+        merge: distance up to which nodes become one node [m], or text such as "1 um"; by default
+            1e-5 of the size of the mesh. 0 keeps coincident nodes apart. A hint tells how many
+            nodes were merged.
         coriolis: true to add the matrix of the Coriolis forces 2 M e_z x v, for the velocity v and
             a speed of 1 rad/s.
         name: name of the superelement; by default that of the file.
@@ -121,7 +126,7 @@ def mesh3d(
     omega = _speed(speed)
     if mass_quadrature not in QUADRATURES:
         raise invalid("mass_quadrature", mass_quadrature, '"full" or "reduced"')
-    volumes = _scaled(mesh, unit, axis)
+    volumes, merging = _merged(_scaled(mesh, unit, axis), merge)
     if stiff := [name for name, _ in volumes.blocks if ELEMENTS[name].first_order]:
         names = " and ".join(stiff)
         expected = "expected elements of second order, or C3D8I in place of C3D8"
@@ -158,7 +163,8 @@ def mesh3d(
         "triangles": triangles,
         "recovery": sp.csr_array(select[(3 * shown[:, None] + np.arange(3)).ravel()]),
         "name": name or volumes.name,
-        "source": f"mesh3d: {volumes.name}, {_elements(volumes)}, {materials}, {omega:g} rad/s",
+        "source": f"mesh3d: {volumes.name}, {_elements(volumes)}{merging}, {materials},"
+        f" {omega:g} rad/s",
         **{key: dofs[nodes] for key, nodes in faces.items()},
     }
     part = Superelement(stiffness=sp.csr_array(select.T @ solid.stiffness() @ select), **content)
@@ -182,6 +188,28 @@ def _speed(value: float | str) -> float:
     except (TypeError, ValueError) as error:
         expected = f'a number in rad/s, or text such as "12000 rpm" ({error})'
         raise invalid("speed", value, expected) from None
+
+
+def _merged(mesh: VolumeMesh, given: float | str | None) -> tuple[VolumeMesh, str]:
+    """Return a mesh with coincident nodes merged, and a note of their number for `source`."""
+    try:
+        distance = to_si(given, "m") if isinstance(given, str) else finite(given or 0.0)
+        if distance < 0.0:
+            raise ValueError("it is negative")
+    except (TypeError, ValueError) as error:
+        raise invalid("merge", given, f'a distance such as "1 um" ({error})') from None
+    if given is None:
+        distance = MATCHING * float(np.ptp(mesh.points, axis=0).max())
+    try:
+        made = merged(mesh, distance)
+    except MeshFileError as error:
+        raise invalid("merge", given, str(error)) from None
+    if made is mesh:
+        return mesh, ""
+    number = len(mesh.points) - len(made.points)
+    note = f"{number} nodes merged with others within {distance:.3g} m"
+    warnings.warn(f"{note}: merge = 0 keeps them apart", Hint, stacklevel=3)
+    return made, f", {note}"
 
 
 def _scaled(mesh: Any, unit: str, axis: str) -> VolumeMesh:

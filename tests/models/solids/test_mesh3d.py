@@ -133,6 +133,65 @@ def test_elements_that_would_be_another_element_are_refused(
     assert expected in str(caught.value)
 
 
+def split(mesh: meshio.Mesh) -> meshio.Mesh:
+    """Return a mesh in which each cell has nodes of its own at the places of those of others, up to
+    a rounding error."""
+    cells = mesh.cells[0].data
+    points = mesh.points[cells.ravel()]
+    points += 1e-9 * np.random.default_rng(0).standard_normal(points.shape)
+    own = np.arange(cells.size).reshape(cells.shape)
+    sets = {name: np.flatnonzero(np.isin(cells, m)) for name, m in mesh.point_sets.items()}
+    return meshio.Mesh(points, [(mesh.cells[0].type, own)], point_sets=sets)
+
+
+def test_coincident_nodes_are_merged_or_kept_apart_on_request() -> None:
+    mesh = cantilever("hexahedron20", (3, 2, 1))
+    parted = split(mesh)
+    number = len(parted.points) - len(mesh.points)
+    expected = mesh3d(mesh, **STEEL)
+    note = f"{number} nodes merged with others within 1e-06 m"
+    with pytest.warns(Hint, match=f"{note}: merge = 0 keeps them apart"):
+        part = mesh3d(parted, **STEEL)
+    assert note in part.source
+    assert part.size == expected.size
+    assert part.contacts == expected.contacts
+    assert lowest_frequencies(part.mass, part.stiffness, 6) == pytest.approx(
+        lowest_frequencies(expected.mass, expected.stiffness, 6), rel=1e-5
+    )
+    assert mesh3d(parted, **STEEL, merge=0).size == 3 * (
+        len(parted.points) - len(parted.point_sets["root"])
+    )
+    with pytest.warns(Hint, match="within 2e-09 m"):
+        some = mesh3d(parted, **STEEL, merge="2 nm")
+    assert expected.size < some.size < mesh3d(parted, **STEEL, merge=0).size
+    with pytest.raises(CaseError, match='merge = "-1 mm": expected a distance'):
+        mesh3d(parted, **STEEL, merge="-1 mm")
+
+
+def test_cells_that_lie_on_others_are_refused() -> None:
+    mesh = cantilever("tetra")
+    cells, count = mesh.cells[0].data, len(mesh.points)
+    twice = meshio.Mesh(
+        np.concatenate([mesh.points, mesh.points]),
+        [("tetra", np.concatenate([cells, cells + count]))],
+        point_sets=mesh.point_sets,
+    )
+    with pytest.raises(CaseError, match=r"72 of 144 elements C3D4 lie on others"):
+        mesh3d(twice, **STEEL)
+
+
+def test_any_number_of_nodes_at_one_place_is_merged() -> None:
+    """The number of compared pairs would be 50 million; cells without volume are refused."""
+    mesh = cantilever("tetra")
+    points = np.concatenate([mesh.points, np.full((10_002, 3), 0.25)])
+    cells = np.concatenate(
+        [mesh.cells[0].data, len(mesh.points) + np.arange(10_000).reshape(-1, 4)]
+    )
+    crowd = meshio.Mesh(points, [("tetra", cells)], point_sets=mesh.point_sets)
+    with pytest.raises(CaseError, match=r"of 2572 elements C3D4 lie on others"):
+        mesh3d(crowd, **STEEL)
+
+
 DATA = ROOT / "tests" / "data" / "solids"
 
 TWO = (DATA / "two_materials.inp").read_text()
