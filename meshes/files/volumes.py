@@ -9,6 +9,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
+from bladewhirl.meshes.coincident import places_of
 from bladewhirl.meshes.files.abaqus_reader import Section, SolidMesh, abaqus_mesh
 from bladewhirl.meshes.files.gmsh import TAG, gmsh_mesh, is_member
 from bladewhirl.meshes.files.groups import MeshFileError
@@ -88,19 +89,8 @@ def merged(mesh: VolumeMesh, distance: float) -> VolumeMesh:
     """
     if distance <= 0.0:
         return mesh
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import KDTree
-
-    # One point of each box is compared, so that there are few pairs even if all points coincide.
-    boxes = np.floor(mesh.points / (distance / np.sqrt(3.0)))
-    _, first, box = np.unique(boxes, axis=0, return_index=True, return_inverse=True)
-    pairs = KDTree(mesh.points[first]).query_pairs(distance, output_type="ndarray")
-    links = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(first), len(first)))
-    group = connected_components(links, directed=False)[1][box.ravel()]
-    kept, place = np.unique(group, return_index=True, return_inverse=True)[1:]
-    order = np.argsort(kept)
-    place = np.argsort(order)[place]
+    place = places_of(mesh.points, distance)
+    kept = np.unique(place, return_index=True)[1]
     if len(kept) == len(mesh.points):
         return mesh
     blocks = tuple((element, place[cells]) for element, cells in mesh.blocks)
@@ -112,10 +102,10 @@ def merged(mesh: VolumeMesh, distance: float) -> VolumeMesh:
             )
     return replace(
         mesh,
-        points=mesh.points[kept[order]],
+        points=mesh.points[kept],
         blocks=blocks,
         groups={name: np.unique(place[nodes]) for name, nodes in mesh.groups.items()},
-        rows=mesh.rows[kept[order]],
+        rows=mesh.rows[kept],
     )
 
 

@@ -185,6 +185,9 @@ class March(ReplacedKeys):
     blade tip, radial at the casing or at a contact node of a superelement. By default the length of
     a blade, or a fifth of the radius of a superelement (a choice: at a third of the length of a
     blade the linear model has errors of 10 %, but larger transients can still decay)."""
+    unsolved_share: fields.NumberOrZero = 1e-3
+    """Largest share of time steps whose contact problem may remain unsolved; a march with more ends
+    as an error. 1 allows all."""
     scheme: SchemeName = "central-difference"
     """Contact law and time integration. "central-difference": Lagrange multipliers and sliding
     friction, as in the paper; fast. "moreau-jean": impacts with contact.restitution, friction with

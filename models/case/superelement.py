@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterator
 from functools import lru_cache
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
@@ -31,12 +31,17 @@ class SuperelementTable(Table):
 
     @property
     def part(self) -> Superelement:
-        """The superelement in the file.
+        """The superelement in the file, with one of the contact nodes at each place.
 
         Raises:
             SuperelementError: the file is not a superelement.
         """
-        return _cached(self.file, *self._stamp())
+        return _single(self.kind, self.copies, self.file, *self._stamp())
+
+    @property
+    def left_out(self) -> int:
+        """Number of contact nodes of the file that are at the place of others."""
+        return _cached(self.file, *self._stamp()).contacts - self.part.contacts
 
     def _stamp(self) -> tuple[int, int]:
         try:
@@ -72,3 +77,11 @@ def _cached(file: str, modified: int, size: int) -> Superelement:
     from bladewhirl.models.superelements.file import read_superelement  # loads scipy.io
 
     return read_superelement(file)
+
+
+@lru_cache(maxsize=4)
+def _single(kind: str, copies: int, *file: Any) -> Superelement:
+    """Return the superelement in a file with one of the contact nodes at each place."""
+    from bladewhirl.models.superelements.contacts import with_single_contacts  # loads scipy.spatial
+
+    return with_single_contacts(_cached(*file), kind, copies)

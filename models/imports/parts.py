@@ -10,7 +10,13 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.units import to_si
 from bladewhirl.models.solids.blade import AXES
-from bladewhirl.models.solids.groups import contact_nodes, matching_faces, sector_faces
+from bladewhirl.models.solids.groups import (
+    clamped_on_both,
+    contact_nodes,
+    free_faces,
+    matching_faces,
+    sector_faces,
+)
 from bladewhirl.models.superelements.superelement import (
     FIXED,
     Matrix,
@@ -56,9 +62,10 @@ class ForeignPart:
         keys = ("mass", "stiffness", "damping", "gyroscopic")
         return {key: matrix for key in keys if (matrix := getattr(self, key)) is not None}
 
-    def of_rows(self, kept: IntArray) -> "ForeignPart":
-        """Return the part with some rows and columns of its matrices only, in ascending order; the
-        displacements of the others are fixed."""
+    def without(self, rows: IntArray) -> "ForeignPart":
+        """Return the part without some rows and columns of its matrices, whose displacements are
+        fixed; `FIXED` is ignored."""
+        kept = np.setdiff1d(np.arange(self.size), rows)
         place = np.full(self.size + 1, FIXED)  # the last entry is for displacements that are fixed
         place[kept] = np.arange(len(kept))
         chosen = {key: matrix[kept][:, kept] for key, matrix in self.matrices.items()}
@@ -68,11 +75,11 @@ class ForeignPart:
         """Return the part without the rows that are zero in all matrices, such as those of the
         rotations of nodes of solids; `source` states their number."""
         used = sum(abs(matrix).sum(axis=1) for matrix in self.matrices.values())
-        kept = np.flatnonzero(used)
-        if len(kept) == self.size:
+        empty = np.flatnonzero(used == 0.0)
+        if not len(empty):
             return self
-        source = f"{self.source}, without {self.size - len(kept)} empty rows"
-        return replace(self.of_rows(kept), source=source)
+        source = f"{self.source}, without {len(empty)} empty rows"
+        return replace(self.without(empty), source=source)
 
     def nodes(self, key: str, given: str) -> IntArray:
         """Return the positions in `numbers` of the nodes of a group, or of nodes given by their
@@ -132,19 +139,20 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
     name = choice.name or part.source
     part = part.without_empty_rows()
     if choice.clamped is not None:
-        held = part.dofs[part.nodes("clamped", choice.clamped)]
-        part = part.of_rows(np.setdiff1d(np.arange(part.size), held))
-    order = AXES[choice.axis]
-    points, dofs = length * part.points[:, order], part.dofs[:, order]
-    fixed_nodes = np.flatnonzero((dofs == FIXED).all(axis=1))
+        part = part.without(part.dofs[part.nodes("clamped", choice.clamped)])
+    points = length * part.points[:, AXES[choice.axis]]
+    fixed = np.flatnonzero((part.dofs == FIXED).all(axis=1))
+    nodes: dict[str, IntArray] = {}
     with errors_of(part.source):
         group = part.nodes("contact", choice.contact)
-        touching = contact_nodes(points, group, choice.contacts, fixed_nodes)
-        sides = sector_faces(choice.left, choice.right, choice.copies)
-        faces: dict[str, IntArray] = {}
-        if sides is not None:
-            first, second = part.nodes("left", sides[0]), part.nodes("right", sides[1])
-            faces = matching_faces(points, first, second, sides[2], fixed_nodes)
+        if (sides := sector_faces(choice.left, choice.right, choice.copies)) is not None:
+            faces = part.nodes("left", sides[0]), part.nodes("right", sides[1])
+            faces = matching_faces(points, *faces, sides[2])
+            fixed, note = clamped_on_both(*faces, fixed)
+            part = replace(part.without(part.dofs[fixed]), source=f"{part.source}{note}")
+            nodes = free_faces(*faces, fixed)
+        touching = contact_nodes(points, group, choice.contacts, fixed, sides)
+    dofs = part.dofs[:, AXES[choice.axis]]
     shown = np.arange(len(points)) if part.surface is None else np.unique(part.surface)
     made = Superelement(
         **{key: mass * matrix for key, matrix in part.matrices.items()},
@@ -155,7 +163,7 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
         triangles=None if part.surface is None else np.searchsorted(shown, part.surface),
         name=name,
         source=part.source,
-        **{key: dofs[nodes] for key, nodes in faces.items()},
+        **{key: dofs[chosen] for key, chosen in nodes.items()},
     )
     along = np.zeros((3, part.size))
     for axis in range(3):

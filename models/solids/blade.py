@@ -9,6 +9,7 @@ import meshio
 import numpy as np
 import scipy.sparse as sp
 
+from bladewhirl.meshes.coincident import COINCIDENT
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import VolumeMesh, merged, read_volume_mesh
 from bladewhirl.meshes.line_mesh import IntArray
@@ -17,8 +18,9 @@ from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation, to_si
 from bladewhirl.models.solids.assembly import Solid, rotating_stiffness
 from bladewhirl.models.solids.elements import ELEMENTS
 from bladewhirl.models.solids.groups import (
-    MATCHING,
+    clamped_on_both,
     contact_nodes,
+    free_faces,
     group_nodes,
     invalid,
     matching_faces,
@@ -90,8 +92,10 @@ def mesh3d(
             such values, which replace those of the file.
         poisson_ratio: Poisson's ratio, from 0 to less than 0.5, in the same way.
         density: density [kg/m3], or text such as "7.8 g/cm3", in the same way.
-        clamped: group of the nodes that do not move; None for a free part.
-        contact: group of the contact nodes.
+        clamped: group of the nodes that do not move; None for a free part. Their partners on the
+            other face of a sector are clamped too.
+        contact: group of the contact nodes. Nodes of a sector that are also nodes of the next
+            sector are left out.
         contacts: number of contact nodes, evenly spaced along the chord of the group and in the
             middle of its thickness; all nodes of the group by default.
         left, right: groups of the clockwise and of the counter-clockwise face of a sector; their
@@ -126,7 +130,7 @@ def mesh3d(
     omega = _speed(speed)
     if mass_quadrature not in QUADRATURES:
         raise invalid("mass_quadrature", mass_quadrature, '"full" or "reduced"')
-    volumes, merging = _merged(_scaled(mesh, unit, axis), merge)
+    volumes, notes = _merged(_scaled(mesh, unit, axis), merge)
     if stiff := [name for name, _ in volumes.blocks if ELEMENTS[name].first_order]:
         names = " and ".join(stiff)
         expected = "expected elements of second order, or C3D8I in place of C3D8"
@@ -134,12 +138,17 @@ def mesh3d(
         warnings.warn(text, Hint, stacklevel=2)
     fixed = np.zeros(0, int) if clamped is None else group_nodes(volumes, "clamped", clamped)
     group = group_nodes(volumes, "contact", contact)
-    touching = contact_nodes(volumes.points, group, contacts, fixed)
     faces: dict[str, IntArray] = {}
     if (sides := sector_faces(left, right, copies)) is not None:
         first = group_nodes(volumes, "left", sides[0])
         second = group_nodes(volumes, "right", sides[1])
-        faces = matching_faces(volumes.points, first, second, sides[2], fixed)
+        first, second = matching_faces(volumes.points, first, second, sides[2])
+        fixed, note = clamped_on_both(first, second, fixed)
+        if note:
+            warnings.warn(note.removeprefix(", "), Hint, stacklevel=2)
+        notes += note
+        faces = free_faces(first, second, fixed)
+    touching = contact_nodes(volumes.points, group, contacts, fixed, sides)
     given = {"young_modulus": young_modulus, "poisson_ratio": poisson_ratio, "density": density}
     materials = materials_of(volumes, given, unit, mass_unit)
     try:
@@ -163,7 +172,7 @@ def mesh3d(
         "triangles": triangles,
         "recovery": sp.csr_array(select[(3 * shown[:, None] + np.arange(3)).ravel()]),
         "name": name or volumes.name,
-        "source": f"mesh3d: {volumes.name}, {_elements(volumes)}{merging}, {materials},"
+        "source": f"mesh3d: {volumes.name}, {_elements(volumes)}{notes}, {materials},"
         f" {omega:g} rad/s",
         **{key: dofs[nodes] for key, nodes in faces.items()},
     }
@@ -199,7 +208,7 @@ def _merged(mesh: VolumeMesh, given: float | str | None) -> tuple[VolumeMesh, st
     except (TypeError, ValueError) as error:
         raise invalid("merge", given, f'a distance such as "1 um" ({error})') from None
     if given is None:
-        distance = MATCHING * float(np.ptp(mesh.points, axis=0).max())
+        distance = COINCIDENT * float(np.ptp(mesh.points, axis=0).max())
     try:
         made = merged(mesh, distance)
     except MeshFileError as error:

@@ -5,15 +5,13 @@ import math
 import numpy as np
 from scipy.spatial import cKDTree
 
+from bladewhirl.meshes.coincident import COINCIDENT
 from bladewhirl.meshes.files.volumes import VolumeMesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.solids.surface import evenly_along_chord
-
-MATCHING = 1e-5
-"""Nodes on the two faces of a sector match up to a distance of this fraction of the size of the
-sector."""
+from bladewhirl.models.superelements.contacts import on_next_sector
 
 
 def invalid(key: str, value: object, expected: str) -> CaseError:
@@ -51,9 +49,22 @@ def cells_of(mesh: VolumeMesh, key: str, name: str) -> IntArray:
 
 
 def contact_nodes(
-    points: FloatArray, nodes: IntArray, count: int | None, clamped: IntArray
+    points: FloatArray,
+    nodes: IntArray,
+    count: int | None,
+    clamped: IntArray,
+    sector: tuple[str, str, int] | None = None,
 ) -> IntArray:
     """Return the contact nodes: all given nodes, or some that are evenly spaced on their chord.
+
+    Nodes of a sector that are also nodes of the next sector are left out.
+
+    Args:
+        points: positions of all nodes [m], (n, 3).
+        nodes: nodes of the group.
+        count: number of contact nodes; None for all.
+        clamped: nodes that do not move.
+        sector: faces and number of sectors, see `sector_faces`; None for a blade.
 
     Raises:
         CaseError: there are too few nodes, or some are clamped.
@@ -66,11 +77,20 @@ def contact_nodes(
             f"nodes that are not clamped; {len(both)} of {len(nodes)} are, such as that at "
             f"({where}) m",
         )
+    twice = np.zeros(len(nodes), dtype=np.bool_)
+    if sector is not None:
+        twice = on_next_sector(points[nodes], sector[2])
+    single = nodes[~twice]
     if count is None:
-        return nodes
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= len(nodes):
-        raise invalid("contacts", count, f"a whole number from 1 to {len(nodes)}, all nodes")
-    return evenly_along_chord(points, nodes, count)
+        return single
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= len(single):
+        raise invalid("contacts", count, f"a whole number from 1 to {len(single)}, all nodes")
+    if len(single) < len(nodes):  # the chord goes on in the next sector
+        chosen = evenly_along_chord(points, nodes, count + 1)
+        chosen = chosen[np.isin(chosen, single)]
+        if len(chosen) == count:
+            return chosen
+    return evenly_along_chord(points, single, count)
 
 
 def sector_faces(
@@ -93,30 +113,25 @@ def sector_faces(
 
 
 def matching_faces(
-    points: FloatArray, left: IntArray, right: IntArray, copies: int, clamped: IntArray
-) -> dict[str, IntArray]:
-    """Return the nodes of the two faces of a sector in the same order, without clamped nodes.
+    points: FloatArray, left: IntArray, right: IntArray, copies: int
+) -> tuple[IntArray, IntArray]:
+    """Return the nodes of the two faces of a sector in the same order.
 
     Args:
         points: positions of all nodes [m], (n, 3).
         left: nodes of the clockwise face.
         right: nodes of the counter-clockwise face.
         copies: number of sectors of the wheel.
-        clamped: nodes that do not move.
-
-    Returns:
-        nodes by the key of their degrees of freedom in a superelement.
 
     Raises:
-        CaseError: the left face turned counter-clockwise by one pitch is not the right face, or a
-            node is clamped on one of them only.
+        CaseError: the left face turned counter-clockwise by one pitch is not the right face.
     """
     angle = 2.0 * math.pi / copies
     size = float(np.ptp(points, axis=0).max())
     tree = cKDTree(points[right])
     distance, order = tree.query(rotate(points[left], angle))
-    if len(left) == len(right) and distance.max() > MATCHING * size:
-        backward = tree.query(rotate(points[left], -angle))[0].max() <= MATCHING * size
+    if len(left) == len(right) and distance.max() > COINCIDENT * size:
+        backward = tree.query(rotate(points[left], -angle))[0].max() <= COINCIDENT * size
         reason = (
             "left and right are interchanged"
             if backward
@@ -130,7 +145,28 @@ def matching_faces(
     if len(left) != len(right) or len(np.unique(order)) < len(order):
         numbers = f"{len(left)} on the left and {len(right)} on the right"
         raise invalid("right", None, f"one node for each node of the left face; {numbers}")
-    fixed = np.isin(left, clamped)
-    if np.any(fixed != np.isin(right[order], clamped)):
-        raise invalid("clamped", None, "the same clamped nodes on both faces of the sector")
-    return {"left_dofs": left[~fixed], "right_dofs": right[order][~fixed]}
+    return left, right[order]
+
+
+def clamped_on_both(left: IntArray, right: IntArray, clamped: IntArray) -> tuple[IntArray, str]:
+    """Return the clamped nodes and their partners on the other face of a sector, and a note of the
+    number of those that are added, for `source`.
+
+    A deck with cyclic ties clamps nodes of one face only, on which those of the other depend.
+
+    Args:
+        left: nodes of the clockwise face.
+        right: their partners on the counter-clockwise face.
+        clamped: nodes that do not move.
+    """
+    held = np.isin(left, clamped) | np.isin(right, clamped)
+    both = np.union1d(clamped, np.concatenate([left[held], right[held]]))
+    added = len(both) - len(np.unique(clamped))
+    return both, f", {added} nodes clamped like their partners on the other face" if added else ""
+
+
+def free_faces(left: IntArray, right: IntArray, clamped: IntArray) -> dict[str, IntArray]:
+    """Return the nodes of both faces that are not clamped, by the key of their degrees of freedom
+    in a superelement."""
+    free = ~np.isin(left, clamped)
+    return {"left_dofs": left[free], "right_dofs": right[free]}

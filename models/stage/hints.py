@@ -94,9 +94,11 @@ ROUNDING = 1e-9  #: a flexibility up to this fraction of the radial one is a rou
 
 
 def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
-    """Yield warnings about matrices of the file that are not used, about a damping matrix that adds
-    to the modal damping, about a long time step, and about a contact node that the given friction
-    locks against the wall."""
+    """Yield warnings about contact nodes and matrices of the file that are not used, about a
+    damping matrix that adds to the modal damping, about a long time step, and about a contact node
+    that the given friction locks against the wall."""
+    if left_out := stage.table.left_out:
+        yield f"{left_out} contact nodes of the file are left out: they are at the place of others"
     yield from unused_matrices(stage)
     ratio = stage.case.damping.ratio
     if stage.reduced.damping is not None and ratio > 0.0:

@@ -1,5 +1,7 @@
-"""Attributes of the result of a march, and the description of a divergence."""
+"""Attributes of the result of a march, and descriptions of a divergence and of unsolved steps."""
 
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.solvers.march.recorder import Attribute
 from bladewhirl.studies.runs import folder
@@ -39,3 +41,27 @@ def divergence(prepared: Prepared, chunk: Chunk) -> str:
     who, detail = chunk.beyond(problem, prepared.stage.arrays, prepared.timing.time_step)
     limit = f"march.displacement_limit = {problem.displacement_limit:g} m"
     return f"{who} passed {limit} at {chunk.time[-1]:.6g} s{detail}"
+
+
+def check_solved(prepared: Prepared, unsolved: int, steps: int) -> None:
+    """Check the number of steps whose contact problem was not solved.
+
+    Raises:
+        CaseError: they are more than march.unsolved_share allows.
+    """
+    case = prepared.stage.case
+    if unsolved > case.march.unsolved_share * max(steps, 1):
+        text = unsolved_text(unsolved, steps)
+        expected = f"a larger share, or a contact problem that can be solved; {text}"
+        raise CaseError([case_fault(case, "march.unsolved_share", expected)])
+
+
+def unsolved_text(unsolved: int, steps: int) -> str:
+    """Return the number of unsolved steps, and what to check; nothing if all are solved."""
+    if not unsolved:
+        return ""
+    return (
+        f"the contact problem of {unsolved} of {steps} steps was not solved: check for contact"
+        " nodes that are nearly at one place, use fewer of them, more modes or a shorter"
+        " march.time_step"
+    )

@@ -59,17 +59,20 @@ class Run:
     hints: tuple[str, ...]  #: hints on implausible values and on the sampling of the series
 
     def __rich__(self) -> Group:
-        """Return a table of regime and reason, end, orbit, energies, contacts, quality of the
-        march, symmetry, and files."""
+        """Return the number of unsolved steps, if there are any, and a table of regime and reason,
+        end, orbit, energies, contacts, quality of the march, symmetry, and files."""
         from rich.console import Group
         from rich.text import Text
 
         from bladewhirl.postprocess.run.summary_table import summary_rows
         from bladewhirl.studies.runs.columns import facts
+        from bladewhirl.studies.runs.march_texts import unsolved_text
 
         names = ", ".join(sorted(path.name for path in self.directory.iterdir()))
         texts = filter(None, [self.symmetry, f"{self.directory}: {names}"])
-        return Group(facts(summary_rows(self.summary)), *map(Text, texts))
+        unsolved = unsolved_text(self.summary.unsolved_steps, self.summary.steps)
+        first = [Text(unsolved[:1].upper() + unsolved[1:])] if unsolved else []
+        return Group(*first, facts(summary_rows(self.summary)), *map(Text, texts))
 
     def __repr__(self) -> str:
         """Return the table as plain text, with the reason for an early end, and hints."""

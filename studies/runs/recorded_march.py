@@ -93,7 +93,8 @@ def march_to_file(
         begin: checkpoint from which to continue the earlier march that wrote ``path``.
 
     Raises:
-        UserError: the disk is full; the records written are kept.
+        UserError: the disk is full; the records written are kept. The contact problem of more steps
+            than march.unsolved_share allows was not solved.
         OSError: the system refuses a write; the records written are kept.
     """
     digest = "" if checkpoints is None else folder.march_digest(prepared.stage.case)
@@ -171,6 +172,7 @@ def _march_into(
                     flush(joined(waiting), state, time.perf_counter() - began)
                     waiting, flushed = [], time.perf_counter()
                 statistics = state.statistics
+                march_texts.check_solved(prepared, statistics.lcp_failures, timing.steps)
                 if progress is not None:
                     progress("marching", min(state.step, timing.steps), timing.steps)
                 if end is EndReason.DIVERGENT:
@@ -185,9 +187,11 @@ def _march_into(
     except NonFiniteError as error:
         reason, message = EndReason.DIVERGENT.value, f"{error}; {REMEDY}"
     wall_time = time.perf_counter() - began
+    unsolved = statistics.lcp_failures if statistics else 0
+    march_texts.check_solved(prepared, unsolved, record.steps)
     report = {
         "complementarity_residual": statistics.complementarity_residual if statistics else 0.0,
-        "unsolved_steps": statistics.lcp_failures if statistics else 0,
+        "unsolved_steps": unsolved,
         "dt_over_critical": timing.time_step / prepared.problem.critical_time_step,
         "steps": record.steps,
         "wall_time": wall_time,

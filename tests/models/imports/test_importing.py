@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 import scipy.io as sio
@@ -183,6 +184,35 @@ def test_faces_of_an_imported_sector_are_matched(tmp_path: Path) -> None:
         assert theirs is not None
         assert np.array_equal(mine, theirs)
         assert FIXED not in mine
+
+
+def test_partners_of_fixed_nodes_are_clamped(tmp_path: Path) -> None:
+    """The program has fixed the root but for the nodes of one face, which depend on the other."""
+    mesh = bladed_sector("hexahedron")
+    tie: dict[str, Any] = {"left": "left", "right": "right", "copies": SECTORS}
+    expected = mesh3d(mesh, **STEEL, **tie)
+    face = np.intersect1d(mesh.point_sets["root"], mesh.point_sets["right"])
+    root = np.setdiff1d(mesh.point_sets["root"], face)
+    part = mesh3d(replace_sets(mesh, root=root), **STEEL, clamped="root")
+    sio.savemat(tmp_path / "a.mat", {"M": part.mass, "K": part.stiffness})
+    lines, row = ["node,x,y,z,row_x,row_y,row_z,group"], 0
+    for node, (x, y, z) in enumerate(mesh.points):
+        groups = [name for name, nodes in mesh.point_sets.items() if node in nodes]
+        rows = "0,0,0" if node in root else f"{row + 1},{row + 2},{row + 3}"
+        row += 3 * (node not in root)
+        lines.append(f"{node},{x},{y},{z},{rows},{' '.join(groups)}")
+    (tmp_path / "nodes.csv").write_text("\n".join(lines))
+    again = import_superelement(tmp_path / "a.mat", nodes=tmp_path / "nodes.csv", **TIP, **tie)
+    note = f"{len(face)} nodes clamped like their partners on the other face"
+    assert again.source == f"a.mat, {note}"
+    assert np.array_equal(again.left_dofs, expected.left_dofs)
+    assert np.array_equal(again.right_dofs, expected.right_dofs)
+    assert np.array_equal(again.contact_dofs, expected.contact_dofs)
+    assert abs(again.stiffness - expected.stiffness).max() == 0.0
+
+
+def replace_sets(mesh: meshio.Mesh, **sets: Any) -> meshio.Mesh:
+    return meshio.Mesh(mesh.points, mesh.cells, point_sets=mesh.point_sets | sets)
 
 
 def test_negative_eigenvalues_are_counted() -> None:

@@ -168,6 +168,24 @@ def test_coincident_nodes_are_merged_or_kept_apart_on_request() -> None:
         mesh3d(parted, **STEEL, merge="-1 mm")
 
 
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_partners_of_clamped_nodes_are_clamped(side: str) -> None:
+    """Nodes of one face are left out of the clamped set, as in a deck with a cyclic tie."""
+    mesh = bladed_sector("hexahedron20")
+    expected = mesh3d(mesh, **STEEL, **TIE)
+    face = np.intersect1d(mesh.point_sets["root"], mesh.point_sets[side])
+    mesh.point_sets["root"] = np.setdiff1d(mesh.point_sets["root"], face)
+    note = f"{len(face)} nodes clamped like their partners on the other face"
+    with pytest.warns(Hint, match=note):
+        part = mesh3d(mesh, **STEEL, **TIE)
+    assert note in part.source
+    assert np.array_equal(part.left_dofs, expected.left_dofs)
+    assert abs(part.stiffness - expected.stiffness).max() == 0.0
+    mesh.point_sets["tip"] = np.append(mesh.point_sets["tip"], face)
+    with pytest.raises(CaseError, match=r"contact: expected nodes that are not clamped; 3 of"):
+        mesh3d(mesh, **STEEL, **TIE)
+
+
 def test_cells_that_lie_on_others_are_refused() -> None:
     mesh = cantilever("tetra")
     cells, count = mesh.cells[0].data, len(mesh.points)

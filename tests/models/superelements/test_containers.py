@@ -210,7 +210,7 @@ MARKET = "%%MatrixMarket matrix coordinate real general\n"
         (f"{MARKET.replace('real', 'complex')}1 1 1\n1 1 1.0 0.0\n", "a square real matrix"),
         ("1.5 1 1.0\n2 2 1.0\n", "rows and columns: expected whole numbers"),
         ("nan 1 1.0\n2 2 1.0\n", "rows and columns: expected finite real numbers"),
-        ("1 1 1.0\n1000000000 1000000000 1.0\n", "rows and columns from 1 to 2"),
+        ("1 1 1.0\n1000000000 1000000000 1.0\n", "rows and columns from 1 to 34"),
         ("1 1 inf\n2 2 1.0\n", "values: expected finite real numbers"),
         ("1 1\n", "lines of row, column and value"),
     ],

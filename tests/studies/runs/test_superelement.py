@@ -259,6 +259,7 @@ def test_blades_rub_in_a_flexible_ring(file: Path, tmp_path: Path) -> None:
 
 def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
     changes: dict[str, Any] = {"casing__coating": LAYER, "march__duration": 0.006}
+    changes["march__unsolved_share"] = 0.01
     changes["casing__closure"] = {"amount": 2e-4, "time_constant": 2e-3}
     run = bw.run(bw.case_from(tables(file, **changes)), tmp_path / "run", frames=0)
     summary = json.loads((run.directory / "summary.json").read_text(encoding="utf-8"))
