@@ -179,7 +179,7 @@ def test_partners_of_clamped_nodes_are_clamped(side: str) -> None:
     with pytest.warns(Hint, match=note):
         part = mesh3d(mesh, **STEEL, **TIE)
     assert note in part.source
-    assert np.array_equal(part.left_dofs, expected.left_dofs)
+    assert str(part.left_dofs) == str(expected.left_dofs)
     assert abs(part.stiffness - expected.stiffness).max() == 0.0
     mesh.point_sets["tip"] = np.append(mesh.point_sets["tip"], face)
     with pytest.raises(CaseError, match=r"contact: expected nodes that are not clamped; 3 of"):
