@@ -19,6 +19,12 @@ MOST_UNBALANCE = 1e3  #: largest plausible unbalance [kg m]
 IN_TIP_RADII = {"width": 1.0, "thickness": 1.0, "length": 100.0}
 """Largest plausible dimensions of a beam, divided by the tip radius."""
 
+SAME_SPEED = 1e-3
+"""Largest difference between the speed of a stiffness and that of the case, divided by the latter,
+that is not mentioned."""
+
+RPM = math.pi / 30.0  #: [rad/s]
+
 CLEARANCES = (1e-6, 0.1)
 """Smallest and largest plausible clearance, divided by the tip radius; zero is also allowed."""
 
@@ -98,4 +104,25 @@ def case_hints(case: Case) -> tuple[str, ...]:
                 f"{key}.ramp = {load.ramp!r} s exceeds march.duration = {duration!r} s: the load"
                 " does not reach its full size"
             )
-    return tuple(hints)
+    return (*hints, *stiffness_hints(case))
+
+
+def stiffness_hints(case: Case) -> Iterator[str]:
+    """Yield a warning if the stiffness of a superelement is not that at the speed of the case."""
+    table, speed = case.bladed_disk.superelement, case.march.speed
+    if table is None or case.rotation.effects != "none" or not speed.value:
+        return
+    own = table.part.speed
+    if table.part.stiffness_speed is not None:
+        yield (
+            "the matrix stiffness_speed of the superelement is not used with"
+            ' rotation.effects = "none": the stiffness is that at rest at every speed'
+        )
+    elif own is not None and not (own and speed.kind == "normalised"):
+        ratio = abs(own / speed.value)
+        if abs(ratio - 1.0) > SAME_SPEED:
+            at = f"at {abs(own) / RPM:.6g} rpm, {ratio:.3g} times this speed" if own else "at rest"
+            yield (
+                f"march.speed = {speed}: the stiffness of the superelement is that {at}; a file"
+                " with stiffness_speed has the stiffness at every speed"
+            )

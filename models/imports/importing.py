@@ -1,6 +1,7 @@
 """Superelements from files of other programs: `bladewhirl.import_superelement`."""
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
@@ -17,6 +18,7 @@ from bladewhirl.models.imports.tables import (
     read_matrix_market,
 )
 from bladewhirl.models.inputs.errors import Hint
+from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation
 from bladewhirl.models.superelements.file import read_superelement
 from bladewhirl.models.superelements.superelement import (
     Superelement,
@@ -35,6 +37,8 @@ def import_superelement(
     *,
     mass: str | PathLike[str] | None = None,
     nodes: str | PathLike[str] | None = None,
+    speed: float | str | None = None,
+    at: Mapping[float | str, str | PathLike[str]] | None = None,
     **choice: Any,
 ) -> Superelement:
     """Make a superelement from the matrices of another finite element code, and check it.
@@ -59,6 +63,11 @@ def import_superelement(
             from 1; 0 or nothing for fixed displacements. Without these columns each node has the
             same number of consecutive rows, the first of which are x, y and z. A column ``group``
             has the names of groups, separated by blanks.
+        speed: speed of rotation to which the stiffness belongs [rad/s], or text such as
+            "9000 rpm"; unknown by default, or 0 with `at`.
+        at: files with the stiffness of the same part at one or two further speeds, by speed: other
+            files like `source`. The stiffness K + Omega^2 K1 + Omega^4 K2 is fitted to them;
+            without a second one, K2 = 0. Stiffnesses include the spin softening.
         choice: contact and clamped (groups, or numbers of nodes separated by commas), contacts,
             left, right, copies, length_unit, mass_unit, axis and name, see `mesh3d`. `clamped`
             is needed only if the matrices contain nodes to clamp. The unit of time is the second.
@@ -70,7 +79,7 @@ def import_superelement(
         SuperelementError: files are missing or invalid, or describe no structure: matrices are
             indefinite or not symmetric, nodes are unknown, or the first frequency is implausible.
     """
-    part, inspection, _ = imported(source, mass=mass, nodes=nodes, **choice)
+    part, inspection, _ = imported(source, mass=mass, nodes=nodes, speed=speed, at=at, **choice)
     for hint in inspection.hints:
         warnings.warn(hint, Hint, stacklevel=2)
     return part
@@ -81,6 +90,8 @@ def imported(
     *,
     mass: str | PathLike[str] | None = None,
     nodes: str | PathLike[str] | None = None,
+    speed: float | str | None = None,
+    at: Mapping[float | str, str | PathLike[str]] | None = None,
     **choice: Any,
 ) -> tuple[Superelement, Inspection, FloatArray | None]:
     """Return a superelement, its properties, and its mass along x, y and z without fixed nodes
@@ -89,7 +100,7 @@ def imported(
     path = Path(source)
     given = {key: value for key, value in choice.items() if value is not None}
     if path.suffix.lower() == SUPERELEMENT or (path.suffix.lower() == MATLAB and nodes is None):
-        if given.keys() - {"name"} or mass is not None or nodes is not None:
+        if given.keys() - {"name"} or not all(x is None for x in (mass, nodes, speed, at)):
             reason = "a superelement states its own contact nodes and units"
             if path.suffix.lower() == MATLAB:
                 reason = "without a table of nodes, the file states contact nodes and units itself"
@@ -103,6 +114,19 @@ def imported(
         with errors_of(path):
             return part, inspect(part), None
     foreign = _read(path, mass, nodes)
+    if speed is not None:
+        foreign = replace(foreign, speed=_speed("speed", speed))
+    if at:
+        if len(at) > 2:
+            raise SuperelementError(
+                f"{path}: at: expected one or two further speeds, got {len(at)}"
+            )
+        further = {
+            _speed("at", each): _read(Path(file), mass, nodes).stiffness
+            for each, file in at.items()
+        }
+        with errors_of(path):
+            foreign = foreign.over_speeds(further)
     if "contact" not in given:
         raise SuperelementError(f"{path}: expected contact nodes: a group or numbers of nodes")
     with errors_of(path):
@@ -110,6 +134,14 @@ def imported(
         total = dense(along @ part.mass @ along.T).diagonal()
         hints = tuple(mass_hints(part, float(total.max())))
         return part, replace(inspect(part), hints=hints), total
+
+
+def _speed(key: str, value: float | str) -> float:
+    try:
+        return rotation(value, RAD_PER_S) if isinstance(value, str) else finite(value)
+    except (TypeError, ValueError) as error:
+        expected = f'a number in rad/s, or text such as "9000 rpm" ({error})'
+        raise SuperelementError(f"{key} = {value}: expected {expected}") from None
 
 
 def _read(

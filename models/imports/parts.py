@@ -19,6 +19,7 @@ from bladewhirl.models.solids.groups import (
 )
 from bladewhirl.models.superelements.superelement import (
     FIXED,
+    SQUARE,
     Matrix,
     Superelement,
     SuperelementError,
@@ -35,6 +36,9 @@ class ForeignPart:
     stiffness: Matrix  #: stiffness, (n, n)
     damping: Matrix | None = None  #: damping, (n, n)
     gyroscopic: Matrix | None = None  #: matrix of the Coriolis forces at 1 rad/s, (n, n)
+    stiffness_speed: Matrix | None = None  #: change of the stiffness at 1 rad/s, (n, n)
+    stiffness_speed4: Matrix | None = None  #: its part that grows with speed^4, (n, n)
+    speed: float | None = None  #: speed of the stiffness [rad/s]; None if unknown
     numbers: IntArray  #: number of each node in the program, (nodes,)
     points: FloatArray  #: positions of the nodes, (nodes, 3)
     dofs: IntArray
@@ -58,9 +62,8 @@ class ForeignPart:
 
     @property
     def matrices(self) -> dict[str, Any]:
-        """Mass, stiffness and, if present, damping and gyroscopic, by name."""
-        keys = ("mass", "stiffness", "damping", "gyroscopic")
-        return {key: matrix for key in keys if (matrix := getattr(self, key)) is not None}
+        """Mass, stiffness and further matrices that are present, by name."""
+        return {key: matrix for key in SQUARE if (matrix := getattr(self, key)) is not None}
 
     def without(self, rows: IntArray) -> "ForeignPart":
         """Return the part without some rows and columns of its matrices, whose displacements are
@@ -80,6 +83,38 @@ class ForeignPart:
             return self
         source = f"{self.source}, without {len(empty)} empty rows"
         return replace(self.without(empty), source=source)
+
+    def over_speeds(self, others: Mapping[float, Matrix]) -> "ForeignPart":
+        """Return the part with the stiffness K0 at rest and its changes K1 and K2 by rotation, of
+        the polynomial K0 + Omega^2 K1 + Omega^4 K2 through the stiffnesses at given speeds.
+
+        Args:
+            others: stiffness at one or two further speeds [rad/s]; the speed of `stiffness` is that
+                of the part, or 0 if it is unknown. With one further speed K2 is left out.
+
+        Raises:
+            SuperelementError: speeds are equal, or a stiffness has another size.
+        """
+        given = {self.speed or 0.0: self.stiffness, **others}
+        if len({speed**2 for speed in given}) <= len(others):
+            raise SuperelementError(
+                "at: expected speeds that differ from each other, and from speed"
+            )
+        for matrix in others.values():
+            if matrix.shape != self.stiffness.shape:
+                raise SuperelementError(
+                    f"at: expected stiffnesses of the same size, {self.size}, got {matrix.shape[0]}"
+                )
+        squares = np.square(list(given))
+        unit = squares.max()
+        powers = np.linalg.inv(np.vander(squares / unit, increasing=True))
+        terms = [
+            sum(share * matrix for share, matrix in zip(row, given.values(), strict=True))
+            / unit**power
+            for power, row in enumerate(powers)
+        ]
+        names = ("stiffness", "stiffness_speed", "stiffness_speed4")
+        return replace(self, speed=0.0, **dict(zip(names, terms, strict=False)))
 
     def nodes(self, key: str, given: str) -> IntArray:
         """Return the positions in `numbers` of the nodes of a group, or of nodes given by their
@@ -156,6 +191,7 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
     shown = np.arange(len(points)) if part.surface is None else np.unique(part.surface)
     made = Superelement(
         **{key: mass * matrix for key, matrix in part.matrices.items()},
+        speed=part.speed,
         contact_position=points[touching],
         contact_dofs=dofs[touching],
         points=points[shown],
@@ -163,7 +199,8 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
         triangles=None if part.surface is None else np.searchsorted(shown, part.surface),
         name=name,
         source=part.source,
-        **{key: dofs[chosen] for key, chosen in nodes.items()},
+        left_dofs=dofs[nodes["left_dofs"]] if nodes else None,
+        right_dofs=dofs[nodes["right_dofs"]] if nodes else None,
     )
     along = np.zeros((3, part.size))
     for axis in range(3):

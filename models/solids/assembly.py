@@ -5,8 +5,9 @@ that have some. Each block of displacements i and k is assembled with a scalar e
 which takes a ninth of the time of a vector element.
 """
 
+from collections.abc import Callable
 from itertools import combinations_with_replacement, product
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -106,37 +107,67 @@ class Solid:
                 total += _mass_form((1.0 - share) * density).assemble(basis)
         return sp.csr_array(total)
 
-    def stiffness(self, displacement: FloatArray | None = None) -> sp.csr_array:
-        """Return the stiffness for small motions about a static displacement [N/m], (3 * size,
-        3 * size).
+    def stiffness(self) -> sp.csr_array:
+        """Return the stiffness at rest [N/m], (3 * size, 3 * size)."""
+        return self._assembled(lambda block, basis: self._law(block)[..., None], hourglass=True)
 
-        The block of displacements i and k is int (F_ia C_ajbl F_kb + S_jl delta_ik) dN/dx_j
-        dN^T/dx_l dV with the shape functions N, the elasticity tensor C, the gradient F of the
-        deformed positions and the stress S, which is linear in the displacement. The first term is
-        the elastic stiffness of the deformed solid, the second the geometric stiffness.
+    def stiffness_terms(self, displacement: FloatArray) -> tuple[sp.csr_array, ...]:
+        """Return the changes of the stiffness by static displacements u [N/m], (3 * size, 3 * size)
+        each: by the stress, by the other terms that are linear in u, and by those quadratic in u.
+
+        The stiffness for small motions about u has for displacements i and k the block
+        int (F_ia C_ajbl F_kb + S_jl delta_ik) dN/dx_j dN^T/dx_l dV with the shape functions N, the
+        elasticity tensor C, the gradient F = I + du/dx of the deformed positions and the stress S,
+        which is linear in u.
 
         Args:
-            displacement: static displacements [m], (3 * size,); zero by default.
+            displacement: static displacements u [m], (3 * size,).
+        """
+        moved, unit = displacement.reshape(-1, 3), np.eye(3)
+
+        def gradient(basis: Basis) -> FloatArray:
+            return np.array([basis.interpolate(one).grad for one in moved.T])
+
+        def by_stress(block: _Block, basis: Basis) -> FloatArray:
+            stress = np.einsum("ajble,blen->ajen", self._law(block), gradient(basis))
+            return np.asarray(np.einsum("ik,jlen->ijklen", unit, stress))
+
+        def linear(block: _Block, basis: Basis) -> FloatArray:
+            half = np.einsum("iaen,ajkle->ijklen", gradient(basis), self._law(block))
+            return np.asarray(half + np.einsum("ijklen->klijen", half))
+
+        def quadratic(block: _Block, basis: Basis) -> FloatArray:
+            first = gradient(basis)
+            law = self._law(block)
+            return np.asarray(
+                np.einsum("iaen,ajble,kben->ijklen", first, law, first, optimize=True)
+            )
+
+        return tuple(map(self._assembled, (by_stress, linear, quadratic)))
+
+    def _law(self, block: _Block) -> FloatArray:
+        """Return the elasticity tensor of each cell, (3, 3, 3, 3, cells)."""
+        return self._materials.tensor[..., block.cells]
+
+    def _assembled(
+        self, tangent: Callable[[_Block, Basis], FloatArray], *, hourglass: bool = False
+    ) -> sp.csr_array:
+        """Return the matrix of int T_ijkl dN/dx_j dN^T/dx_l dV for displacements i and k, (3 *
+        size, 3 * size).
+
+        Args:
+            tangent: function that returns T, (3, 3, 3, 3, cells, points or 1).
+            hourglass: add the stiffness against hourglass modes.
         """
         blocks = sp.csr_array((3 * self.size, 3 * self.size))
-        tensor = self._materials.tensor
         for block in self._blocks:
             basis = block.basis(block.kind.stiffness_rule, block.kind.functions)
-            law = tensor[..., block.cells]
-            if displacement is None:
-                tangent = law[..., None]
-            else:
-                moved = displacement.reshape(-1, 3)
-                gradient = np.array([basis.interpolate(one).grad for one in moved.T])
-                stress = np.einsum("ajble,blen->ajen", law, gradient)
-                position = np.eye(3)[..., None, None] + gradient
-                tangent = np.einsum(
-                    "iaen,ajble,kben->ijklen", position, law, position, optimize=True
-                )
-                tangent += np.einsum("ik,jlen->ijklen", np.eye(3), stress)
+            law = tangent(block, basis)
             for i, k in combinations_with_replacement(range(3), 2):
-                part = sp.csr_array(_contraction(tangent[i, :, k]).assemble(basis))
-                if i == k and block.kind.hourglass:
+                if not law[i, :, k].any():
+                    continue
+                part = sp.csr_array(_contraction(law[i, :, k]).assemble(basis))
+                if i == k and hourglass and block.kind.hourglass:
                     modulus = self._materials.young_modulus[block.cells]
                     part += _hourglass_stiffness(block, basis, modulus)
                 unit = np.zeros((3, 3))
@@ -217,12 +248,20 @@ def _check_parallelepipeds(block: _Block) -> None:
 IN_PLANE = np.diag([1.0, 1.0, 0.0])
 
 
-def rotating_stiffness(
-    solid: Solid, mass: sp.csr_array, tie: sp.csr_array, speed: float
-) -> sp.csr_array:
-    """Return the stiffness of a solid that rotates about z [N/m], (3 * size, 3 * size).
+Measure = Literal["prestress", "stress"]
 
-    As in CalculiX, centrifugal forces act on the functions of the nodes, not on incompatible modes.
+
+def stiffness_by_rotation(
+    solid: Solid, mass: sp.csr_array, tie: sp.csr_array, measure: Measure
+) -> tuple[sp.csr_array, sp.csr_array | None]:
+    """Return K1 and K2 of the stiffness K + Omega^2 K1 + Omega^4 K2 of a solid that rotates about
+    z, (3 * size, 3 * size) each; K2 is None for "stress".
+
+    K1 is the stiffness by the stress of the centrifugal forces, minus the mass in the plane of
+    rotation. For "prestress", as in a linear static step with a following perturbation step of
+    CalculiX, K1 and K2 also have the elastic stiffness of the statically deformed solid. The static
+    displacements follow from the stiffness at rest. Centrifugal forces act on the functions of the
+    nodes, not on incompatible modes.
 
     Args:
         solid: finite elements; their axis of rotation is z.
@@ -230,12 +269,15 @@ def rotating_stiffness(
         tie: matrix from the coordinates of the static deformation to all displacements, (3 * size,
             coordinates); the coordinates are the free displacements, for a sector those of a
             motion with nodal diameter 0.
-        speed: speed of rotation [rad/s].
+        measure: "prestress" or "stress".
     """
     nodal = sp.eye_array(solid.size, len(solid.points), format="csr")
-    softening = speed**2 * sp.kron(nodal.T @ mass @ nodal, IN_PLANE, format="csr")
+    softening = sp.kron(nodal.T @ mass @ nodal, IN_PLANE, format="csr")
     spread = sp.kron(nodal, np.eye(3), format="csr")
     load = tie.T @ (spread @ (softening @ solid.points.ravel()))
     factor = spl.splu(sp.csc_array(tie.T @ solid.stiffness() @ tie), **SYMMETRIC_ORDER)
-    displacement = tie @ factor.solve(load)
-    return sp.csr_array(solid.stiffness(displacement) - spread @ softening @ spread.T)
+    by_stress, linear, quadratic = solid.stiffness_terms(tie @ factor.solve(load))
+    first = sp.csr_array(by_stress - spread @ softening @ spread.T)
+    if measure == "stress":
+        return first, None
+    return sp.csr_array(first + linear), quadratic

@@ -3,7 +3,7 @@
 import warnings
 from dataclasses import replace
 from os import PathLike
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import meshio
 import numpy as np
@@ -15,7 +15,7 @@ from bladewhirl.meshes.files.volumes import VolumeMesh, merged, read_volume_mesh
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation, to_si
-from bladewhirl.models.solids.assembly import Solid, rotating_stiffness
+from bladewhirl.models.solids.assembly import Measure, Solid, stiffness_by_rotation
 from bladewhirl.models.solids.elements import ELEMENTS
 from bladewhirl.models.solids.groups import (
     clamped_on_both,
@@ -28,6 +28,7 @@ from bladewhirl.models.solids.groups import (
 )
 from bladewhirl.models.solids.materials import Given, materials_of
 from bladewhirl.models.solids.surface import surface_triangles
+from bladewhirl.models.superelements.at_speed import fixed_at_speed
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.superelement import FIXED, Superelement
 
@@ -63,6 +64,7 @@ def mesh3d(
     speed: float | str = 0.0,
     mass_quadrature: Literal["full", "reduced"] | None = None,
     merge: float | str | None = None,
+    stiffening: Measure | None = "prestress",
     coriolis: bool = False,
     name: str = "",
 ) -> Superelement:
@@ -77,11 +79,12 @@ def mesh3d(
     stiffness against hourglass modes of Flanagan and Belytschko (1981); cells must be
     parallelepipeds, because programs differ for other shapes.
 
-    With a speed, the stiffness is that for small motions about the rotating structure, in a
-    rotating frame: K_u + K_s - speed^2 M_xy. K_u is the elastic stiffness of the statically
-    deformed solid, K_s the geometric stiffness due to its stress, and M_xy the mass in the plane of
-    rotation. The static displacement u follows from K u = speed^2 M_xy X with the positions X of
-    the nodes and the stiffness K at rest.
+    The stiffness for small motions about the structure that rotates with a speed Omega, in a
+    rotating frame, is K_u + K_s - Omega^2 M_xy = K + Omega^2 K1 + Omega^4 K2. K_u is the elastic
+    stiffness of the statically deformed solid, K_s the geometric stiffness due to its stress, and
+    M_xy the mass in the plane of rotation. The static displacement u follows from K u = Omega^2
+    M_xy X with the positions X of the nodes and the stiffness K at rest. The superelement has K and
+    the matrices `stiffness_speed`, K1, and `stiffness_speed4`, K2.
 
     Args:
         mesh: mesh of meshio, or path of a .msh file of Gmsh with physical groups, a .vtu file, or
@@ -106,7 +109,8 @@ def mesh3d(
             required if the unit of length is not m.
         axis: axis of rotation of the mesh, "x", "y" or "z". The axis of the superelement is z:
             axes x, y and z of the mesh become z, x and y, or y, z and x.
-        speed: speed of rotation [rad/s], or text such as "12000 rpm".
+        speed: speed of rotation [rad/s], or text such as "12000 rpm", if the superelement is to
+            have only the stiffness at this speed.
         mass_quadrature: "full", exact for cells with plane faces and evenly spaced nodes, or
             "reduced", with the quadrature points of the stiffness. By default it is reduced for
             C3D20R and, but for one percent, C3D8R, and full for other elements. CalculiX uses the
@@ -114,6 +118,9 @@ def mesh3d(
         merge: distance up to which nodes become one node [m], or text such as "1 um"; by default
             1e-5 of the size of the mesh. 0 keeps coincident nodes apart. A hint tells how many
             nodes were merged.
+        stiffening: measure of strain: "prestress", as in a linear static step with a following
+            perturbation step of CalculiX; "stress" leaves out the change of the elastic stiffness,
+            K_u = K and K2 = 0; None, or a free part, for a superelement at rest only.
         coriolis: true to add the matrix of the Coriolis forces 2 M e_z x v, for the velocity v and
             a speed of 1 rad/s.
         name: name of the superelement; by default that of the file.
@@ -130,6 +137,8 @@ def mesh3d(
     omega = _speed(speed)
     if mass_quadrature not in QUADRATURES:
         raise invalid("mass_quadrature", mass_quadrature, '"full" or "reduced"')
+    if stiffening not in (None, *get_args(Measure)):
+        raise invalid("stiffening", stiffening, '"prestress", "stress" or None')
     volumes, notes = _merged(_scaled(mesh, unit, axis), merge)
     if stiff := [name for name, _ in volumes.blocks if ELEMENTS[name].first_order]:
         names = " and ".join(stiff)
@@ -172,18 +181,25 @@ def mesh3d(
         "triangles": triangles,
         "recovery": sp.csr_array(select[(3 * shown[:, None] + np.arange(3)).ravel()]),
         "name": name or volumes.name,
-        "source": f"mesh3d: {volumes.name}, {_elements(volumes)}{notes}, {materials},"
-        f" {omega:g} rad/s",
+        "source": f"mesh3d: {volumes.name}, {_elements(volumes)}{notes}, {materials}"
+        + (f", stiffness at speed: {stiffening}" if stiffening and len(fixed) else ""),
         **{key: dofs[nodes] for key, nodes in faces.items()},
     }
-    part = Superelement(stiffness=sp.csr_array(select.T @ solid.stiffness() @ select), **content)
-    if omega == 0.0:
+    part = Superelement(
+        stiffness=sp.csr_array(select.T @ solid.stiffness() @ select), speed=0.0, **content
+    )
+    if omega != 0.0 and not (len(fixed) and stiffening):
+        expected = "0, or clamped nodes (a free part does not resist rotation) and a stiffening"
+        raise invalid("speed", speed, expected)
+    if stiffening is None or not len(fixed):
         return part
-    if not len(fixed):
-        raise invalid("speed", speed, "clamped nodes; a free part does not resist rotation")
     tie = select if copies is None else select @ cyclic_reduction(part, copies, 0).transformation
-    stiffness = rotating_stiffness(solid, mass, tie, omega)
-    return Superelement(stiffness=sp.csr_array(select.T @ stiffness @ select), **content)
+    squared, fourth = (
+        None if change is None else sp.csr_array(select.T @ change @ select)
+        for change in stiffness_by_rotation(solid, mass, tie, stiffening)
+    )
+    part = replace(part, stiffness_speed=squared, stiffness_speed4=fourth)
+    return part if omega == 0.0 else fixed_at_speed(part, omega)
 
 
 def _elements(mesh: VolumeMesh) -> str:

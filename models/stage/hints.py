@@ -99,7 +99,7 @@ def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
     that the given friction locks against the wall."""
     if left_out := stage.table.left_out:
         yield f"{left_out} contact nodes of the file are left out: they are at the place of others"
-    yield from unused_matrices(stage)
+    yield from case_hints(stage.case)
     ratio = stage.case.damping.ratio
     if stage.reduced.damping is not None and ratio > 0.0:
         yield (
@@ -135,15 +135,6 @@ def _lossy_ring(stage: SuperelementStage) -> Iterator[str]:
             f"march.time_step is {share:.2g} of the critical step: in contact, the flexible casing"
             f" loses energy as with a damping ratio of up to {loss:.2g} %, a numerical error of"
             " first order in the step"
-        )
-
-
-def unused_matrices(stage: SuperelementStage) -> Iterator[str]:
-    """Yield a warning for a matrix of the file that the case does not use."""
-    if stage.table.part.stiffness_speed is not None and stage.case.rotation.effects == "none":
-        yield (
-            "the matrix stiffness_speed of the superelement is not used with"
-            ' rotation.effects = "none": the stiffness is that of the file at every speed'
         )
 
 

@@ -11,6 +11,7 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.plausibility import stiffness_hints
 from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL
@@ -36,7 +37,6 @@ from bladewhirl.models.modal.modes import Modes, families, is_first_of_pair
 from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
 from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.rotation.whirl_modes import joined_modes, wave_modes
-from bladewhirl.models.stage.hints import unused_matrices
 from bladewhirl.models.stage.superelement_stage import (
     SuperelementStage,
     on_springs,
@@ -200,7 +200,7 @@ class ModalSuperelement(ModalModel):
 
     @property
     def hints(self) -> tuple[str, ...]:
-        hints = tuple(unused_matrices(replace(self.stage, case=self.case)))
+        hints = tuple(stiffness_hints(self.case))
         if self._table.part.stiffness_speed is None:
             hints += (
                 "the stiffness of the superelement is the same at every speed: its file has no"

@@ -7,6 +7,12 @@ import scipy.sparse as sp
 from bladewhirl.models.superelements.superelement import Superelement, dense
 
 
+def fixed_at_speed(part: Superelement, omega: float) -> Superelement:
+    """Return a superelement that has only the stiffness at a speed [rad/s]."""
+    turning = at_speed(part, omega, coriolis=True)
+    return replace(turning, stiffness_speed=None, stiffness_speed4=None, speed=omega)
+
+
 def at_speed(part: Superelement, omega: float, *, coriolis: bool) -> Superelement:
     """Return a superelement linearised about its state of steady rotation.
 

@@ -29,6 +29,7 @@ from bladewhirl.models.superelements.superelement import (
 
 MATRICES = (*SQUARE, "recovery", "strain_recovery")
 NUMBERS = ("contact_position", "points")
+SPEED = "speed"
 INTEGERS = ("contact_dofs", "centre_dofs", "triangles", "left_dofs", "right_dofs")
 TEXTS = ("name", "source")
 UNITS = {"length_unit": "m", "mass_unit": "kg"}
@@ -82,6 +83,8 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
     for key in NUMBERS:
         if key in content:
             values[key] = length * real_numbers(key, content[key])
+    if SPEED in content:
+        values[SPEED] = _number(content, SPEED)
     for key in INTEGERS:
         if key in content:
             values[key] = whole_numbers(key, content[key])
@@ -110,7 +113,7 @@ def write_superelement(path: str | PathLike[str], part: Superelement) -> None:
     if file.suffix.lower() != ".npz":
         raise SuperelementError(f"{file}: expected a name that ends with .npz")
     content: dict[str, Any] = {}
-    for key in (*MATRICES, *NUMBERS, *INTEGERS, *TEXTS):
+    for key in (*MATRICES, *NUMBERS, SPEED, *INTEGERS, *TEXTS):
         value = getattr(part, key)
         if value is None:
             continue
@@ -126,7 +129,7 @@ def write_superelement(path: str | PathLike[str], part: Superelement) -> None:
 
 _SPARSE = ("data", "indices", "indptr", "shape")
 KEYS = (
-    *(*MATRICES, *NUMBERS, *INTEGERS, *TEXTS, *UNITS),
+    *(*MATRICES, *NUMBERS, SPEED, *INTEGERS, *TEXTS, *UNITS),
     *(f"{key}_{part}" for key in MATRICES for part in _SPARSE),
 )
 
@@ -164,6 +167,13 @@ def _matrix(content: Mapping[str, Any], key: str) -> Matrix | None:
 
 def _text(value: Any) -> str:
     return str(np.ravel(value)[0]) if np.size(value) else ""
+
+
+def _number(content: Mapping[str, Any], key: str) -> float:
+    values = real_numbers(key, content[key])
+    if values.size != 1:
+        raise SuperelementError(f"{key}: expected one number")
+    return float(values.ravel()[0])
 
 
 def _unit(content: Mapping[str, Any], key: str) -> float:

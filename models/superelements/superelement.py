@@ -71,6 +71,9 @@ class Superelement:
     """Further change of the stiffness (of the elastic stiffness by the second power of the static
     displacement) for a speed of 1 rad/s [kg s2], (n, n), symmetric; it grows with the fourth power
     of the speed."""
+    speed: float | None = None
+    """Speed of rotation to which the stiffness belongs [rad/s]; None if it is unknown. 0 with
+    stiffness_speed."""
     centre_dofs: IntArray | None = None
     """Numbers of the x and y displacement of the centre of a wheel, (2,)."""
     points: FloatArray | None = None  #: undeformed points for pictures [m], (p, 3)
@@ -168,6 +171,12 @@ def _faults(part: Superelement) -> Iterator[str]:
             yield f"{key}: expected a {word} matrix"
         if key in ("mass", "stiffness", "damping") and np.any(diagonal(matrix) < 0.0):
             yield f"{key}: expected no negative numbers on the diagonal"
+    if part.speed is not None and not np.isfinite(part.speed):
+        yield "speed: expected a finite number"
+    if part.speed and part.stiffness_speed is not None:
+        yield "speed: expected 0 with stiffness_speed, which needs the stiffness at rest"
+    if part.stiffness_speed4 is not None and part.stiffness_speed is None:
+        yield "stiffness_speed4: expected stiffness_speed too"
     masses = diagonal(part.mass)
     if not masses.any():
         yield "mass: expected a diagonal that is not zero everywhere"

@@ -186,6 +186,7 @@ def _wheel(part: Superelement, spread: FloatArray, frequency: FloatArray) -> Sup
         damping=None,
         gyroscopic=None,
         stiffness_speed=None,
+        stiffness_speed4=None,
         contact_position=positions,
         contact_dofs=np.full((len(positions), 3), -1),
         left_dofs=None,

@@ -127,6 +127,8 @@ def import_(
     length_unit: str | None = None,
     mass_unit: str | None = None,
     axis: str | None = None,
+    speed: str | None = None,
+    at: Annotated[list[str] | None, typer.Option(metavar="SPEED:FILE")] = None,
     name: str | None = None,
     output: options.OutputFile = None,
     force: options.Force = False,
@@ -154,6 +156,8 @@ def import_(
         length_unit: Unit of positions; the unit of time is s. Default: m.
         mass_unit: Unit of mass, such as t for N, mm and s. Default: kg.
         axis: Axis of rotation: x, y or z. Default: z.
+        speed: Speed to which the stiffness belongs, such as 9000rpm. Default: unknown.
+        at: Stiffness at a further speed, such as 9000rpm:k9.mtx; at most twice.
         name: Name of the superelement.
         output: File of the superelement to write, .npz.
     """
@@ -165,6 +169,8 @@ def import_(
         source,
         mass=mass,
         nodes=nodes,
+        speed=speed,
+        at=dict(map(_speed_and_file, at or ())),
         contact=contact,
         clamped=clamped,
         contacts=contacts,
@@ -184,6 +190,14 @@ def import_(
         with writing(output):
             write_superelement(output, part)
         typer.echo(f"Wrote {output}.")
+
+
+def _speed_and_file(text: str) -> tuple[str, str]:
+    """Return speed and file of SPEED:FILE."""
+    speed, colon, file = text.partition(":")
+    if not (speed and colon and file):
+        raise UserError(f"--at {text}: expected SPEED:FILE, such as 9000rpm:k9.mtx")
+    return speed, file
 
 
 def _facts(part: Superelement, inspection: Inspection, total: Any, units: str) -> dict[str, str]:

@@ -1,12 +1,15 @@
 """Structured meshes of solids: boxes of a grid, of which each is a hexahedron,
 two wedges or six tetrahedra."""
 
+import json
 from collections.abc import Callable
 from itertools import count, permutations, product
+from pathlib import Path
 from typing import Any
 
 import meshio
 import numpy as np
+from places import ROOT
 
 from bladewhirl.models.solids.cells import CELL_TYPES, CellType
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
@@ -93,6 +96,11 @@ def _cantilever(
 
 
 SECTORS = 12
+
+STEEL: dict[str, Any] = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": 7800.0}
+TIE: dict[str, Any] = {"left": "left", "right": "right", "copies": SECTORS}
+CALCULIX = json.loads((ROOT / "tests" / "data" / "solids" / "calculix.json").read_text())
+"""Natural frequencies [Hz], printed with seven digits by CalculiX; calculix.py made the file."""
 
 
 def bladed_sector(cell_type: str) -> meshio.Mesh:
@@ -187,3 +195,10 @@ def half_cantilever(cell_type: str, *, outer: bool) -> meshio.Mesh:
 def node_set(name: str, nodes: Any) -> str:
     """Return a set of nodes of a deck; nodes are numbered from 0."""
     return f"*NSET, NSET={name}\n" + "".join(f"{node + 1},\n" for node in nodes)
+
+
+def deck(folder: Path, mesh: meshio.Mesh, element: str) -> Path:
+    """Write an Abaqus deck of a mesh with elements of one name."""
+    path = folder / "deck.inp"
+    path.write_text(deck_text(mesh, element))
+    return path

@@ -25,7 +25,7 @@ DATA = ROOT / "tests" / "data" / "solids"
 """matrices.inp is the cantilever of tetrahedra with 2 x 1 x 1 boxes, rotating; see calculix.py."""
 
 STEEL: dict[str, Any] = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": 7800.0}
-TIP = {"contact": "tip"}
+TIP: dict[str, Any] = {"contact": "tip"}
 
 
 def blade() -> Superelement:
@@ -77,7 +77,7 @@ def test_matrices_with_a_table_of_nodes_are_converted(
     tables: Path, nodes: str, files: tuple[str, str | None]
 ) -> None:
     mass = None if files[1] is None else tables / files[1]
-    units = {"length_unit": "mm", "mass_unit": "t"}
+    units: dict[str, Any] = {"length_unit": "mm", "mass_unit": "t"}
     part = import_superelement(
         tables / files[0], mass=mass, nodes=tables / f"{nodes}.csv", **TIP, **units
     )
@@ -110,7 +110,7 @@ def test_empty_rows_are_left_out_and_one_triangle_is_enough(tables: Path, head: 
         ]
         table.append(",".join([number, *(str(1e-3 * float(v)) for v in place), *rows, group]))
     (tables / "six.csv").write_text("\n".join(table))
-    files = {"mass": tables / "mass.mtx", "nodes": tables / "six.csv"}
+    files: dict[str, Any] = {"mass": tables / "mass.mtx", "nodes": tables / "six.csv"}
     part = import_superelement(tables / "stiffness.mtx", **files, **TIP)
     lost = expected.size if head else expected.size - 3  # without a head, the last are unknown
     assert part.source == f"stiffness.mtx and mass.mtx, without {lost} empty rows"
@@ -125,7 +125,10 @@ def test_axes_and_node_numbers(tables: Path) -> None:
     part = import_superelement(
         *(tables / "a.mat",),
         nodes=tables / "rows.csv",
-        **{"contact": "112,109", "length_unit": "mm", "mass_unit": "t", "axis": "x"},
+        contact="112,109",
+        length_unit="mm",
+        mass_unit="t",
+        axis="x",
     )
     expected = blade()
     chosen = [3, 0]
@@ -148,7 +151,8 @@ def test_nodes_are_clamped_that_the_program_left_free(tmp_path: Path) -> None:
         *(tmp_path / "k.mtx",),
         mass=tmp_path / "m.mtx",
         nodes=tmp_path / "nodes.csv",
-        **{"contact": numbers["tip"], "clamped": numbers["root"]},
+        contact=numbers["tip"],
+        clamped=numbers["root"],
     )
     expected = blade()
     assert abs(again.stiffness - expected.stiffness).max() < 1e-12 * abs(expected.stiffness).max()

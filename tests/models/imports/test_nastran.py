@@ -13,7 +13,7 @@ from bladewhirl.models.superelements.superelement import SuperelementError
 
 pyyeti = pytest.importorskip("pyyeti")
 FILES = Path(pyyeti.__file__).parent / "tests" / "nas2cam_extseout"
-UNITS = {"length_unit": "inch", "mass_unit": "lbf s2/inch"}
+UNITS: dict[str, Any] = {"length_unit": "inch", "mass_unit": "lbf s2/inch"}
 
 
 def test_displacements_are_turned_into_the_basic_axes() -> None:

@@ -1,6 +1,5 @@
 """Superelements from meshes of solids, against CalculiX and closed forms."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +8,13 @@ import numpy as np
 import pytest
 from places import ROOT
 from solid_meshes import (
+    CALCULIX,
     SECTORS,
+    STEEL,
+    TIE,
     bladed_sector,
     cantilever,
+    deck,
     deck_text,
     half_cantilever,
     joined,
@@ -25,20 +28,8 @@ from bladewhirl.models.solids.cells import CELL_TYPES
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 from bladewhirl.models.superelements.superelement import SuperelementError
 
-STEEL: dict[str, Any] = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": 7800.0}
-TIE: dict[str, Any] = {"left": "left", "right": "right", "copies": SECTORS}
-CALCULIX = json.loads((ROOT / "tests" / "data" / "solids" / "calculix.json").read_text())
-"""Natural frequencies [Hz], printed with seven digits by CalculiX; calculix.py made the file."""
-
 BLADE = ROOT / "tests" / "data" / "solids" / "blade.msh"
 """A blade in mm; blade.py made the file with Gmsh."""
-
-
-def deck(folder: Path, mesh: meshio.Mesh, element: str) -> Path:
-    """Write an Abaqus deck of a mesh with elements of one name."""
-    path = folder / "deck.inp"
-    path.write_text(deck_text(mesh, element))
-    return path
 
 
 @pytest.mark.parametrize("element", SOLIDS)

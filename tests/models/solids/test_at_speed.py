@@ -1,0 +1,101 @@
+"""One file of a blade or a sector at every speed of rotation."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.io as sio
+from solid_meshes import CALCULIX, STEEL, TIE, bladed_sector, cantilever, deck
+
+import bladewhirl as bw
+from bladewhirl.models.case.plausibility import stiffness_hints
+from bladewhirl.models.solids.blade import mesh3d
+from bladewhirl.models.superelements.at_speed import fixed_at_speed
+from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
+
+SPEED = CALCULIX["speed"]
+
+
+def case(folder: Path, part: Superelement, kind: str, **tables: Any) -> bw.Case:
+    """A case with the part in a rigid wall."""
+    bw.write_superelement(folder / "part.npz", part)
+    copies = TIE["copies"] if kind == "sector" else 1
+    table = {"file": str(folder / "part.npz"), "kind": kind, "copies": copies}
+    given = {"bladed_disk": {"superelement": table}, "casing": {"type": "rigid"}}
+    given |= {"shaft": {"clamped": True}, "march": {"speed": f"{SPEED} rad/s"}}
+    return bw.case_from(given | tables)
+
+
+def test_modes_of_a_sector_at_speed_are_those_of_calculix(tmp_path: Path) -> None:
+    path = deck(tmp_path, bladed_sector("hexahedron20"), "C3D20")
+    part = mesh3d(path, **STEEL, **TIE, mass_quadrature="reduced")
+    for effects, name in (("none", "sector"), ("centrifugal", "rotating sector")):
+        found = bw.modes(case(tmp_path, part, "sector", rotation={"effects": effects}))
+        disk = found.sel(mode=found["body"] == "bladed-disk")
+        expected = np.array(CALCULIX[name]["C3D20"])
+        for k, of_calculix in enumerate(expected):
+            ours = np.sort(disk["frequency"].values[disk["nodal_diameter"].values == k])
+            waves = 2 if 0 < k < TIE["copies"] / 2 else 1
+            assert ours[::waves][:3] == pytest.approx(of_calculix[:3], rel=1e-6)
+
+
+def test_stress_alone_leaves_out_the_change_of_the_elastic_stiffness() -> None:
+    mesh = cantilever("hexahedron20")
+    whole, stress = (mesh3d(mesh, **STEEL, stiffening=each) for each in ("prestress", "stress"))
+    assert stress.stiffness_speed4 is None
+    assert whole.stiffness_speed is not None
+    assert stress.stiffness_speed is not None
+    difference = abs(whole.stiffness_speed - stress.stiffness_speed).max()
+    assert 1e-3 < difference / abs(stress.stiffness_speed).max() < 1e3
+    assert "stiffness at speed: stress" in stress.source
+
+
+@pytest.mark.parametrize("speeds", [(500.0,), (500.0, 1000.0), (-500.0, "9000 rpm")])
+def test_stiffnesses_at_speeds_are_fitted(speeds: tuple[Any, ...], tmp_path: Path) -> None:
+    """Of a blade from its matrices at rest and at one or two speeds: with one of them, the fourth
+    power of the speed is left out."""
+    mesh = cantilever("hexahedron20", (2, 1, 1))
+    part = mesh3d(mesh, **STEEL, stiffening="stress" if len(speeds) == 1 else "prestress")
+    contact = part.contact_position
+    lines = [
+        ",".join(map(str, (n + 1, *contact[n], *(part.contact_dofs[n] + 1))))
+        for n in range(len(contact))
+    ]
+    (tmp_path / "nodes.csv").write_text("\n".join(["node,x,y,z,row_x,row_y,row_z", *lines]))
+    sio.mmwrite(tmp_path / "k0.mtx", part.stiffness)
+    sio.mmwrite(tmp_path / "m.mtx", part.mass)
+    at = {}
+    for number, speed in enumerate(speeds):
+        omega = 300.0 * np.pi if isinstance(speed, str) else speed
+        sio.mmwrite(tmp_path / f"k{number + 1}.mtx", fixed_at_speed(part, omega).stiffness)
+        at[speed] = tmp_path / f"k{number + 1}.mtx"
+    given: dict[str, Any] = {"mass": tmp_path / "m.mtx", "nodes": tmp_path / "nodes.csv"}
+    nodes = ",".join(str(n + 1) for n in range(len(contact)))
+    again = bw.import_superelement(tmp_path / "k0.mtx", at=at, contact=nodes, **given)
+    for omega in (0.0, 700.0):
+        expected = fixed_at_speed(part, omega).stiffness
+        found = fixed_at_speed(again, omega).stiffness
+        assert abs(found - expected).max() < 1e-9 * abs(expected).max()
+    with pytest.raises(SuperelementError, match="differ from each other"):
+        bw.import_superelement(
+            tmp_path / "k0.mtx", at={0.0: tmp_path / "m.mtx"}, contact=nodes, **given
+        )
+    alone = bw.import_superelement(tmp_path / "k0.mtx", speed="9000 rpm", contact=nodes, **given)
+    assert alone.speed == pytest.approx(300.0 * np.pi)
+
+
+def test_a_stiffness_of_another_speed_is_mentioned(tmp_path: Path) -> None:
+    mesh = cantilever("tetra", (2, 1, 1))
+    fixed = mesh3d(mesh, **STEEL, speed="3000 rpm")
+    given = case(tmp_path, fixed, "blade", march={"speed": "6000 rpm"})
+    (hint,) = stiffness_hints(given)
+    assert "that at 3000 rpm, 0.5 times this speed" in hint
+    assert not [*stiffness_hints(bw.with_values(given, {"march.speed": "3000 rpm"}))]
+    at_rest = case(tmp_path, mesh3d(mesh, **STEEL, stiffening=None), "blade")
+    (hint,) = stiffness_hints(at_rest)
+    assert "is that at rest" in hint
+    with_change = case(tmp_path, mesh3d(mesh, **STEEL), "blade")
+    (hint,) = stiffness_hints(with_change)
+    assert "not used" in hint
+    assert not [*stiffness_hints(bw.with_values(with_change, {"rotation.effects": "centrifugal"}))]
