@@ -11,7 +11,7 @@ from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
-from bladewhirl.models.superelements.reduction import rigid_limit, static_flexibility
+from bladewhirl.models.superelements.reduction import rigid_limit
 
 LOWEST_FREQUENCY = 1.0
 """Lowest plausible reference frequency [Hz]; lower frequencies are usually due to a wrong unit."""
@@ -154,11 +154,15 @@ def locking_friction(stage: SuperelementStage) -> dict[int, float]:
 
 def static_response(stage: SuperelementStage) -> tuple[FloatArray, FloatArray]:
     """Return the radial displacement of each contact node per radial and per tangential force on
-    it [m/N], (nodes,) each. Both arrays are empty for a wheel from a sector, whose matrices are not
-    assembled, and for a structure with rigid modes."""
-    part = stage.part
-    squares = stage.reduced.frequency**2
-    if stage.table.kind == "sector" or squares.min() <= rigid_limit(part):
+    it [m/N], (nodes,) each. Both arrays are empty for a structure with rigid modes."""
+    reduced = stage.reduced
+    squares = reduced.frequency**2
+    if squares.min() <= rigid_limit(stage.part):
         return np.zeros(0), np.zeros(0)
-    flexibility = static_flexibility(part, part.contact_rows, np.zeros((part.size, 0)))
-    return np.diag(flexibility)[::3], np.diag(flexibility, 1)[::3]
+    # The modes and the residual flexibility together are statically exact.
+    radial, tangential = reduced.contact[::3], reduced.contact[1::3]
+    residual = np.diag(reduced.compliance)[::3], np.diag(reduced.compliance, 1)[::3]
+    return (
+        residual[0] + (radial**2) @ (1.0 / squares),
+        residual[1] + (radial * tangential) @ (1.0 / squares),
+    )

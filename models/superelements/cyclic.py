@@ -15,9 +15,6 @@ import scipy.sparse as sp
 
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
-MOST = 4000
-"""Largest number of coordinates of a sector."""
-
 
 class CyclicReduction(NamedTuple):
     """Matrices of a sector for one nodal diameter, Hermitian; real if k = 0 or k = sectors / 2."""
@@ -27,18 +24,6 @@ class CyclicReduction(NamedTuple):
     transformation: sp.csr_array
     """Matrix from the m coordinates, all but those on the right face, to the coordinates of the
     sector, (n, m)."""
-
-
-def check_size(part: Superelement) -> None:
-    """Check that dense matrices of a sector fit in memory.
-
-    Raises:
-        SuperelementError: the sector has too many coordinates.
-    """
-    if part.size > MOST:
-        raise SuperelementError(
-            f"expected a sector of at most {MOST} coordinates, got {part.size}; reduce it first"
-        )
 
 
 def cyclic_reduction(part: Superelement, sectors: int, k: int) -> CyclicReduction:
@@ -57,7 +42,7 @@ def cyclic_reduction(part: Superelement, sectors: int, k: int) -> CyclicReductio
         SuperelementError: the superelement is not a sector, or different components of the nodes
             are fixed on both faces.
     """
-    tie = _transformation(part, sectors, k)
+    tie = transformation(part, sectors, k)
     mass, stiffness = (
         sp.csr_array(tie.conj().T @ sp.csr_array(matrix) @ tie)
         for matrix in (part.mass, part.stiffness)
@@ -65,7 +50,8 @@ def cyclic_reduction(part: Superelement, sectors: int, k: int) -> CyclicReductio
     return CyclicReduction(mass, stiffness, tie)
 
 
-def _transformation(part: Superelement, sectors: int, k: int) -> sp.csr_array:
+def transformation(part: Superelement, sectors: int, k: int) -> sp.csr_array:
+    """Return the tie of `CyclicReduction`, (n, m), see `cyclic_reduction`."""
     if part.left_dofs is None or part.right_dofs is None:
         raise SuperelementError(
             f"{part.name}: expected a sector, with left_dofs and right_dofs of its two faces"

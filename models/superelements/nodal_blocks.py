@@ -17,8 +17,8 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.superelements.cyclic import check_size, cyclic_reduction
-from bladewhirl.models.superelements.reduction import lowest_modes, static_solution
+from bladewhirl.models.superelements.reduction import STIFF, lowest_modes, modes_and_static
+from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
 from bladewhirl.models.superelements.superelement import (
     FIXED,
     SQUARE,
@@ -102,17 +102,16 @@ def sector_blocks(part: Superelement, sectors: int, count: int) -> Blocks:
         count: number of modes of each nodal diameter.
 
     Raises:
-        SuperelementError: the sector has too many coordinates, or no matching faces.
+        SuperelementError: the sector takes too much memory, or its faces do not match.
     """
-    check_size(part)
-    blocks = {}
-    for k in range(sectors // 2 + 1):
-        reduced = cyclic_reduction(part, sectors, k)
-        matrices = reduced.stiffness.toarray(), reduced.mass.toarray()
-        last = min(count, len(matrices[0])) - 1
-        _, shapes = la.eigh(*matrices, subset_by_index=[0, last])
-        blocks[k] = _block(part, np.asarray(reduced.transformation @ shapes, dtype=np.complex128))
-    return blocks
+
+    def block(wave: Wave) -> NodalBlock:
+        _, shapes = wave.lowest(min(count, wave.size))
+        return _block(part, np.asarray(wave.tie @ shapes, dtype=np.complex128))
+
+    with sector_errors(STIFF):
+        sector = Sector(part, sectors, modes=count, loads=0, rigid=True)
+        return dict(enumerate(sector.each_wave(block)))
 
 
 def wheel_blocks(
@@ -161,14 +160,13 @@ def _wheel_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArray
     if part.size <= ALL:
         squares, shapes = la.eigh(dense(part.stiffness), dense(part.mass))
         return squares, shapes
-    squares, shapes = lowest_modes(part, min(count, part.size - 1))
-    if part.centre_dofs is None or squares[0] <= 0.0:
-        return squares, shapes
+    count = min(count, part.size - 1)
+    if part.centre_dofs is None:
+        return lowest_modes(part, count)
     forces = np.zeros((part.size, 2))
     forces[part.centre_dofs, [0, 1]] = 1.0
-    moved = static_solution(part.stiffness, np.zeros((part.size, 0)), forces)
+    squares, shapes, moved = modes_and_static(part, count, forces)
     moved /= np.sqrt(np.einsum("im,im->m", moved, part.mass @ moved))
-    moved -= shapes @ (shapes.T @ (part.mass @ moved))
     basis = np.hstack([shapes, moved])
     squares, vectors = la.eigh(basis.T @ (part.stiffness @ basis), basis.T @ (part.mass @ basis))
     return squares, basis @ vectors

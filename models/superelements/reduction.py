@@ -17,15 +17,13 @@ nodes have mass, and C is zero.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray, absent
-from bladewhirl.models.superelements.solver import announce, factorised
+from bladewhirl.models.superelements.solver import MatrixPencil, announce
 from bladewhirl.models.superelements.superelement import (
     Matrix,
     Superelement,
@@ -33,9 +31,6 @@ from bladewhirl.models.superelements.superelement import (
     dense,
     diagonal,
 )
-
-DENSE = 2000
-"""Largest number of coordinates for which dense matrices are used."""
 
 RIGID = 1e-10
 """A mode is rigid if its squared frequency is at most this fraction of the smallest ratio of
@@ -45,6 +40,10 @@ ENOUGH = 1e-12
 """The smallest eigenvalue of the radial residual flexibility must exceed this fraction of the
 largest radial static flexibility."""
 
+STIFF = (
+    "stiffness: expected a matrix that is not indefinite, and no motion without stiffness except"
+    " rigid ones"
+)
 
 FURTHER = ("damping", "gyroscopic", "stiffness_speed", "stiffness_speed4")
 """Optional matrices of a superelement, which couple its modes."""
@@ -93,23 +92,13 @@ def massless(part: Superelement, modes: int) -> ReducedSuperelement:
             contact node has no radial residual flexibility; or a matrix is indefinite.
     """
     rows = part.contact_rows
-    if part.size > DENSE:
-        announce(part.size, modes, rows.shape[0])
-    squares, shapes = lowest_modes(part, modes)
-    contact = rows @ shapes
-    rigid = shapes[:, squares <= rigid_limit(part)]
+    squares, shapes, moved = modes_and_static(part, modes, dense(rows).T)
     elastic = squares > rigid_limit(part)
-    try:
-        static = static_flexibility(part, rows, rigid)
-    except (la.LinAlgError, RuntimeError):  # of the dense and of the sparse solver
-        raise SuperelementError(
-            "stiffness: expected no motion without stiffness except rigid ones; the matrix is"
-            " singular"
-        ) from None
-    kept = contact[:, elastic]
-    compliance = static - (kept / squares[elastic]) @ kept.T
+    kept = rows @ shapes[:, elastic]
+    compliance = np.asarray(rows @ moved)
     compliance = 0.5 * (compliance + compliance.T)
-    if not la.eigvalsh(compliance[::3, ::3])[0] > ENOUGH * diagonal(static)[::3].max():
+    static = np.diag(compliance)[::3] + ((kept**2) @ (1.0 / squares[elastic]))[::3]
+    if not la.eigvalsh(compliance[::3, ::3])[0] > ENOUGH * static.max():
         raise SuperelementError(
             f"expected fewer free-interface modes than {modes}: the modes that are left out have to"
             " give all contact nodes a radial flexibility"
@@ -135,13 +124,7 @@ def consistent(part: Superelement, fixed_interface_modes: int, kept: int) -> Red
         SuperelementError: `fixed_interface_modes` is larger than the number of coordinates that are
             not on the boundary.
     """
-    small = part.size <= DENSE
-    mass: Any = part.mass
-    stiffness: Any = part.stiffness
-    if small:
-        mass, stiffness = dense(mass), dense(stiffness)
-    else:
-        mass, stiffness = sp.csc_array(mass), sp.csc_array(stiffness)
+    mass, stiffness = sp.csr_array(part.mass), sp.csr_array(part.stiffness)
     boundary = part.contact_dofs[part.contact_dofs >= 0]
     if part.centre_dofs is not None:
         boundary = np.concatenate([boundary, part.centre_dofs])
@@ -153,28 +136,13 @@ def consistent(part: Superelement, fixed_interface_modes: int, kept: int) -> Red
         )
     basis = np.zeros((part.size, len(boundary) + fixed_interface_modes))
     basis[boundary, np.arange(len(boundary))] = 1.0
-    inner, edge = stiffness[np.ix_(inside, inside)], stiffness[np.ix_(inside, boundary)]
-    if small:
-        if len(inside):
-            basis[inside, : len(boundary)] = -la.solve(inner, edge, assume_a="pos")
-        if fixed_interface_modes:
-            _, vectors = la.eigh(
-                inner, mass[np.ix_(inside, inside)], subset_by_index=[0, fixed_interface_modes - 1]
-            )
-            basis[inside, len(boundary) :] = vectors
-    else:
+    if len(inside):
         announce(part.size, fixed_interface_modes, len(boundary))
-        solve = factorised(sp.csc_array(inner))
-        basis[inside, : len(boundary)] = -np.column_stack([solve(c) for c in edge.toarray().T])
-        inertia = sp.csc_array(mass[np.ix_(inside, inside)])
+        rows = stiffness[inside]
+        pencil = _factorised(rows[:, inside], mass[inside][:, inside], 0.0)
+        basis[inside, : len(boundary)] = -pencil.solve(rows[:, boundary].toarray())
         if fixed_interface_modes:
-            inverse = spla.LinearOperator(inner.shape, matvec=solve, dtype=np.float64)
-            _, basis[inside, len(boundary) :] = spla.eigsh(
-                *(inner, fixed_interface_modes, inertia),
-                sigma=0.0,
-                OPinv=inverse,
-                v0=_start(len(inside)),
-            )
+            basis[inside, len(boundary) :] = _lowest(pencil, fixed_interface_modes)[1]
     squares, vectors = la.eigh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))
     _check_definite(part, squares)
     compliance = np.zeros((3 * part.contacts, 3 * part.contacts))
@@ -218,21 +186,45 @@ def lowest_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArray
         SuperelementError: `count` is not below the number of coordinates, or a matrix is
             indefinite.
     """
+    return modes_and_static(part, count, np.zeros((part.size, 0)))[:2]
+
+
+def modes_and_static(
+    part: Superelement, count: int, loads: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the lowest modes, see `lowest_modes`, and the static displacements under columns of
+    loads, (n, m), without their part in these modes.
+
+    Raises:
+        SuperelementError: as for `lowest_modes`, or other motions than those of the modes have no
+            stiffness.
+    """
     if not count <= part.size - 1:
         raise SuperelementError(
             f"expected at most {part.size - 1} modes of {part.size} coordinates, got {count}"
         )
+    announce(part.size, count, loads.shape[1])
+    pencil = _factorised(part.stiffness, part.mass, small_shift(part))
+    squares, shapes = _lowest(pencil, count)
+    _check_definite(part, squares)
     try:
-        if part.size <= DENSE:
-            squares, shapes = la.eigh(
-                dense(part.stiffness), dense(part.mass), subset_by_index=[0, count - 1]
-            )
-        else:
-            squares, shapes = _sparse_modes(part, count)
+        return squares, shapes, pencil.static(loads, shapes)
+    except la.LinAlgError:
+        raise SuperelementError(STIFF) from None
+
+
+def _factorised(stiffness: Matrix, mass: Matrix, shift: float) -> MatrixPencil:
+    try:
+        return MatrixPencil(stiffness, mass, shift)
+    except la.LinAlgError:
+        raise SuperelementError(STIFF) from None
+
+
+def _lowest(pencil: MatrixPencil, count: int) -> tuple[FloatArray, FloatArray]:
+    try:
+        return pencil.lowest(count)
     except la.LinAlgError:
         raise SuperelementError("mass: expected a positive definite matrix") from None
-    _check_definite(part, squares)
-    return squares, shapes
 
 
 def _check_definite(part: Superelement, squares: FloatArray) -> None:
@@ -243,58 +235,9 @@ def _check_definite(part: Superelement, squares: FloatArray) -> None:
         )
 
 
-def _sparse_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArray]:
-    """Return the lowest modes by the Lanczos method with a factorisation of K + s M, where the
-    small shift s > 0 allows rigid modes."""
-    shift = -1e3 * rigid_limit(part)
-    mass, stiffness = sp.csc_array(part.mass), sp.csc_array(part.stiffness)
-    solve = factorised(sp.csc_array(stiffness - shift * mass))
-    inverse = spla.LinearOperator(mass.shape, matvec=solve, dtype=np.float64)
-    squares, shapes = spla.eigsh(
-        stiffness, count, mass, sigma=shift, OPinv=inverse, v0=_start(part.size)
-    )
-    order = np.argsort(squares)
-    shapes = shapes[:, order]
-    return squares[order], shapes / np.sqrt(np.sum(shapes * (mass @ shapes), axis=0))
-
-
-def _start(size: int) -> FloatArray:
-    """Return the start of the Lanczos method: always the same, and without any symmetry, which
-    would hide modes."""
-    return np.random.default_rng(0).standard_normal(size)
-
-
-def static_flexibility(part: Superelement, rows: sp.csr_array, rigid: FloatArray) -> FloatArray:
-    """Return the static flexibility B K^-1 B^T [m/N], (rows, rows), without rigid modes.
-
-    Args:
-        part: superelement.
-        rows: matrix B from the coordinates to displacements, (rows, n).
-        rigid: mass-normalised rigid modes, (n, r), to whose complement the flexibility is limited.
-    """
-    loads = dense(rows).T
-    if rigid.size:
-        loads = loads - (part.mass @ rigid) @ (rigid.T @ loads)
-    moved = static_solution(part.stiffness, part.mass @ rigid, loads)
-    if rigid.size:
-        moved -= rigid @ (rigid.T @ (part.mass @ moved))
-    return np.asarray(rows @ moved)
-
-
-def static_solution(stiffness: Matrix, excluded: FloatArray, loads: FloatArray) -> FloatArray:
-    """Return displacements orthogonal to the columns of `excluded`, (n, e), under loads, (n, m)."""
-    n, extra = excluded.shape
-    padded = np.vstack([loads, np.zeros((extra, loads.shape[1]))])
-    if n <= DENSE:
-        border = np.block([[dense(stiffness), excluded], [excluded.T, np.zeros((extra, extra))]])
-        return np.asarray(la.solve(border, padded, assume_a="sym"))[:n]
-    matrix = (
-        sp.csc_array(sp.block_array([[stiffness, excluded], [excluded.T, None]]))
-        if extra
-        else stiffness
-    )
-    solve = factorised(sp.csc_array(matrix))
-    return np.column_stack([solve(column)[:n] for column in padded.T])
+def small_shift(part: Superelement) -> float:
+    """Return the shift of `solver` that allows rigid modes [rad2/s2]."""
+    return 1e3 * rigid_limit(part)
 
 
 def rigid_limit(part: Superelement) -> float:

@@ -1,32 +1,70 @@
-"""Sparse factorisation for large superelements: choice of the solver, cost, and progress."""
+"""Lowest modes and static displacements with one sparse factorisation; its cost and progress.
+
+Both follow from one factor, that of the shifted stiffness A = K + s M:
+
+The lowest modes are found by the block Lanczos method with the operator A^-1 M and full
+orthogonalisation (Grimes, Lewis and Simon 1994, SIAM J. Matrix Anal. Appl. 15(1)). A block has
+several vectors because a factor that is read from memory once solves for eight vectors in the time
+of two; ARPACK asks for one vector at a time.
+
+Static displacements without the modes phi, of which some may be rigid, follow from the iteration
+x <- x + A^-1 (f - M phi phi^T f - K x). Its error decreases by the factor s / (s + w^2) with the
+lowest frequency w of the other modes.
+"""
 
 import logging
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from importlib import import_module
-from importlib.util import find_spec
+from typing import Any
 
+import numpy as np
+import scipy.linalg as la
 import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.machine import memory
-from bladewhirl.models.superelements.superelement import SuperelementError
+from bladewhirl.models.superelements.cholesky import Cholesky
+from bladewhirl.models.superelements.superelement import Matrix, SuperelementError
 
 logger = logging.getLogger(__name__)
 
 LARGE = 20_000
 """Number of coordinates from which the cost of a reduction is reported."""
 
-FILL, BYTES = 15.0, 24.0
-"""Number of entries of the triangular factor of a solid with n coordinates, divided by n^(4/3)
-(measured for blades of 6,000 to 87,000 coordinates); and bytes per entry, for both factors."""
+FILL = 26.0
+"""Number of entries of the factor of a solid with n coordinates, divided by n^(4/3) (measured for
+blades and sectors of 6,000 to 65,000 coordinates)."""
 
-FACTOR_SECONDS, SOLVE_SECONDS = 3e-9, 2.5e-9
+FACTOR_SECONDS, SOLVE_SECONDS = 4e-9, 5e-10
 """Time of a factorisation divided by n^2, and time of a solution divided by the number of entries
 of the factor [s]; accurate to a factor of three."""
+
+BLOCK = 8  #: number of vectors of a block
+
+CONVERGED = 1e-11
+"""Largest residual of a mode, as a fraction of its eigenvalue."""
+
+ROUNDING = 1e-14
+"""Residual of all modes that is a rounding error, as a fraction of the largest eigenvalue."""
+
+LOST, DEPENDENT = 1e-28, 1e-15
+"""A direction of a block is a rounding error if the square of its norm is at most this fraction of
+that before orthogonalisation, or of the largest one in the block."""
+
+INDEFINITE = 1e-8
+"""The mass is indefinite if the square of a norm is below minus this fraction of the largest one.
+"""
+
+STEPS = 200  #: largest number of steps of the iteration for static displacements
+
+SETTLED, STAGNANT = 1e-13, 1e-8
+"""Static displacements have converged if a step changes them by at most the first fraction, or by
+at most the second one and no less than the step before, which is then a rounding error."""
+
+TINY = np.finfo(np.float64).tiny
 
 Progress = Callable[[int, int], None]
 """Callback; its arguments are the number of finished solutions and the number of all solutions."""
@@ -52,22 +90,32 @@ def reduction_progress(update: Progress) -> Iterator[None]:
         _watch.reset(token)
 
 
-def announce(coordinates: int, modes: int, loads: int) -> None:
+def announce(
+    coordinates: int, modes: int, loads: int, *, waves: int = 1, faces: int = 0, workers: int = 1
+) -> None:
     """Log the cost of a large reduction before it starts.
 
     Args:
         coordinates: number of coordinates.
         modes: number of modes.
         loads: number of static solutions.
+        waves: number of nodal diameters of a sector, whose vectors are complex; 1 for other
+            structures, whose vectors are real.
+        faces: number of coordinates on both faces of a sector.
+        workers: number of nodal diameters that are computed at the same time.
 
     Raises:
         SuperelementError: the reduction needs more memory than this computer has.
     """
-    solves, entries = 3 * modes + 20 + loads, FILL * coordinates ** (4.0 / 3.0)
+    numbers = 1 if waves == 1 else 2
+    vectors = 2 * modes + 4 * BLOCK
+    solves, entries = (vectors + loads) * waves, FILL * coordinates ** (4.0 / 3.0)
     if (watch := _watch.get()) is not None:
         watch.total, watch.done = solves, 0
-    needed = BYTES * entries + 8.0 * coordinates * (3 * modes + 2 * loads)
-    time = FACTOR_SECONDS * coordinates**2 + SOLVE_SECONDS * entries * solves
+    # Factor and fronts; then for each worker a Schur complement with its factor and the vectors.
+    of_worker = numbers * (2 * coordinates * vectors + faces**2)
+    needed = 8.0 * (1.3 * entries + 2.0 * faces**2 + workers * of_worker)
+    time = FACTOR_SECONDS * coordinates**2 + SOLVE_SECONDS * numbers * entries * solves / workers
     cost = f"{needed / 1e9:.2g} GB of memory"
     if needed > (most := memory()):
         raise SuperelementError(
@@ -81,24 +129,137 @@ def announce(coordinates: int, modes: int, loads: int) -> None:
         )
 
 
-def factorised(matrix: sp.csc_array) -> Callable[[FloatArray], FloatArray]:
-    """Return a function that solves linear systems with a sparse symmetric matrix.
+class Pencil(ABC):
+    """Stiffness K and mass M, real symmetric or complex Hermitian, with a factor of K + s M."""
 
-    Pardiso is used if it is installed (`pip install pypardiso`), otherwise SuperLU of SciPy.
-    """
-    solve: Callable[[FloatArray], FloatArray]
-    if find_spec("pypardiso") is None:
-        symmetric = {"SymmetricMode": True}
-        solve = spla.splu(matrix, permc_spec="MMD_AT_PLUS_A", options=symmetric).solve
-    else:
-        solver, rows = import_module("pypardiso").PyPardisoSolver(), sp.csr_matrix(matrix)
-        solver.factorize(rows)
-        solve = lambda right: solver.solve(rows, right)  # noqa: E731
+    size: int  #: number of coordinates, n
+    kind: type  #: type of the vectors, float or complex
+    shift: float  #: shift s [rad2/s2]
 
-    def counted(right: FloatArray) -> FloatArray:
+    @abstractmethod
+    def stiffness(self, x: Any) -> Any:
+        """Return K x, (n, m)."""
+
+    @abstractmethod
+    def mass(self, x: Any) -> Any:
+        """Return M x, (n, m)."""
+
+    @abstractmethod
+    def shifted_solution(self, loads: Any) -> Any:
+        """Return (K + s M)^-1 f for columns of loads, (n, m)."""
+
+    def solve(self, loads: Any) -> Any:
+        """Return (K + s M)^-1 f for columns of loads, (n, m), and count the solutions."""
+        found = self.shifted_solution(loads)
         if (watch := _watch.get()) is not None:
-            watch.done = min(watch.done + 1, watch.total)
+            watch.done = min(watch.done + loads.shape[1], watch.total)
             watch.update(watch.done, watch.total)
-        return solve(right)
+        return found
 
-    return counted
+    def lowest(self, count: int) -> tuple[FloatArray, Any]:
+        """Return the lowest modes: squared frequencies [rad2/s2], (count,), ascending, and
+        mass-normalised shapes [kg^-1/2], (n, count).
+
+        Raises:
+            LinAlgError: the mass is indefinite, or fewer than `count` modes have mass.
+        """
+        start = np.random.default_rng(0).standard_normal((self.size, min(BLOCK, self.size)))
+        block = self.solve(self.mass(start.astype(self.kind)))
+        basis: Any = np.zeros((self.size, 0), dtype=self.kind)
+        inertia: Any = basis
+        projected: Any = np.zeros((0, 0), dtype=self.kind)
+        while True:
+            block, weights, outside = self._orthonormal(block, basis, inertia)
+            known = basis.shape[1]
+            if known >= count:
+                inverse, vectors = la.eigh(projected)
+                residual = la.norm(outside @ vectors[-outside.shape[1] :, -count:], axis=0)
+                limit = CONVERGED * inverse[-count:] + ROUNDING * inverse[-1]
+                if not block.shape[1] or np.all(residual <= limit):
+                    squares = 1.0 / inverse[-count:][::-1] - self.shift
+                    return squares, basis @ vectors[:, -count:][:, ::-1]
+            if not block.shape[1]:
+                raise la.LinAlgError("too few modes have mass")
+            basis, inertia = np.hstack([basis, block]), np.hstack([inertia, weights])
+            block = self.solve(weights)
+            row = block.conj().T @ inertia
+            own = 0.5 * (row[:, known:] + row[:, known:].conj().T)
+            projected = np.block([[projected, row[:, :known].conj().T], [row[:, :known], own]])
+
+    def _orthonormal(self, block: Any, basis: Any, inertia: Any) -> tuple[Any, Any, Any]:
+        """Return a block made orthonormal to a basis and in itself with respect to the mass, its
+        product with the mass, and the coefficients of the given block on the new one."""
+        outside = np.eye(block.shape[1])
+        for _ in range(2):  # twice is enough for rounding errors
+            inside = (block.conj().T @ inertia).conj().T
+            block = block - basis @ inside
+            weights = self.mass(block)
+            gram = block.conj().T @ weights
+            squares, vectors = la.eigh(0.5 * (gram + gram.conj().T))
+            before = max((abs(inside) ** 2).sum(axis=0).max(), squares[-1])
+            if squares[0] < -INDEFINITE * before:
+                raise la.LinAlgError("the mass is indefinite")
+            kept = (squares > LOST * before) & (squares > DEPENDENT * squares[-1])
+            scale, vectors = np.sqrt(squares[kept]), vectors[:, kept]
+            block, weights = block @ (vectors / scale), weights @ (vectors / scale)
+            outside = (scale[:, None] * vectors.conj().T) @ outside
+            if not block.shape[1]:
+                break
+        return block, weights, outside
+
+    def static(self, loads: Any, shapes: Any) -> Any:
+        """Return static displacements under loads without their part in some modes, (n, m).
+
+        Args:
+            loads: columns of loads [N], (n, m).
+            shapes: mass-normalised shapes of these modes, among them all rigid ones, (n, modes).
+
+        Raises:
+            LinAlgError: other motions have no stiffness.
+        """
+        if not loads.shape[1]:
+            return loads
+        weights = self.mass(shapes)
+        rest = loads - weights @ (shapes.conj().T @ loads)
+        rest[:, abs(rest).max(axis=0) <= SETTLED * abs(loads).max(axis=0)] = 0.0  # rounding errors
+        moved, before = np.zeros_like(rest), np.inf
+        for _ in range(STEPS):
+            step = self.solve(rest - self.stiffness(moved))
+            step = step - shapes @ (weights.conj().T @ step)
+            moved = moved + step
+            change = float((abs(step).max(axis=0) / np.maximum(abs(moved).max(axis=0), TINY)).max())
+            if not self.shift or change <= SETTLED or before <= change <= STAGNANT:
+                return moved
+            before = change
+        raise la.LinAlgError("motions without stiffness")
+
+
+class MatrixPencil(Pencil):
+    """Real matrices of a structure."""
+
+    kind = float
+
+    def __init__(self, stiffness: Matrix, mass: Matrix, shift: float = 0.0) -> None:
+        """Factorise the shifted stiffness.
+
+        Args:
+            stiffness: stiffness [N/m], (n, n).
+            mass: mass [kg], (n, n).
+            shift: shift [rad2/s2].
+
+        Raises:
+            LinAlgError: the shifted stiffness is not positive definite.
+        """
+        self._stiffness, self._mass = sp.csr_array(stiffness), sp.csr_array(mass)
+        self.size, self.shift = self._mass.shape[0], shift
+        shifted = self._stiffness + shift * self._mass if shift else self._stiffness
+        self._factor = Cholesky(sp.csr_array(shifted))
+
+    def stiffness(self, x: FloatArray) -> FloatArray:
+        return np.asarray(self._stiffness @ x)
+
+    def mass(self, x: FloatArray) -> FloatArray:
+        return np.asarray(self._mass @ x)
+
+    def shifted_solution(self, loads: FloatArray) -> FloatArray:
+        return self._factor.solve(np.ascontiguousarray(loads))

@@ -1,7 +1,7 @@
 """A wheel from one sector: real modes and residual flexibility, by nodal diameter."""
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg as la
@@ -9,9 +9,12 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
-from bladewhirl.models.superelements.cyclic import check_size, cyclic_reduction
+from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.reduction import FURTHER, ReducedSuperelement, rigid_limit
+from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
+
+RIGID = "expected a sector without rigid modes and with a stiffness that is not indefinite"
 
 
 def massless_wheel(
@@ -35,7 +38,6 @@ def massless_wheel(
     Raises:
         SuperelementError: the sector has too many or too few coordinates, or rigid modes.
     """
-    check_size(part)
     rows = part.contact_rows
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
     frequency, contact, points, strains = [], [], [], []
@@ -43,38 +45,25 @@ def massless_wheel(
         key: [] for key in FURTHER if getattr(part, key) is not None
     }
     flexibility = np.zeros((sectors, rows.shape[0], rows.shape[0]))
-    none = sp.csr_array((0, part.size))
-    recovery = none if part.recovery is None else part.recovery
-    gauges = none if part.strain_recovery is None else part.strain_recovery
-    for k in range(sectors // 2 + 1):
-        block = cyclic_reduction(part, sectors, k)
-        stiffness, size = block.stiffness.toarray(), block.stiffness.shape[0]
-        if modes >= size:
-            raise SuperelementError(
-                f"expected fewer than {size} free-interface modes, the coordinates of a sector"
-            )
-        squares, shapes = la.eigh(stiffness, block.mass.toarray(), subset_by_index=[0, modes - 1])
-        if not squares[0] > rigid_limit(part):
-            raise SuperelementError("expected a sector without rigid modes")
-        fields = block.transformation @ shapes
-        at_nodes, at_points, at_gauges = rows @ fields, recovery @ fields, gauges @ fields
-        forces = (rows @ block.transformation).toarray().conj().T
-        static = forces.conj().T @ la.solve(stiffness, forces, assume_a="her")
-        residual = static - (at_nodes / squares) @ at_nodes.conj().T
+    with sector_errors(RIGID):
+        sector = Sector(part, sectors, modes=modes, loads=rows.shape[0], rigid=False)
+        waves = list(sector.each_wave(lambda wave: _reduced(part, wave, modes)))
+    for k, wave in enumerate(waves):
         pair = 0 < 2 * k < sectors
         for n, angle in enumerate(spread):  # sector n under a force on sector 0
-            flexibility[n] += (1 + pair) / sectors * (residual * np.exp(1j * k * angle)).real
+            turned = wave.residual * np.exp(1j * k * angle)
+            flexibility[n] += (1 + pair) / sectors * turned.real
         scale = np.sqrt((1 + pair) / sectors)
         for phase in (1.0, -1j) if pair else (1.0,):
             phases = [scale * phase * np.exp(1j * k * angle) for angle in spread]
-            contact.append(np.vstack([(one * at_nodes).real for one in phases]))
-            each = np.stack([(one * at_points).real for one in phases])
+            contact.append(np.vstack([(one * wave.contact).real for one in phases]))
+            each = np.stack([(one * wave.points).real for one in phases])
             each = each.reshape(sectors, -1, 3, modes)
             points.append(rotate(each, spread[:, None, None], axis=2).reshape(-1, modes))
-            strains.append(np.vstack([(one * at_gauges).real for one in phases]))
-            frequency.append(np.sqrt(squares))
+            strains.append(np.vstack([(one * wave.strains).real for one in phases]))
+            frequency.append(np.sqrt(wave.squares))
         for key, blocks in further.items():
-            blocks.append(_on_waves(fields.conj().T @ (getattr(part, key) @ fields), pair=pair))
+            blocks.append(_on_waves(wave.further[key], pair=pair))
     order = np.argsort(np.concatenate(frequency), kind="stable")
     compliance = np.block(
         [[flexibility[(i - j) % sectors] for j in range(sectors)] for i in range(sectors)]
@@ -91,6 +80,47 @@ def massless_wheel(
         **{key: la.block_diag(*blocks)[order][:, order] for key, blocks in further.items()},
     )
     return _wheel(part, spread, np.asarray(values, dtype=np.float64)), reduced
+
+
+class _ReducedWave(NamedTuple):
+    """Modes and residual flexibility of one nodal diameter, all for the first sector."""
+
+    squares: FloatArray  #: squared frequencies [rad2/s2], (modes,)
+    contact: ComplexArray  #: displacements of the contact nodes, (3c, modes)
+    points: ComplexArray  #: displacements of the points, (3p, modes)
+    strains: ComplexArray  #: strains of the gauges, (gauges, modes)
+    residual: ComplexArray  #: residual flexibility of the contact displacements [m/N], (3c, 3c)
+    further: dict[str, ComplexArray]  #: optional matrices on the modes, (modes, modes) each
+
+
+def _reduced(part: Superelement, wave: Wave, modes: int) -> _ReducedWave:
+    """Return the reduction for one nodal diameter.
+
+    Raises:
+        SuperelementError: there are too few coordinates, or rigid modes.
+    """
+    if modes >= wave.size:
+        raise SuperelementError(
+            f"expected fewer than {wave.size} free-interface modes, the coordinates of a sector"
+        )
+    squares, shapes = wave.lowest(modes)
+    if not squares[0] > rigid_limit(part):
+        raise SuperelementError(RIGID)
+    forces = (part.contact_rows @ wave.tie).conj().T.toarray()
+    residual = forces.conj().T @ wave.static(forces, shapes)
+    fields, none = wave.tie @ shapes, np.zeros((0, modes), dtype=np.complex128)
+    return _ReducedWave(
+        squares=squares,
+        contact=part.contact_rows @ fields,
+        points=none if part.recovery is None else part.recovery @ fields,
+        strains=none if part.strain_recovery is None else part.strain_recovery @ fields,
+        residual=0.5 * (residual + residual.conj().T),
+        further={
+            key: fields.conj().T @ (matrix @ fields)
+            for key in FURTHER
+            if (matrix := getattr(part, key)) is not None
+        },
+    )
 
 
 def _on_waves(matrix: ComplexArray, *, pair: bool) -> FloatArray:

@@ -79,5 +79,5 @@ def test_what_is_not_a_sector_is_refused(free: Superelement) -> None:
 
 def test_a_free_sector_is_refused_in_one_line(free: Superelement) -> None:
     """Its rigid modes have frequencies of rounding errors, which must not be divided by."""
-    with pytest.raises(SuperelementError, match=r"^expected a sector without rigid modes$"):
+    with pytest.raises(SuperelementError, match=r"^expected a sector without rigid modes .*$"):
         massless_wheel(free, SECTORS, 10)

@@ -1,14 +1,11 @@
 """Reduction of superelements to modes and contact nodes."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.superelements import reduction, solver
+from bladewhirl.models.superelements import solver
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError, dense
@@ -36,11 +33,7 @@ def chain(nodes: int, *, clamped: bool = True, angle: float = 0.3) -> Supereleme
     )
 
 
-@pytest.mark.parametrize("dense", [5, 1000])
-def test_static_flexibility_is_exact_for_any_number_of_modes(
-    monkeypatch: pytest.MonkeyPatch, dense: int
-) -> None:
-    monkeypatch.setattr(reduction, "DENSE", dense)  # sparse and dense solvers
+def test_static_flexibility_is_exact_for_any_number_of_modes() -> None:
     part = chain(20)
     rows = part.contact_rows.toarray()
     static = rows @ np.linalg.solve(part.stiffness, rows.T)
@@ -55,31 +48,9 @@ def test_static_flexibility_is_exact_for_any_number_of_modes(
     assert stretched == pytest.approx(static, rel=1e-9, abs=1e-16)  # constraint modes are exact
 
 
-def test_solvers_of_other_libraries_get_numbers_of_double_precision(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Pardiso refuses all others, also the integers with which SciPy asks for a type."""
-    factorised = solver.factorised
-
-    def strict(matrix: sp.csc_array) -> Callable[[FloatArray], FloatArray]:
-        solve = factorised(matrix)
-
-        def checked(right: FloatArray) -> FloatArray:
-            assert right.dtype == np.float64
-            return solve(right)
-
-        return checked
-
-    monkeypatch.setattr(reduction, "DENSE", 5)
-    monkeypatch.setattr(reduction, "factorised", strict)
-    assert massless(chain(20), 3).kept == 3
-    assert consistent(chain(20), 3, 3).kept == 3
-
-
 def test_the_cost_of_a_large_superelement_is_told_before_and_its_progress(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr(reduction, "DENSE", 5)
     monkeypatch.setattr(solver, "LARGE", 5)
     steps: list[tuple[int, int]] = []
     with solver.reduction_progress(lambda done, total: steps.append((done, total))):

@@ -1,0 +1,139 @@
+"""Sparse factorisation, and modes and static displacements that follow from it, compared with the
+dense matrices of LAPACK."""
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+import scipy.sparse as sp
+from solid_meshes import SECTORS, bladed_sector, cantilever
+
+from bladewhirl.models.solids.blade import mesh3d
+from bladewhirl.models.superelements.cholesky import Cholesky
+from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.reduction import massless, rigid_limit
+from bladewhirl.models.superelements.sector import Sector, Wave
+from bladewhirl.models.superelements.solver import MatrixPencil
+from bladewhirl.models.superelements.superelement import Superelement, SuperelementError, dense
+from bladewhirl.models.superelements.wheel import massless_wheel
+
+steel = partial(mesh3d, young_modulus=2.1e11, poisson_ratio=0.3, density=7800.0)
+
+
+@pytest.fixture(scope="module")
+def blade() -> Superelement:
+    """Return a blade of 1,170 coordinates, clamped at its root."""
+    return steel(cantilever("hexahedron20", (14, 3, 1)))
+
+
+@pytest.fixture(scope="module")
+def sector() -> Superelement:
+    """Return a sector of 546 coordinates, of which 105 are on each face."""
+    mesh = bladed_sector("hexahedron20")
+    return steel(mesh, contacts=3, speed=800.0, left="left", right="right", copies=SECTORS)
+
+
+def test_a_factor_solves_and_leaves_the_schur_complement(blade: Superelement) -> None:
+    matrix = sp.csr_array(blade.stiffness)
+    loads = np.random.default_rng(1).standard_normal((blade.size, 3))
+    factor = Cholesky(matrix)
+    assert factor.entries < 0.5 * blade.size**2  # it is sparse
+    expected = la.solve(dense(matrix), loads)
+    assert factor.solve(loads) == pytest.approx(expected, rel=1e-7, abs=1e-9 * abs(expected).max())
+    last = np.arange(7, blade.size, 40)
+    inner = np.setdiff1d(np.arange(blade.size), last)
+    bordered = Cholesky(matrix, last)
+    a, b, c = (dense(matrix[i][:, j]) for i, j in ((inner, inner), (inner, last), (last, last)))
+    schur = c - b.T @ la.solve(a, b, assume_a="pos")
+    assert bordered.schur == pytest.approx(schur, rel=1e-8, abs=1e-9 * abs(schur).max())
+    eliminated, left_over = bordered.forward(loads)
+    solution = bordered.backward(eliminated, la.solve(schur, left_over))
+    assert solution == pytest.approx(expected, rel=1e-6, abs=1e-8 * abs(expected).max())
+
+
+def test_separate_parts_and_dense_matrices_are_factorised() -> None:
+    rng = np.random.default_rng(2)
+    blocks = [one @ one.T + np.eye(len(one)) for n in (1, 300, 4) for one in (rng.random((n, n)),)]
+    matrix = la.block_diag(*blocks)
+    loads = rng.standard_normal((len(matrix), 2))
+    assert matrix @ Cholesky(sp.csr_array(matrix)).solve(loads) == pytest.approx(loads, abs=1e-9)
+
+
+def test_matrices_that_are_not_positive_definite_are_refused() -> None:
+    matrix = sp.diags_array([[1.0, 2.0, -1e-3]], offsets=[0])
+    with pytest.raises(la.LinAlgError, match="not positive definite"):
+        Cholesky(sp.csr_array(matrix))
+    with pytest.raises(la.LinAlgError, match="mass is indefinite"):
+        MatrixPencil(np.eye(3), np.diag([1.0, 2.0, -1.0])).lowest(2)
+    with pytest.raises(la.LinAlgError, match="too few modes"):
+        MatrixPencil(np.eye(3), np.diag([1.0, 2.0, 0.0])).lowest(3)
+
+
+@pytest.mark.parametrize("count", [1, 12, 60])
+def test_the_lowest_modes_are_those_of_dense_matrices(blade: Superelement, count: int) -> None:
+    squares, shapes = MatrixPencil(blade.stiffness, blade.mass).lowest(count)
+    expected, vectors = la.eigh(
+        dense(blade.stiffness), dense(blade.mass), subset_by_index=[0, count - 1]
+    )
+    assert squares == pytest.approx(expected, rel=1e-8)
+    assert shapes.T @ (blade.mass @ shapes) == pytest.approx(np.eye(count), abs=1e-10)
+    assert abs(np.diag(vectors.T @ (blade.mass @ shapes))) == pytest.approx(1.0, abs=1e-8)
+
+
+def test_equal_frequencies_are_all_found() -> None:
+    """Twenty equal chains of masses have modes of twenty equal frequencies."""
+    one = sp.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(40, 40))
+    stiffness = sp.kron(sp.eye_array(20), one)
+    squares, _ = MatrixPencil(sp.csr_array(stiffness), sp.eye_array(800)).lowest(50)
+    waves = np.pi * np.array([1, 2, 3]) / 41
+    expected = np.repeat(4.0 * np.sin(waves / 2.0) ** 2, 20)[:50]
+    assert squares == pytest.approx(expected, rel=1e-8)
+
+
+def test_a_free_blade_has_six_rigid_modes_and_a_finite_residual_flexibility() -> None:
+    mesh = cantilever("hexahedron20")
+    free = steel(mesh, clamped=None, contacts=3)
+    reduced = massless(free, 20)
+    assert np.count_nonzero(reduced.frequency**2 < rigid_limit(free)) == 6
+    squares, shapes = la.eigh(dense(free.stiffness), dense(free.mass))
+    higher = free.contact_rows @ shapes[:, 20:] / np.sqrt(squares[20:])
+    expected = higher @ higher.T
+    assert reduced.compliance == pytest.approx(expected, rel=1e-6, abs=1e-7 * abs(expected).max())
+    with pytest.raises(SuperelementError, match="no motion without stiffness except rigid ones"):
+        massless(free, 4)  # two rigid motions are left
+
+
+@pytest.mark.parametrize("rigid", [False, True])
+def test_waves_of_a_sector_are_those_of_dense_matrices(sector: Superelement, rigid: bool) -> None:
+    count, rows = 15, sector.contact_rows
+    loads = np.eye(sector.size)[:, :4]
+
+    def computed(wave: Wave) -> tuple[Any, Any, Any]:
+        squares, shapes = wave.lowest(count)
+        forces = wave.tie.conj().T @ loads
+        return squares, wave.tie @ shapes, rows @ wave.tie @ wave.static(forces, shapes)
+
+    waves = list(Sector(sector, SECTORS, modes=count, loads=4, rigid=rigid).each_wave(computed))
+    assert len(waves) == SECTORS // 2 + 1
+    for k, (squares, fields, moved) in enumerate(waves):
+        block = cyclic_reduction(sector, SECTORS, k)
+        stiffness, mass = block.stiffness.toarray(), block.mass.toarray()
+        expected, vectors = la.eigh(stiffness, mass)
+        assert squares == pytest.approx(expected[:count], rel=1e-9)
+        among = (block.transformation @ vectors[:, :count]).conj().T @ (sector.mass @ fields)
+        assert among.conj().T @ among == pytest.approx(np.eye(count), abs=1e-8)
+        tie = block.transformation
+        higher = vectors[:, count:] / np.sqrt(expected[count:])
+        static = (rows @ tie @ higher) @ (tie @ higher).conj().T @ loads
+        assert moved == pytest.approx(static, rel=1e-7, abs=1e-8 * abs(static).max())
+
+
+def test_faults_of_a_sector_end_in_one_line(sector: Superelement) -> None:
+    soft = replace(sector, stiffness=sector.stiffness - 1e-3 * sp.eye_array(sector.size) * 1e12)
+    with pytest.raises(SuperelementError, match=r"^expected .* not indefinite$"):
+        massless_wheel(soft, SECTORS, 5)
+    with pytest.raises(SuperelementError, match=r"fewer than .* free-interface modes"):
+        massless_wheel(sector, SECTORS, 5000)
