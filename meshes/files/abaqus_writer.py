@@ -1,7 +1,7 @@
 """Writing of line meshes as Abaqus input, .inp.
 
 Groups are written as sets, NSET for nodes and ELSET for lines; rectangular sections with their
-materials and point masses are written as data. `abaqus_reader` reads such files.
+materials and point masses are written as data. `abaqus_lines` reads such files.
 """
 
 import re
@@ -10,7 +10,7 @@ from typing import TextIO
 
 import numpy as np
 
-from bladewhirl.meshes.files.abaqus_reader import OWN_SETS, POINT_MASSES, SECTION
+from bladewhirl.meshes.files.abaqus_lines import OWN_SETS, POINT_MASSES, SECTION
 from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
 from bladewhirl.meshes.line_mesh import IntArray
 

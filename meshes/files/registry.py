@@ -5,8 +5,9 @@ from os import PathLike, strerror
 from pathlib import Path
 
 from bladewhirl.files import replacing
-from bladewhirl.meshes.files.abaqus_reader import POINT_MASSES, SECTION, read_inp
+from bladewhirl.meshes.files.abaqus_lines import POINT_MASSES, SECTION, read_inp
 from bladewhirl.meshes.files.abaqus_writer import write_inp
+from bladewhirl.meshes.files.formats import format_of, unreadable
 from bladewhirl.meshes.files.gmsh import read_msh, write_msh
 from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
 from bladewhirl.meshes.files.vtu import read_vtu, write_vtu
@@ -31,7 +32,10 @@ def read_line_mesh(path: str | PathLike[str]) -> GroupedLines:
     file = Path(path)
     if file.exists() and not file.is_file():
         raise MeshFileError("a regular file")
-    mesh = READERS[_known_suffix(file)](file)
+    kind = format_of(file)
+    if kind not in READERS:
+        raise MeshFileError(unreadable(file))
+    mesh = READERS[kind](file)
     if len(mesh.lines) > MOST_LINES:
         raise MeshFileError(f"at most {MOST_LINES} lines; the mesh has {len(mesh.lines)}")
     if not (mesh.lines.min() >= 0 and mesh.lines.max() < len(mesh.points)):

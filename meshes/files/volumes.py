@@ -10,7 +10,8 @@ import meshio
 import numpy as np
 
 from bladewhirl.meshes.coincident import places_of
-from bladewhirl.meshes.files.abaqus_reader import Section, SolidMesh, abaqus_mesh
+from bladewhirl.meshes.files.abaqus_solids import Section, SolidMesh, abaqus_mesh
+from bladewhirl.meshes.files.formats import ABAQUS, format_of, unreadable
 from bladewhirl.meshes.files.gmsh import TAG, gmsh_mesh, is_member
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.meshio_cells import readable, stacked
@@ -45,12 +46,17 @@ class VolumeMesh:
     cell_groups: Mapping[str, IntArray] = field(default_factory=dict)
     """Name -> numbers of cells, counted through all blocks."""
     sections: tuple[Section, ...] = ()  #: materials of groups of cells in the file
+    ignored: tuple[tuple[str, IntArray], ...] = ()
+    """What connects or loads nodes in the file and is not read, and these nodes, see `SolidMesh`.
+    """
     name: str = ""  #: name of the file, without its folder
     rows: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     """Place of each node among the points of the source, (nodes,)."""
 
 
-def read_volume_mesh(mesh: meshio.Mesh | str | PathLike[str]) -> VolumeMesh:
+def read_volume_mesh(
+    mesh: meshio.Mesh | str | PathLike[str], *, outside: bool = False
+) -> VolumeMesh:
     """Read a mesh of a solid with its groups.
 
     A group contains the nodes of its cells, which may have any dimension. The groups of a Gmsh file
@@ -61,7 +67,8 @@ def read_volume_mesh(mesh: meshio.Mesh | str | PathLike[str]) -> VolumeMesh:
 
     Args:
         mesh: mesh of meshio, or path of a .msh file of Gmsh, a .vtu file, or an .inp file of Abaqus
-            or CalculiX.
+            or CalculiX. A file with another suffix whose text is that of Abaqus is read as such.
+        outside: whether files that an .inp file names may be outside its folder.
 
     Raises:
         MeshFileError: the file cannot be read, or cells have an unsupported type; the text
@@ -72,9 +79,11 @@ def read_volume_mesh(mesh: meshio.Mesh | str | PathLike[str]) -> VolumeMesh:
     file = Path(mesh)
     if file.exists() and not file.is_file():
         raise MeshFileError("a regular file")
-    if file.suffix.lower() not in READERS:
-        raise MeshFileError(f"a mesh file, {', '.join(READERS)}")
-    return _volumes(READERS[file.suffix.lower()](file), file.name)
+    kind = format_of(file)
+    if kind not in READERS:
+        raise MeshFileError(unreadable(file))
+    source = abaqus_mesh(file, outside=outside) if kind == ABAQUS else READERS[kind](file)
+    return _volumes(source, file.name)
 
 
 def merged(mesh: VolumeMesh, distance: float) -> VolumeMesh:
@@ -105,6 +114,7 @@ def merged(mesh: VolumeMesh, distance: float) -> VolumeMesh:
         points=mesh.points[kept],
         blocks=blocks,
         groups={name: np.unique(place[nodes]) for name, nodes in mesh.groups.items()},
+        ignored=tuple((text, place[nodes[nodes >= 0]]) for text, nodes in mesh.ignored),
         rows=mesh.rows[kept],
     )
 
@@ -169,6 +179,7 @@ def _volumes(source: SolidMesh, name: str) -> VolumeMesh:
         groups={key: nodes[nodes >= 0] for key, nodes in members.items()},
         cell_groups={key: np.unique(np.concatenate(one)) for key, one in cell_groups.items()},
         sections=source.sections,
+        ignored=tuple((text, place[nodes]) for text, nodes in source.ignored),
         name=name,
         rows=used,
     )

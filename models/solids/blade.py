@@ -66,6 +66,7 @@ def mesh3d(
     merge: float | str | None = None,
     stiffening: Measure | None = "prestress",
     coriolis: bool = False,
+    outside_files: bool = False,
     name: str = "",
 ) -> Superelement:
     """Make a superelement of a blade or a sector from a mesh of tetrahedra, wedges or hexahedra.
@@ -123,6 +124,8 @@ def mesh3d(
             K_u = K and K2 = 0; None, or a free part, for a superelement at rest only.
         coriolis: true to add the matrix of the Coriolis forces 2 M e_z x v, for the velocity v and
             a speed of 1 rad/s.
+        outside_files: whether files that an .inp file names in *INCLUDE and INPUT= may be outside
+            its folder.
         name: name of the superelement; by default that of the file.
 
     Returns:
@@ -137,9 +140,13 @@ def mesh3d(
     omega = _speed(speed)
     if mass_quadrature not in QUADRATURES:
         raise invalid("mass_quadrature", mass_quadrature, '"full" or "reduced"')
+<<<<<<< HEAD
     if stiffening not in (None, *get_args(Measure)):
         raise invalid("stiffening", stiffening, '"prestress", "stress" or None')
     volumes, notes = _merged(_scaled(mesh, unit, axis), merge)
+=======
+    volumes, notes = _merged(_scaled(mesh, unit, axis, outside_files), merge)
+>>>>>>> 2a3860b2 (Decks of Abaqus and CalculiX are read as they are: included files, parts, surfaces, couplings)
     if stiff := [name for name, _ in volumes.blocks if ELEMENTS[name].first_order]:
         names = " and ".join(stiff)
         expected = "expected elements of second order, or C3D8I in place of C3D8"
@@ -158,6 +165,12 @@ def mesh3d(
         notes += note
         faces = free_faces(first, second, fixed)
     touching = contact_nodes(volumes.points, group, contacts, fixed, sides)
+    if ignored := dict.fromkeys(
+        text for text, nodes in volumes.ignored if not len(nodes) or not np.isin(nodes, fixed).all()
+    ):
+        text = f"{', '.join(ignored)} of {volumes.name} are not read: expected solids only"
+        text += "; bladewhirl import reads the matrices of CalculiX, which contain them"
+        warnings.warn(text, Hint, stacklevel=2)
     given = {"young_modulus": young_modulus, "poisson_ratio": poisson_ratio, "density": density}
     materials = materials_of(volumes, given, unit, mass_unit)
     try:
@@ -237,7 +250,7 @@ def _merged(mesh: VolumeMesh, given: float | str | None) -> tuple[VolumeMesh, st
     return made, f", {note}"
 
 
-def _scaled(mesh: Any, unit: str, axis: str) -> VolumeMesh:
+def _scaled(mesh: Any, unit: str, axis: str, outside: bool) -> VolumeMesh:
     """Return a mesh with lengths in metres and the axis of rotation z."""
     try:
         scale = to_si(f"1 {unit}", "m")
@@ -246,7 +259,7 @@ def _scaled(mesh: Any, unit: str, axis: str) -> VolumeMesh:
     if axis not in AXES:
         raise invalid("axis", axis, '"x", "y" or "z"')
     try:
-        volumes = read_volume_mesh(mesh)
+        volumes = read_volume_mesh(mesh, outside=outside)
     except MeshFileError as error:
         shown = None if isinstance(mesh, meshio.Mesh) else str(mesh)
         raise invalid("mesh", shown, str(error)) from None

@@ -23,8 +23,8 @@ from skfem.element.element_h1 import ElementH1
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefHex, RefLine, RefTet, RefTri, RefWedge
 
+from bladewhirl.meshes.cells import CELL_TYPES, CellType
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.solids.cells import CELL_TYPES, CellType
 
 Rule = tuple[FloatArray, FloatArray]
 """Points, (3, points), and weights, (points,), of a quadrature in the reference cell."""

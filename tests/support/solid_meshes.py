@@ -11,7 +11,7 @@ import meshio
 import numpy as np
 from places import ROOT
 
-from bladewhirl.models.solids.cells import CELL_TYPES, CellType
+from bladewhirl.meshes.cells import CELL_TYPES, CellType
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 from bladewhirl.models.superelements.superelement import Superelement

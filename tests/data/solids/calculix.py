@@ -20,8 +20,8 @@ from solid_meshes import (
     node_set,
 )
 
-from bladewhirl.meshes.files.abaqus_reader import SOLIDS
-from bladewhirl.models.solids.cells import CELL_TYPES
+from bladewhirl.meshes.cells import CELL_TYPES
+from bladewhirl.meshes.files.abaqus_faces import SOLIDS
 
 SPEED = 1500.0
 """Speed of rotation [rad/s]."""

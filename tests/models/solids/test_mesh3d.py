@@ -21,10 +21,10 @@ from solid_meshes import (
     wheel_frequencies,
 )
 
-from bladewhirl.meshes.files.abaqus_reader import SOLIDS
+from bladewhirl.meshes.cells import CELL_TYPES
+from bladewhirl.meshes.files.abaqus_faces import SOLIDS
 from bladewhirl.models.inputs.errors import CaseError, Hint
 from bladewhirl.models.solids.blade import mesh3d
-from bladewhirl.models.solids.cells import CELL_TYPES
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 from bladewhirl.models.superelements.superelement import SuperelementError
 
@@ -380,7 +380,8 @@ def _turned_inside_out() -> meshio.Mesh:
         (_without("triangle"), {}, "cells of the types tetra, tetra10, wedge, wedge15, hexahedron"),
         (_turned_inside_out(), {}, "1 of 12 are, such as that around (0.208333, "),
         ("missing.msh", {}, "missing.msh"),
-        ("blade.stl", {}, "a mesh file, .msh, .vtu, .inp"),
+        ("blade.xyz", {}, "a mesh file, .vtu, .msh, .inp"),
+        ("blade.cdb", {}, "not a deck of Ansys; convert it"),
     ],
 )
 def test_what_cannot_be_right_is_refused(mesh: Any, changed: Any, expected: str) -> None:

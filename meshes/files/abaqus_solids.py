@@ -1,0 +1,128 @@
+"""Meshes of solids from input of Abaqus and CalculiX, .inp.
+
+Groups are sets of nodes and of elements, and surfaces. The order of the nodes of an element is that
+of VTK.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import meshio
+import numpy as np
+
+from bladewhirl.meshes.files.abaqus_faces import SOLIDS
+from bladewhirl.meshes.files.abaqus_mesh import AbaqusMesh, by_place
+from bladewhirl.meshes.files.abaqus_reader import SOLID, read_abaqus
+from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.meshio_cells import POINT
+from bladewhirl.meshes.line_mesh import IntArray
+
+
+class Section(NamedTuple):
+    """Material of a group of cells, in the units of the file."""
+
+    group: str  #: name of the group
+    material: str  #: name of the material
+    properties: Mapping[str, float]  #: young_modulus, poisson_ratio and density, as far as given
+    unread: str  #: keyword of the material that is not read, or nothing
+
+    def missing(self, key: str) -> str:
+        """Return why a property is missing."""
+        keyword = self.unread or ("*DENSITY" if key == "density" else "an isotropic *ELASTIC")
+        verb = f"has {keyword}, which is not read" if self.unread else f"lacks {keyword}"
+        return f"material {self.material} of their set {self.group} {verb}"
+
+
+class SolidMesh(NamedTuple):
+    """Mesh of meshio with what it cannot hold."""
+
+    mesh: meshio.Mesh
+    elements: tuple[str, ...] = ()  #: element of each block of cells; empty if the source has none
+    sections: tuple[Section, ...] = ()  #: materials of groups of cells; later ones replace earlier
+    ignored: tuple[tuple[str, IntArray], ...] = ()
+    """What connects or loads nodes and is not read, and these nodes; no nodes if unknown."""
+
+
+OTHERS = re.compile("(MASS|ROTARYI|SPRING|DASHPOT|CONN|S[3-9]|SC|STRI|B3|PIPE|M3D|GAP)")
+"""Start of the names of elements that change the motion of a solid. Others, such as CPS3, are taken
+for faces and edges of the solid, as which Gmsh writes them."""
+
+
+def abaqus_mesh(path: Path, *, outside: bool = False) -> SolidMesh:
+    """Return the solid elements of an .inp file, and its sets as sets of points.
+
+    Args:
+        path: path of the file.
+        outside: whether files that it names may be outside its folder.
+
+    Raises:
+        MeshFileError: the file is not a valid .inp file, or has elements that are not supported.
+    """
+    content = read_abaqus(path, outside=outside)
+    place = {number: row for row, number in enumerate(content.points)}
+    solids: dict[str, list[list[int]]] = {}
+    cell: dict[int, tuple[str, int]] = {}
+    for number, kind in content.types.items():
+        if SOLID.fullmatch(kind):
+            rows = solids.setdefault(kind, [])
+            cell[number] = kind, len(rows)
+            rows.append([place.get(node, -1) for node in content.elements[number]])
+    if other := [kind for kind in solids if kind not in SOLIDS]:
+        raise MeshFileError(
+            f"elements of the types {', '.join(SOLIDS)}; found {len(solids[other[0]])} of type"
+            f" {other[0]}{_instead(other[0])}"
+        )
+    if content.types and not solids:
+        kinds = Counter(content.types.values()).items()
+        found = ", ".join(f"{count} of type {kind}" for kind, count in kinds)
+        raise MeshFileError(
+            f"solids, elements of the types {', '.join(SOLIDS)}; found {found}: shells and beams"
+            " are not read"
+        )
+    cells = [(SOLIDS[kind], np.array(rows)) for kind, rows in solids.items()]
+    members = {name: [cell[n] for n in m if n in cell] for name, m in content.element_sets.items()}
+    mesh = meshio.Mesh(
+        np.array([*content.points.values()]).reshape(-1, 3),
+        cells or [(POINT, np.zeros((0, 1), dtype=np.int64))],
+        point_sets=by_place(content.groups(), place),
+        cell_sets={
+            name: [np.array([row for k, row in chosen if k == kind], dtype=int) for kind in solids]
+            for name, chosen in members.items()
+            if chosen
+        },
+    )
+    return SolidMesh(mesh, tuple(solids), tuple(_sections(content)), (*_ignored(content, place),))
+
+
+def _ignored(content: AbaqusMesh, place: Mapping[int, int]) -> Iterator[tuple[str, IntArray]]:
+    none = np.zeros(0, dtype=np.int64)
+    for keyword in sorted(content.constraints):
+        yield keyword, none
+    for keyword, _, nodes in content.couplings:
+        yield keyword, by_place({"": nodes}, place)[""]
+    for kind, count in Counter(content.types.values()).items():
+        if OTHERS.match(kind):
+            yield f"{count} elements {kind}", none
+
+
+def _sections(content: AbaqusMesh) -> Iterator[Section]:
+    for group, material in content.solid_sections:
+        if material.upper() not in content.materials:
+            raise MeshFileError(f"*MATERIAL, NAME={material}, which a *SOLID SECTION names")
+        unread = content.unread.get(material.upper(), "")
+        properties = {
+            key: value
+            for key, value in content.materials[material.upper()].items()
+            if not unread.startswith("*DENSITY" if key == "density" else "*ELASTIC")
+        }
+        yield Section(group, material, properties, unread)
+
+
+def _instead(kind: str) -> str:
+    """Return the supported elements with the nodes of another one, as the end of a message."""
+    size = SOLID.sub(r"C3D\1", kind)
+    alike = [name for name in SOLIDS if name.rstrip("IR") == size]
+    return f"; write {' or '.join(alike)} if that is what you mean" if alike else ""

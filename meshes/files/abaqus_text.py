@@ -1,0 +1,146 @@
+"""Text of Abaqus and CalculiX input: keywords, with their parameters and data lines.
+
+Comments are skipped, continued lines are joined, and the files that *INCLUDE and INPUT= name are
+read in their places. Numbers may have exponents of Fortran, such as 1.5d-3.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+
+from bladewhirl.files import LARGEST_TEXT, open_text
+from bladewhirl.meshes.files.groups import MeshFileError
+
+WITH_INPUT = frozenset(["INCLUDE", "NODE", "ELEMENT", "NSET", "ELSET"])
+"""Keywords whose data may be in the file that INPUT= names."""
+
+MOST_FILES = 1000  #: largest number of times that files are read in the place of a keyword
+
+SNIFFED = 200  #: number of lines in which Abaqus text is recognised
+
+
+@dataclass
+class Card:
+    """A keyword with its parameters and the data lines after it."""
+
+    keyword: str
+    parameters: dict[str, str]
+    rows: list[list[str]] = field(default_factory=list)
+
+    def needs(self, name: str) -> str:
+        """Return the value of a required parameter."""
+        if name not in self.parameters:
+            raise MeshFileError(f"*{self.keyword} with {name}=")
+        return self.parameters[name]
+
+
+def real(text: str) -> float:
+    """Return a number, perhaps with an exponent of Fortran such as 1.5d-3."""
+    return float(text.replace("d", "e").replace("D", "e"))
+
+
+def cards(path: Path, *, follow: bool = True, outside: bool = False) -> Iterator[Card]:
+    """Yield the keywords of an .inp file; text before the first one is skipped.
+
+    Args:
+        path: path of the file.
+        follow: whether the files that it names are read.
+        outside: whether these files may be outside the folder of the file.
+
+    Raises:
+        MeshFileError: a file cannot be read, or there are no keywords.
+    """
+    card: Card | None = None
+    for line in _Lines(path, follow, outside).of(path, ()):
+        if line.startswith("*"):
+            if card is not None:
+                yield card
+            card = _card(line)
+        elif card is not None:
+            card.rows.append([part.strip() for part in line.rstrip(",").split(",")])
+    if card is None:
+        raise MeshFileError("an .inp file, with keywords such as *NODE")
+    yield card
+
+
+def is_abaqus_text(path: Path) -> bool:
+    """Return whether the first line of a file that is no comment is a keyword of Abaqus."""
+    try:
+        with open_text(path, errors="replace") as stream:
+            lines = [line.strip() for line in islice(stream, SNIFFED)]
+    except OSError:
+        return False
+    first = next((line for line in lines if line and not line.startswith("**")), "")
+    return re.match(r"\*\s*[A-Za-z]", first) is not None
+
+
+def _card(line: str) -> Card:
+    keyword, *parameters = (part.strip() for part in line[1:].split(","))
+    pairs = (parameter.partition("=") for parameter in parameters if parameter)
+    values = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
+    return Card(" ".join(keyword.upper().split()), values)
+
+
+class _Lines:
+    """Lines of a file and of the files that it names.
+
+    Args:
+        path: path of the file.
+        follow: whether the files that it names are read.
+        outside: whether these files may be outside the folder of the file.
+    """
+
+    def __init__(self, path: Path, follow: bool, outside: bool) -> None:
+        self._folder, self._follow, self._outside = path.parent, follow, outside
+        self._files = self._bytes = 0
+
+    def of(self, path: Path, before: tuple[Path, ...]) -> Iterator[str]:
+        """Yield the lines without comments; a keyword with its continued lines is one line."""
+        try:
+            with open_text(path, errors="replace") as stream:
+                text = (line.strip() for line in stream.read().splitlines())
+        except OSError as error:
+            named = f" {path.name} for INPUT=" if before else ""
+            raise MeshFileError(f"a readable file{named} ({error.strerror})") from None
+        lines = (line for line in text if line and not line.startswith("**"))
+        for line in lines:
+            if not line.startswith("*"):
+                yield line
+                continue
+            while line.endswith(","):
+                following = next(lines, None)
+                if following is None:
+                    raise MeshFileError("another line: the last line ends with a comma")
+                line += following
+            card = _card(line)
+            if card.keyword != "INCLUDE":
+                yield line
+            if card.keyword in WITH_INPUT and "INPUT" in card.parameters:
+                yield from self.of(self._named(card, (*before, path)), (*before, path))
+
+    def _named(self, card: Card, before: tuple[Path, ...]) -> Path:
+        """Return the path of the file that a keyword names, relative to the folder of the mesh."""
+        given = card.parameters["INPUT"]
+        if not self._follow:
+            raise MeshFileError(
+                f"an .inp file without *{card.keyword}, INPUT=, with all nodes and elements listed"
+            )
+        folder = self._folder.resolve()
+        try:
+            path = (folder / given.replace("\\", "/")).resolve()
+            self._bytes += path.stat().st_size
+        except (OSError, ValueError, RuntimeError) as error:
+            raise MeshFileError(f"a readable file {given} for INPUT= ({error})") from None
+        if not (self._outside or path.is_relative_to(folder)):
+            raise MeshFileError(
+                f"files in the folder of the mesh for INPUT=, not {given};"
+                " outside_files = True allows others"
+            )
+        self._files += 1
+        if path in [one.resolve() for one in before]:
+            raise MeshFileError(f"files that do not include themselves; {given} does")
+        if self._files > MOST_FILES or self._bytes > LARGEST_TEXT:
+            raise MeshFileError(f"at most {MOST_FILES} files and {LARGEST_TEXT:g} bytes for INPUT=")
+        return path

@@ -1,0 +1,46 @@
+"""Format of a mesh file by its suffix and its text, and messages for formats that are not read."""
+
+from pathlib import Path
+
+from bladewhirl.meshes.files.abaqus_text import is_abaqus_text
+
+ABAQUS, GMSH, VTK = ".inp", ".msh", ".vtu"
+FORMATS = (VTK, GMSH, ABAQUS)
+"""Suffixes of the formats that are read."""
+
+OTHERS = {
+    ".cdb": "a deck of Ansys",
+    ".dat": "a deck of Ansys or Nastran",
+    ".bdf": "a deck of Nastran",
+    ".nas": "a deck of Nastran",
+    ".fem": "a deck of OptiStruct",
+    ".med": "a mesh of Code_Aster",
+    ".mail": "a mesh of Code_Aster",
+    ".unv": "a universal file",
+    ".k": "a deck of LS-DYNA",
+    ".vtk": "a legacy file of VTK",
+    ".stl": "a surface, which Gmsh can mesh",
+    ".step": "a geometry, which Gmsh can mesh",
+    ".stp": "a geometry, which Gmsh can mesh",
+}
+"""Suffixes of other files, and what they contain."""
+
+
+def format_of(path: Path) -> str:
+    """Return the suffix of the format of a file: that of its name, or `ABAQUS` if its text is."""
+    suffix = path.suffix.lower()
+    if suffix not in (ABAQUS, VTK) and is_abaqus_text(path):
+        return ABAQUS
+    return suffix
+
+
+def unreadable(path: Path) -> str:
+    """Return what is expected in place of a file with another suffix."""
+    listed = ", ".join(FORMATS)
+    kind = OTHERS.get(path.suffix.lower())
+    if kind is None:
+        return f"a mesh file, {listed}"
+    return (
+        f"a mesh file, {listed}, not {kind}; convert it, such as with meshio or Gmsh, or write"
+        " its matrices in Matrix Market for bladewhirl import"
+    )
