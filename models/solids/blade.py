@@ -140,13 +140,9 @@ def mesh3d(
     omega = _speed(speed)
     if mass_quadrature not in QUADRATURES:
         raise invalid("mass_quadrature", mass_quadrature, '"full" or "reduced"')
-<<<<<<< HEAD
     if stiffening not in (None, *get_args(Measure)):
         raise invalid("stiffening", stiffening, '"prestress", "stress" or None')
-    volumes, notes = _merged(_scaled(mesh, unit, axis), merge)
-=======
     volumes, notes = _merged(_scaled(mesh, unit, axis, outside_files), merge)
->>>>>>> 2a3860b2 (Decks of Abaqus and CalculiX are read as they are: included files, parts, surfaces, couplings)
     if stiff := [name for name, _ in volumes.blocks if ELEMENTS[name].first_order]:
         names = " and ".join(stiff)
         expected = "expected elements of second order, or C3D8I in place of C3D8"
