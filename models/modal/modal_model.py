@@ -100,6 +100,11 @@ class ModalModel(ABC):
         """Speed of rotation of the case [rad/s], counter-clockwise."""
         return self.case.march.speed.rad_per_s(self.reference_frequency)
 
+    def covering(self, highest: float) -> "ModalModel":
+        """Return the model for speeds up to the highest one [rad/s], on which a basis of modes may
+        depend."""
+        return self
+
     @property
     @abstractmethod
     def effects(self) -> Effects:

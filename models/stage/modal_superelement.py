@@ -66,7 +66,16 @@ class ModalSuperelement(ModalModel):
     stage: SuperelementStage  #: the structure at rest
     blocks: Blocks  #: matrices of each nodal diameter
     clamped_blocks: Blocks | None  #: the same with a clamped centre; None if no centre moves
+    families: int  #: number of families
     count: int | None  #: number of modes to list; all if None
+    highest: float  #: highest speed for which the blocks are made [rad/s]
+
+    def covering(self, highest: float) -> "ModalSuperelement":
+        if self.case.rotation.effects == "none" or highest <= self.highest:
+            return self
+        return modal_superelement(
+            self.case, families=self.families, count=self.count, highest=highest
+        )
 
     @property
     def effects(self) -> Effects:
@@ -296,7 +305,7 @@ class ModalSuperelement(ModalModel):
 
 
 def modal_superelement(
-    case: Case, *, families: int = FAMILIES, count: int | None = None
+    case: Case, *, families: int = FAMILIES, count: int | None = None, highest: float = 0.0
 ) -> ModalSuperelement:
     """Compute the modes of a superelement and of the casing.
 
@@ -304,26 +313,29 @@ def modal_superelement(
         case: case with a superelement.
         families: number of modes of each nodal diameter.
         count: number of the lowest modes to list, in place of `families`.
+        highest: highest speed at which modes are needed besides that of the case [rad/s].
 
     Raises:
         CaseError: the superelement cannot be reduced as the case demands.
     """
     stage = superelement_stage(without_rotation(case))
+    if case.rotation.effects != "none":
+        highest = max(highest, abs(case.march.speed.rad_per_s(stage.reference_frequency)))
     table, clamped = stage.table, None
     each = families + COUPLED if count is None else count + COUPLED_AT_ONE_SPEED
     try:
         if table.kind == "blade":
-            blocks = blade_blocks(table.part, table.copies, each)
+            blocks = blade_blocks(table.part, table.copies, each, highest)
         elif table.kind == "sector":
-            blocks = sector_blocks(table.part, table.copies, each)
+            blocks = sector_blocks(table.part, table.copies, each, highest)
         else:
             total = each * (table.copies if count is None else 1)
             springs = case.shaft.stiffnesses
             part = table.part if table.part.centre_dofs is None else on_springs(case, table.part)
-            blocks = wheel_blocks(part, springs, table.copies, total)
+            blocks = wheel_blocks(part, springs, table.copies, total, highest)
             if part.centre_dofs is not None:
                 fixed = with_clamped_centre(part)
-                clamped = wheel_blocks(fixed, springs, table.copies, total)
+                clamped = wheel_blocks(fixed, springs, table.copies, total, highest)
     except SuperelementError as error:
         text = str(error).removeprefix("expected ")
         raise CaseError([case_fault(case, f"{SOURCE}.file", text)]) from None
@@ -335,7 +347,9 @@ def modal_superelement(
         stage=stage,
         blocks=blocks,
         clamped_blocks=clamped,
+        families=families,
         count=count,
+        highest=highest,
     )
 
 

@@ -13,6 +13,24 @@ def fixed_at_speed(part: Superelement, omega: float) -> Superelement:
     return replace(turning, stiffness_speed=None, stiffness_speed4=None, speed=omega)
 
 
+def over_speeds(part: Superelement, highest: float) -> tuple[Superelement, ...]:
+    """Return a structure at rest and at half and all of the highest speed [rad/s], with K + Omega^2
+    M in place of the stiffness K: the modes are the same, and rotation softens none of them.
+
+    The modes of all three together describe motions at any speed in between, which those at rest
+    alone do slowly: 160 modes of each nodal diameter of a sector of solids leave an error of 1e-3
+    where stiffening raises a frequency by a hundredth. Without matrices of the change of the
+    stiffness, or without a speed, only the structure at rest is returned.
+    """
+    if part.stiffness_speed is None or highest == 0.0:
+        return (part,)
+    turning = (at_speed(part, omega, coriolis=True) for omega in (0.5 * highest, highest))
+    return part, *(
+        replace(each, stiffness=each.stiffness + omega**2 * part.mass)
+        for each, omega in zip(turning, (0.5 * highest, highest), strict=True)
+    )
+
+
 def at_speed(part: Superelement, omega: float, *, coriolis: bool) -> Superelement:
     """Return a superelement linearised about its state of steady rotation.
 

@@ -10,14 +10,20 @@ equal matrices for every nodal diameter.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.superelements.reduction import STIFF, lowest_modes, modes_and_static
+from bladewhirl.models.superelements.at_speed import over_speeds
+from bladewhirl.models.superelements.reduction import (
+    STIFF,
+    lowest_modes,
+    modes_and_static,
+    small_shift,
+)
 from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
 from bladewhirl.models.superelements.superelement import (
     FIXED,
@@ -38,6 +44,15 @@ EQUAL = 1e-6
 CYCLIC = 1e-4
 """A wheel is cyclic if a turn by one blade maps the modes of equal frequency onto each other with a
 relative error of at most this."""
+
+
+DEPENDENT = 1e-13
+"""A direction in the space of modes at several speeds is a rounding error if its stiffness is at
+most this fraction of the largest one."""
+
+LEAST_MASS = 1e-8  #: least mass of a motion of unit stiffness, divided by the largest one
+
+Field = TypeVar("Field", FloatArray, ComplexArray)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,46 +91,59 @@ Blocks = Mapping[int, NodalBlock]
 """Blocks by nodal diameter; the key `UNKNOWN` for the only block if the blades are not equal."""
 
 
-def blade_blocks(part: Superelement, blades: int, count: int) -> Blocks:
+def blade_blocks(part: Superelement, blades: int, count: int, highest: float = 0.0) -> Blocks:
     """Return the blocks of equal blades that do not influence each other, one for each nodal
     diameter.
 
     Args:
         part: the blade.
         blades: number of blades.
-        count: number of modes of a blade.
+        count: number of modes of a blade at a speed, see `over_speeds`.
+        highest: highest speed at which the blocks are used [rad/s].
     """
     if part.size <= min(count, ALL):
         shapes = la.eigh(dense(part.stiffness), dense(part.mass))[1]
     else:
-        _, shapes = lowest_modes(part, min(count, part.size - 1))
+        most, states = min(count, part.size - 1), over_speeds(part, highest)
+        shapes = _joined(part, [lowest_modes(each, most)[1] for each in states])
     block = _block(part, np.asarray(shapes, dtype=np.complex128))
     return dict.fromkeys(range(blades // 2 + 1), block)
 
 
-def sector_blocks(part: Superelement, sectors: int, count: int) -> Blocks:
+def sector_blocks(part: Superelement, sectors: int, count: int, highest: float = 0.0) -> Blocks:
     """Return the blocks of a wheel of equal sectors.
 
     Args:
         part: the sector.
         sectors: number of sectors.
-        count: number of modes of each nodal diameter.
+        count: number of modes of each nodal diameter at a speed, see `over_speeds`.
+        highest: highest speed at which the blocks are used [rad/s].
 
     Raises:
         SuperelementError: the sector takes too much memory, or its faces do not match.
     """
 
-    def block(wave: Wave) -> NodalBlock:
+    def lowest(wave: Wave) -> ComplexArray:
         _, shapes = wave.lowest(min(count, wave.size))
-        return _block(part, np.asarray(wave.tie @ shapes, dtype=np.complex128))
+        return np.asarray(wave.tie @ shapes, dtype=np.complex128)
 
-    with sector_errors(STIFF):
-        sector = Sector(part, sectors, modes=count, loads=0, rigid=True)
-        return dict(enumerate(sector.each_wave(block)))
+    fields: list[list[ComplexArray]] = []
+    for state in over_speeds(part, highest):
+        with sector_errors(STIFF):
+            sector = Sector(state, sectors, modes=count, loads=0, rigid=True)
+            fields.append([*sector.each_wave(lowest)])
+    return {
+        k: _block(part, _joined(part, [*of_wave]))
+        for k, of_wave in enumerate(zip(*fields, strict=True))
+    }
 
 
 def wheel_blocks(
-    part: Superelement, springs: tuple[float, float], blades: int, count: int
+    part: Superelement,
+    springs: tuple[float, float],
+    blades: int,
+    count: int,
+    highest: float = 0.0,
 ) -> Blocks:
     """Return the blocks of a whole bladed disk; the only block `UNKNOWN` if its blades differ or
     are not to be distinguished.
@@ -124,13 +152,19 @@ def wheel_blocks(
         part: the wheel, whose stiffness includes the springs of the shaft.
         springs: stiffness of these springs along x and y [N/m].
         blades: number of blades, whose contact nodes are listed one blade after the other.
-        count: number of modes; all of a small wheel.
+        count: number of modes at a speed, see `over_speeds`; all of a small wheel.
+        highest: highest speed at which the blocks are used [rad/s].
     """
-    squares, shapes = _wheel_modes(part, count)
-    groups = _by_nodal_diameter(part, squares, shapes, blades) if blades > 1 else None
-    if groups is None:
-        groups = {UNKNOWN: np.asarray(shapes, dtype=np.complex128)}
-    return {k: _block(part, fields, springs) for k, fields in sorted(groups.items())}
+    states = over_speeds(part, highest) if part.size > ALL else (part,)
+    modes = [_wheel_modes(each, count) for each in states]
+    found = [_by_nodal_diameter(part, *each, blades) if blades > 1 else None for each in modes]
+    groups = [each for each in found if each is not None]
+    if len(groups) < len(found):
+        groups = [{UNKNOWN: np.asarray(shapes, dtype=np.complex128)} for _, shapes in modes]
+    return {
+        k: _block(part, _joined(part, [each[k] for each in groups if k in each]), springs)
+        for k in sorted(set().union(*groups))
+    }
 
 
 def with_clamped_centre(part: Superelement) -> Superelement:
@@ -200,6 +234,29 @@ def _by_nodal_diameter(
             among, _ = np.linalg.qr(vectors[:, waves == wave])
             found[k].append(np.asarray(shapes[:, modes] @ among, dtype=np.complex128))
     return {k: np.hstack(fields) for k, fields in found.items() if fields}
+
+
+def _joined(part: Superelement, fields: list[Field]) -> Field:
+    """Return mass-normalised modes of the structure at rest in the space of all fields, (n, m).
+
+    Motions without mass, which incompatible modes of elements have, get the mass `LEAST_MASS`.
+    """
+    if len(fields) == 1:
+        return fields[0]
+    basis, shift = np.hstack(fields), small_shift(part)
+    for _ in range(3):  # again for rounding errors
+        basis = basis / np.linalg.norm(basis, axis=0)
+        strained = part.stiffness @ basis + shift * (part.mass @ basis)
+        lengths, turn = la.eigh(_hermitian(basis.conj().T @ strained))
+        kept = lengths > DEPENDENT * lengths[-1]
+        basis = basis @ (turn[:, kept] / np.sqrt(lengths[kept]))
+    masses, turn = la.eigh(_hermitian(basis.conj().T @ (part.mass @ basis)))
+    least = LEAST_MASS * masses[-1]
+    return np.asarray(basis @ (turn / np.sqrt(np.maximum(masses, least)))[:, ::-1])
+
+
+def _hermitian(matrix: Any) -> Any:
+    return 0.5 * (matrix + matrix.conj().T)
 
 
 def _block(

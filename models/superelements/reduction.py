@@ -93,6 +93,7 @@ def massless(part: Superelement, modes: int) -> ReducedSuperelement:
     """
     rows = part.contact_rows
     squares, shapes, moved = modes_and_static(part, modes, dense(rows).T)
+    check_count(len(squares), modes)
     elastic = squares > rigid_limit(part)
     kept = rows @ shapes[:, elastic]
     compliance = np.asarray(rows @ moved)
@@ -104,6 +105,17 @@ def massless(part: Superelement, modes: int) -> ReducedSuperelement:
             " give all contact nodes a radial flexibility"
         )
     return _reduced(part, squares, shapes, compliance, modes)
+
+
+def check_count(found: int, modes: int) -> None:
+    """Check that as many modes were found as were demanded.
+
+    Raises:
+        SuperelementError: there are fewer.
+    """
+    if found < modes:
+        text = f"expected at most {found} free-interface modes, got {modes}"
+        raise SuperelementError(f"{text}: other motions have no mass")
 
 
 def boundary_size(part: Superelement) -> int:
@@ -180,7 +192,7 @@ def _reduced(
 
 def lowest_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArray]:
     """Return the lowest modes: squared frequencies [rad2/s2], (count,), ascending, and
-    mass-normalised shapes [kg^-1/2], (n, count).
+    mass-normalised shapes [kg^-1/2], (n, count); fewer if the other motions have no mass.
 
     Raises:
         SuperelementError: `count` is not below the number of coordinates, or a matrix is

@@ -158,10 +158,10 @@ class Pencil(ABC):
 
     def lowest(self, count: int) -> tuple[FloatArray, Any]:
         """Return the lowest modes: squared frequencies [rad2/s2], (count,), ascending, and
-        mass-normalised shapes [kg^-1/2], (n, count).
+        mass-normalised shapes [kg^-1/2], (n, count); fewer if the other motions have no mass.
 
         Raises:
-            LinAlgError: the mass is indefinite, or fewer than `count` modes have mass.
+            LinAlgError: the mass is indefinite.
         """
         start = np.random.default_rng(0).standard_normal((self.size, min(BLOCK, self.size)))
         block = self.solve(self.mass(start.astype(self.kind)))
@@ -171,6 +171,7 @@ class Pencil(ABC):
         while True:
             block, weights, outside = self._orthonormal(block, basis, inertia)
             known = basis.shape[1]
+            count = count if block.shape[1] else min(count, known)
             if known >= count:
                 inverse, vectors = la.eigh(projected)
                 residual = la.norm(outside @ vectors[-outside.shape[1] :, -count:], axis=0)
@@ -178,8 +179,6 @@ class Pencil(ABC):
                 if not block.shape[1] or np.all(residual <= limit):
                     squares = 1.0 / inverse[-count:][::-1] - self.shift
                     return squares, basis @ vectors[:, -count:][:, ::-1]
-            if not block.shape[1]:
-                raise la.LinAlgError("too few modes have mass")
             basis, inertia = np.hstack([basis, block]), np.hstack([inertia, weights])
             block = self.solve(weights)
             row = block.conj().T @ inertia

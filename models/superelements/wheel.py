@@ -10,7 +10,12 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
-from bladewhirl.models.superelements.reduction import FURTHER, ReducedSuperelement, rigid_limit
+from bladewhirl.models.superelements.reduction import (
+    FURTHER,
+    ReducedSuperelement,
+    check_count,
+    rigid_limit,
+)
 from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
@@ -104,6 +109,7 @@ def _reduced(part: Superelement, wave: Wave, modes: int) -> _ReducedWave:
             f"expected fewer than {wave.size} free-interface modes, the coordinates of a sector"
         )
     squares, shapes = wave.lowest(modes)
+    check_count(len(squares), modes)
     if not squares[0] > rigid_limit(part):
         raise SuperelementError(RIGID)
     forces = (part.contact_rows @ wave.tie).conj().T.toarray()

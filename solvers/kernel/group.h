@@ -158,6 +158,7 @@ static int solve_coated(const March *m, int64_t size)
     double scale = m->stage.numbers->gap_scale;
     for (int64_t i = 0; i < size; i++)
         scale = larger(scale, fabs(s->gap.at[i]));
+    double share = 1.0, last = INFINITY; /* of the step to the next gaps, and its size before */
     for (int trial = 0; trial < MOST_NEWTON && !solved; trial++) {
         int metal = 0;
         for (int64_t i = 0; i < size; i++) {
@@ -200,9 +201,15 @@ static int solve_coated(const March *m, int64_t size)
             for (int64_t j = 0; metal && j < size; j++)
                 after += r->response.at[i * size + j] * r->metal.at[j];
             change = larger(change, fabs(after - r->gap.at[i]));
-            r->gap.at[i] = after;
+            r->free.at[i] = after;
         }
+        share = change > 0.5 * last ? larger(0.5 * share, 0.125) : 1.0; /* at kinks it can cycle */
+        last = change;
         solved = change <= 1e-14 * scale;
+        for (int64_t i = 0; i < size; i++)
+            r->gap.at[i] = solved || share == 1.0
+                               ? r->free.at[i]
+                               : r->gap.at[i] + share * (r->free.at[i] - r->gap.at[i]);
     }
     for (int64_t i = 0; i < size; i++)
         s->multiplier.at[i] = r->metal.at[i] + r->force.at[i];

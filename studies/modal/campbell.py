@@ -83,6 +83,7 @@ def campbell(
     refuse_unequal_bearings("campbell", stage.case, allowed="full")
     reference = stage.reference_frequency
     shown = _multiples("speeds", speeds, reference)
+    stage = stage.covering(shown[1] * reference)
     operated = UNKNOWN if operating is None else _multiples("operating", operating, reference)
     ranks = range(1, min(families, stage.disk_modes.count) + 1)
     chosen = {"suspension", *(f"{rank}F" for rank in ranks)}

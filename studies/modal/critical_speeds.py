@@ -6,6 +6,7 @@ import xarray as xr
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.rotation.unequal_bearings import EllipticWaves
+from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.stage.modal import Modelled, modal_model
 from bladewhirl.studies.modal.study import Figures, Study
 from bladewhirl.studies.modal.veering import spring_stiffnesses
@@ -63,13 +64,20 @@ def critical_speeds(
     if isinstance(nominal, EllipticWaves):
         orders, count = {"elliptic": 0}, 2 * branches
     springs = spring_stiffnesses(stage.case, None, stiffnesses)
-    speed = np.full((len(springs), len(orders), count), np.nan)
-    share = np.full_like(speed, np.nan)
-    for i, ratio in enumerate(springs / at):
-        for j, order in enumerate(orders.values()):
-            omegas, shares = (a[:count] for a in nominal.on_springs(ratio).synchronous(order))
-            speed[i, j, : len(omegas)] = omegas * 30.0 / np.pi
-            share[i, j, : len(shares)] = shares
+
+    def found(waves: Waves) -> tuple[FloatArray, FloatArray]:
+        speed, share = np.full((2, len(springs), len(orders), count), np.nan)
+        for i, ratio in enumerate(springs / at):
+            for j, order in enumerate(orders.values()):
+                omegas, shares = (a[:count] for a in waves.on_springs(ratio).synchronous(order))
+                speed[i, j, : len(omegas)] = omegas * 30.0 / np.pi
+                share[i, j, : len(shares)] = shares
+        return speed, share
+
+    speed, share = found(nominal)
+    covering = stage.covering(np.nanmax(speed, initial=0.0) * np.pi / 30.0)
+    if covering is not stage:  # its modes describe the structure at these speeds
+        speed, share = found(covering.shaft_waves)
     over = ("stiffness", "direction", "branch")
     name = "share of the strain energy in the shaft springs"
     return xr.Dataset(

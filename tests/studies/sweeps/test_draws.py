@@ -104,6 +104,7 @@ def test_a_sweep_without_draws_has_no_probability() -> None:
 
 
 @pytest.mark.usefixtures("process")
+@pytest.mark.slow
 def test_drawn_values_are_stored_and_a_draw_can_be_repeated(tmp_path: Path) -> None:
     perturb = ["contact.friction = 0.1", "march.speed = 0.02", "casing.clearance = 1e-5 absolute"]
     folder = tmp_path / "swept"
