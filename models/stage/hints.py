@@ -100,6 +100,11 @@ def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
     if left_out := stage.table.left_out:
         yield f"{left_out} contact nodes of the file are left out: they are at the place of others"
     yield from case_hints(stage.case)
+    if len(stage.shown) < (points := stage.table.part.point_count):
+        yield (
+            f"pictures show {len(stage.shown)} of the {points} points of the sector: the shapes of"
+            " all points take too much memory; fewer reduction.free_interface_modes allow more"
+        )
     ratio = stage.case.damping.ratio
     if stage.reduced.damping is not None and ratio > 0.0:
         yield (

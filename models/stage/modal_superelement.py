@@ -327,7 +327,7 @@ def modal_superelement(
         if table.kind == "blade":
             blocks = blade_blocks(table.part, table.copies, each, highest)
         elif table.kind == "sector":
-            blocks = sector_blocks(table.part, table.copies, each, highest)
+            blocks = sector_blocks(stage.given, table.copies, each, highest)
         else:
             total = each * (table.copies if count is None else 1)
             springs = case.shaft.stiffnesses

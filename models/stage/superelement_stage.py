@@ -40,6 +40,7 @@ from bladewhirl.models.stage.superelement_loads import (
 )
 from bladewhirl.models.stage.superelement_springs import coupling_springs
 from bladewhirl.models.superelements.at_speed import at_speed
+from bladewhirl.models.superelements.points import with_fewer_points
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
     boundary_size,
@@ -52,6 +53,10 @@ from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
 
 LIMIT = 0.2  #: default of march.displacement_limit, divided by the largest radius of a contact node
 
+POINT_NUMBERS, FEWEST_POINTS = 50_000_000, 200
+"""Largest number of displacements of points in all modes of a wheel from a sector; and number of
+points of a sector that are always kept."""
+
 HIGHEST = 1e5  #: highest plausible first natural frequency [Hz]
 
 
@@ -61,6 +66,8 @@ class SuperelementStage:
 
     case: Case
     part: Superelement  #: the superelement; the wheel if the file has a sector
+    given: Superelement  #: the superelement of the file, with the points that pictures show
+    shown: IntArray  #: numbers of these points in the file, (points,)
     reduced: ReducedSuperelement  #: modes of one copy and its contact nodes
     factor: FloatArray  #: factor on the stiffness of each copy, (copies,)
     blade: IntArray  #: number of the blade of each contact node of a copy, (nodes,)
@@ -216,7 +223,8 @@ class SuperelementStage:
             return engine_order_forces(acting, middle, self.blade, load)
         number = np.asarray(load.points)
         if self.table.kind == "sector":  # the points of the wheel are those of all sectors
-            count = self.table.part.point_count
+            number = np.searchsorted(self.shown, number)
+            count = len(self.shown)
             number = (number + count * np.arange(self.table.copies)[:, None]).ravel()
         assert self.part.points is not None  # the case has points of the file only
         x, y, _ = self.part.points[number].T
@@ -343,18 +351,27 @@ def superelement_stage(case: Case) -> SuperelementStage:
     table = case.bladed_disk.superelement
     assert table is not None
     part, at_rest = table.part, None
+    shown = np.arange(part.point_count)
+    if table.kind == "sector":
+        modes = table.copies * case.reduction.free_interface_modes
+        most = max(POINT_NUMBERS // (3 * table.copies * modes), FEWEST_POINTS)
+        loads = case.excitations.values()
+        needed = {point for load in loads for point in getattr(load, "points", ())}
+        part, shown = with_fewer_points(part, most, needed)
     key = "bladed_disk.superelement.file"
     if case.rotation.effects != "none":
         at_rest = superelement_stage(without_rotation(case)).reference_frequency
         omega = case.march.speed.rad_per_s(at_rest)
         part = at_speed(part, omega, coriolis=case.rotation.effects == "full")
+    given = part
     try:
         if part.centre_dofs is not None:
             part = on_springs(case, part)
         if table.kind == "sector" and case.reduction.boundary == "consistent":
             part = whole_wheel(part, table.copies)
         if table.kind == "sector" and case.reduction.boundary == "massless":
-            part, reduced = massless_wheel(part, table.copies, case.reduction.free_interface_modes)
+            modes = case.reduction.free_interface_modes
+            part, reduced = massless_wheel(part, table.copies, modes, table.file)
         elif case.reduction.boundary == "massless":
             key = "reduction.free_interface_modes"
             reduced = massless(part, case.reduction.free_interface_modes)
@@ -385,6 +402,8 @@ def superelement_stage(case: Case) -> SuperelementStage:
     stage = SuperelementStage(
         case=case,
         part=part,
+        given=given,
+        shown=shown,
         reduced=reduced,
         factor=factor if table.kind == "blade" else np.ones(1),
         blade=np.arange(part.contacts) // per_blade,

@@ -1,7 +1,7 @@
 """A wheel from one sector: real modes and residual flexibility, by nodal diameter."""
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy.linalg as la
@@ -10,6 +10,7 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.kept_reduction import Arrays, kept_reduction
 from bladewhirl.models.superelements.reduction import (
     FURTHER,
     ReducedSuperelement,
@@ -21,9 +22,12 @@ from bladewhirl.models.superelements.superelement import FIXED, Superelement, Su
 
 RIGID = "expected a sector without rigid modes and with a stiffness that is not indefinite"
 
+WAVE = ("squares", "contact", "points", "strains", "residual")
+"""Arrays of one nodal diameter, see `_reduced`."""
+
 
 def massless_wheel(
-    part: Superelement, sectors: int, modes: int
+    part: Superelement, sectors: int, modes: int, file: str | None = None
 ) -> tuple[Superelement, ReducedSuperelement]:
     """Return the contact nodes of a wheel, and its reduction with a massless boundary.
 
@@ -35,40 +39,50 @@ def massless_wheel(
         sectors: number of sectors.
         modes: number of free-interface modes for each nodal diameter; if it has two waves, for each
             of them.
+        file: file of the sector, beside which its reduction is kept; None to keep nothing.
 
     Returns:
         a superelement with the contact nodes and the points of the wheel, whose coordinates are
         modal coordinates with diagonal matrices; and the reduction.
 
     Raises:
-        SuperelementError: the sector has too many or too few coordinates, or rigid modes.
+        SuperelementError: the sector has too few coordinates, takes too much memory, or has rigid
+            modes.
     """
-    rows = part.contact_rows
+
+    def compute() -> Arrays:
+        with sector_errors(RIGID):
+            sector = Sector(part, sectors, modes=modes, loads=3 * part.contacts, rigid=False)
+            found = sector.each_wave(lambda wave: _reduced(part, wave, modes))
+            return {
+                f"{name}_{k}": array for k, one in enumerate(found) for name, array in one.items()
+            }
+
+    kept = compute() if file is None else kept_reduction(file, part, (sectors, modes), compute)
+    rows = 3 * part.contacts
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
     frequency, contact, points, strains = [], [], [], []
     further: dict[str, list[FloatArray]] = {
         key: [] for key in FURTHER if getattr(part, key) is not None
     }
-    flexibility = np.zeros((sectors, rows.shape[0], rows.shape[0]))
-    with sector_errors(RIGID):
-        sector = Sector(part, sectors, modes=modes, loads=rows.shape[0], rigid=False)
-        waves = list(sector.each_wave(lambda wave: _reduced(part, wave, modes)))
-    for k, wave in enumerate(waves):
+    flexibility = np.zeros((sectors, rows, rows))
+    for k in range(sectors // 2 + 1):
+        wave = {name: kept[f"{name}_{k}"] for name in (*WAVE, *further)}
         pair = 0 < 2 * k < sectors
         for n, angle in enumerate(spread):  # sector n under a force on sector 0
-            turned = wave.residual * np.exp(1j * k * angle)
+            turned = wave["residual"] * np.exp(1j * k * angle)
             flexibility[n] += (1 + pair) / sectors * turned.real
         scale = np.sqrt((1 + pair) / sectors)
         for phase in (1.0, -1j) if pair else (1.0,):
             phases = [scale * phase * np.exp(1j * k * angle) for angle in spread]
-            contact.append(np.vstack([(one * wave.contact).real for one in phases]))
-            each = np.stack([(one * wave.points).real for one in phases])
+            contact.append(np.vstack([(one * wave["contact"]).real for one in phases]))
+            each = np.stack([(one * wave["points"]).real for one in phases])
             each = each.reshape(sectors, -1, 3, modes)
             points.append(rotate(each, spread[:, None, None], axis=2).reshape(-1, modes))
-            strains.append(np.vstack([(one * wave.strains).real for one in phases]))
-            frequency.append(np.sqrt(wave.squares))
+            strains.append(np.vstack([(one * wave["strains"]).real for one in phases]))
+            frequency.append(np.sqrt(wave["squares"]))
         for key, blocks in further.items():
-            blocks.append(_on_waves(wave.further[key], pair=pair))
+            blocks.append(_on_waves(wave[key], pair=pair))
     order = np.argsort(np.concatenate(frequency), kind="stable")
     compliance = np.block(
         [[flexibility[(i - j) % sectors] for j in range(sectors)] for i in range(sectors)]
@@ -87,19 +101,10 @@ def massless_wheel(
     return _wheel(part, spread, np.asarray(values, dtype=np.float64)), reduced
 
 
-class _ReducedWave(NamedTuple):
-    """Modes and residual flexibility of one nodal diameter, all for the first sector."""
-
-    squares: FloatArray  #: squared frequencies [rad2/s2], (modes,)
-    contact: ComplexArray  #: displacements of the contact nodes, (3c, modes)
-    points: ComplexArray  #: displacements of the points, (3p, modes)
-    strains: ComplexArray  #: strains of the gauges, (gauges, modes)
-    residual: ComplexArray  #: residual flexibility of the contact displacements [m/N], (3c, 3c)
-    further: dict[str, ComplexArray]  #: optional matrices on the modes, (modes, modes) each
-
-
-def _reduced(part: Superelement, wave: Wave, modes: int) -> _ReducedWave:
-    """Return the reduction for one nodal diameter.
+def _reduced(part: Superelement, wave: Wave, modes: int) -> Arrays:
+    """Return the modes of one nodal diameter, all for the first sector: squared frequencies
+    [rad2/s2], (modes,); displacements of contact nodes and points and strains of gauges, (rows,
+    modes) each; the residual flexibility [m/N], (3c, 3c); and the optional matrices on the modes.
 
     Raises:
         SuperelementError: there are too few coordinates, or rigid modes.
@@ -115,18 +120,18 @@ def _reduced(part: Superelement, wave: Wave, modes: int) -> _ReducedWave:
     forces = (part.contact_rows @ wave.tie).conj().T.toarray()
     residual = forces.conj().T @ wave.static(forces, shapes)
     fields, none = wave.tie @ shapes, np.zeros((0, modes), dtype=np.complex128)
-    return _ReducedWave(
-        squares=squares,
-        contact=part.contact_rows @ fields,
-        points=none if part.recovery is None else part.recovery @ fields,
-        strains=none if part.strain_recovery is None else part.strain_recovery @ fields,
-        residual=0.5 * (residual + residual.conj().T),
-        further={
+    return {
+        "squares": squares,
+        "contact": part.contact_rows @ fields,
+        "points": none if part.recovery is None else part.recovery @ fields,
+        "strains": none if part.strain_recovery is None else part.strain_recovery @ fields,
+        "residual": 0.5 * (residual + residual.conj().T),
+        **{
             key: fields.conj().T @ (matrix @ fields)
             for key in FURTHER
             if (matrix := getattr(part, key)) is not None
         },
-    )
+    }
 
 
 def _on_waves(matrix: ComplexArray, *, pair: bool) -> FloatArray:

@@ -1,0 +1,69 @@
+"""Fewer points for pictures, where the mode shapes of all points would take too much memory."""
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.superelements.superelement import Superelement
+
+WIDER = 1.1  #: factor by which cells grow until there are few enough of them
+
+
+def with_fewer_points(
+    part: Superelement, most: int, needed: Collection[int]
+) -> tuple[Superelement, IntArray]:
+    """Return a superelement with at most some number of points, and the numbers of these points.
+
+    Points are clustered in the cells of a cubic grid, each of which keeps the point nearest to the
+    mean of its points; triangles join clusters (Rossignac and Borrel 1993, Modeling in Computer
+    Graphics).
+
+    Args:
+        part: superelement.
+        most: largest number of points, apart from those needed.
+        needed: numbers of points that must be kept.
+    """
+    count = part.point_count
+    if part.points is None or count <= most:
+        return part, np.arange(count)
+    cluster = _clusters(part.points, most)
+    own = np.array(sorted(needed), dtype=np.int64)
+    cluster[own] = cluster.max() + 1 + np.arange(len(own))
+    _, cluster, size = np.unique(cluster, return_inverse=True, return_counts=True)
+    mean = np.stack([np.bincount(cluster, x) for x in part.points.T], axis=1) / size[:, None]
+    distance = np.linalg.norm(part.points - mean[cluster], axis=1)
+    order = np.lexsort((distance, cluster))
+    nearest = order[np.unique(cluster[order], return_index=True)[1]]
+    shown = np.sort(nearest)
+    place = np.empty(len(size), dtype=np.int64)
+    place[cluster[shown]] = np.arange(len(shown))
+    triangles = None
+    if part.triangles is not None:
+        joined = place[cluster[part.triangles]]
+        a, b, c = joined.T
+        joined = joined[(a != b) & (b != c) & (c != a)]
+        _, first = np.unique(np.sort(joined, axis=1), axis=0, return_index=True)
+        triangles = joined[np.sort(first)] if len(first) else None
+    rows = (3 * shown[:, None] + np.arange(3)).ravel()
+    recovery = part.recovery
+    if sp.issparse(recovery):
+        recovery = sp.csr_array(recovery)
+    assert recovery is not None
+    return (
+        replace(part, points=part.points[shown], recovery=recovery[rows], triangles=triangles),
+        shown,
+    )
+
+
+def _clusters(points: FloatArray, most: int) -> IntArray:
+    """Return the number of the cell of each point, in the finest grid with few enough cells."""
+    place = points - points.min(axis=0)
+    width = np.linalg.norm(place.max(axis=0)) / len(points)
+    while True:
+        cells = np.unique((place // width).astype(np.int64), axis=0, return_inverse=True)[1].ravel()
+        if cells.max() < most:
+            return np.asarray(cells)
+        width *= WIDER

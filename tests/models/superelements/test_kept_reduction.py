@@ -1,0 +1,151 @@
+"""Reductions kept beside the file of a superelement."""
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from solid_meshes import SECTORS, bladed_sector
+
+import bladewhirl as bw
+from bladewhirl.models.solids.blade import mesh3d
+from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.superelements import kept_reduction
+from bladewhirl.models.superelements import sector as sector_module
+from bladewhirl.models.superelements.cholesky import Cholesky
+from bladewhirl.models.superelements.kept_reduction import Arrays
+from bladewhirl.models.superelements.superelement import Superelement
+
+
+@pytest.fixture(scope="module")
+def sector() -> Superelement:
+    mesh = bladed_sector("hexahedron20")
+    values = {"young_modulus": 2.1e11, "poisson_ratio": 0.3, "density": 7800.0}
+    return mesh3d(
+        mesh,
+        contacts=3,
+        left="left",
+        right="right",
+        copies=SECTORS,
+        **values,  # type: ignore[arg-type]
+    )
+
+
+class Counted:
+    """A function that computes arrays, and the number of its calls."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def __call__(self) -> Arrays:
+        self.calls += 1
+        return {"a": np.arange(3.0), "b": np.array([1j])}
+
+
+@pytest.fixture
+def in_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keep reductions of all sizes in a folder only."""
+    monkeypatch.setattr(kept_reduction, "LARGE", 0)
+    monkeypatch.setattr(kept_reduction, "IN_MEMORY", 0)
+
+
+def kept(folder: Path, part: Superelement, compute: Counted, *settings: int) -> Arrays:
+    return kept_reduction.kept_reduction(str(folder / "a.npz"), part, settings, compute)
+
+
+@pytest.mark.usefixtures("in_folder")
+def test_a_reduction_is_computed_once_for_the_same_content(
+    tmp_path: Path, sector: Superelement
+) -> None:
+    compute = Counted()
+    for _ in range(2):
+        arrays = kept(tmp_path, replace(sector, name="another"), compute, 12, 5)
+        assert arrays["a"] == pytest.approx(np.arange(3.0))
+        assert arrays["b"] == np.array([1j])
+    assert compute.calls == 1
+    for part, *settings in (
+        (sector, 12, 6),
+        (sector, 13, 5),
+        (replace(sector, stiffness=1.000001 * sector.stiffness), 12, 5),
+        (replace(sector, contact_dofs=sector.contact_dofs[:, [1, 0, 2]]), 12, 5),
+    ):
+        kept(tmp_path, part, compute, *settings)
+    assert compute.calls == 5
+
+
+@pytest.mark.usefixtures("in_folder")
+def test_damaged_and_old_reductions_are_made_again(
+    tmp_path: Path, sector: Superelement, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compute = Counted()
+    kept(tmp_path, sector, compute, 12, 5)
+    (file,) = (tmp_path / "a.npz.reduced").iterdir()
+    content = file.read_bytes()
+    for damaged in (
+        content[: len(content) // 2],
+        b"",
+        b"PK\x03\x04",
+        content[:200] + content[230:],
+    ):
+        file.write_bytes(damaged)
+        before = compute.calls
+        assert kept(tmp_path, sector, compute, 12, 5)["a"].shape == (3,)
+        assert compute.calls == before + 1
+        assert file.read_bytes() == content
+    kept(tmp_path, sector, compute, 12, 6)
+    (other,) = set(file.parent.iterdir()) - {file}
+    shutil.copy(other, file)  # whole, but of other settings
+    kept(tmp_path, sector, compute, 12, 5)
+    assert compute.calls == 7
+    monkeypatch.setattr(kept_reduction, "VERSION", 0)
+    kept(tmp_path, sector, compute, 12, 5)
+    assert compute.calls == 8
+
+
+@pytest.mark.usefixtures("in_folder")
+def test_a_folder_that_cannot_be_written_only_costs_time(
+    tmp_path: Path, sector: Superelement
+) -> None:
+    (tmp_path / "a.npz.reduced").write_text("a file where the folder would be")
+    compute = Counted()
+    for _ in range(2):
+        assert kept(tmp_path, sector, compute, 12, 5)["a"].shape == (3,)
+    assert compute.calls == 2
+
+
+@pytest.mark.usefixtures("in_folder")
+def test_old_reductions_are_removed(tmp_path: Path, sector: Superelement) -> None:
+    for modes in range(kept_reduction.MOST + 3):
+        kept(tmp_path, sector, Counted(), 12, modes)
+    assert len(list((tmp_path / "a.npz.reduced").iterdir())) == kept_reduction.MOST
+
+
+def test_points_of_a_sweep_reduce_a_sector_once(
+    tmp_path: Path, sector: Superelement, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Stages that differ in casing and contact share the reduction, also of a small sector."""
+    bw.write_superelement(tmp_path / "sector.npz", sector)
+    made = []
+    factorised = Cholesky
+
+    def counted(*args: Any) -> Any:
+        made.append(args)
+        return factorised(*args)
+
+    monkeypatch.setattr(sector_module, "Cholesky", counted)
+    values = {
+        "bladed_disk.superelement.file": str(tmp_path / "sector.npz"),
+        "bladed_disk.superelement.kind": "sector",
+        "bladed_disk.superelement.copies": SECTORS,
+        "reduction.free_interface_modes": 3,
+        "casing.type": "rigid",
+    }
+    frequencies = []
+    for clearance in (1e-3, 2e-3, 3e-3):
+        case = bw.with_values(bw.Case(), values | {"casing.clearance": clearance})
+        frequencies.append(superelement_stage(case).reference_frequency)
+    assert len(made) == 1
+    assert len(set(frequencies)) == 1
+    assert not (tmp_path / "sector.npz.reduced").exists()  # it is small
