@@ -1,12 +1,11 @@
 """Format of a mesh file by its suffix and its text, and messages for formats that are not read."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from bladewhirl.meshes.files.abaqus_text import is_abaqus_text
 
 ABAQUS, GMSH, VTK = ".inp", ".msh", ".vtu"
-FORMATS = (VTK, GMSH, ABAQUS)
-"""Suffixes of the formats that are read."""
 
 OTHERS = {
     ".cdb": "a deck of Ansys",
@@ -34,9 +33,9 @@ def format_of(path: Path) -> str:
     return suffix
 
 
-def unreadable(path: Path) -> str:
-    """Return what is expected in place of a file with another suffix."""
-    listed = ", ".join(FORMATS)
+def unreadable(path: Path, formats: Iterable[str]) -> str:
+    """Return what is expected in place of a file with another suffix than those that are read."""
+    listed = ", ".join(formats)
     kind = OTHERS.get(path.suffix.lower())
     if kind is None:
         return f"a mesh file, {listed}"

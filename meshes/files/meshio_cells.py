@@ -21,8 +21,8 @@ LINE, POINT = "line", "vertex"
 
 
 @contextmanager
-def readable(path: Path) -> Iterator[None]:
-    """Turn every error and warning of the readers of meshio into a `MeshFileError`.
+def readable(path: Path, library: str = "meshio") -> Iterator[None]:
+    """Turn every error and warning of the readers of a library into a `MeshFileError`.
 
     The readers check little. On a damaged file the readers raise exceptions of any type, cause a
     warning of numpy about incomplete text, or print a note to standard error.
@@ -42,10 +42,10 @@ def readable(path: Path) -> Iterator[None]:
     except Exception as error:
         kind = "" if isinstance(error, Warning) else f"{type(error).__name__}: "
         reason = " ".join(f"{kind}{error}".split()).removesuffix(":")
-        raise MeshFileError(f"a {path.suffix} file that meshio can read ({reason})") from None
+        raise MeshFileError(f"a {path.suffix} file that {library} can read ({reason})") from None
     if notes.getvalue():
         reason = " ".join(notes.getvalue().split())
-        raise MeshFileError(f"a {path.suffix} file that meshio can read ({reason})")
+        raise MeshFileError(f"a {path.suffix} file that {library} can read ({reason})")
 
 
 def line_blocks(mesh: meshio.Mesh) -> list[int]:

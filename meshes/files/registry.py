@@ -34,7 +34,7 @@ def read_line_mesh(path: str | PathLike[str]) -> GroupedLines:
         raise MeshFileError("a regular file")
     kind = format_of(file)
     if kind not in READERS:
-        raise MeshFileError(unreadable(file))
+        raise MeshFileError(unreadable(file, READERS))
     mesh = READERS[kind](file)
     if len(mesh.lines) > MOST_LINES:
         raise MeshFileError(f"at most {MOST_LINES} lines; the mesh has {len(mesh.lines)}")

@@ -11,10 +11,13 @@ import numpy as np
 
 from bladewhirl.meshes.coincident import places_of
 from bladewhirl.meshes.files.abaqus_solids import Section, SolidMesh, abaqus_mesh
+from bladewhirl.meshes.files.ansys import ansys_mesh
 from bladewhirl.meshes.files.formats import ABAQUS, format_of, unreadable
 from bladewhirl.meshes.files.gmsh import TAG, gmsh_mesh, is_member
 from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.med import med_mesh
 from bladewhirl.meshes.files.meshio_cells import readable, stacked
+from bladewhirl.meshes.files.nastran_bulk import nastran_mesh
 from bladewhirl.meshes.files.vtu import integer_groups
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
@@ -66,8 +69,9 @@ def read_volume_mesh(
     groups only.
 
     Args:
-        mesh: mesh of meshio, or path of a .msh file of Gmsh, a .vtu file, or an .inp file of Abaqus
-            or CalculiX. A file with another suffix whose text is that of Abaqus is read as such.
+        mesh: mesh of meshio, or path of a .msh file of Gmsh, a .vtu file, an .inp file of Abaqus or
+            CalculiX, a .cdb file of Ansys, bulk data of Nastran (.bdf, .nas), or a .med file of
+            Code_Aster. A file with another suffix whose text is that of Abaqus is read as such.
         outside: whether files that an .inp file names may be outside its folder.
 
     Raises:
@@ -81,7 +85,7 @@ def read_volume_mesh(
         raise MeshFileError("a regular file")
     kind = format_of(file)
     if kind not in READERS:
-        raise MeshFileError(unreadable(file))
+        raise MeshFileError(unreadable(file, READERS))
     source = abaqus_mesh(file, outside=outside) if kind == ABAQUS else READERS[kind](file)
     return _volumes(source, file.name)
 
@@ -132,6 +136,10 @@ READERS: dict[str, Callable[[Path], SolidMesh]] = {
     ".msh": _gmsh_mesh,
     ".vtu": _vtu_mesh,
     ".inp": abaqus_mesh,
+    ".cdb": ansys_mesh,
+    ".bdf": nastran_mesh,
+    ".nas": nastran_mesh,
+    ".med": med_mesh,
 }
 
 

@@ -88,9 +88,10 @@ def mesh3d(
     the matrices `stiffness_speed`, K1, and `stiffness_speed4`, K2.
 
     Args:
-        mesh: mesh of meshio, or path of a .msh file of Gmsh with physical groups, a .vtu file, or
-            an .inp file of Abaqus or CalculiX with sets of nodes or elements. The mesh
-            must be at its true position relative to the axis of rotation.
+        mesh: mesh of meshio, or path of a .msh file of Gmsh with physical groups, a .vtu file,
+            an .inp file of Abaqus or CalculiX with sets of nodes or elements, a .cdb file of Ansys,
+            bulk data of Nastran (.bdf, .nas), or a .med file of Code_Aster. The mesh must be at its
+            true position relative to the axis of rotation.
         young_modulus: Young's modulus [Pa], or text such as "210 GPa", of the cells to which an
             .inp file gives no material in a solid section; or a dictionary from names of groups to
             such values, which replace those of the file.

@@ -1,0 +1,206 @@
+"""Meshes of solids in .cdb files of Ansys (CDWRITE), read with meshlane.
+
+meshlane reads nodes, elements, also of degenerate shapes, and components. It leaves out the types
+and materials of the elements; both are read here and passed to it as further components.
+"""
+
+import io
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+
+import meshio
+
+from bladewhirl.files import open_text
+from bladewhirl.meshes.files.abaqus_solids import Section, SolidMesh
+from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.meshio_cells import readable
+
+MATERIAL = "MAT"  #: start of the name of the group of the elements with a material
+
+INTEGRATION = {
+    ("hexahedron", 185): {0: "C3D8", 1: "C3D8R", 2: "C3D8I", 3: "C3D8I"},
+    ("hexahedron20", 186): {0: "C3D20R", 1: "C3D20"},
+}
+"""Element for each value of KEYOPT(2), by the cell and the number of the element of Ansys. SOLID185
+has selective reduced integration where C3D8 has full integration."""
+
+OTHERS = {"tetra": "C3D4", "tetra10": "C3D10", "wedge": "C3D6", "wedge15": "C3D15"}
+"""Elements of cells whose integration has no options."""
+
+SOLIDS = (185, 186, 187)  #: numbers of the elements that are read
+
+IGNORED = (*range(169, 180), 154, 200)
+"""Numbers of elements that are left out: contact, loads on surfaces, and empty meshes."""
+
+CONSTANTS = {
+    "EX": "young_modulus",
+    "NUXY": "poisson_ratio",
+    "PRXY": "poisson_ratio",
+    "DENS": "density",
+}
+DIRECTIONAL = ("EY", "EZ", "GXY", "GYZ", "GXZ", "NUYZ", "NUXZ", "PRYZ", "PRXZ")
+"""Constants of orthotropic materials."""
+
+
+class _Material(Section):
+    """Material of the elements with one number."""
+
+    __slots__ = ()
+
+    def missing(self, key: str) -> str:
+        if self.unread:
+            return f"material {self.material} {self.unread}"
+        label = {"density": "DENS", "young_modulus": "EX", "poisson_ratio": "PRXY or NUXY"}[key]
+        return f"material {self.material} of the file lacks {label}"
+
+
+def ansys_mesh(path: Path) -> SolidMesh:
+    """Return the elements SOLID185, SOLID186 and SOLID187 of a .cdb file, and its components.
+
+    Raises:
+        MeshFileError: the file cannot be read, or has other elements of solids.
+    """
+    from meshlane import ansysInp  # long to load
+
+    with readable(path, "meshlane"):
+        with open_text(path, errors="replace") as stream:
+            lines = stream.read().splitlines()
+        types, options = _element_types(lines)
+        elements = dict(_elements(lines))
+        used = {kind for _, kind, _ in elements.values()}
+        if unknown := used - types.keys():
+            raise MeshFileError(f"a type for all elements; type {min(unknown)} has no ET")
+        if others := {types[kind] for kind in used} - {*SOLIDS, *IGNORED}:
+            names = ", ".join(map(str, sorted(others)))
+            raise MeshFileError(f"elements SOLID185, SOLID186, SOLID187; found elements {names}")
+        sets, dropped = defaultdict[str, list[int]](list), set[int]()
+        for rows, (number, kind, material) in elements.items():
+            if types[kind] in SOLIDS:
+                sets[f"{MATERIAL}{material}"].append(number)
+            else:
+                dropped.update(range(*rows))
+        kept = [line for row, line in enumerate(lines) if row not in dropped]
+        text = "\n".join([*kept, *_components(sets)])
+        mesh = ansysInp.read(io.StringIO(text))
+        cells = [(block.type, block.data) for block in mesh.cells]
+        converted = meshio.Mesh(
+            mesh.points, cells, point_sets=mesh.point_sets, cell_sets=mesh.cell_sets
+        )
+    kinds = {(types[kind], options.get(kind, 0)) for kind in used if types[kind] in SOLIDS}
+    return SolidMesh(
+        converted,
+        tuple(_element(block.type, kinds) for block in mesh.cells),
+        tuple(_materials(lines, sets)),
+    )
+
+
+def _element(cell: str, kinds: set[tuple[int, int]]) -> str:
+    """Return the name of the element of a cell, from the numbers of the elements in the file and
+    their KEYOPT(2)."""
+    for (kind, number), names in INTEGRATION.items():
+        if kind == cell:
+            found = {names.get(option, "") for given, option in kinds if given == number}
+            if len(found) != 1 or found == {""}:
+                raise MeshFileError(f"one known KEYOPT(2) for all elements SOLID{number}")
+            return found.pop()
+    return OTHERS.get(cell, cell)
+
+
+def _element_types(lines: list[str]) -> tuple[dict[int, int], dict[int, int]]:
+    """Return the number of the element of each type, and KEYOPT(2) of each type that has one."""
+    types, options = dict[int, int](), dict[int, int]()
+    for number, line in enumerate(lines):
+        words = _words(line)
+        if words[0] == "ET" and len(words) > 2:
+            types[int(words[1])] = int(re.sub(r"\D", "", words[2]))
+        elif words[0] == "KEYOPT" and len(words) > 3 and words[2] == "2":
+            options[int(words[1])] = int(float(words[3]))
+        elif words[0] == "ETBLOCK":
+            width = _width(lines[number + 1])
+            for row in lines[number + 2 : number + 2 + int(words[1])]:
+                values = _integers(row, width)
+                types[values[0]] = values[1]
+                if len(values) > 3 and values[3]:
+                    options[values[0]] = values[3]
+    return types, options
+
+
+def _elements(lines: list[str]) -> Iterator[tuple[tuple[int, int], tuple[int, int, int]]]:
+    """Yield first row of each element and that of the next one, and its number, type and material.
+
+    Raises:
+        MeshFileError: elements are in the compact form, which does not contain materials.
+    """
+    number = 0
+    while number < len(lines):
+        words = _words(lines[number])
+        number += 1
+        if words[0] != "EBLOCK":
+            continue
+        if "COMPACT" in words:
+            raise MeshFileError("EBLOCK in its long form; COMPACT does not contain materials")
+        width = _width(lines[number])
+        number += 1
+        while number < len(lines) and not lines[number].strip().startswith("-1"):
+            first, head = number, _integers(lines[number], width)
+            number += 1
+            left = head[8] - len(head[11:])
+            while left > 0:
+                left -= len(_integers(lines[number], width))
+                number += 1
+            yield (first, number), (head[10], head[1], head[0])
+
+
+def _materials(lines: list[str], sets: dict[str, list[int]]) -> Iterator[_Material]:
+    """Yield the materials of the elements, from MPDATA and MP."""
+    values = defaultdict[str, dict[str, float]](dict)
+    unread = dict[str, str]()
+    for line in lines:
+        words = _words(line)
+        if words[0] == "MPDATA" and len(words) > 6:
+            _, _, count, label, material, first, *numbers = words
+            if int(count) > 1 or int(first) > 1:
+                unread[material] = f"has {label} for several temperatures, which is not read"
+        elif words[0] == "MP" and len(words) > 3:
+            _, label, material, *numbers = words
+            if any(number and float(number) for number in numbers[1:]):
+                unread[material] = f"has {label} for several temperatures, which is not read"
+        else:
+            continue
+        if label in DIRECTIONAL:
+            unread[material] = f"has {label}, which is not read"
+        elif label in CONSTANTS:
+            values[material][CONSTANTS[label]] = float(numbers[0])
+    for group in sets:
+        material = group.removeprefix(MATERIAL)
+        isotropic = not unread.get(material)
+        yield _Material(
+            group, material, values[material] if isotropic else {}, unread.get(material, "")
+        )
+
+
+def _components(sets: dict[str, list[int]]) -> Iterator[str]:
+    for name, members in sets.items():
+        yield f"CMBLOCK,{name},ELEM,{len(members):9d}"
+        yield "(8i10)"
+        for start in range(0, len(members), 8):
+            yield "".join(f"{member:10d}" for member in members[start : start + 8])
+
+
+def _words(line: str) -> list[str]:
+    return [word.strip().upper() for word in line.split("!")[0].split(",")]
+
+
+def _width(form: str) -> int:
+    """Return the width of the integers of a Fortran format such as (19i9)."""
+    found = re.search(r"\d+i(\d+)", form, re.IGNORECASE)
+    if found is None:
+        raise MeshFileError(f"a format such as (19i9), got {form.strip()[:40]!r}")
+    return int(found[1])
+
+
+def _integers(row: str, width: int) -> list[int]:
+    row = row.rstrip()
+    return [int(row[start : start + width]) for start in range(0, len(row), width)]

@@ -1,0 +1,340 @@
+"""Meshes of solids in files of Ansys, Nastran and Code_Aster, written and read by other libraries.
+
+Frequencies are those of the mesh from which the files were written.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import mapdl_archive
+import meshio
+import meshlane
+import numpy as np
+import pytest
+from pyyeti.nastran import bulk
+from solid_meshes import cantilever
+
+import bladewhirl as bw
+from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.volumes import VolumeMesh, read_volume_mesh
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.superelements.frequencies import lowest_frequencies
+
+STEEL = {"young_modulus": 2.1e11, "poisson_ratio": 0.3, "density": 7800.0}
+KINDS = ("tetra", "tetra10", "wedge", "wedge15", "hexahedron", "hexahedron20")
+
+ANSYS_STEEL = """MPTEMP,R5.0, 1, 1,  0.00000000    ,
+MPDATA,R5.0, 1,EX  ,       1, 1,  210000000000.    ,
+MPDATA,R5.0, 1,PRXY,       1, 1, 0.300000000    ,
+MPDATA,R5.0, 1,DENS,       1, 1,  7800.00000    ,
+"""
+NASTRAN_STEEL = "MAT1,7,2.1+11,,0.3,7800.\nPSOLID,3,7\n"
+
+
+def rounded(kind: str, boxes: tuple[int, int, int] = (3, 2, 1)) -> meshio.Mesh:
+    """Return a blade with short coordinates: meshlane writes no long negative ones for Nastran."""
+    mesh = cantilever(kind, boxes)
+    mesh.points = mesh.points.round(8)
+    return mesh
+
+
+def as_meshlane(mesh: meshio.Mesh, **data: Any) -> Any:
+    cells = [(block.type, block.data) for block in mesh.cells]
+    return meshlane.Mesh(mesh.points, cells, point_sets=mesh.point_sets, **data)
+
+
+def ansys(path: Path, mesh: meshio.Mesh) -> None:
+    file = path.with_suffix(".cdb")
+    meshlane.ansysInp.write(str(file), as_meshlane(mesh))
+    text = file.read_text().replace("ET,1,285", "ET,1,185")
+    text = text.replace("NBLOCK", f"{ANSYS_STEEL}KEYOPT,1,2,1\nNBLOCK")
+    # KEYOPT(2) = 1 is full integration of SOLID186, but reduced integration of SOLID185.
+    file.write_text(text.replace("KEYOPT,1,2,1\n", "") if "ET,1,185" in text else text)
+
+
+def nastran(path: Path, mesh: meshio.Mesh) -> None:
+    file = path.with_suffix(".bdf")
+    refs = [np.full(len(block.data), 3) for block in mesh.cells]
+    meshlane.nastran.write(str(file), as_meshlane(mesh, cell_data={"nastran:ref": refs}))
+    root, tip = (mesh.point_sets[name] + 1 for name in ("root", "tip"))
+    sets = "".join(f"SPC1,1,123456,{node}\n" for node in root) + f"SET1,2,{_lines(tip)}\n"
+    file.write_text(file.read_text().replace("ENDDATA", f"{NASTRAN_STEEL}{sets}ENDDATA"))
+
+
+def _lines(numbers: Any) -> str:
+    words = list(map(str, numbers))
+    rows = [words[:7], *(words[at : at + 8] for at in range(7, len(words), 8))]
+    return "\n,".join(",".join(row) for row in rows)
+
+
+def code_aster(path: Path, mesh: meshio.Mesh) -> None:
+    meshlane.med.write(str(path.with_suffix(".med")), as_meshlane(mesh))
+
+
+WRITERS: dict[str, Callable[[Path, meshio.Mesh], None]] = {
+    ".cdb": ansys,
+    ".bdf": nastran,
+    ".med": code_aster,
+}
+GROUPS = {".bdf": {"clamped": "SPC1 1", "contact": "SET 2"}}
+
+
+def hertz(mesh: Any, **options: Any) -> Any:
+    part = bw.mesh3d(mesh, mass_quadrature="full", **options)
+    return lowest_frequencies(part.mass, part.stiffness, 4)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("suffix", WRITERS)
+def test_decks_have_the_frequencies_of_their_mesh(tmp_path: Path, suffix: str, kind: str) -> None:
+    mesh = rounded(kind)
+    WRITERS[suffix](tmp_path / "blade", mesh)
+    file = tmp_path / f"blade{suffix}"
+    materials = STEEL if suffix == ".med" else {}
+    found = hertz(file, **materials, **GROUPS.get(suffix, {}))
+    assert found == pytest.approx(hertz(mesh, **STEEL), rel=1e-6)
+
+
+def fields(form: str, name: str, *values: object) -> str:
+    """Return an entry of bulk data in free, small or large fields."""
+    words = list(map(str, values))
+    if form == "free":
+        rows = [words[at : at + 8] for at in range(0, len(words), 8)]
+        return name + "," + "\n,".join(",".join(row) for row in rows) + "\n"
+    width, each = (8, 8) if form == "small" else (16, 4)
+    rows = [words[at : at + each] for at in range(0, len(words), each)]
+    mark = "*" if form == "large" else ""
+    lines = ["".join(f"{word:<{width}}" for word in row) for row in rows]
+    return f"{name + mark:<8}" + f"\n{mark or '+':<8}".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("form", ["free", "small", "large"])
+def test_all_formats_of_fields_are_read(tmp_path: Path, form: str) -> None:
+    mesh = rounded("hexahedron20")
+    upright = [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]  # Nastran lists them before upper edges
+    text = "BEGIN BULK\n"
+    for number, point in enumerate(mesh.points.round(4).tolist(), 1):
+        text += fields(form, "GRID", number, "", *point)
+    for number, nodes in enumerate((mesh.cells[0].data[:, upright] + 1).tolist(), 1):
+        text += fields(form, "CHEXA", number, 1, *nodes)
+    (tmp_path / "blade.bdf").write_text(text + "ENDDATA\n")
+    volumes = read_volume_mesh(tmp_path / "blade.bdf")
+    ((name, found),) = volumes.blocks
+    assert name == "C3D20"
+    assert np.array_equal(volumes.rows[found], mesh.cells[0].data)
+    assert volumes.points == pytest.approx(mesh.points[volumes.rows], abs=1e-4)
+
+
+def test_other_libraries_find_the_same_mesh(tmp_path: Path) -> None:
+    mesh = rounded("hexahedron20")
+    ansys(tmp_path / "blade", mesh)
+    volumes = read_volume_mesh(tmp_path / "blade.cdb")
+    archive = mapdl_archive.Archive(str(tmp_path / "blade.cdb"), parse_vtk=False)
+    assert volumes.points == pytest.approx(archive.nodes[volumes.rows])
+    assert len(volumes.blocks[0][1]) == archive.n_elem
+    tip = archive.node_components["tip"] - 1
+    assert volumes.rows[volumes.groups["tip"]].tolist() == tip.tolist()
+    nastran(tmp_path / "blade", mesh)
+    same = meshlane.read(tmp_path / "blade.bdf")
+    volumes = read_volume_mesh(tmp_path / "blade.bdf")
+    assert volumes.rows[volumes.blocks[0][1]].tolist() == same.cells[0].data.tolist()
+    assert len(bulk.rdcards(str(tmp_path / "blade.bdf"), "GRID")) == len(volumes.points)
+
+
+BRICK = """/PREP7
+ET,1,{element}
+KEYOPT,1,2,{option}
+ET,2,154
+*SET,unused,3
+NBLOCK,6,SOLID,     8,     8
+(3i9,6e21.13e3)
+        1        0        0
+        2        0        0 1.0000000000000E+000
+        3        0        0 1.0000000000000E+000 1.0000000000000E+000
+        4        0        0 0.0000000000000E+000 1.0000000000000E+000
+        5        0        0 0.0000000000000E+000 0.0000000000000E+000 1.0000000000000E+000
+        6        0        0 1.0000000000000E+000 0.0000000000000E+000 1.0000000000000E+000
+        7        0        0 1.0000000000000E+000 1.0000000000000E+000 1.0000000000000E+000
+        8        0        0 0.0000000000000E+000 1.0000000000000E+000 1.0000000000000E+000
+N,R5.3,LOC,       -1,
+EBLOCK,19,SOLID,     3,     3
+(19i9)
+{rows}
+       -1
+MP,EX,1,2E11
+MP,NUXY,1,0.25
+MP,DENS,1,7000
+MPDATA,R5.0, 1,EX  ,       2, 1,  1000000.    ,
+{more}
+CMBLOCK,BOTTOM,NODE,       2
+(8i10)
+         1        -4
+CMBLOCK,TOP,NODE,       2
+(8i10)
+         5        -8
+"""
+
+
+def row(material: int, kind: int, number: int, *nodes: int) -> str:
+    numbers = (material, kind, 1, 1, 0, 0, 0, 0, len(nodes), 0, number, *nodes)
+    return "".join(f"{one:9d}" for one in numbers)
+
+
+def brick(folder: Path, *rows: str, element: int = 185, option: int = 2, more: str = "") -> Path:
+    file = folder / "brick.cdb"
+    text = BRICK.format(rows="\n".join(rows), element=element, option=option, more=more)
+    file.write_text(text)
+    return file
+
+
+WEDGES = (row(1, 1, 10, 1, 2, 3, 3, 5, 6, 7, 7), row(2, 1, 11, 1, 3, 4, 4, 5, 7, 8, 8))
+SURFACE = row(1, 2, 12, 1, 2, 3, 4)
+
+
+def test_degenerate_elements_materials_and_components_of_ansys(tmp_path: Path) -> None:
+    volumes = read_volume_mesh(brick(tmp_path, *WEDGES, SURFACE))
+    ((name, cells),) = volumes.blocks
+    assert name == "C3D6"
+    assert cells.tolist() == [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]]
+    assert volumes.groups["BOTTOM"].tolist() == [0, 1, 2, 3]
+    assert {key: one.tolist() for key, one in volumes.cell_groups.items()} == {
+        "MAT1": [0],
+        "MAT2": [1],
+    }
+    steel = {"young_modulus": 2e11, "poisson_ratio": 0.25, "density": 7000.0}
+    assert [dict(one.properties) for one in volumes.sections] == [steel, {"young_modulus": 1e6}]
+    with pytest.raises(CaseError, match="material 2 of the file lacks PRXY or NUXY"):
+        bw.mesh3d(brick(tmp_path, *WEDGES), clamped="BOTTOM", contact="TOP")
+
+
+@pytest.mark.parametrize(
+    ("option", "element"), [(0, "C3D8"), (1, "C3D8R"), (2, "C3D8I"), (3, "C3D8I")]
+)
+def test_the_integration_of_solid185_is_that_of_its_keyopt(
+    tmp_path: Path, option: int, element: str
+) -> None:
+    file = brick(tmp_path, row(1, 1, 10, *range(1, 9)), option=option)
+    assert read_volume_mesh(file).blocks[0][0] == element
+
+
+def test_the_integration_of_solid186_is_that_of_its_keyopt(tmp_path: Path) -> None:
+    mesh = rounded("hexahedron20")
+    ansys(tmp_path / "full", mesh)
+    text = (tmp_path / "full.cdb").read_text()
+    (tmp_path / "reduced.cdb").write_text(text.replace("KEYOPT,1,2,1\n", ""))
+    (tmp_path / "block.cdb").write_text(
+        text.replace("KEYOPT,1,2,1\n", "").replace(
+            "ET,1,186\n", f"ETBLOCK,        1,        1\n(2i9,19a9)\n{1:9d}{186:9d}{0:9d}{1:9d}\n"
+        )
+    )
+    for name, element in (("full", "C3D20"), ("reduced", "C3D20R"), ("block", "C3D20")):
+        assert read_volume_mesh(tmp_path / f"{name}.cdb").blocks[0][0] == element
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"element": 181}, "SOLID185, SOLID186, SOLID187; found elements 181"),
+        ({"option": 7}, r"one known KEYOPT\(2\)"),
+        ({"more": "EBLOCK,19,SOLID,COMPACT,1\n(19i9)\n       -1"}, "EBLOCK in its long form"),
+    ],
+)
+def test_decks_of_ansys_that_are_not_read(
+    tmp_path: Path, change: dict[str, Any], expected: str
+) -> None:
+    with pytest.raises(MeshFileError, match=expected):
+        read_volume_mesh(brick(tmp_path, row(1, 1, 10, *range(1, 9)), **change))
+
+
+@pytest.mark.parametrize(
+    ("lines", "expected"),
+    [
+        ("MP,EY,1,2E10", "material 1 has EY, which is not read"),
+        ("MPDATA,R5.0, 2,EX  ,1, 1, 2E11, 1E11", "has EX for several temperatures"),
+    ],
+)
+def test_other_materials_of_ansys_are_refused_by_name(
+    tmp_path: Path, lines: str, expected: str
+) -> None:
+    file = brick(tmp_path, row(1, 1, 10, *range(1, 9)), more=lines)
+    with pytest.raises(CaseError, match=expected):
+        bw.mesh3d(file, clamped="BOTTOM", contact="TOP")
+
+
+NODES = """SOL 103
+SET 4 = 5,
+ 6 THRU 8
+SET 5 = ALL
+BEGIN BULK
+GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+GRID    3               1.0     1.0     0.0
+GRID*                  4                             0.0             1.0
+*                    0.0
+GRID,5,,0.,0.,1.
+GRID,6,,1.,0.,.1+1
+GRID,7,,1.,1.,1.
+GRID,8,,0.,1.,1.
+"""
+SOLID = """CHEXA*                 2               1               1               2
+*                      3               4               5               6
+*                      7               8
+PSOLID,1,1
+MAT1    1       2.1+11  8.+10           7800.
+SPC1,5,123,1,THRU,4
+SPC1,6,3,5,6
+SPC,7,8,123456,,7,12
+"""
+
+
+def bulk_data(folder: Path, text: str) -> VolumeMesh:
+    (folder / "brick.nas").write_text(f"{NODES}{text}ENDDATA\n")
+    return read_volume_mesh(folder / "brick.nas")
+
+
+def test_sets_and_materials_of_bulk_data(tmp_path: Path) -> None:
+    volumes = bulk_data(tmp_path, SOLID)
+    assert volumes.blocks[0][1].tolist() == [[0, 1, 2, 3, 4, 5, 6, 7]]
+    groups = {name: nodes.tolist() for name, nodes in volumes.groups.items()}
+    assert groups == {
+        "SPC1 5": [0, 1, 2, 3],
+        "SPC 7": [7],
+        "SET 4": [4, 5, 6, 7],
+        "PSOLID 1": [*range(8)],
+    }
+    (section,) = volumes.sections
+    expected = {"young_modulus": 2.1e11, "poisson_ratio": 0.3125, "density": 7800.0}
+    assert dict(section.properties) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("GRID,9,4,0.,0.,0.\n", "basic coordinate system; node 9"),
+        ("INCLUDE 'more.bdf'\n", "without INCLUDE"),
+        ("CPYRAM,3,1,1,2,3,4,5\n", "found CPYRAM"),
+        ("CTETRA,3,1,1,2,3,5,6\n", "4 or 10 nodes of each CTETRA; element 3"),
+        ("CTETRA,3,1,1,2,3,99\n", "some nodes are not defined"),
+        ("CQUAD4,3,1,1,2,3,4\n", "there are none"),
+    ],
+)
+def test_bulk_data_that_is_not_read(tmp_path: Path, text: str, expected: str) -> None:
+    with pytest.raises(MeshFileError, match=expected):
+        bulk_data(tmp_path, text if "CQUAD" in text else SOLID + text)
+
+
+def test_other_materials_of_bulk_data_are_refused_by_name(tmp_path: Path) -> None:
+    text = SOLID.replace("MAT1    1       2.1+11  8.+10           7800.", "MAT9,1,2.1+11")
+    bulk_data(tmp_path, text)
+    with pytest.raises(CaseError, match="material 1 of PSOLID 1 is MAT9, which is not read"):
+        bw.mesh3d(tmp_path / "brick.nas", clamped="SPC1 5", contact="SET 4")
+
+
+@pytest.mark.parametrize("suffix", [".cdb", ".bdf", ".med"])
+@pytest.mark.parametrize("content", [b"", b"\x00\xff" * 50, b"BEGIN BULK\nGRID,x\n", b"EBLOCK,1"])
+def test_damaged_decks_end_in_one_line(tmp_path: Path, suffix: str, content: bytes) -> None:
+    file = tmp_path / f"deck{suffix}"
+    file.write_bytes(content)
+    with pytest.raises(MeshFileError):
+        read_volume_mesh(file)
