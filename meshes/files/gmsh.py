@@ -11,7 +11,7 @@ allows only one group for each element.
 import re
 import shlex
 from collections import Counter, defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import count
 from pathlib import Path
 from typing import Any, TextIO
@@ -37,6 +37,8 @@ ALONE = "lines"
 LARGEST_NUMBER = 10_000_000
 """Largest number of a node, and largest count of nodes or elements; meshio allocates arrays of this
 length."""
+
+DIMENSIONS = ("point", "curve", "surface", "volume")
 
 LINE_TYPE, POINT_TYPE = 1, 15  #: numbers of the element types two-node line and point in Gmsh
 
@@ -123,7 +125,7 @@ def _check_head(path: Path) -> None:
                     break
     for name, dimensions in blocks.items():
         if len(dimensions) > 1:
-            kinds = " and ".join(("points", "curves", "surfaces", "volumes")[d] for d in dimensions)
+            kinds = " and ".join(f"{DIMENSIONS[d]}s" for d in dimensions)
             raise MeshFileError(
                 f"at most one physical group for each name; {kinds} share the name {name!r}"
             )
@@ -136,6 +138,17 @@ def is_member(mesh: meshio.Mesh, block: int, name: str, tag: int) -> Any:
     if name in mesh.cell_sets:
         return np.isin(np.arange(size), mesh.cell_sets[name][block].astype(np.int64))
     return mesh.cell_data[TAG][block] == tag
+
+
+def unnamed_groups(mesh: meshio.Mesh, block: int) -> Iterator[tuple[str, IntArray]]:
+    """Yield the physical groups without a name, named such as ``surface 2``, and their cells in a
+    block. Of several groups of a cell in a file of version 4.1, meshio reads the first one."""
+    if TAG not in mesh.cell_data:
+        return
+    tags, dimension = mesh.cell_data[TAG][block], mesh.cells[block].dim
+    named = [tag for tag, size in mesh.field_data.values() if size == dimension]
+    for tag in np.setdiff1d(tags, [0, *named]).tolist():
+        yield f"{DIMENSIONS[dimension]} {tag}", np.flatnonzero(tags == tag)
 
 
 def _tags(mesh: meshio.Mesh, blocks: list[int], name: str) -> IntArray:

@@ -13,12 +13,12 @@ from bladewhirl.meshes.coincident import places_of
 from bladewhirl.meshes.files.abaqus_solids import Section, SolidMesh, abaqus_mesh
 from bladewhirl.meshes.files.ansys import ansys_mesh
 from bladewhirl.meshes.files.formats import ABAQUS, format_of, unreadable
-from bladewhirl.meshes.files.gmsh import TAG, gmsh_mesh, is_member
+from bladewhirl.meshes.files.gmsh import TAG, gmsh_mesh, is_member, unnamed_groups
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.med import med_mesh
-from bladewhirl.meshes.files.meshio_cells import readable, stacked
+from bladewhirl.meshes.files.meshio_cells import stacked
 from bladewhirl.meshes.files.nastran_bulk import nastran_mesh
-from bladewhirl.meshes.files.vtu import integer_groups
+from bladewhirl.meshes.files.vtu import integer_groups, vtu_mesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
 ELEMENTS = {
@@ -63,7 +63,8 @@ def read_volume_mesh(
     """Read a mesh of a solid with its groups.
 
     A group contains the nodes of its cells, which may have any dimension. The groups of a Gmsh file
-    are its physical groups of points, curves, surfaces and volumes; the groups of an Abaqus file
+    are its physical groups of points, curves, surfaces and volumes; those without a name are named
+    by dimension and number, such as ``surface 2``. The groups of an Abaqus file
     are its sets of nodes and of elements; the groups of a VTK file are the arrays of integers on
     points or cells that are 1 for members and 0 elsewhere. Cells of a lower dimension serve as
     groups only.
@@ -128,8 +129,7 @@ def _gmsh_mesh(path: Path) -> SolidMesh:
 
 
 def _vtu_mesh(path: Path) -> SolidMesh:
-    with readable(path):
-        return SolidMesh(meshio.vtu.read(str(path)))
+    return SolidMesh(vtu_mesh(path))
 
 
 READERS: dict[str, Callable[[Path], SolidMesh]] = {
@@ -216,6 +216,7 @@ def _cell_groups(mesh: meshio.Mesh) -> Iterator[tuple[str, int, IntArray]]:
         for key, (tag, dimension) in mesh.field_data.items() if TAG in mesh.cell_data else ():
             if block.dim == dimension:
                 yield key, number, np.flatnonzero(is_member(mesh, number, key, tag))
+        yield from ((key, number, inside) for key, inside in unnamed_groups(mesh, number))
 
 
 def _named(arrays: Mapping[str, FloatArray]) -> dict[str, FloatArray]:

@@ -5,8 +5,10 @@ its members and 0 elsewhere. An array of other integers, such as material number
 with the name ``name=value`` for each of its values. Data are arrays of real numbers.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import meshio
@@ -17,9 +19,14 @@ from bladewhirl.meshes.files.groups import GroupedLines, in_plane
 from bladewhirl.meshes.files.meshio_cells import line_blocks, readable, stacked
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
+TEXT = re.compile(
+    rb"""<((?:Data)?Array)\b[^>]*type=["']String["'][^>]*?(?:/>|(?<!/)>.*?</\1>)""", re.DOTALL
+)
+"""An array of text, which PyVista writes and meshio cannot read."""
+
 MOST_VALUES = 1000
 """Largest number of different values of an array of integers that defines groups. An array with
-more values is assumed to be a numbering of points or cells."""
+more values, or with a value of its own for each point or cell, is assumed to be a numbering."""
 
 
 def read_vtu(path: Path) -> GroupedLines:
@@ -28,8 +35,7 @@ def read_vtu(path: Path) -> GroupedLines:
     Raises:
         MeshFileError: the file is unreadable or has unsupported cells.
     """
-    with readable(path):
-        mesh = meshio.vtu.read(str(path))
+    mesh = vtu_mesh(path)
     blocks = line_blocks(mesh)
     cell_arrays = {
         name: stacked([values[block] for block in blocks])
@@ -43,6 +49,23 @@ def read_vtu(path: Path) -> GroupedLines:
         node_data=dict(_data(mesh.point_data)),
         line_data=dict(_data(cell_arrays)),
     )
+
+
+def vtu_mesh(path: Path) -> meshio.Mesh:
+    """Return the contents of a .vtu file as meshio reads them, without arrays of text.
+
+    Raises:
+        MeshFileError: meshio cannot read the file.
+    """
+    with readable(path):
+        content = path.read_bytes()
+        head, mark, data = content.partition(b"<AppendedData")
+        if not TEXT.search(head):
+            return meshio.vtu.read(str(path))
+        with TemporaryDirectory() as folder:
+            numbers = Path(folder) / path.name
+            numbers.write_bytes(TEXT.sub(b"", head) + mark + data)
+            return meshio.vtu.read(str(numbers))
 
 
 def write_vtu(path: Path, mesh: GroupedLines) -> None:
@@ -76,7 +99,7 @@ def integer_groups(arrays: Mapping[str, NDArray[Any]]) -> Iterator[tuple[str, In
         distinct = np.unique(values)
         if set(distinct.tolist()) <= {0, 1}:
             yield name, np.flatnonzero(values)
-        elif len(distinct) <= MOST_VALUES:
+        elif len(distinct) <= MOST_VALUES and len(distinct) < len(values):
             for value in distinct:
                 yield f"{name}={value}", np.flatnonzero(values == value)
 

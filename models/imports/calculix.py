@@ -21,14 +21,18 @@ from bladewhirl.models.superelements.containers import read_foreign
 from bladewhirl.models.superelements.superelement import FIXED, SuperelementError
 
 
-def read_calculix(path: Path) -> ForeignPart:
+def read_calculix(path: Path, *, outside: bool = False) -> ForeignPart:
     """Read the matrices that CalculiX wrote for an input file, and the nodes and sets of this file.
+
+    Args:
+        path: path of the input file.
+        outside: whether files that it names may be outside its folder.
 
     Raises:
         SuperelementError: a file is missing or invalid, or the files do not belong together.
     """
     try:
-        deck = read_abaqus(path)
+        deck = read_abaqus(path, outside=outside)
     except MeshFileError as error:
         raise SuperelementError(f"{path}: expected {error}") from None
     files = [path.with_suffix(suffix) for suffix in (".sti", ".mas", ".dof")]
@@ -61,7 +65,7 @@ def read_calculix(path: Path) -> ForeignPart:
             name: np.array(sorted({place[node] for node in nodes if node in place}), dtype=np.int64)
             for name, nodes in deck.groups().items()
         },
-        surface=_surface(path),
+        surface=_surface(path, outside=outside),
     )
 
 
@@ -72,10 +76,10 @@ def _displacements(path: Path) -> IntArray:
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
-def _surface(path: Path) -> IntArray | None:
+def _surface(path: Path, *, outside: bool) -> IntArray | None:
     """Return the nodes of the surface triangles; None without solids of supported elements."""
     try:
-        mesh = read_volume_mesh(path)
+        mesh = read_volume_mesh(path, outside=outside)
     except MeshFileError:
         return None
     shown, triangles = surface_triangles(mesh)

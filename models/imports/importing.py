@@ -28,8 +28,7 @@ from bladewhirl.models.superelements.superelement import (
 )
 
 MATLAB, SUPERELEMENT = ".mat", ".npz"
-WITH_NODES = {".inp": read_calculix, ".op4": read_nastran}
-"""Readers of formats whose files contain the nodes."""
+CALCULIX, NASTRAN = ".inp", ".op4"  #: formats whose files contain the nodes
 
 
 def import_superelement(
@@ -39,6 +38,7 @@ def import_superelement(
     nodes: str | PathLike[str] | None = None,
     speed: float | str | None = None,
     at: Mapping[float | str, str | PathLike[str]] | None = None,
+    outside_files: bool = False,
     **choice: Any,
 ) -> Superelement:
     """Make a superelement from the matrices of another finite element code, and check it.
@@ -68,9 +68,12 @@ def import_superelement(
         at: files with the stiffness of the same part at one or two further speeds, by speed: other
             files like `source`. The stiffness K + Omega^2 K1 + Omega^4 K2 is fitted to them;
             without a second one, K2 = 0. Stiffnesses include the spin softening.
-        choice: contact and clamped (groups, or numbers of nodes separated by commas), contacts,
-            left, right, copies, length_unit, mass_unit, axis and name, see `mesh3d`. `clamped`
-            is needed only if the matrices contain nodes to clamp. The unit of time is the second.
+        outside_files: whether files that the input of CalculiX names in *INCLUDE and INPUT= may be
+            outside its folder.
+        choice: contact and clamped (groups, conditions on positions, or numbers of nodes separated
+            by commas), contacts, left, right, copies, length_unit, mass_unit, axis and name, see
+            `mesh3d`. `clamped` is needed only if the matrices contain nodes to clamp. The unit of
+            time is the second.
 
     Returns:
         the superelement, in SI units.
@@ -79,7 +82,15 @@ def import_superelement(
         SuperelementError: files are missing or invalid, or describe no structure: matrices are
             indefinite or not symmetric, nodes are unknown, or the first frequency is implausible.
     """
-    part, inspection, _ = imported(source, mass=mass, nodes=nodes, speed=speed, at=at, **choice)
+    part, inspection, _ = imported(
+        *(source,),
+        mass=mass,
+        nodes=nodes,
+        speed=speed,
+        at=at,
+        outside_files=outside_files,
+        **choice,
+    )
     for hint in inspection.hints:
         warnings.warn(hint, Hint, stacklevel=2)
     return part
@@ -92,6 +103,7 @@ def imported(
     nodes: str | PathLike[str] | None = None,
     speed: float | str | None = None,
     at: Mapping[float | str, str | PathLike[str]] | None = None,
+    outside_files: bool = False,
     **choice: Any,
 ) -> tuple[Superelement, Inspection, FloatArray | None]:
     """Return a superelement, its properties, and its mass along x, y and z without fixed nodes
@@ -113,7 +125,7 @@ def imported(
         part = replace(read(path), **given)
         with errors_of(path):
             return part, inspect(part), None
-    foreign = _read(path, mass, nodes)
+    foreign = _read(path, mass, nodes, outside_files)
     if speed is not None:
         foreign = replace(foreign, speed=_speed("speed", speed))
     if at:
@@ -122,7 +134,7 @@ def imported(
                 f"{path}: at: expected one or two further speeds, got {len(at)}"
             )
         further = {
-            _speed("at", each): _read(Path(file), mass, nodes).stiffness
+            _speed("at", each): _read(Path(file), mass, nodes, outside_files).stiffness
             for each, file in at.items()
         }
         with errors_of(path):
@@ -145,14 +157,19 @@ def _speed(key: str, value: float | str) -> float:
 
 
 def _read(
-    path: Path, mass: str | PathLike[str] | None, nodes: str | PathLike[str] | None
+    path: Path,
+    mass: str | PathLike[str] | None,
+    nodes: str | PathLike[str] | None,
+    outside: bool,
 ) -> ForeignPart:
-    if path.suffix.lower() in WITH_NODES:
+    if path.suffix.lower() in (CALCULIX, NASTRAN):
         if mass is not None or nodes is not None:
             raise SuperelementError(
                 f"{path}: mass and nodes are not allowed; they are in the files beside it"
             )
-        return WITH_NODES[path.suffix.lower()](path)
+        if path.suffix.lower() == NASTRAN:
+            return read_nastran(path)
+        return read_calculix(path, outside=outside)
     if nodes is None:
         raise SuperelementError(
             f"{path}: expected a table of nodes (a CSV file with node,x,y,z) beside the matrices"

@@ -9,14 +9,17 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.units import to_si
-from bladewhirl.models.solids.blade import AXES
 from bladewhirl.models.solids.groups import (
+    AXES,
+    chosen_nodes,
     clamped_on_both,
     contact_nodes,
     free_faces,
+    listed,
     matching_faces,
     sector_faces,
 )
+from bladewhirl.models.solids.positions import EXAMPLE
 from bladewhirl.models.superelements.superelement import (
     FIXED,
     SQUARE,
@@ -116,9 +119,10 @@ class ForeignPart:
         names = ("stiffness", "stiffness_speed", "stiffness_speed4")
         return replace(self, speed=0.0, **dict(zip(names, terms, strict=False)))
 
-    def nodes(self, key: str, given: str) -> IntArray:
-        """Return the positions in `numbers` of the nodes of a group, or of nodes given by their
-        numbers, separated by commas.
+    def nodes(self, key: str, given: str, axis: str) -> IntArray:
+        """Return the positions in `numbers` of the nodes of a group, of nodes given by their
+        numbers, separated by commas, or of those at which a condition on positions in m and about
+        an axis of rotation holds.
 
         Raises:
             SuperelementError: the group or a node is unknown; the error names ``key``.
@@ -134,13 +138,15 @@ class ForeignPart:
                     f" {', '.join(unknown[:5])}"
                 )
             return np.array([place[word] for word in words], dtype=np.int64)
-        alike = [name for name in self.groups if name.upper() == given.upper()]
-        if given not in self.groups and len(alike) != 1:
-            listed = ", ".join(sorted(self.groups)) or "there are none"
+        try:
+            nodes = chosen_nodes(self.groups, given, self.points, axis)
+        except ValueError as error:
+            raise SuperelementError(f"{key} {given}: expected {EXAMPLE} ({error})") from None
+        if nodes is None:
             raise SuperelementError(
-                f"{key} {given}: expected numbers of nodes, or a group of {self.source}: {listed}"
+                f"{key} {given}: expected numbers of nodes, or a group of {self.source}:"
+                f" {listed(self.groups)}; or {EXAMPLE}"
             )
-        nodes = self.groups[given if given in self.groups else alike[0]]
         if not len(nodes):
             raise SuperelementError(f"{key} {given}: expected a group with nodes")
         return np.asarray(nodes)
@@ -172,17 +178,20 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
     if choice.axis not in AXES:
         raise SuperelementError(f"axis {choice.axis}: expected x, y or z")
     name = choice.name or part.source
-    part = part.without_empty_rows()
+    part = replace(part.without_empty_rows(), points=length * part.points)
     if choice.clamped is not None:
-        part = part.without(part.dofs[part.nodes("clamped", choice.clamped)])
-    points = length * part.points[:, AXES[choice.axis]]
+        part = part.without(part.dofs[part.nodes("clamped", choice.clamped, choice.axis)])
+    points = part.points[:, AXES[choice.axis]]
     fixed = np.flatnonzero((part.dofs == FIXED).all(axis=1))
     nodes: dict[str, IntArray] = {}
     with errors_of(part.source):
-        group = part.nodes("contact", choice.contact)
+        group = part.nodes("contact", choice.contact, choice.axis)
         if (sides := sector_faces(choice.left, choice.right, choice.copies)) is not None:
-            faces = part.nodes("left", sides[0]), part.nodes("right", sides[1])
-            faces = matching_faces(points, *faces, sides[2])
+            left, right = (
+                part.nodes(key, side, choice.axis)
+                for key, side in (("left", sides[0]), ("right", sides[1]))
+            )
+            faces = matching_faces(points, left, right, sides[2])
             fixed, note = clamped_on_both(*faces, fixed)
             part = replace(part.without(part.dofs[fixed]), source=f"{part.source}{note}")
             nodes = free_faces(*faces, fixed)

@@ -18,6 +18,7 @@ from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation, to_si
 from bladewhirl.models.solids.assembly import Measure, Solid, stiffness_by_rotation
 from bladewhirl.models.solids.elements import ELEMENTS
 from bladewhirl.models.solids.groups import (
+    AXES,
     clamped_on_both,
     contact_nodes,
     free_faces,
@@ -34,10 +35,6 @@ from bladewhirl.models.superelements.superelement import FIXED, Superelement
 
 MOST_NODES = 100_000
 """Largest number of nodes. A factor of the stiffness of a larger mesh takes too much memory."""
-
-AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
-"""Coordinates of the mesh that become x, y and z, by the axis of rotation of the mesh."""
-
 
 CORIOLIS = np.array([[0.0, -2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
 """Acceleration 2 e_z x v of a velocity v at 1 rad/s, as a matrix."""
@@ -97,14 +94,19 @@ def mesh3d(
             such values, which replace those of the file.
         poisson_ratio: Poisson's ratio, from 0 to less than 0.5, in the same way.
         density: density [kg/m3], or text such as "7.8 g/cm3", in the same way.
-        clamped: group of the nodes that do not move; None for a free part. Their partners on the
+        clamped: group of the nodes that do not move, or a condition on their position such as
+            "r < 210 mm", "x = 0.2", "0 < x < 5 mm and z > 0" or "angle = -15", in the axes of the
+            mesh, with the distance r from the axis of rotation and the angle about it [degrees].
+            None for a free part. Their partners on the
             other face of a sector are clamped too.
-        contact: group of the contact nodes. Nodes of a sector that are also nodes of the next
-            sector are left out.
+        contact: group of the contact nodes, a condition as for `clamped`, or "outermost": those
+            within 1 % of the extent in radius of the largest radius. Nodes of a sector that are
+            also nodes of the next sector are left out.
         contacts: number of contact nodes, evenly spaced along the chord of the group and in the
             middle of its thickness; all nodes of the group by default.
-        left, right: groups of the clockwise and of the counter-clockwise face of a sector; their
-            nodes match after a rotation by one pitch. Both groups or none are given.
+        left, right: groups, or conditions as for `clamped`, of the clockwise and of the
+            counter-clockwise face of a sector; their nodes match after a rotation by one pitch.
+            Both or none are given.
         copies: number of sectors in the wheel; required with left and right.
         unit: unit of length of the mesh, such as "mm".
         mass_unit: unit of mass of the materials of an .inp file, such as "t" for N, mm and s;
@@ -149,12 +151,12 @@ def mesh3d(
         expected = "expected elements of second order, or C3D8I in place of C3D8"
         text = f"elements {names} of first order are too stiff in bending: {expected}"
         warnings.warn(text, Hint, stacklevel=2)
-    fixed = np.zeros(0, int) if clamped is None else group_nodes(volumes, "clamped", clamped)
-    group = group_nodes(volumes, "contact", contact)
+    fixed = np.zeros(0, int) if clamped is None else group_nodes(volumes, "clamped", clamped, axis)
+    group = group_nodes(volumes, "contact", contact, axis)
     faces: dict[str, IntArray] = {}
     if (sides := sector_faces(left, right, copies)) is not None:
-        first = group_nodes(volumes, "left", sides[0])
-        second = group_nodes(volumes, "right", sides[1])
+        first = group_nodes(volumes, "left", sides[0], axis)
+        second = group_nodes(volumes, "right", sides[1], axis)
         first, second = matching_faces(volumes.points, first, second, sides[2])
         fixed, note = clamped_on_both(first, second, fixed)
         if note:

@@ -1,6 +1,7 @@
 """Clamped nodes, contact nodes and faces of a sector among the groups of a mesh."""
 
 import math
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -10,8 +11,12 @@ from bladewhirl.meshes.files.volumes import VolumeMesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.solids.positions import EXAMPLE, nodes_where
 from bladewhirl.models.solids.surface import evenly_along_chord
 from bladewhirl.models.superelements.contacts import on_next_sector
+
+AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
+"""Coordinates of the mesh that become x, y and z, by the axis of rotation of the mesh."""
 
 
 def invalid(key: str, value: object, expected: str) -> CaseError:
@@ -19,20 +24,55 @@ def invalid(key: str, value: object, expected: str) -> CaseError:
     return CaseError([Fault(key=key, value=value, expected=expected)])
 
 
-def group_nodes(mesh: VolumeMesh, key: str, name: str) -> IntArray:
-    """Return the nodes of a group; its name need not match in upper and lower case.
+MOST_LISTED = 20
+"""Largest number of groups in a message."""
+
+
+def listed(names: Iterable[str]) -> str:
+    """Return names in alphabetical order for a message."""
+    every = sorted(names)
+    more = f" and {len(every) - MOST_LISTED} more" if len(every) > MOST_LISTED else ""
+    return (", ".join(every[:MOST_LISTED]) or "there are none") + more
+
+
+def chosen_nodes(
+    groups: Mapping[str, IntArray], name: str, points: FloatArray, axis: str
+) -> IntArray | None:
+    """Return the nodes of a group, whose name need not match in upper and lower case, or those at
+    which a condition holds, see `nodes_where`; None if there is no such group.
+
+    Raises:
+        ValueError: the condition is not valid.
+    """
+    alike = [one for one in groups if one.upper() == name.upper()]
+    if name in groups or len(alike) == 1:
+        return groups[name if name in groups else alike[0]]
+    return nodes_where(name, points, axis)
+
+
+def group_nodes(mesh: VolumeMesh, key: str, name: str, axis: str) -> IntArray:
+    """Return the nodes of a group or at which a condition holds, see `chosen_nodes`.
+
+    Args:
+        mesh: mesh with the axis of rotation z.
+        key: argument that names the group.
+        name: name of the group, or condition.
+        axis: axis of rotation in the source of the mesh.
 
     Raises:
         CaseError: no group has the name, or the group is empty; the error names ``key``.
     """
-    alike = [one for one in mesh.groups if one.upper() == name.upper()]
-    chosen = name if name in mesh.groups else alike[0] if len(alike) == 1 else None
-    if chosen is None:
-        listed = ", ".join(sorted(mesh.groups)) or "there are none"
-        raise invalid(key, name, f"a group of nodes of {mesh.name}: {listed}")
-    if not len(mesh.groups[chosen]):
+    in_file = mesh.points[:, np.argsort(AXES[axis])]
+    try:
+        nodes = chosen_nodes(mesh.groups, name, in_file, axis)
+    except ValueError as error:
+        raise invalid(key, name, f"{EXAMPLE} ({error})") from None
+    if nodes is None:
+        expected = f"a group of nodes of {mesh.name}: {listed(mesh.groups)}; or {EXAMPLE}"
+        raise invalid(key, name, expected)
+    if not len(nodes):
         raise invalid(key, name, "a group with nodes; this group has none")
-    return mesh.groups[chosen]
+    return nodes
 
 
 def cells_of(mesh: VolumeMesh, key: str, name: str) -> IntArray:
@@ -44,8 +84,7 @@ def cells_of(mesh: VolumeMesh, key: str, name: str) -> IntArray:
     for group, cells in mesh.cell_groups.items():
         if group.upper() == name.upper():
             return cells
-    listed = ", ".join(sorted(mesh.cell_groups)) or "there are none"
-    raise invalid(key, name, f"a group of cells of {mesh.name}: {listed}")
+    raise invalid(key, name, f"a group of cells of {mesh.name}: {listed(mesh.cell_groups)}")
 
 
 def contact_nodes(

@@ -14,10 +14,19 @@ from bladewhirl.studies.runs.columns import Column, facts, table
 
 if TYPE_CHECKING:
     from bladewhirl.meshes.files.groups import GroupedLines
+    from bladewhirl.meshes.files.volumes import VolumeMesh
     from bladewhirl.models.imports.inspection import Inspection
     from bladewhirl.models.superelements.superelement import Superelement
 
 GROUPS = (Column("name", "group"), Column("kind", "kind"), Column("members", "members", "d"))
+
+MATERIALS = (
+    Column("group", "elements of"),
+    Column("material", "material"),
+    Column("young_modulus", "Young's modulus", ".6g"),
+    Column("poisson_ratio", "Poisson's ratio", ".6g"),
+    Column("density", "density", ".6g"),
+)
 
 NODES = (
     Column("node", "contact node", "d"),
@@ -53,22 +62,31 @@ def mesh(
     overrides: options.Changes = None,
     force: options.Force = False,
 ) -> None:
-    r"""List the groups of a mesh, and write the mesh in another format.
+    r"""List the groups of a mesh, and write a mesh of lines in another format.
 
     The mesh of a case is the undeformed bladed disk, in metres, with its sets as groups and its
     sections, materials, masses, springs and links as data: the key \[bladed_disk.mesh] of a case
     can read the written file. A mesh file is converted without changes, in its own units.
 
+    Of a mesh of solids the elements, groups and materials are listed, and the call of bw.mesh3d
+    that makes a superelement of it.
+
     Args:
-        source: Case file, or a mesh file: .msh of Gmsh, .vtu, .inp of Abaqus.
+        source: Case file, or a mesh file: .msh of Gmsh, .vtu, .inp of Abaqus or CalculiX.
         output: Mesh file to write: .vtu, .msh or .inp.
     """
     from bladewhirl.meshes.files.groups import MeshFileError
     from bladewhirl.meshes.files.registry import left_out, write_line_mesh
+    from bladewhirl.meshes.files.volumes import VolumeMesh
 
     if output is not None:
         options.refuse_existing(output, force=force)
     lines = _content(source, overrides or [])
+    if isinstance(lines, VolumeMesh):
+        if output is not None:
+            raise UserError(f"{output}: expected a mesh of lines to write; {source} has solids")
+        _list_solids(lines, source)
+        return
     low, high = lines.points.min(axis=0), lines.points.max(axis=0)
     size = (
         f"{len(lines.points)} nodes, {len(lines.lines)} lines,"
@@ -96,14 +114,16 @@ def mesh(
     typer.echo(f"Wrote {output}.")
 
 
-def _content(source: Path, overrides: list[str]) -> GroupedLines:
-    """Return the line mesh of a case file or a mesh file."""
+def _content(source: Path, overrides: list[str]) -> GroupedLines | VolumeMesh:
+    """Return the line mesh of a case file, or the mesh of lines or solids in a mesh file."""
+    from bladewhirl.meshes.files.formats import FORMATS, OTHERS, format_of
     from bladewhirl.meshes.files.groups import MeshFileError
-    from bladewhirl.meshes.files.registry import READERS, read_line_mesh
+    from bladewhirl.meshes.files.registry import read_line_mesh
+    from bladewhirl.meshes.files.volumes import read_volume_mesh
     from bladewhirl.models.elements.build import case_beam_model
     from bladewhirl.models.geometry.from_mesh import grouped_lines
 
-    if source.suffix.lower() not in READERS:
+    if format_of(source) not in (*FORMATS, *OTHERS):
         with options.case_of(source, overrides) as case:
             return grouped_lines(case_beam_model(case))
     if overrides:
@@ -111,7 +131,22 @@ def _content(source: Path, overrides: list[str]) -> GroupedLines:
     try:
         return read_line_mesh(source)
     except MeshFileError as error:
-        raise UserError(f"{source}: expected {error}") from None
+        try:
+            return read_volume_mesh(source)
+        except MeshFileError as reason:
+            both = dict.fromkeys((str(error), str(reason)))
+            raise UserError(f"{source}: expected {'; or '.join(both)}") from None
+
+
+def _list_solids(mesh: VolumeMesh, source: Path) -> None:
+    """Print elements, groups and materials of a mesh of solids, and how it becomes a
+    superelement."""
+    from bladewhirl.models.solids.listing import solid_listing
+
+    listing = solid_listing(mesh, str(source))
+    groups = table([*listing.groups], GROUPS)
+    materials = [table([*listing.materials], MATERIALS)] if listing.materials else []
+    emit(None, listing.size, groups, *materials, listing.call, json=False)
 
 
 def import_(
@@ -130,6 +165,7 @@ def import_(
     speed: str | None = None,
     at: Annotated[list[str] | None, typer.Option(metavar="SPEED:FILE")] = None,
     name: str | None = None,
+    outside_files: Annotated[bool, typer.Option("--outside-files")] = False,
     output: options.OutputFile = None,
     force: options.Force = False,
 ) -> None:
@@ -145,7 +181,8 @@ def import_(
 
     Args:
         source: CalculiX .inp, Nastran .op4, stiffness in Matrix Market, .mat or .npz.
-        contact: Contact nodes: a group, or numbers of nodes such as 12,15,18.
+        contact: Contact nodes: a group, numbers of nodes such as 12,15,18, outermost, or a
+            condition such as "r > 299 mm".
         clamped: Nodes to hold, if the matrices contain them.
         contacts: Number of contact nodes, spread along the chord of --contact.
         mass: Mass in Matrix Market.
@@ -159,6 +196,7 @@ def import_(
         speed: Speed to which the stiffness belongs, such as 9000rpm. Default: unknown.
         at: Stiffness at a further speed, such as 9000rpm:k9.mtx; at most twice.
         name: Name of the superelement.
+        outside_files: Read files that the input of CalculiX names also outside its folder.
         output: File of the superelement to write, .npz.
     """
     from bladewhirl.models.imports.importing import imported
@@ -171,6 +209,7 @@ def import_(
         nodes=nodes,
         speed=speed,
         at=dict(map(_speed_and_file, at or ())),
+        outside_files=outside_files,
         contact=contact,
         clamped=clamped,
         contacts=contacts,

@@ -120,6 +120,27 @@ def test_empty_rows_are_left_out_and_one_triangle_is_enough(tables: Path, head: 
     assert np.array_equal(part.contact_dofs, expected.contact_dofs)
 
 
+def test_nodes_are_chosen_by_position_and_included_files_are_read(tables: Path) -> None:
+    units: dict[str, Any] = {"nodes": tables / "rows.csv", "length_unit": "mm", "mass_unit": "t"}
+    expected = import_superelement(tables / "a.mat", **TIP, **units)
+    part = import_superelement(tables / "a.mat", contact="r > 299.9 mm", **units)
+    assert np.array_equal(part.contact_dofs, expected.contact_dofs)
+    with pytest.raises(SuperelementError, match=r"contact r > 1 kg: expected .* is \[mass\]"):
+        import_superelement(tables / "a.mat", contact="r > 1 kg", **units)
+    folder = tables / "deck"
+    folder.mkdir()
+    for file in DATA.glob("matrices.*"):
+        shutil.copy(file, folder)
+    shutil.move(folder / "matrices.inp", tables / "all.inc")
+    (folder / "matrices.inp").write_text("*INCLUDE, INPUT=../all.inc\n")
+    part = import_superelement(folder / "matrices.inp", contact="outermost", outside_files=True)
+    expected = import_superelement(DATA / "matrices.inp", **TIP)
+    assert np.array_equal(part.contact_dofs, expected.contact_dofs)
+    assert part.triangles is not None
+    with pytest.raises(SuperelementError, match=r"not \.\./all\.inc; outside_files = True"):
+        import_superelement(folder / "matrices.inp", **TIP)
+
+
 def test_axes_and_node_numbers(tables: Path) -> None:
     """An axis x of the program becomes z; x, y and z displacements go along."""
     part = import_superelement(

@@ -6,6 +6,7 @@ from typing import Any
 import meshio
 import numpy as np
 import pytest
+import pyvista
 from places import ROOT
 from solid_meshes import (
     CALCULIX,
@@ -23,6 +24,7 @@ from solid_meshes import (
 
 from bladewhirl.meshes.cells import CELL_TYPES
 from bladewhirl.meshes.files.abaqus_faces import SOLIDS
+from bladewhirl.meshes.files.volumes import read_volume_mesh
 from bladewhirl.models.inputs.errors import CaseError, Hint
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
@@ -341,6 +343,57 @@ def test_a_mesh_of_gmsh_and_one_of_calculix_are_read(tmp_path: Path) -> None:
     part = mesh3d(tmp_path / "blade.inp", **STEEL, unit="mm", clamped="NROOT", contact="NTIP")
     assert part.size == gmsh.size
     assert lowest_frequencies(part.mass, part.stiffness, 1) == pytest.approx(first)
+
+
+def test_groups_of_gmsh_without_a_name_have_their_number(tmp_path: Path) -> None:
+    """A physical group without a name, in both versions, as Gmsh writes it."""
+    mesh = cantilever("hexahedron", (2, 1, 1))
+    faces = mesh.cells[0].data[[0, 1]][:, [[0, 3, 7, 4], [1, 2, 6, 5]]][[0, 1], [0, 1]]
+    cells = [("hexahedron", mesh.cells[0].data), ("quad", faces)]
+    tags = [np.array([7, 7]), np.array([2, 3])]
+    data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+    numbered = meshio.Mesh(mesh.points, cells, cell_data=data)
+    numbered.field_data["tip"] = np.array([3, 2])
+    numbered.write(tmp_path / "blade.msh", file_format="gmsh22")
+    expected = mesh3d(mesh, **STEEL)
+    part = mesh3d(tmp_path / "blade.msh", **STEEL, clamped="surface 2")
+    assert abs(part.stiffness - expected.stiffness).max() < 1e-12 * abs(expected.stiffness).max()
+    assert np.array_equal(part.contact_dofs, expected.contact_dofs)
+    del numbered.field_data["tip"]
+    numbered.write(tmp_path / "blade.msh", file_format="gmsh22")
+    with pytest.raises(CaseError, match=r"of blade\.msh: surface 2, surface 3, volume 7; or"):
+        mesh3d(tmp_path / "blade.msh", **STEEL, clamped="surface 7")
+
+
+@pytest.mark.parametrize("binary", [True, False])
+def test_files_of_pyvista_with_text_and_truth_values_are_read(tmp_path: Path, binary: bool) -> None:
+    mesh = cantilever("hexahedron", (3, 1, 1))
+    cells = mesh.cells[0].data
+    grid = pyvista.UnstructuredGrid(
+        np.column_stack([np.full(len(cells), 8), cells]).ravel(),
+        np.full(len(cells), 12),
+        mesh.points,
+    )
+    for name, nodes in mesh.point_sets.items():
+        grid.point_data[name] = np.isin(np.arange(len(mesh.points)), nodes)
+    grid.point_data["label"] = np.array(["a", "<b/>"])[np.arange(len(mesh.points)) % 2]
+    grid.point_data["number"] = np.arange(len(mesh.points))
+    grid.cell_data["inner"] = np.array([True, False, False])
+    grid.field_data["note"] = ["a longer text", "another"]
+    grid.save(tmp_path / "blade.vtu", binary=binary)
+    volumes = read_volume_mesh(tmp_path / "blade.vtu")
+    assert set(volumes.groups) == {"root", "tip", "inner"}
+    assert volumes.cell_groups["inner"].tolist() == [0]
+    part, expected = mesh3d(tmp_path / "blade.vtu", **STEEL), mesh3d(mesh, **STEEL)
+    assert abs(part.stiffness - expected.stiffness).max() < 1e-9 * abs(expected.stiffness).max()
+    assert np.array_equal(part.contact_dofs, expected.contact_dofs)
+
+
+def test_long_lists_of_groups_are_cut() -> None:
+    mesh = cantilever("tetra", (2, 1, 1))
+    mesh.point_sets |= {f"set {n:03}": np.array([n % 9]) for n in range(100)}
+    with pytest.raises(CaseError, match=r"root, set 000, .*set 018 and 82 more; or"):
+        mesh3d(mesh, **STEEL, contact="top")
 
 
 def _without(kind: str) -> meshio.Mesh:

@@ -1,14 +1,15 @@
 """`bladewhirl mesh`, and runs of cases with a mesh file: self-contained, and one line a fault."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from command_line import answer
-from places import EXAMPLES
+from command_line import answer, refusal
+from places import DATA, EXAMPLES
 from stages import steel
 from typer.testing import CliRunner
 
@@ -113,3 +114,47 @@ def test_a_sweep_keeps_its_mesh_and_varies_its_sections(tmp_path: Path) -> None:
     assert again.case.blades == 12
     values, unit = again.coordinates[key]
     assert (values.tolist(), unit) == ([0.005, 0.006], "m")
+
+
+def test_solids_are_listed_with_the_next_call(tmp_path: Path) -> None:
+    deck = (DATA / "solids" / "two_materials.inp").read_text()
+    (tmp_path / "blade.dat").write_text(deck)
+    printed = bladewhirl("mesh", tmp_path / "blade.dat")
+    for part in (
+        "30 nodes, 8 elements C3D8, x 0.2 to 0.3,",
+        "in the unit of the file group",
+        "root nodes 6",
+        "inner elements 4",
+        "outer foam 1e+09 0.3 200",
+        "clamped='root', contact='tip'); bw.write_superelement",
+    ):
+        assert part in printed
+    printed = bladewhirl("mesh", DATA / "solids" / "blade.msh")
+    assert "in the unit of the file, probably mm" in printed
+    assert "young_modulus='210 GPa', poisson_ratio=0.3, density='7.8 g/cm3', unit='mm'" in printed
+    call = printed.split("in Python: ")[1]
+    exec(call.replace('"part.npz"', repr(str(tmp_path / "part.npz"))), {"bw": bw})
+    assert bw.read_superelement(tmp_path / "part.npz").contacts > 4
+    expected = "expected a mesh of lines to write; .* has solids"
+    out = tmp_path / "out.vtu"
+    assert re.search(expected, refusal("mesh", DATA / "solids" / "blade.msh", "-o", out))
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "expected"),
+    [
+        (
+            "shell.inp",
+            "*NODE\n1, 0, 0\n*ELEMENT, TYPE=S4\n1, 1, 1, 1, 1\n",
+            "or solids, elements of",
+        ),
+        ("a.cdb", "/PREP7\n", "a mesh file, .vtu, .msh, .inp, not a deck of Ansys; convert it"),
+        ("a.BDF", "BEGIN BULK\n", "not a deck of Nastran"),
+        ("a.msh", "", "a .msh file"),
+    ],
+)
+def test_a_file_that_is_not_read_is_named(
+    tmp_path: Path, name: str, text: str, expected: str
+) -> None:
+    (tmp_path / name).write_text(text)
+    assert expected in refusal("mesh", tmp_path / name)
