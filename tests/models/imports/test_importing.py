@@ -144,7 +144,7 @@ def test_nodes_are_chosen_by_position_and_included_files_are_read(tables: Path) 
 def test_axes_and_node_numbers(tables: Path) -> None:
     """An axis x of the program becomes z; x, y and z displacements go along."""
     part = import_superelement(
-        *(tables / "a.mat",),
+        tables / "a.mat",
         nodes=tables / "rows.csv",
         contact="112,109",
         length_unit="mm",
@@ -169,7 +169,7 @@ def test_nodes_are_clamped_that_the_program_left_free(tmp_path: Path) -> None:
     (tmp_path / "nodes.csv").write_text("\n".join([free, *rows]))
     numbers = {key: ",".join(map(str, nodes + 1)) for key, nodes in mesh.point_sets.items()}
     again = import_superelement(
-        *(tmp_path / "k.mtx",),
+        tmp_path / "k.mtx",
         mass=tmp_path / "m.mtx",
         nodes=tmp_path / "nodes.csv",
         contact=numbers["tip"],

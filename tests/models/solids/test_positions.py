@@ -35,7 +35,9 @@ ANGLE = np.degrees(np.arctan2(Y, X))
 )
 def test_conditions_choose_nodes(text: str, axis: str, expected: Any) -> None:
     assert 0 < np.count_nonzero(expected) < len(POINTS)
-    assert np.array_equal(nodes_where(text, POINTS, axis), np.flatnonzero(expected))
+    nodes = nodes_where(text, POINTS, axis)
+    assert nodes is not None
+    assert np.array_equal(nodes, np.flatnonzero(expected))
 
 
 def test_other_text_is_no_condition() -> None:
