@@ -27,7 +27,8 @@ def place_instance(card: Card, part: AbaqusMesh, whole: AbaqusMesh) -> None:
         for here, there in ((part.points, whole.points), (part.elements, whole.elements))
     )
     whole.instances[name.upper()] = nodes, elements
-    points = _moved(np.array([*part.points.values()]).reshape(-1, 3), card)
+    with np.errstate(all="ignore"):  # results that are not finite are an error of the mesh
+        points = _moved(np.array([*part.points.values()]).reshape(-1, 3), card)
     whole.points |= dict(zip(nodes.values(), points.tolist(), strict=True))
     for number, place in elements.items():
         whole.elements[place] = [nodes.get(node, -1) for node in part.elements[number]]

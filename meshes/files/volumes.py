@@ -34,6 +34,9 @@ ELEMENTS = {
 order of nodes is that of VTK."""
 
 
+FARTHEST = 1e15  #: largest coordinate of a node
+
+
 @dataclass(frozen=True, kw_only=True)
 class VolumeMesh:
     """Mesh of a solid, in the unit of length of its source.
@@ -167,8 +170,8 @@ def _volumes(source: SolidMesh, name: str) -> VolumeMesh:
     if not (min(ends) >= 0 and max(ends) < len(mesh.points)):
         raise MeshFileError("all nodes of the cells; some nodes are not defined")
     points = np.asarray(mesh.points, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-        raise MeshFileError("nodes with three finite coordinates")
+    if points.ndim != 2 or points.shape[1] != 3 or not np.all(abs(points) <= FARTHEST):
+        raise MeshFileError(f"nodes with three finite coordinates of at most {FARTHEST:g}")
     used = np.unique(np.concatenate([one.ravel() for one in blocks.values()]))
     place = np.full(len(points), -1)
     place[used] = np.arange(len(used))

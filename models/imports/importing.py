@@ -9,6 +9,7 @@ from typing import Any
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.imports.calculix import read_calculix
+from bladewhirl.models.imports.evidence import check_order, hints_of
 from bladewhirl.models.imports.inspection import Inspection, inspect, mass_hints
 from bladewhirl.models.imports.nastran import read_nastran
 from bladewhirl.models.imports.parts import Choice, ForeignPart, superelement_from
@@ -21,6 +22,7 @@ from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation
 from bladewhirl.models.superelements.file import read_superelement
 from bladewhirl.models.superelements.superelement import (
+    FIXED,
     Superelement,
     SuperelementError,
     dense,
@@ -142,10 +144,16 @@ def imported(
     if "contact" not in given:
         raise SuperelementError(f"{path}: expected contact nodes: a group or numbers of nodes")
     with errors_of(path):
+        check_order(foreign)
         part, along = superelement_from(foreign, Choice(**given))
         total = dense(along @ part.mass @ along.T).diagonal()
-        hints = tuple(mass_hints(part, float(total.max())))
-        return part, replace(inspect(part), hints=hints), total
+        inspection = inspect(part)
+        free = "clamped" in given
+        held = free or bool((foreign.dofs == FIXED).all(axis=1).any())
+        alone = held and part.left_dofs is None
+        evidence = hints_of(foreign, total, inspection.rigid_modes, free=free, clamped=alone)
+        hints = (*mass_hints(part, float(total.max())), *evidence)
+        return part, replace(inspection, hints=hints), total
 
 
 def _speed(key: str, value: float | str) -> float:

@@ -24,16 +24,18 @@ from typing import Any
 
 import h5py
 import numpy as np
+import solid_decks
 from command_line import answer
 from places import DATA, EXAMPLES
 from small_run import COMMAND, SMALL, small
+from solid_decks import SolidMakers
 from typer.testing import CliRunner
 
 from bladewhirl.meshes.files.registry import WRITERS
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import toml_value
-from bladewhirl.studies.commands.cli import app, main
+from bladewhirl.studies.commands.cli import app
 
 SECONDS, BYTES, FILE_BYTES = 30, 6 * 2**30, 2**28
 """Limits of a command: processor time (twenty times that on the clock), memory and disk."""
@@ -95,6 +97,9 @@ COMMANDS = {
     "options": READING,
 }
 """Commands by the kind of input."""
+
+SOLIDS = ("inp", "msh", "vtu", "calculix", "matrices")
+"""Kinds of decks and matrices of solids, see `solid_decks`."""
 
 FILES = {
     "result": (
@@ -316,8 +321,7 @@ def _child(arguments: list[str], folder: Path) -> None:
     for stream, name in ((1, ".out"), (2, ".err")):
         os.dup2(os.open(name, os.O_CREAT | os.O_WRONLY | os.O_TRUNC), stream)
     warnings.simplefilter("error")
-    sys.argv = ["bladewhirl", *arguments]
-    main()
+    solid_decks.run(arguments)
 
 
 def _fault(code: int, out: str, messages: str, arguments: list[str]) -> str:
@@ -357,7 +361,8 @@ def fuzz(kind: str, first: int, count: int, keep: Path | None = None) -> int:
     """
     answered = findings = 0
     with tempfile.TemporaryDirectory(prefix="fuzz-") as place:
-        makers = Makers(Path(place))
+        base = Path(place)
+        makers = SolidMakers(base, mutated) if kind in SOLIDS else Makers(base)
         makers.prepare(kind)
         for number in range(first, first + count):
             folder = Path(place) / "input"
@@ -378,7 +383,7 @@ def fuzz(kind: str, first: int, count: int, keep: Path | None = None) -> int:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Give the command line inputs nobody means.")
-    parser.add_argument("kind", choices=COMMANDS)
+    parser.add_argument("kind", choices=(*COMMANDS, *SOLIDS))
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--keep", type=Path)
