@@ -100,5 +100,5 @@ def _strained_by_rotation(part: ForeignPart) -> bool:
 def _forces(part: ForeignPart, moved: FloatArray) -> BoolArray:
     stiffness = sp.csr_array(part.stiffness)
     terms = abs(stiffness) @ abs(moved)
-    strained: BoolArray = abs(stiffness @ moved) > ROUNDING * terms
-    return strained[terms > 0.0]
+    strained = np.asarray(abs(stiffness @ moved) > ROUNDING * terms, dtype=np.bool_)
+    return np.asarray(strained[terms > 0.0])

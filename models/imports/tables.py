@@ -1,6 +1,7 @@
 """Matrices in files of Matrix Market or MATLAB, with a table of their nodes."""
 
 import csv
+import re
 from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
@@ -189,7 +190,7 @@ def _column(
     return values
 
 
-MATRIX_MARKET = b"%%MatrixMarket"
+MATRIX_MARKET, SYMMETRIES = b"%%MatrixMarket", ("general", "symmetric")
 
 
 def read_matrix(path: Path) -> sp.csr_array:
@@ -204,19 +205,30 @@ def read_matrix(path: Path) -> sp.csr_array:
 
 
 def _market(path: Path) -> Any:
+    """Read a file of Matrix Market, of which scipy reads the head only: its reader of the numbers
+    ends the process if the file is shorter than its head says."""
     with path.open("rb") as stream:
         head = stream.read(len(MATRIX_MARKET))
     if head != MATRIX_MARKET:
         return read_triplets(path)
-    rows, columns, entries, _, field, symmetry = sio.mminfo(path)
-    if rows != columns or field in ("complex", "pattern"):
+    rows, columns, entries, kind, field, symmetry = sio.mminfo(path)
+    if rows != columns or field in ("complex", "pattern") or symmetry not in SYMMETRIES:
         raise SuperelementError(
-            f"{path}: expected a square real matrix, got {rows} x {columns}, {field}"
+            f"{path}: expected a square real matrix, general or symmetric, got {rows} x {columns},"
+            f" {field}, {symmetry}"
         )
     if max(rows, entries) > path.stat().st_size:
         raise ValueError(f"{rows} rows and {entries} entries in {path.stat().st_size} bytes")
-    matrix = sp.csr_array(sio.mmread(path))
-    return _completed(matrix) if symmetry == "general" else matrix
+    numbers = _numbers_in(path)
+    if kind == "coordinate":
+        lines = numbers[3:].reshape(-1, 3)
+        if len(lines) != entries:
+            raise ValueError(f"{len(lines)} entries in place of {entries}")
+        return _of_triplets(path, lines, rows)
+    lower = np.triu_indices(rows) if symmetry == "symmetric" else np.indices((rows, rows))
+    column, row = np.reshape(lower, (2, -1))  # column by column
+    whole = sp.csr_array((numbers[2:], (row, column)), shape=(rows, rows))
+    return _completed(whole)
 
 
 def read_triplets(path: Path, size: int | None = None) -> sp.csr_array:
@@ -234,7 +246,13 @@ def read_triplets(path: Path, size: int | None = None) -> sp.csr_array:
         SuperelementError: the file is missing, or has lines of another form.
     """
     kind = "lines of row, column and value"
-    numbers = read_foreign(path, kind, lambda: _numbers_in(path).reshape(-1, 3))
+    return _of_triplets(
+        path, read_foreign(path, kind, lambda: _numbers_in(path).reshape(-1, 3)), size
+    )
+
+
+def _of_triplets(path: Path, numbers: FloatArray, size: int | None) -> sp.csr_array:
+    """Return the matrix of lines of row, column and value, completed to a symmetric one."""
     with errors_of(path):
         row, column = (whole_numbers("rows and columns", numbers[:, n]) - 1 for n in range(2))
         values = real_numbers("values", numbers[:, 2])
@@ -254,5 +272,7 @@ def _completed(matrix: sp.csr_array) -> sp.csr_array:
 
 
 def _numbers_in(path: Path) -> FloatArray:
+    """Return the numbers of a file without lines that begin with %."""
     with open_text(path) as stream:
-        return np.array(stream.read().replace(",", " ").split(), dtype=np.float64)
+        text = re.sub("^[ \t]*%.*$", "", stream.read(), flags=re.MULTILINE)
+        return np.array(text.replace(",", " ").split(), dtype=np.float64)

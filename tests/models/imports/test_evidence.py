@@ -52,7 +52,7 @@ def hints(
         mine = "".join(f",{3 * number + axis}" for axis in (1, 2, 3)) * rows
         lines.append(f"{node},{x},{y},{z},{group}{mine}")
     (folder / "nodes.csv").write_text("\n".join(lines))
-    files = {"mass": folder / "m.mtx", "nodes": folder / "nodes.csv"}
+    files: dict[str, Any] = {"mass": folder / "m.mtx", "nodes": folder / "nodes.csv"}
     return imported(folder / "k.mtx", contact="tip", **files, **choice)[1].hints
 
 
@@ -118,6 +118,6 @@ def test_masses_that_differ_by_direction_are_named(tmp_path: Path) -> None:
         group = "tip" if node in mesh.point_sets["tip"] else ""
         lines.append(",".join(map(str, [node, *place, *row[node], group])))
     (tmp_path / "nodes.csv").write_text("\n".join(lines))
-    files = {"mass": tmp_path / "m.mtx", "nodes": tmp_path / "nodes.csv"}
+    files: dict[str, Any] = {"mass": tmp_path / "m.mtx", "nodes": tmp_path / "nodes.csv"}
     [found] = imported(tmp_path / "k.mtx", contact="tip", **files)[1].hints
     assert found.startswith("unusual masses along x, y and z = 0.")

@@ -197,6 +197,18 @@ def test_an_empty_file_is_no_mat_file(tmp_path: Path) -> None:
 
 
 MARKET = "%%MatrixMarket matrix coordinate real general\n"
+ARRAY = "%%MatrixMarket matrix array real general\n"
+
+
+@pytest.mark.parametrize("symmetry", ["general", "symmetric"])
+def test_matrices_of_matrix_market_are_those_of_scipy(tmp_path: Path, symmetry: str) -> None:
+    noise = np.random.default_rng(0).standard_normal((5, 5))
+    matrix = noise + noise.T if symmetry == "symmetric" else noise
+    for given in (matrix, sp.coo_array(np.where(abs(matrix) > 0.5, matrix, 0.0))):
+        sio.mmwrite(tmp_path / "k.mtx", given, symmetry=symmetry, comment="% a comment")
+        expected = sio.mmread(tmp_path / "k.mtx")
+        expected = expected.toarray() if sp.issparse(expected) else expected
+        assert np.array_equal(read_matrix(tmp_path / "k.mtx").toarray(), expected)
 
 
 @pytest.mark.parametrize(
@@ -204,9 +216,13 @@ MARKET = "%%MatrixMarket matrix coordinate real general\n"
     [
         (f"{MARKET}1000000000 1000000000 1\n1 1 1.0\n", "1000000000 rows and 1 entries"),
         (f"{MARKET}3 3 1000000000\n1 1 1.0\n", "1000000000 entries in"),
-        (f"{MARKET}2 2 2\n1.5 1 1.0\n2 2 1.0\n", "a file of Matrix Market"),
-        (f"{MARKET}2 2 2\n1 1 nan\n2 2 1.0\n", "matrix: expected finite real numbers"),
-        (f"{MARKET}2 2 2\n3 1 1.0\n2 2 1.0\n", "a file of Matrix Market"),
+        (f"{MARKET}2 2 2\n1.5 1 1.0\n2 2 1.0\n", "rows and columns: expected whole numbers"),
+        (f"{MARKET}2 2 2\n1 1 nan\n2 2 1.0\n", "values: expected finite real numbers"),
+        (f"{MARKET}2 2 2\n3 1 1.0\n2 2 1.0\n", "rows and columns from 1 to 2, got 3"),
+        (f"{MARKET}2 2 2\n1 1 1.0\n", "1 entries in place of 2"),
+        (f"{MARKET}2 2 2\n1 1 1.0\n2 2\n", "a file of Matrix Market"),
+        (f"{ARRAY}2 2\n1.0\n", "a file of Matrix Market"),
+        (f"{MARKET.replace('general', 'skew-symmetric')}1 1 1\n1 1 1.0\n", "skew-symmetric"),
         (f"{MARKET.replace('real', 'complex')}1 1 1\n1 1 1.0 0.0\n", "a square real matrix"),
         ("1.5 1 1.0\n2 2 1.0\n", "rows and columns: expected whole numbers"),
         ("nan 1 1.0\n2 2 1.0\n", "rows and columns: expected finite real numbers"),
