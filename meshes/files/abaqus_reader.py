@@ -245,13 +245,18 @@ def _named(value: str, content: AbaqusMesh, kind: int) -> list[int]:
 
 
 def _read_surface(card: Card, content: AbaqusMesh) -> None:
-    """Read a surface of faces of solids as a set of nodes; other faces are skipped."""
+    """Read a surface of faces of solids as a set of nodes; faces of other elements are skipped, and
+    surfaces of sets that are not defined before."""
     instance = card.parameters.get("INSTANCE")
+    nodes: list[int] = []
     for row in card.rows:
         value = row[0] if instance is None else f"{instance}.{row[0]}"
-        elements = _named(value, content, ELEMENTS)
-        face = row[1].upper() if len(row) > 1 else ""
-        extend(content.node_sets, card.needs("NAME"), surface_nodes(content, elements, face))
+        try:
+            elements = _named(value, content, ELEMENTS)
+        except MeshFileError:
+            return
+        nodes += surface_nodes(content, elements, row[1].upper() if len(row) > 1 else "")
+    extend(content.node_sets, card.needs("NAME"), nodes)
 
 
 def _read_coupling(card: Card, content: AbaqusMesh) -> None:

@@ -208,6 +208,11 @@ def test_surfaces_of_faces_are_groups_of_nodes(tmp_path: Path, element: str) -> 
     assert np.array_equal(made.groups["free"], np.arange(len(reference)))
 
 
+def test_surfaces_of_unknown_sets_are_no_groups(tmp_path: Path) -> None:
+    mesh = read(tmp_path, f"{TEXT}*SURFACE, NAME=face\n1, S4\nlater, S4\n")
+    assert "face" not in mesh.groups
+
+
 def test_an_element_between_others_has_no_free_face(tmp_path: Path) -> None:
     text = deck_text(cantilever("hexahedron", (3, 3, 3)), "C3D8")
     sets = "*ELSET, ELSET=inner\n14\n*ELSET, ELSET=corner\n1\n"

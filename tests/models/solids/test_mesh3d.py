@@ -365,6 +365,14 @@ def test_groups_of_gmsh_without_a_name_have_their_number(tmp_path: Path) -> None
         mesh3d(tmp_path / "blade.msh", **STEEL, clamped="surface 7")
 
 
+def test_groups_of_gmsh_4_without_a_name_have_their_number(tmp_path: Path) -> None:
+    head, rest = BLADE.read_text().split("$PhysicalNames\n")
+    (tmp_path / "blade.msh").write_text(head + rest.split("$EndPhysicalNames\n")[1])
+    expected, named = read_volume_mesh(tmp_path / "blade.msh"), read_volume_mesh(BLADE)
+    for name, same in (("surface 1", "root"), ("surface 2", "tip")):
+        assert np.array_equal(expected.groups[name], named.groups[same])
+
+
 @pytest.mark.parametrize("binary", [True, False])
 def test_files_of_pyvista_with_text_and_truth_values_are_read(tmp_path: Path, binary: bool) -> None:
     mesh = cantilever("hexahedron", (3, 1, 1))
