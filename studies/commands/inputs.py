@@ -116,14 +116,14 @@ def mesh(
 
 def _content(source: Path, overrides: list[str]) -> GroupedLines | VolumeMesh:
     """Return the line mesh of a case file, or the mesh of lines or solids in a mesh file."""
-    from bladewhirl.meshes.files.formats import FORMATS, OTHERS, format_of
+    from bladewhirl.meshes.files.formats import OTHERS, format_of
     from bladewhirl.meshes.files.groups import MeshFileError
     from bladewhirl.meshes.files.registry import read_line_mesh
-    from bladewhirl.meshes.files.volumes import read_volume_mesh
+    from bladewhirl.meshes.files.volumes import READERS, read_volume_mesh
     from bladewhirl.models.elements.build import case_beam_model
     from bladewhirl.models.geometry.from_mesh import grouped_lines
 
-    if format_of(source) not in (*FORMATS, *OTHERS):
+    if format_of(source) not in (*READERS, *OTHERS):
         with options.case_of(source, overrides) as case:
             return grouped_lines(case_beam_model(case))
     if overrides:
@@ -135,6 +135,8 @@ def _content(source: Path, overrides: list[str]) -> GroupedLines | VolumeMesh:
             return read_volume_mesh(source)
         except MeshFileError as reason:
             both = dict.fromkeys((str(error), str(reason)))
+            if format_of(source) in OTHERS and format_of(source) in READERS:  # solids only
+                both = {str(reason): None}
             raise UserError(f"{source}: expected {'; or '.join(both)}") from None
 
 
