@@ -136,8 +136,8 @@ def _vtu_mesh(path: Path) -> SolidMesh:
 
 
 READERS: dict[str, Callable[[Path], SolidMesh]] = {
-    ".msh": _gmsh_mesh,
     ".vtu": _vtu_mesh,
+    ".msh": _gmsh_mesh,
     ".inp": abaqus_mesh,
     ".cdb": ansys_mesh,
     ".bdf": nastran_mesh,

@@ -114,7 +114,7 @@ def imported(
     path = Path(source)
     given = {key: value for key, value in choice.items() if value is not None}
     if path.suffix.lower() == SUPERELEMENT or (path.suffix.lower() == MATLAB and nodes is None):
-        if given.keys() - {"name"} or not all(x is None for x in (mass, nodes, speed, at)):
+        if given.keys() - {"name"} or at or any(x is not None for x in (mass, nodes, speed)):
             reason = "a superelement states its own contact nodes and units"
             if path.suffix.lower() == MATLAB:
                 reason = "without a table of nodes, the file states contact nodes and units itself"

@@ -76,7 +76,7 @@ def _digest(part: Superelement, settings: tuple[int, ...]) -> str:
             rows = sp.csr_array(value)
             arrays = [rows.data, rows.indices, rows.indptr]
         for array in arrays:
-            shape = None if array is None else (array.shape, array.dtype.str)
+            shape = None if array is None else (np.shape(array), np.asarray(array).dtype.str)
             found.update(repr((name, shape)).encode())
             if array is not None:
                 found.update(np.ascontiguousarray(array).data)

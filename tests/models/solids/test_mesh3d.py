@@ -442,7 +442,7 @@ def _turned_inside_out() -> meshio.Mesh:
         (_turned_inside_out(), {}, "1 of 12 are, such as that around (0.208333, "),
         ("missing.msh", {}, "missing.msh"),
         ("blade.xyz", {}, "a mesh file, .vtu, .msh, .inp"),
-        ("blade.cdb", {}, "not a deck of Ansys; convert it"),
+        ("blade.k", {}, "not a deck of LS-DYNA; convert it"),
     ],
 )
 def test_what_cannot_be_right_is_refused(mesh: Any, changed: Any, expected: str) -> None:

@@ -148,8 +148,10 @@ def test_solids_are_listed_with_the_next_call(tmp_path: Path) -> None:
             "*NODE\n1, 0, 0\n*ELEMENT, TYPE=S4\n1, 1, 1, 1, 1\n",
             "or solids, elements of",
         ),
-        ("a.cdb", "/PREP7\n", "a mesh file, .vtu, .msh, .inp, not a deck of Ansys; convert it"),
-        ("a.BDF", "BEGIN BULK\n", "not a deck of Nastran"),
+        ("a.k", "*KEYWORD\n", "a mesh file, .vtu, .msh, .inp, not a deck of LS-DYNA; convert it"),
+        ("a.FEM", "BEGIN BULK\n", "not a deck of OptiStruct"),
+        ("a.cdb", "/PREP7\n", "a .cdb file that meshlane can read"),
+        ("a.BDF", "BEGIN BULK\n", "there are none"),
         ("a.msh", "", "a .msh file"),
     ],
 )
