@@ -22,7 +22,7 @@ from bladewhirl.models.inputs.machine import cores
 from bladewhirl.models.superelements.cholesky import Cholesky
 from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.reduction import small_shift
-from bladewhirl.models.superelements.solver import Pencil, announce
+from bladewhirl.models.superelements.solver import LARGE, Pencil, announce
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
 Found = TypeVar("Found")
@@ -80,7 +80,9 @@ class Sector:
         self.stiffness, self.mass = sp.csr_array(part.stiffness), sp.csr_array(part.mass)
         self.shift = small_shift(part) if rigid else 0.0
         shifted = self.stiffness + self.shift * self.mass if rigid else self.stiffness
-        self.factor = Cholesky(sp.csr_array(shifted), self.faces)
+        threads = self._workers if part.size >= LARGE else 1  # more would slow small fronts
+        with threadpool_limits(threads, user_api="blas"):
+            self.factor = Cholesky(sp.csr_array(shifted), self.faces)
 
     def each_wave(self, compute: Callable[["Wave"], Found]) -> Iterator[Found]:
         """Yield what a function returns for the waves of nodal diameters 0, 1, ..., sectors / 2,

@@ -44,7 +44,7 @@ of the factor [s]; accurate to a factor of three."""
 
 BLOCK = 8  #: number of vectors of a block
 
-CONVERGED = 1e-11
+CONVERGED = 1e-10
 """Largest residual of a mode, as a fraction of its eigenvalue."""
 
 ROUNDING = 1e-14
@@ -165,12 +165,11 @@ class Pencil(ABC):
         """
         start = np.random.default_rng(0).standard_normal((self.size, min(BLOCK, self.size)))
         block = self.solve(self.mass(start.astype(self.kind)))
-        basis: Any = np.zeros((self.size, 0), dtype=self.kind)
-        inertia: Any = basis
+        basis, inertia = _Columns(self.size, self.kind), _Columns(self.size, self.kind)
         projected: Any = np.zeros((0, 0), dtype=self.kind)
         while True:
-            block, weights, outside = self._orthonormal(block, basis, inertia)
-            known = basis.shape[1]
+            block, weights, outside = self._orthonormal(block, basis.all, inertia.all)
+            known = len(projected)
             count = count if block.shape[1] else min(count, known)
             if known >= count:
                 inverse, vectors = la.eigh(projected)
@@ -178,21 +177,22 @@ class Pencil(ABC):
                 limit = CONVERGED * inverse[-count:] + ROUNDING * inverse[-1]
                 if not block.shape[1] or np.all(residual <= limit):
                     squares = 1.0 / inverse[-count:][::-1] - self.shift
-                    return squares, basis @ vectors[:, -count:][:, ::-1]
-            basis, inertia = np.hstack([basis, block]), np.hstack([inertia, weights])
+                    return squares, basis.all @ vectors[:, -count:][:, ::-1]
+            basis.append(block)
+            inertia.append(weights)
             block = self.solve(weights)
-            row = block.conj().T @ inertia
+            row = block.conj().T @ inertia.all
             own = 0.5 * (row[:, known:] + row[:, known:].conj().T)
             projected = np.block([[projected, row[:, :known].conj().T], [row[:, :known], own]])
 
     def _orthonormal(self, block: Any, basis: Any, inertia: Any) -> tuple[Any, Any, Any]:
         """Return a block made orthonormal to a basis and in itself with respect to the mass, its
         product with the mass, and the coefficients of the given block on the new one."""
-        outside = np.eye(block.shape[1])
+        outside, weights = np.eye(block.shape[1]), None
         for _ in range(2):  # twice is enough for rounding errors
             inside = (block.conj().T @ inertia).conj().T
             block = block - basis @ inside
-            weights = self.mass(block)
+            weights = self.mass(block) if weights is None else weights - inertia @ inside
             gram = block.conj().T @ weights
             squares, vectors = la.eigh(0.5 * (gram + gram.conj().T))
             before = max((abs(inside) ** 2).sum(axis=0).max(), squares[-1])
@@ -226,11 +226,35 @@ class Pencil(ABC):
             step = self.solve(rest - self.stiffness(moved))
             step = step - shapes @ (weights.conj().T @ step)
             moved = moved + step
-            change = float((abs(step).max(axis=0) / np.maximum(abs(moved).max(axis=0), TINY)).max())
+            change = float(abs(step).max() / max(abs(moved).max(), TINY))
             if not self.shift or change <= SETTLED or before <= change <= STAGNANT:
                 return moved
             before = change
         raise la.LinAlgError("motions without stiffness")
+
+
+class _Columns:
+    """Columns in memory that grows by doubling."""
+
+    def __init__(self, size: int, kind: type) -> None:
+        self._memory: Any = np.empty((size, 4 * BLOCK), dtype=kind, order="F")
+        self._count = 0
+
+    @property
+    def all(self) -> Any:
+        """All columns, (size, count)."""
+        return self._memory[:, : self._count]
+
+    def append(self, columns: Any) -> None:
+        """Add columns, (size, m)."""
+        count = self._count + columns.shape[1]
+        if count > self._memory.shape[1]:
+            before = self.all
+            room = (before.shape[0], 2 * count)
+            self._memory = np.empty(room, dtype=before.dtype, order="F")
+            self._memory[:, : self._count] = before
+        self._memory[:, self._count : count] = columns
+        self._count = count
 
 
 class MatrixPencil(Pencil):
