@@ -6,6 +6,9 @@ from bladewhirl.meshes.files.volumes import VolumeMesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.solids.elements import ELEMENTS
 
+OBLIQUE = 0.1
+"""Largest component of a unit vector that is small."""
+
 MOST_CORNERS = 4
 """Largest number of corners of a face."""
 
@@ -32,17 +35,21 @@ def surface_triangles(mesh: VolumeMesh) -> tuple[IntArray, IntArray]:
 def evenly_along_chord(points: FloatArray, nodes: IntArray, count: int) -> IntArray:
     """Return nodes that are evenly spaced along a chord, in the middle of the thickness.
 
-    The chord is the direction in which the nodes spread most. The middle line is a parabola through
-    the nodes; the nearest node to each of its evenly spaced points is chosen, each node at most
-    once.
+    The chord is the direction in which the nodes spread most; nodes are numbered along the axis of
+    rotation z or, if the chord is hardly inclined to the plane of rotation, along y or x. The
+    middle line is a parabola through the nodes; the nearest node to each of its evenly spaced
+    points is chosen, each node at most once.
 
     Args:
         points: positions of all nodes [m], (n, 3).
         nodes: nodes among which to choose, at least `count`.
         count: number of nodes to choose.
     """
+    if len(nodes) == 1:
+        return nodes
     place = points[nodes] - points[nodes].mean(axis=0)
     _, _, directions = np.linalg.svd(place, full_matrices=False)
+    directions = directions * _sign(directions[0])
     along, across = place @ directions[0], place @ directions[1]
     degree = min(2, len(np.unique(along.round(12))) - 1)
     middle = np.polynomial.Polynomial.fit(along, across, degree)
@@ -52,3 +59,9 @@ def evenly_along_chord(points: FloatArray, nodes: IntArray, count: int) -> IntAr
         distance[chosen] = np.inf
         chosen.append(int(distance.argmin()))
     return np.asarray(nodes[chosen])
+
+
+def _sign(direction: FloatArray) -> float:
+    """Return the sign of the first component in the order z, y, x that is not small, so that it
+    does not depend on rounding errors or on the order of the nodes."""
+    return float(np.sign(next(one for one in direction[::-1] if abs(one) > OBLIQUE)))

@@ -63,5 +63,5 @@ def unsolved_text(unsolved: int, steps: int) -> str:
     return (
         f"the contact problem of {unsolved} of {steps} steps was not solved: check for contact"
         " nodes that are nearly at one place, use fewer of them, more modes or a shorter"
-        " march.time_step"
+        " march.time_step, and for a coating more hardening or a lower young_modulus"
     )

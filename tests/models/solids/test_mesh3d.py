@@ -27,6 +27,7 @@ from bladewhirl.meshes.files.abaqus_faces import SOLIDS
 from bladewhirl.meshes.files.volumes import read_volume_mesh
 from bladewhirl.models.inputs.errors import CaseError, Hint
 from bladewhirl.models.solids.blade import mesh3d
+from bladewhirl.models.solids.surface import evenly_along_chord
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 from bladewhirl.models.superelements.superelement import SuperelementError
 
@@ -305,6 +306,21 @@ def test_chosen_contact_nodes_are_spread_along_the_chord() -> None:
     part = mesh3d(cantilever("tetra10"), **STEEL, contacts=5)
     steps = np.linalg.norm(np.diff(part.contact_position, axis=0), axis=1)
     assert steps == pytest.approx(0.03 / 4)
+
+
+@pytest.mark.parametrize("kind", ["tetra10", "hexahedron"])
+def test_chosen_contact_nodes_are_numbered_along_the_axis(kind: str) -> None:
+    """The order of the nodes in the group does not matter, as in a table of an import."""
+    part = mesh3d(cantilever(kind), **STEEL)
+    axial = part.contact_position[:, 2]
+    nodes = np.arange(part.contacts)
+    first = evenly_along_chord(part.contact_position, nodes, 3)
+    assert np.all(np.diff(axial[first]) > 0.0)
+    for seed in range(5):
+        shuffled = np.random.default_rng(seed).permutation(nodes)
+        chosen = evenly_along_chord(part.contact_position, shuffled, 3)
+        assert np.all(np.diff(axial[chosen]) > 0.0)
+    assert evenly_along_chord(part.contact_position, nodes[:1], 1).tolist() == [0]
 
 
 def test_units_axes_and_files_give_the_same_blade(tmp_path: Path) -> None:
