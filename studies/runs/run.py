@@ -12,7 +12,7 @@ from typing import BinaryIO
 from bladewhirl.files import claim, owned, remove_leftovers, write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
-from bladewhirl.models.inputs.errors import Hint, UserError, writing
+from bladewhirl.models.inputs.errors import CaseError, Hint, UserError, writing
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME, Checkpoint, read_checkpoint
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs import folder, recorded_march
@@ -80,7 +80,7 @@ def run(
     with writing(directory):
         recorded_march.check_room(directory, recorded_march.expected_bytes(prepared))
         files = folder.case_files(case)
-        with taking_place(directory) as place:
+        with _nothing_left(directory), taking_place(directory) as place:
             claim(place, folder.files_of_run(case))
             for name, content in files.items():
                 write_atomically(place / name, content)
@@ -223,6 +223,22 @@ def taking_place(directory: Path) -> Iterator[Path]:
         new.rename(directory)
         (directory / LOCK_NAME).unlink(missing_ok=True)
         _bring_over(old, directory)
+
+
+@contextmanager
+def _nothing_left(directory: Path) -> Iterator[None]:
+    """Remove what a run wrote if its case turns out to be faulty while marching."""
+    earlier = directory.exists() and any(directory.iterdir())
+    place = directory.resolve().with_name(directory.name + NEW) if earlier else directory
+    try:
+        yield
+    except CaseError:
+        for path in [*owned(place)]:
+            path.unlink()
+        _drop_empty_folders(place)
+        with suppress(OSError):
+            place.rmdir()
+        raise
 
 
 def _bring_over(old: Path, directory: Path) -> None:

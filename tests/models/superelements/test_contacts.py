@@ -129,7 +129,14 @@ def test_unsolved_steps_are_an_error_or_the_first_line(
     if unsolved > share * 1000:
         with pytest.raises(CaseError, match=f"march.unsolved_share = 0.001: expected .* {text}"):
             bw.run(given, tmp_path / "run", frames=0)
-        assert not (tmp_path / "run" / "summary.json").exists()
+        assert [path.name for path in tmp_path.iterdir()] == ["part.npz"]
+        allowed = case(tmp_path / "part.npz", sector(), 1e-3, unsolved_share=1.0)
+        bw.run(allowed, tmp_path / "run", frames=0)
+        before = {path: path.stat().st_mtime_ns for path in (tmp_path / "run").iterdir()}
+        with pytest.raises(CaseError, match=text):
+            bw.run(given, tmp_path / "run", frames=0, overwrite=True)
+        assert {path: path.stat().st_mtime_ns for path in (tmp_path / "run").iterdir()} == before
+        assert {path.name for path in tmp_path.iterdir()} == {"part.npz", "run"}
         return
     run = bw.run(given, tmp_path / "run", frames=0)
     assert repr(run).startswith(f"The {text}")
