@@ -26,7 +26,7 @@ CHANGES_THE_MESH = frozenset(
     ["SYSTEM", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "NODETHICKNESS"]
 )
 
-CONSTRAINTS = frozenset(["EQUATION", "MPC", "TIE", "EMBEDDED ELEMENT", "SHELL TO SOLID COUPLING"])
+CONSTRAINTS = frozenset(["EQUATION", "MPC", "TIE", "CONTACT PAIR", "EMBEDDED ELEMENT"])
 """Keywords that connect nodes, of which only matrices take account."""
 
 NODES, ELEMENTS = 0, 1

@@ -121,23 +121,28 @@ class _Lines:
                 yield from self.of(self._named(card, (*before, path)), (*before, path))
 
     def _named(self, card: Card, before: tuple[Path, ...]) -> Path:
-        """Return the path of the file that a keyword names, relative to the folder of the mesh."""
+        """Return the path of the file that a keyword names, relative to the folder of the mesh or,
+        if there is none, to that of the file with the keyword."""
         given = card.parameters["INPUT"]
         if not self._follow:
             raise MeshFileError(
                 f"an .inp file without *{card.keyword}, INPUT=, with all nodes and elements listed"
             )
-        folder = self._folder.resolve()
+        folder, name = self._folder.resolve(), given.replace("\\", "/")
         try:
-            path = (folder / given.replace("\\", "/")).resolve()
+            path, other = ((at / name).resolve() for at in (folder, before[-1].parent))
+            if not (self._outside or path.is_relative_to(folder)):
+                raise MeshFileError(
+                    f"files in the folder of the mesh for INPUT=, not {given};"
+                    " outside_files = True allows others"
+                )
+            if not path.exists() and (self._outside or other.is_relative_to(folder)):
+                path = other
             self._bytes += path.stat().st_size
+        except MeshFileError:
+            raise
         except (OSError, ValueError, RuntimeError) as error:
             raise MeshFileError(f"a readable file {given} for INPUT= ({error})") from None
-        if not (self._outside or path.is_relative_to(folder)):
-            raise MeshFileError(
-                f"files in the folder of the mesh for INPUT=, not {given};"
-                " outside_files = True allows others"
-            )
         self._files += 1
         if path in [one.resolve() for one in before]:
             raise MeshFileError(f"files that do not include themselves; {given} does")

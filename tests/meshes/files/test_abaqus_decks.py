@@ -43,6 +43,11 @@ def assert_same(mesh: VolumeMesh) -> None:
         ("deck.inp", f"*Include,\n input = nodes.inc\n{REST}", {"nodes.inc": NODES}),
         ("deck.inp", f'*NODE, INPUT="parts\\nodes.txt"\n{REST}', {"parts/nodes.txt": DATA}),
         ("deck.inp", f"*NODE\n*INCLUDE, INPUT=nodes.txt\n{REST}", {"nodes.txt": DATA}),
+        (
+            "deck.inp",
+            f"*INCLUDE, INPUT=parts/a.inc\n{REST}",
+            {"parts/a.inc": "*INCLUDE, INPUT=b.inc\n", "parts/b.inc": NODES},
+        ),
         ("deck.inp", "*INCLUDE, INPUT=a\n", {"a": "*INCLUDE, INPUT=b\n", "b": TEXT}),
         ("all.msh", TEXT, {}),
         ("all.txt", f"\n** written by cgx\n{TEXT}", {}),
