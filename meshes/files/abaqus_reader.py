@@ -172,7 +172,7 @@ def _read_nodes(card: Card, content: AbaqusMesh) -> None:
 
 def _read_elements(card: Card, content: AbaqusMesh) -> None:
     kind = card.needs("TYPE").upper()
-    rows = [[int(value) for value in row if value] for row in card.rows]
+    rows = [_integers(row, content) for row in card.rows]
     if solid := SOLID.fullmatch(kind):  # an element of 20 nodes takes several lines
         length, values = int(solid[1]) + 1, [*chain.from_iterable(rows)]
         if len(values) % length:
@@ -183,6 +183,14 @@ def _read_elements(card: Card, content: AbaqusMesh) -> None:
             raise MeshFileError(f"each element once; element number {number} is defined twice")
         content.elements[number], content.types[number] = [first, *others], kind
     extend(content.element_sets, card.parameters.get("ELSET"), [row[0] for row in rows])
+
+
+def _integers(row: list[str], content: AbaqusMesh) -> list[int]:
+    """Return the numbers in a line; nodes may have the name of an instance before them."""
+    try:
+        return [int(value) for value in row if value]
+    except ValueError:
+        return [_named(value, content, NODES)[0] for value in row if value]
 
 
 def _read_property(card: Card, content: AbaqusMesh) -> None:

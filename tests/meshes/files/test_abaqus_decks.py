@@ -254,6 +254,11 @@ def test_to_a_reference_node_belong_the_nodes_coupled_to_it(tmp_path: Path, coup
             "*EQUATION\n2\n1, 1, 1., 2, 1, -1.\n*MPC\nBEAM, 1, 2\n",
             "\\*EQUATION, \\*MPC of deck.inp",
         ),
+        (
+            "*INSTANCE, NAME=I-1, PART=p\n*NODE\n7, 0, 0, 0\n*END INSTANCE\n"
+            "*ELEMENT, TYPE=CONN3D2\n99, I-1.7, 3\n",
+            "1 elements CONN3D2 of deck.inp are not read",
+        ),
         ("*ELEMENT, TYPE=MASS, ELSET=weight\n99, 3\n", "1 elements MASS of deck.inp are not read"),
     ],
 )
