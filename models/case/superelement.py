@@ -36,14 +36,16 @@ class SuperelementTable(Table):
         Raises:
             SuperelementError: the file is not a superelement.
         """
-        return _single(self.kind, self.copies, self.file, *self._stamp())
+        return _single(self.kind, self.copies, self.file, *self.stamp)
 
     @property
     def left_out(self) -> int:
         """Number of contact nodes of the file that are at the place of others."""
-        return _cached(self.file, *self._stamp()).contacts - self.part.contacts
+        return _cached(self.file, *self.stamp).contacts - self.part.contacts
 
-    def _stamp(self) -> tuple[int, int]:
+    @property
+    def stamp(self) -> tuple[int, int]:
+        """Time of change [ns] and size [bytes] of the file."""
         try:
             status = os.stat(self.file)
         except OSError:

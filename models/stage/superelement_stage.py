@@ -40,6 +40,7 @@ from bladewhirl.models.stage.superelement_loads import (
 )
 from bladewhirl.models.stage.superelement_springs import coupling_springs
 from bladewhirl.models.superelements.at_speed import at_speed
+from bladewhirl.models.superelements.condensed import condensed
 from bladewhirl.models.superelements.points import with_fewer_points
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
@@ -56,6 +57,11 @@ LIMIT = 0.2  #: default of march.displacement_limit, divided by the largest radi
 POINT_NUMBERS, FEWEST_POINTS = 50_000_000, 200
 """Largest number of displacements of points in all modes of a wheel from a sector; and number of
 points of a sector that are always kept."""
+
+LARGE = 2000
+"""Number of coordinates from which a blade or a wheel is condensed for a range of speeds."""
+
+REMEMBERED = 4  #: number of the last structures of which results are kept in memory
 
 HIGHEST = 1e5  #: highest plausible first natural frequency [Hz]
 
@@ -360,9 +366,11 @@ def superelement_stage(case: Case) -> SuperelementStage:
         part, shown = with_fewer_points(part, most, needed)
     key = "bladed_disk.superelement.file"
     if case.rotation.effects != "none":
-        at_rest = superelement_stage(without_rotation(case)).reference_frequency
+        at_rest = _reference_at_rest(case)
         omega = case.march.speed.rad_per_s(at_rest)
-        part = at_speed(part, omega, coriolis=case.rotation.effects == "full")
+        part = at_speed(
+            _over_speeds(case, part, omega), omega, coriolis=case.rotation.effects == "full"
+        )
     given = part
     try:
         if part.centre_dofs is not None:
@@ -420,13 +428,66 @@ def superelement_stage(case: Case) -> SuperelementStage:
     return replace(stage, case=case.in_seconds(stage.reference_frequency))
 
 
+_at_rest: dict[str, float] = {}
+_small: dict[str, Superelement] = {}
+"""Reference frequencies and condensed superelements of the last cases, by all they depend on."""
+
+
+def _reference_at_rest(case: Case) -> float:
+    """Return the reference frequency of the structure at rest [rad/s], computed once for all points
+    of a sweep."""
+    key = _structure(case)
+    if key not in _at_rest:
+        _forget(_at_rest)
+        _at_rest[key] = superelement_stage(without_rotation(case)).reference_frequency
+    return _at_rest[key]
+
+
+def _over_speeds(case: Case, part: Superelement, omega: float) -> Superelement:
+    """Return a large blade or wheel condensed for the speeds up to the next power of two above a
+    speed [rad/s], so that points of a sweep and single runs have the same numbers; other
+    superelements as they are."""
+    table, modes = case.bladed_disk.superelement, case.reduction.free_interface_modes
+    assert table is not None
+    massless_ends = case.reduction.boundary == "massless"
+    if part.size < LARGE or table.kind == "sector" or not massless_ends or omega == 0.0:
+        return part
+    highest = 2.0 ** np.ceil(np.log2(abs(omega)))
+    key = f"{_structure(case)} {highest}"
+    if key not in _small:
+        _forget(_small)
+        _small[key] = _condensed(case, part, highest, modes)
+    return _small[key]
+
+
+def _condensed(case: Case, part: Superelement, highest: float, modes: int) -> Superelement:
+    held = part if part.centre_dofs is None else on_springs(case, part)
+    try:
+        small = condensed(held, highest, modes)
+    except SuperelementError:  # indefinite at the highest speed: reduced at each speed by itself
+        return part
+    return small if part.centre_dofs is None else on_springs(case, small, -1.0)
+
+
+def _structure(case: Case) -> str:
+    """Return text that is the same for cases with the same structure."""
+    table = case.bladed_disk.superelement
+    assert table is not None
+    return repr((table, table.stamp, case.shaft, case.reduction))
+
+
+def _forget(kept: dict[str, Any]) -> None:
+    while len(kept) >= REMEMBERED:
+        del kept[next(iter(kept))]
+
+
 def without_rotation(case: Case) -> Case:
     """Return a case whose bladed disk has no effects of the rotation."""
     return case.model_copy(update={"rotation": Rotation()})
 
 
-def on_springs(case: Case, part: Superelement) -> Superelement:
-    """Return a wheel with the springs of the shaft at its centre."""
+def on_springs(case: Case, part: Superelement, sign: float = 1.0) -> Superelement:
+    """Return a wheel with the springs of the shaft at its centre, or without them for a sign -1."""
     if case.shaft.clamped:
         raise SuperelementError("a wheel without centre_dofs for shaft.clamped = true")
     assert part.centre_dofs is not None
@@ -434,4 +495,4 @@ def on_springs(case: Case, part: Superelement) -> Superelement:
         (case.shaft.stiffnesses, (part.centre_dofs, part.centre_dofs)), shape=(part.size, part.size)
     )
     added = springs if sp.issparse(part.stiffness) else springs.toarray()
-    return replace(part, stiffness=part.stiffness + added)
+    return replace(part, stiffness=part.stiffness + sign * added)

@@ -24,10 +24,11 @@ def over_speeds(part: Superelement, highest: float) -> tuple[Superelement, ...]:
     """
     if part.stiffness_speed is None or highest == 0.0:
         return (part,)
-    turning = (at_speed(part, omega, coriolis=True) for omega in (0.5 * highest, highest))
+    speeds = 0.5 * highest, highest
+    turning = (at_speed(part, omega, coriolis=True) for omega in speeds)
     return part, *(
         replace(each, stiffness=each.stiffness + omega**2 * part.mass)
-        for each, omega in zip(turning, (0.5 * highest, highest), strict=True)
+        for each, omega in zip(turning, speeds, strict=True)
     )
 
 

@@ -10,7 +10,7 @@ equal matrices for every nodal diameter.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import scipy.linalg as la
@@ -18,11 +18,11 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.superelements.at_speed import over_speeds
+from bladewhirl.models.superelements.joined import joined
 from bladewhirl.models.superelements.reduction import (
     STIFF,
     lowest_modes,
     modes_and_static,
-    small_shift,
 )
 from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
 from bladewhirl.models.superelements.superelement import (
@@ -44,15 +44,6 @@ EQUAL = 1e-6
 CYCLIC = 1e-4
 """A wheel is cyclic if a turn by one blade maps the modes of equal frequency onto each other with a
 relative error of at most this."""
-
-
-DEPENDENT = 1e-13
-"""A direction in the space of modes at several speeds is a rounding error if its stiffness is at
-most this fraction of the largest one."""
-
-LEAST_MASS = 1e-8  #: least mass of a motion of unit stiffness, divided by the largest one
-
-Field = TypeVar("Field", FloatArray, ComplexArray)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,7 +96,7 @@ def blade_blocks(part: Superelement, blades: int, count: int, highest: float = 0
         shapes = la.eigh(dense(part.stiffness), dense(part.mass))[1]
     else:
         most, states = min(count, part.size - 1), over_speeds(part, highest)
-        shapes = _joined(part, [lowest_modes(each, most)[1] for each in states])
+        shapes = joined(part, [lowest_modes(each, most)[1] for each in states])
     block = _block(part, np.asarray(shapes, dtype=np.complex128))
     return dict.fromkeys(range(blades // 2 + 1), block)
 
@@ -133,7 +124,7 @@ def sector_blocks(part: Superelement, sectors: int, count: int, highest: float =
             sector = Sector(state, sectors, modes=count, loads=0, rigid=True)
             fields.append([*sector.each_wave(lowest)])
     return {
-        k: _block(part, _joined(part, [*of_wave]))
+        k: _block(part, joined(part, [*of_wave]))
         for k, of_wave in enumerate(zip(*fields, strict=True))
     }
 
@@ -162,7 +153,7 @@ def wheel_blocks(
     if len(groups) < len(found):
         groups = [{UNKNOWN: np.asarray(shapes, dtype=np.complex128)} for _, shapes in modes]
     return {
-        k: _block(part, _joined(part, [each[k] for each in groups if k in each]), springs)
+        k: _block(part, joined(part, [each[k] for each in groups if k in each]), springs)
         for k in sorted(set().union(*groups))
     }
 
@@ -234,29 +225,6 @@ def _by_nodal_diameter(
             among, _ = np.linalg.qr(vectors[:, waves == wave])
             found[k].append(np.asarray(shapes[:, modes] @ among, dtype=np.complex128))
     return {k: np.hstack(fields) for k, fields in found.items() if fields}
-
-
-def _joined(part: Superelement, fields: list[Field]) -> Field:
-    """Return mass-normalised modes of the structure at rest in the space of all fields, (n, m).
-
-    Motions without mass, which incompatible modes of elements have, get the mass `LEAST_MASS`.
-    """
-    if len(fields) == 1:
-        return fields[0]
-    basis, shift = np.hstack(fields), small_shift(part)
-    for _ in range(3):  # again for rounding errors
-        basis = basis / np.linalg.norm(basis, axis=0)
-        strained = part.stiffness @ basis + shift * (part.mass @ basis)
-        lengths, turn = la.eigh(_hermitian(basis.conj().T @ strained))
-        kept = lengths > DEPENDENT * lengths[-1]
-        basis = basis @ (turn[:, kept] / np.sqrt(lengths[kept]))
-    masses, turn = la.eigh(_hermitian(basis.conj().T @ (part.mass @ basis)))
-    least = LEAST_MASS * masses[-1]
-    return np.asarray(basis @ (turn / np.sqrt(np.maximum(masses, least)))[:, ::-1])
-
-
-def _hermitian(matrix: Any) -> Any:
-    return 0.5 * (matrix + matrix.conj().T)
 
 
 def _block(

@@ -11,6 +11,8 @@ from solid_meshes import CALCULIX, STEEL, TIE, bladed_sector, cantilever, deck
 import bladewhirl as bw
 from bladewhirl.models.case.plausibility import stiffness_hints
 from bladewhirl.models.solids.blade import mesh3d
+from bladewhirl.models.stage import superelement_stage as stage_of_superelement
+from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.at_speed import fixed_at_speed
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
@@ -99,3 +101,36 @@ def test_a_stiffness_of_another_speed_is_mentioned(tmp_path: Path) -> None:
     (hint,) = stiffness_hints(with_change)
     assert "not used" in hint
     assert not [*stiffness_hints(bw.with_values(with_change, {"rotation.effects": "centrifugal"}))]
+
+
+@pytest.mark.parametrize("effects", ["centrifugal", "full"])
+def test_a_large_blade_is_condensed_for_all_speeds(
+    effects: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the frequencies, flexibilities and Coriolis forces that it has at each speed."""
+    mesh = cantilever("hexahedron20", (6, 2, 1))
+    part = mesh3d(mesh, **STEEL, contacts=3, coriolis=True)
+    given = case(tmp_path, part, "blade", rotation={"effects": effects})
+    given = bw.with_values(given, {"reduction.free_interface_modes": 12})
+    for speed in ("300 rad/s", "700 rad/s", "1024 rad/s"):
+        at_speed = bw.with_values(given, {"march.speed": speed})
+        exact = superelement_stage(at_speed).reduced
+        with monkeypatch.context() as changed:
+            changed.setattr(stage_of_superelement, "LARGE", 10)
+            stage = superelement_stage(at_speed)
+        found = stage.reduced
+        assert stage.table.part.size > 2 * stage.part.size
+        assert found.frequency[:10] == pytest.approx(exact.frequency[:10], rel=1e-9)
+        size = abs(exact.compliance).max()
+        assert found.compliance == pytest.approx(exact.compliance, abs=1e-6 * size)
+        flexible = [
+            (each.contact / each.frequency**2) @ each.contact.T + each.compliance
+            for each in (found, exact)
+        ]
+        assert flexible[0] == pytest.approx(flexible[1], rel=1e-9, abs=1e-9 * flexible[1].max())
+        points = [np.linalg.norm(each.points, axis=0)[:6] for each in (found, exact)]
+        assert points[0] == pytest.approx(points[1], rel=1e-7)
+        if effects == "full":
+            matrices = found.gyroscopic, exact.gyroscopic
+            forces = [np.linalg.eigvals(each).imag for each in matrices if each is not None]
+            assert np.sort(forces[0]) == pytest.approx(np.sort(forces[1]), abs=1e-6)
