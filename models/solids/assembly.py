@@ -6,12 +6,11 @@ which takes a ninth of the time of a vector element.
 """
 
 from collections.abc import Callable
-from itertools import combinations_with_replacement, product
+from itertools import combinations_with_replacement
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
-import scipy.sparse.linalg as spl
 from skfem import Basis, BilinearForm
 
 from bladewhirl.meshes.files.groups import MeshFileError
@@ -19,7 +18,7 @@ from bladewhirl.meshes.files.volumes import VolumeMesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.solids.elements import ELEMENTS, ElementType, Mapping, Rule, Unknowns
 from bladewhirl.models.solids.materials import Materials
-from bladewhirl.models.superelements.frequencies import SYMMETRIC_ORDER
+from bladewhirl.models.superelements.cholesky import Cholesky
 
 HOURGLASS = 5e-4
 """Coefficient of the stiffness against hourglass modes, as in CalculiX."""
@@ -163,10 +162,15 @@ class Solid:
         for block in self._blocks:
             basis = block.basis(block.kind.stiffness_rule, block.kind.functions)
             law = tangent(block, basis)
+            gradient = np.array([field[0].grad for field in basis.basis])  # (functions, 3, ...)
+            functions, _, cells, _ = gradient.shape
+            rows = np.moveaxis(gradient, (0, 1), (1, 3)).reshape(cells, functions, -1)
             for i, k in combinations_with_replacement(range(3), 2):
                 if not law[i, :, k].any():
                     continue
-                part = sp.csr_array(_contraction(law[i, :, k]).assemble(basis))
+                columns = np.einsum("jleq,mleq->eqjm", law[i, :, k] * basis.dx, gradient)
+                entries = rows @ columns.reshape(cells, -1, functions)
+                part = _spread(entries, block.unknowns)
                 if i == k and hourglass and block.kind.hourglass:
                     modulus = self._materials.young_modulus[block.cells]
                     part += _hourglass_stiffness(block, basis, modulus)
@@ -181,12 +185,12 @@ def _mass_form(density: FloatArray) -> BilinearForm:
     return BilinearForm(lambda u, v, w: density * u * v)
 
 
-def _contraction(tangent: FloatArray) -> BilinearForm:
-    """Return the form tangent_jl dv/dx_j du/dx_l; terms without a coefficient are left out."""
-    terms = [pair for pair in product(range(3), repeat=2) if tangent[pair].any()]
-    return BilinearForm(
-        lambda u, v, w: sum(tangent[j, k] * v.grad[j] * u.grad[k] for j, k in terms)
-    )
+def _spread(entries: FloatArray, unknowns: Unknowns) -> sp.csr_array:
+    """Return the sum of matrices of cells (cells, functions, functions) over unknowns."""
+    places = unknowns.element_dofs.T
+    rows, columns = np.broadcast_arrays(places[:, :, None], places[:, None])
+    size = (unknowns.N, unknowns.N)
+    return sp.csr_array((entries.ravel(), (rows.ravel(), columns.ravel())), shape=size)
 
 
 def _hourglass_stiffness(block: _Block, basis: Any, young_modulus: FloatArray) -> sp.csr_array:
@@ -203,11 +207,8 @@ def _hourglass_stiffness(block: _Block, basis: Any, young_modulus: FloatArray) -
     modes = MODES - np.einsum("emj,nje->emn", spread, gradient)
     volume = basis.dx.sum(axis=1)
     scale = HOURGLASS * young_modulus * volume * (gradient**2).sum(axis=(0, 1))
-    entries = np.einsum("e,ema,emb->abe", scale, modes, modes)
-    places = block.unknowns.element_dofs[order]
-    rows, columns = (np.broadcast_to(one, entries.shape) for one in (places[:, None], places[None]))
-    size = (block.unknowns.N, block.unknowns.N)
-    return sp.csr_array((entries.ravel(), (rows.ravel(), columns.ravel())), shape=size)
+    entries = np.einsum("e,ema,emb->eab", scale, modes, modes)
+    return _spread(entries, Unknowns(block.unknowns.element_dofs[order], block.unknowns.N))
 
 
 def _check_volumes(blocks: list[_Block]) -> None:
@@ -252,7 +253,11 @@ Measure = Literal["prestress", "stress"]
 
 
 def stiffness_by_rotation(
-    solid: Solid, mass: sp.csr_array, tie: sp.csr_array, measure: Measure
+    solid: Solid,
+    stiffness: sp.csr_array,
+    mass: sp.csr_array,
+    tie: sp.csr_array,
+    measure: Measure,
 ) -> tuple[sp.csr_array, sp.csr_array | None]:
     """Return K1 and K2 of the stiffness K + Omega^2 K1 + Omega^4 K2 of a solid that rotates about
     z, (3 * size, 3 * size) each; K2 is None for "stress".
@@ -265,18 +270,22 @@ def stiffness_by_rotation(
 
     Args:
         solid: finite elements; their axis of rotation is z.
+        stiffness: stiffness at rest [N/m], (3 * size, 3 * size).
         mass: mass of one component of the displacements [kg], (size, size).
         tie: matrix from the coordinates of the static deformation to all displacements, (3 * size,
             coordinates); the coordinates are the free displacements, for a sector those of a
             motion with nodal diameter 0.
         measure: "prestress" or "stress".
+
+    Raises:
+        LinAlgError: the stiffness at rest is singular.
     """
     nodal = sp.eye_array(solid.size, len(solid.points), format="csr")
     softening = sp.kron(nodal.T @ mass @ nodal, IN_PLANE, format="csr")
     spread = sp.kron(nodal, np.eye(3), format="csr")
     load = tie.T @ (spread @ (softening @ solid.points.ravel()))
-    factor = spl.splu(sp.csc_array(tie.T @ solid.stiffness() @ tie), **SYMMETRIC_ORDER)
-    by_stress, linear, quadratic = solid.stiffness_terms(tie @ factor.solve(load))
+    moved = Cholesky(sp.csr_array(tie.T @ stiffness @ tie)).solve(load[:, None])[:, 0]
+    by_stress, linear, quadratic = solid.stiffness_terms(tie @ moved)
     first = sp.csr_array(by_stress - spread @ softening @ spread.T)
     if measure == "stress":
         return first, None

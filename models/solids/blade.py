@@ -8,6 +8,7 @@ from typing import Any, Literal, get_args
 import meshio
 import numpy as np
 import scipy.sparse as sp
+from numpy.linalg import LinAlgError
 
 from bladewhirl.meshes.coincident import COINCIDENT
 from bladewhirl.meshes.files.groups import MeshFileError
@@ -197,18 +198,25 @@ def mesh3d(
         + (f", stiffness at speed: {stiffening}" if stiffening and len(fixed) else ""),
         **{key: dofs[nodes] for key, nodes in faces.items()},
     }
-    part = Superelement(
-        stiffness=sp.csr_array(select.T @ solid.stiffness() @ select), speed=0.0, **content
-    )
+    stiffness = solid.stiffness()
+    part = Superelement(stiffness=sp.csr_array(select.T @ stiffness @ select), speed=0.0, **content)
     if omega != 0.0 and not (len(fixed) and stiffening):
         expected = "0, or clamped nodes (a free part does not resist rotation) and a stiffening"
         raise invalid("speed", speed, expected)
     if stiffening is None or not len(fixed):
         return part
     tie = select if copies is None else select @ cyclic_reduction(part, copies, 0).transformation
+    try:
+        changes = stiffness_by_rotation(solid, stiffness, mass, tie, stiffening)
+    except LinAlgError:  # the stiffness is singular
+        if omega != 0.0:
+            expected = "0, or a part without motions that meet no stiffness"
+            raise invalid("speed", speed, expected) from None
+        text = "the stiffness at speed is left out: the part has motions without stiffness"
+        warnings.warn(text, Hint, stacklevel=2)
+        return part
     squared, fourth = (
-        None if change is None else sp.csr_array(select.T @ change @ select)
-        for change in stiffness_by_rotation(solid, mass, tie, stiffening)
+        None if change is None else sp.csr_array(select.T @ change @ select) for change in changes
     )
     part = replace(part, stiffness_speed=squared, stiffness_speed4=fourth)
     return part if omega == 0.0 else fixed_at_speed(part, omega)
