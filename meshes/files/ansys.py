@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import meshio
+import numpy as np
 
 from bladewhirl.files import open_text
 from bladewhirl.meshes.files.abaqus_solids import Section, SolidMesh
@@ -31,7 +32,11 @@ OTHERS = {"tetra": "C3D4", "tetra10": "C3D10", "wedge": "C3D6", "wedge15": "C3D1
 
 SOLIDS = (185, 186, 187)  #: numbers of the elements that are read
 
-IGNORED = (*range(169, 180), 154, 200)
+CONTACT = range(169, 180)  #: numbers of the elements of contact
+
+CONSTRAINTS = ("CE", "CERIG", "CP")  #: commands that connect nodes
+
+IGNORED = (*CONTACT, 154, 200)
 """Numbers of elements that are left out: contact, loads on surfaces, and empty meshes."""
 
 CONSTANTS = {
@@ -93,7 +98,15 @@ def ansys_mesh(path: Path) -> SolidMesh:
         converted,
         tuple(_element(block.type, kinds) for block in mesh.cells),
         tuple(_materials(lines, sets)),
+        tuple((text, np.zeros(0, dtype=np.int64)) for text in _ignored(lines, used, types)),
     )
+
+
+def _ignored(lines: list[str], used: set[int], types: dict[int, int]) -> Iterator[str]:
+    """Yield what connects nodes in the file and is not read."""
+    yield from (f"elements {types[kind]}" for kind in sorted(used) if types[kind] in CONTACT)
+    words = {_words(line)[0] for line in lines}
+    yield from (command for command in CONSTRAINTS if command in words)
 
 
 def _element(cell: str, kinds: set[tuple[int, int]]) -> str:

@@ -34,6 +34,9 @@ ORDERS = {
 """Places of the nodes of VTK among those of Nastran, where upright edges come before upper ones."""
 
 OTHER_SOLIDS = ("CPYRAM", "CPYRA", "CTETRAR", "CHEXA1", "CHEXA2")
+IGNORED = ("RBE2", "RBE3", "CONM2", "CELAS2", "CBUSH", "CBAR", "CBEAM", "CQUAD4", "CTRIA3")
+"""Entries that connect or load nodes and are not read."""
+
 OTHER_MATERIALS = ("MAT2", "MAT9", "MAT10", "MAT11")
 
 SET = re.compile(r"^\s*SET\s+(\d+)\s*=\s*((?:.*,\s*\n)*.*)$", re.IGNORECASE | re.MULTILINE)
@@ -76,7 +79,9 @@ def nastran_mesh(path: Path) -> SolidMesh:
             raise MeshFileError("one file with all bulk data, without INCLUDE")
         if found := [name for name in OTHER_SOLIDS if cards(name)]:
             raise MeshFileError(f"elements CTETRA, CPENTA and CHEXA; found {found[0]}")
-        return _mesh(cards, text)
+        return _mesh(cards, text)._replace(
+            ignored=tuple((name, np.zeros(0, dtype=np.int64)) for name in IGNORED if cards(name))
+        )
 
 
 def _mesh(cards: Callable[[str], list[list[Any]]], text: str) -> SolidMesh:

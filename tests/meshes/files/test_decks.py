@@ -194,6 +194,7 @@ SURFACE = row(1, 2, 12, 1, 2, 3, 4)
 
 def test_degenerate_elements_materials_and_components_of_ansys(tmp_path: Path) -> None:
     volumes = read_volume_mesh(brick(tmp_path, *WEDGES, SURFACE))
+    assert not volumes.ignored
     ((name, cells),) = volumes.blocks
     assert name == "C3D6"
     assert cells.tolist() == [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]]
@@ -306,6 +307,17 @@ def test_sets_and_materials_of_bulk_data(tmp_path: Path) -> None:
     (section,) = volumes.sections
     expected = {"young_modulus": 2.1e11, "poisson_ratio": 0.3125, "density": 7800.0}
     assert dict(section.properties) == pytest.approx(expected)
+
+
+def test_what_connects_nodes_is_named(tmp_path: Path) -> None:
+    volumes = bulk_data(tmp_path, SOLID + "RBE2,7,1,123,2,3\n")
+    assert [text for text, _ in volumes.ignored] == ["RBE2"]
+    file = brick(tmp_path, row(1, 1, 10, *range(1, 9)), more="CE,1,0,1,UX,1,2,UX,-1")
+    file.write_text(file.read_text().replace("ET,2,154", "ET,2,174"))
+    assert [text for text, _ in read_volume_mesh(file).ignored] == ["CE"]
+    text = file.read_text().replace("       -1\nMP", f"{SURFACE}\n       -1\nMP")
+    file.write_text(text)
+    assert [text for text, _ in read_volume_mesh(file).ignored] == ["elements 174", "CE"]
 
 
 @pytest.mark.parametrize(
