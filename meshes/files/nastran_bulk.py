@@ -7,7 +7,7 @@ material of its MAT1 entry.
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +38,15 @@ IGNORED = ("RBE2", "RBE3", "CONM2", "CELAS2", "CBUSH", "CBAR", "CBEAM", "CQUAD4"
 """Entries that connect or load nodes and are not read."""
 
 OTHER_MATERIALS = ("MAT2", "MAT9", "MAT10", "MAT11")
+
+ENTRIES = (
+    *("GRID", "GRDSET", "PSOLID", "MAT1", "SPC1", "SPC", "SET1"),
+    *(*CELLS, *OTHER_SOLIDS, *OTHER_MATERIALS, *IGNORED),
+)
+"""Names of the entries that are looked for."""
+
+Cards = Mapping[str, list[list[Any]]]
+"""Fields of all entries by their name; none for other names."""
 
 SET = re.compile(r"^\s*SET\s+(\d+)\s*=\s*((?:.*,\s*\n)*.*)$", re.IGNORECASE | re.MULTILINE)
 INCLUDE = re.compile(r"^\s*INCLUDE\b", re.IGNORECASE | re.MULTILINE)
@@ -71,22 +80,25 @@ def nastran_mesh(path: Path) -> SolidMesh:
         with open_text(path, errors="replace") as stream:
             text = stream.read()
 
-        def cards(name: str) -> list[list[Any]]:
-            options = {"return_var": "list", "no_data_return": [], "follow_includes": False}
-            return list(bulk.rdcards(str(path), name, **options))
-
+        options = {"return_var": "list", "no_data_return": [], "follow_includes": False}
+        pattern = f"({'|'.join(ENTRIES)})"  # of the start of a line
+        found = bulk.rdcards(str(path), pattern, regex=True, keep_name=True, **options)
+        cards = defaultdict[str, list[list[Any]]](list)
+        for name, *values in found:
+            cards[name.strip().rstrip("*").upper()].append(values)
         if INCLUDE.search(text):
             raise MeshFileError("one file with all bulk data, without INCLUDE")
-        if found := [name for name in OTHER_SOLIDS if cards(name)]:
-            raise MeshFileError(f"elements CTETRA, CPENTA and CHEXA; found {found[0]}")
+        if others := [name for name in OTHER_SOLIDS if name in cards]:
+            raise MeshFileError(f"elements CTETRA, CPENTA and CHEXA; found {others[0]}")
+        ignored = (name for name in IGNORED if name in cards)
         return _mesh(cards, text)._replace(
-            ignored=tuple((name, np.zeros(0, dtype=np.int64)) for name in IGNORED if cards(name))
+            ignored=tuple((name, np.zeros(0, dtype=np.int64)) for name in ignored)
         )
 
 
-def _mesh(cards: Callable[[str], list[list[Any]]], text: str) -> SolidMesh:
-    grid = cards("GRID")
-    default = [row[1] for row in cards("GRDSET") if row[1:] and row[1]]
+def _mesh(cards: Cards, text: str) -> SolidMesh:
+    grid = cards["GRID"]
+    default = [row[1] for row in cards["GRDSET"] if row[1:] and row[1]]
     turned = [row[0] for row in grid if row[1] not in ("", 0)]
     if turned or default:
         what = f"node {turned[0]} is in another one" if turned else "GRDSET states another one"
@@ -96,7 +108,7 @@ def _mesh(cards: Callable[[str], list[list[Any]]], text: str) -> SolidMesh:
     rows = defaultdict[str, list[list[int]]](list)
     members = defaultdict[str, defaultdict[str, list[int]]](lambda: defaultdict(list))
     for entry, types in CELLS.items():
-        for number, property_, *nodes in cards(entry):
+        for number, property_, *nodes in cards[entry]:
             while nodes and nodes[-1] == "":
                 nodes.pop()
             if len(nodes) not in types or "" in nodes:
@@ -109,7 +121,7 @@ def _mesh(cards: Callable[[str], list[list[Any]]], text: str) -> SolidMesh:
         (kind, np.array(one)[:, ORDERS.get(kind, list(range(len(one[0]))))])
         for kind, one in rows.items()
     ]
-    properties = {f"PSOLID {row[0]}": row[1] for row in cards("PSOLID")}
+    properties = {f"PSOLID {row[0]}": row[1] for row in cards["PSOLID"]}
     sets = {
         name: np.array([place[node] for node in nodes if node in place], dtype=np.int64)
         for name, nodes in _node_sets(cards, text, list(place))
@@ -126,19 +138,17 @@ def _mesh(cards: Callable[[str], list[list[Any]]], text: str) -> SolidMesh:
     return SolidMesh(mesh, sections=tuple(_materials(cards, properties, list(members))))
 
 
-def _node_sets(
-    cards: Callable[[str], list[list[Any]]], text: str, nodes: list[int]
-) -> Iterator[tuple[str, list[int]]]:
+def _node_sets(cards: Cards, text: str, nodes: list[int]) -> Iterator[tuple[str, list[int]]]:
     """Yield name and nodes of each set; entries with one number are one set."""
     sets = defaultdict[str, list[int]](list)
-    for number, components, *members in cards("SPC1"):
+    for number, components, *members in cards["SPC1"]:
         if {*"123"} <= {*str(components)}:
             sets[f"SPC1 {number}"] += _listed(members, nodes)
-    for number, *rest in cards("SPC"):
+    for number, *rest in cards["SPC"]:
         for node, components in zip(rest[::3], rest[1::3], strict=False):
             if {*"123"} <= {*str(components)}:
                 sets[f"SPC {number}"].append(node)
-    for number, *members in cards("SET1"):
+    for number, *members in cards["SET1"]:
         sets[f"SET {number}"] += _listed(members, nodes)
     for found in SET.finditer(text):
         words = found[2].replace(",", " ").replace("=", " ").upper().split()
@@ -162,12 +172,10 @@ def _listed(members: Sequence[Any], nodes: list[int]) -> list[int]:
     return chosen
 
 
-def _materials(
-    cards: Callable[[str], list[list[Any]]], properties: dict[str, Any], used: list[str]
-) -> Iterator[_Material]:
+def _materials(cards: Cards, properties: dict[str, Any], used: list[str]) -> Iterator[_Material]:
     """Yield the material of each property of the elements."""
-    constants = {row[0]: (*row[1:5], "", "", "", "")[:4] for row in cards("MAT1")}
-    others = {row[0]: name for name in OTHER_MATERIALS for row in cards(name)}
+    constants = {row[0]: (*row[1:5], "", "", "", "")[:4] for row in cards["MAT1"]}
+    others = {row[0]: name for name in OTHER_MATERIALS for row in cards[name]}
     for name in used:
         number = properties.get(name, "")
         young, shear, ratio, density = constants.get(number, ("", "", "", ""))

@@ -17,7 +17,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -75,6 +76,7 @@ class _Watch:
     update: Progress
     total: int = 1
     done: int = 0
+    lock: Lock = field(default_factory=Lock)  #: nodal diameters are computed in threads
 
 
 _watch: ContextVar[_Watch | None] = ContextVar("watch", default=None)
@@ -152,8 +154,9 @@ class Pencil(ABC):
         """Return (K + s M)^-1 f for columns of loads, (n, m), and count the solutions."""
         found = self.shifted_solution(loads)
         if (watch := _watch.get()) is not None:
-            watch.done = min(watch.done + loads.shape[1], watch.total)
-            watch.update(watch.done, watch.total)
+            with watch.lock:
+                watch.done = min(watch.done + loads.shape[1], watch.total)
+                watch.update(watch.done, watch.total)
         return found
 
     def lowest(self, count: int) -> tuple[FloatArray, Any]:
