@@ -35,11 +35,11 @@ logger = logging.getLogger(__name__)
 LARGE = 20_000
 """Number of coordinates from which the cost of a reduction is reported."""
 
-FILL = 26.0
+FILL = 36.0
 """Number of entries of the factor of a solid with n coordinates, divided by n^(4/3) (measured for
 blades and sectors of 6,000 to 65,000 coordinates)."""
 
-FACTOR_SECONDS, SOLVE_SECONDS = 4e-9, 5e-10
+FACTOR_SECONDS, SOLVE_SECONDS = 4e-9, 1e-9
 """Time of a factorisation divided by n^2, and time of a solution divided by the number of entries
 of the factor [s]; accurate to a factor of three."""
 
