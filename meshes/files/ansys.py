@@ -93,13 +93,13 @@ def ansys_mesh(path: Path) -> SolidMesh:
         converted = meshio.Mesh(
             mesh.points, cells, point_sets=mesh.point_sets, cell_sets=mesh.cell_sets
         )
-    kinds = {(types[kind], options.get(kind, 0)) for kind in used if types[kind] in SOLIDS}
-    return SolidMesh(
-        converted,
-        tuple(_element(block.type, kinds) for block in mesh.cells),
-        tuple(_materials(lines, sets)),
-        tuple((text, np.zeros(0, dtype=np.int64)) for text in _ignored(lines, used, types)),
-    )
+        kinds = {(types[kind], options.get(kind, 0)) for kind in used if types[kind] in SOLIDS}
+        return SolidMesh(
+            converted,
+            tuple(_element(block.type, kinds) for block in mesh.cells),
+            tuple(_materials(lines, sets)),
+            tuple((text, np.zeros(0, dtype=np.int64)) for text in _ignored(lines, used, types)),
+        )
 
 
 def _ignored(lines: list[str], used: set[int], types: dict[int, int]) -> Iterator[str]:

@@ -241,6 +241,7 @@ def test_the_integration_of_solid186_is_that_of_its_keyopt(tmp_path: Path) -> No
     [
         ({"element": 181}, "SOLID185, SOLID186, SOLID187; found elements 181"),
         ({"option": 7}, r"one known KEYOPT\(2\)"),
+        ({"more": "MP,EX,1,2E1 1"}, "could not convert string to float: '2E1 1'"),
         ({"more": "EBLOCK,19,SOLID,COMPACT,1\n(19i9)\n       -1"}, "EBLOCK in its long form"),
     ],
 )
