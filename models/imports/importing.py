@@ -70,8 +70,8 @@ def import_superelement(
         at: files with the stiffness of the same part at one or two further speeds, by speed: other
             files like `source`. The stiffness K + Omega^2 K1 + Omega^4 K2 is fitted to them;
             without a second one, K2 = 0. Stiffnesses include the spin softening.
-        outside_files: whether files that the input of CalculiX names in ``*INCLUDE`` and ``INPUT=`` may be
-            outside its folder.
+        outside_files: whether files that the input of CalculiX names in ``*INCLUDE`` and ``INPUT=``
+            may be outside its folder.
         choice: contact and clamped (groups, conditions on positions, or numbers of nodes separated
             by commas), contacts, left, right, copies, length_unit, mass_unit, axis and name, see
             `mesh3d`. `clamped` is needed only if the matrices contain nodes to clamp. The unit of

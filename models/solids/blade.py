@@ -128,8 +128,8 @@ def mesh3d(
             K_u = K and K2 = 0; None, or a free part, for a superelement at rest only.
         coriolis: true to add the matrix of the Coriolis forces 2 M e_z x v, for the velocity v and
             a speed of 1 rad/s.
-        outside_files: whether files that an .inp file names in ``*INCLUDE`` and ``INPUT=`` may be outside
-            its folder.
+        outside_files: whether files that an .inp file names in ``*INCLUDE`` and ``INPUT=`` may be
+            outside its folder.
         name: name of the superelement; by default that of the file.
 
     Returns:
