@@ -28,7 +28,7 @@ OTHERS = {
 def format_of(path: Path) -> str:
     """Return the suffix of the format of a file: that of its name, or `ABAQUS` if its text is."""
     suffix = path.suffix.lower()
-    if suffix not in (ABAQUS, VTK) and is_abaqus_text(path):
+    if suffix not in (ABAQUS, VTK, ".k") and is_abaqus_text(path):  # LS-DYNA has keywords, too
         return ABAQUS
     return suffix
 

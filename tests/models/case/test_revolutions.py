@@ -17,6 +17,7 @@ def turning(**values: object) -> bw.Case:
     return small(**{"march.revolutions": 0.5, "march.record_step": "0.1 ms", **given})
 
 
+@pytest.mark.slow
 def test_they_are_those_of_seconds_to_the_last_bit(tmp_path: Path) -> None:
     case = turning()
     step = TURN / 4000

@@ -227,6 +227,7 @@ def test_the_command_looks_at_one_point(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
+@pytest.mark.slow
 def test_the_command_charts_unlike_blades(tmp_path: Path) -> None:
     case, folder = str(EXAMPLES / "mistuned_blades.toml"), tmp_path / "chart"
     grid = ["--speeds", "0.9:1.5:0.6", "--kappas", "0:2e5:2e5"]

@@ -56,6 +56,7 @@ def test_contact_without_dampers_is_of_the_first_order_as_the_document_states() 
     np.testing.assert_allclose(short, [float(each) for each in stated.groups()], rtol=0.03)
 
 
+@pytest.mark.slow
 def test_the_error_that_the_document_states() -> None:
     stated = re.findall(r"(\S+) of the gap for dampers of (\d+) kN s/m", ERRATA)
     assert [1e3 * float(each) for _, each in stated] == [*DAMPERS.values()]

@@ -79,6 +79,7 @@ def test_units_are_positive_numbers_or_text(tmp_path: Path, unit: Any) -> None:
     assert "length_unit: expected" in fault(read_superelement, tmp_path / "a.npz")
 
 
+@pytest.mark.slow
 def test_random_mat_files_are_read_or_refused(tmp_path: Path) -> None:
     script = ROOT / "tests" / "support" / "damaged_mat.py"
     command = [sys.executable, "-W", "error", str(script), str(tmp_path), "400"]

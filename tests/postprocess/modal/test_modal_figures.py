@@ -265,6 +265,7 @@ def whirling() -> xr.Dataset:
     return bw.veering(own, families=2, stiffnesses=springs)
 
 
+@pytest.mark.slow
 def test_veering_at_speed_tells_waves_both_ways() -> None:
     """Branches at the case's stiffness are the whirling modes, found from other matrices."""
     own, data = stage(effects="full"), whirling()

@@ -67,6 +67,7 @@ def test_points_and_maps_are_those_of_the_sweep(page: Parsed) -> None:
 CASE = "title = 'x'\n\n[casing]\nclearance = 5e-4\n\n[march]\nspeed = 1.2\nduration = 1.0\n"
 
 
+@pytest.mark.slow
 def test_two_keys_and_a_missing_point(tmp_path: Path) -> None:
     over = {"march.speed": (1.0, 1.2), "casing.clearance": (5e-4, 1e-3)}
     motions = [{"speed": REFERENCE, "shaft_radius": radius} for radius in (*RADII, RADII[0])]

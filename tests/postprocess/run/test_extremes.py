@@ -168,6 +168,7 @@ def rub(folder: Path, wall: dict[str, Any], speed: float, **load: object) -> xr.
 
 
 @pytest.mark.parametrize("wall", WALLS)
+@pytest.mark.slow
 def test_works_add_up_and_a_drive_at_rest_does_none(tmp_path: Path, wall: str) -> None:
     result = rub(tmp_path / "run", WALLS[wall], speed=0.0)
     actual = works(result)

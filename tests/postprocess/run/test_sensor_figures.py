@@ -26,6 +26,7 @@ def result() -> xr.Dataset:
 
 
 @pytest.mark.parametrize("name", ["sensors", "sensor-spectrum", "order-tracking", "all-blades"])
+@pytest.mark.slow
 def test_each_is_drawn_and_legible(result: xr.Dataset, name: str) -> None:
     figure, data = RunFigures(result).draw(name)
     assert figure.get_figwidth() == pytest.approx(to_si("170 mm", "m") / 0.0254)

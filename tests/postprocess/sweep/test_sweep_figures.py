@@ -219,6 +219,7 @@ def test_a_third_key_makes_rows_of_maps(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
+@pytest.mark.slow
 def test_all_figures_come_with_their_data(one: Path, tmp_path: Path) -> None:
     result = answer("plot", one, "all", "-o", tmp_path)
     messages = {line.split(" left out")[0] for line in result.stderr.splitlines()}

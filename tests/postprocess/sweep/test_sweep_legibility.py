@@ -48,6 +48,7 @@ def sweep(tmp_path_factory: pytest.TempPathFactory) -> Iterator[xr.Dataset]:
 
 
 @pytest.mark.parametrize("name", ["frequency-map", "energy-families", "maps", "contact-classes"])
+@pytest.mark.slow
 def test_figures_of_four_keys_stay_on_their_canvas(sweep: xr.Dataset, name: str) -> None:
     figure, _ = SweepFigures(sweep).draw(name)
     assert_legible(figure)
@@ -120,6 +121,7 @@ def test_a_frequency_map_names_only_modes_that_are_seen(sweep: xr.Dataset) -> No
 @pytest.mark.parametrize(
     "name", ["frequency-map", "energy-families", "maps", "regimes", "whirl", "contact-classes"]
 )
+@pytest.mark.slow
 def test_figures_of_two_keys_are_legible_in_a_column(
     narrow: xr.Dataset, name: str, width: float
 ) -> None:

@@ -64,6 +64,7 @@ def test_a_figure_for_a_paper(directory: Path) -> None:
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
+@pytest.mark.slow
 def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) -> None:
     still = made(tmp_path / "still", 0.0)
     result = answer("plot", still, "all")

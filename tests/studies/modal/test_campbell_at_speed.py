@@ -44,6 +44,7 @@ def diagram(effects: str = "full") -> xr.Dataset:
     return campbell(stage_case(effects), families=2, speeds=(0.0, 2.5))
 
 
+@pytest.mark.slow
 def test_critical_speeds_and_engine_orders_are_listed() -> None:
     result = coincidence_list(diagram())
     (critical,) = result["critical_speeds"]

@@ -44,6 +44,7 @@ def coupled(
 @pytest.mark.parametrize("speed", [-1.6, 1.6, 2.5])
 @pytest.mark.parametrize("effects", ["centrifugal", "full"])
 @pytest.mark.parametrize("example", ["fan_stage", "curved_blades"])
+@pytest.mark.slow
 def test_the_frame_at_half_speed_agrees_with_real_matrices_over_a_turn(
     example: str, effects: Effects, speed: float
 ) -> None:
@@ -95,6 +96,7 @@ def test_more_modes_at_rest_come_nearer_to_waves_at_speed() -> None:
 
 
 @pytest.mark.parametrize("modes", ["six", "all"])
+@pytest.mark.slow
 def test_zones_at_speed_are_where_growth_is(modes: str) -> None:
     system = coupled("fan_stage", modes)
     low, high = 0.8 * system.reference, 2.2 * system.reference
@@ -138,6 +140,7 @@ def test_a_zone_of_waves_that_never_meet_has_no_start() -> None:
     assert [row["coincidence"] for row in document] == [None] * 61
 
 
+@pytest.mark.slow
 def test_internal_damping_grows_as_known_and_bearings_hold_it() -> None:
     disk, row = bladed_disk(disk_thickness=0.01), oracle("rotation")["stages"]["0.01"]
     matrices = rotation_matrices(disk)

@@ -230,6 +230,7 @@ def test_damping_of_the_file_is_reported(file: Path, tmp_path: Path) -> None:
     assert not [*superelement_hints(superelement_stage(bw.case_from(tables(file))))]
 
 
+@pytest.mark.slow
 def test_blades_rub_in_a_flexible_ring(file: Path, tmp_path: Path) -> None:
     closure = {"table": [[0.0, 0.0], [0.004, 3.2e-4]]}
     casing = {"elements": 12, "clearance": 3e-4, "support": 1e7, "closure": closure}
@@ -277,6 +278,7 @@ def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
         assert removed == pytest.approx(summary["wear_volume"], rel=1e-2)  # the last record
 
 
+@pytest.mark.slow
 def test_a_second_run_begins_with_the_tracks_of_the_first(tmp_path: Path) -> None:
     file = tmp_path / "leaning.npz"
     changes: dict[str, Any] = {"march__duration": 0.004, "casing__coating": LAYER}
@@ -353,6 +355,7 @@ def test_blades_start_with_the_motion_of_their_tips(file: Path) -> None:
     assert float(abs(chunk["contact_displacement"][0, 0:3, 1].mean()) - 2e-4) < 1e-9
 
 
+@pytest.mark.slow
 def test_show_draws_the_blades_and_the_wall(file: Path, tmp_path: Path) -> None:
     case = tmp_path / "case.toml"
     case.write_text(dumps_case(bw.case_from(tables(file))))

@@ -84,6 +84,7 @@ def short() -> bw.Case:
     return small(**FREE, **{"march.duration": 3.4 * 2.0 * np.pi / stage_at(case).speed})
 
 
+@pytest.mark.slow
 def test_neither_workers_nor_kills_change_the_file(process: InProcess, tmp_path: Path) -> None:
     over: Any = {"march.speed": [1.0, 1.1], "contact.friction": [0.1, 0.2]}
     case = short()

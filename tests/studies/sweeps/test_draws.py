@@ -62,6 +62,7 @@ def toy(share: float, draws: int, seed: int) -> xr.Dataset:
 
 
 @pytest.mark.parametrize(("share", "draws"), [(0.3, 20), (0.5, 40)])
+@pytest.mark.slow
 def test_intervals_cover_the_probability_of_a_toy(share: float, draws: int) -> None:
     covered = 0
     for seed in range(200):

@@ -63,6 +63,7 @@ def toy(process: InProcess) -> Toy:
 
 
 @pytest.mark.parametrize("differs", [1, 5])
+@pytest.mark.slow
 def test_points_whose_draws_differ_are_repeated(toy: Toy, tmp_path: Path, differs: int) -> None:
     toy.differs = differs
     done = run_sweep(CASE, OVER, tmp_path, draws=6, perturb=PERTURB, screen=True)
@@ -78,6 +79,7 @@ def test_points_whose_draws_differ_are_repeated(toy: Toy, tmp_path: Path, differ
 
 
 @pytest.mark.parametrize("until", [pytest.param(None, marks=pytest.mark.slow), 0.2])
+@pytest.mark.slow
 def test_neither_workers_nor_kills_change_the_file(
     toy: Toy, tmp_path: Path, until: float | None
 ) -> None:
@@ -97,6 +99,7 @@ def test_neither_workers_nor_kills_change_the_file(
 
 
 @pytest.mark.parametrize("differs", [1, pytest.param(9, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_draws_added_later_are_those_of_a_longer_sweep(
     toy: Toy, tmp_path: Path, differs: int
 ) -> None:
@@ -240,6 +243,7 @@ def test_draws_and_widths_added_later_are_those_of_a_longer_sweep(tmp_path: Path
 
 
 @pytest.mark.usefixtures("even")
+@pytest.mark.slow
 def test_a_killed_addition_of_draws_is_completed(tmp_path: Path) -> None:
     run_sweep(CASE, TWO, tmp_path / "few", draws=2, perturb=PERTURB)
     plan = (tmp_path / "few" / "sweep.json").read_bytes()
