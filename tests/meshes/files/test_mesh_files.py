@@ -112,6 +112,7 @@ def meshes(draw: st.DrawFn) -> GroupedLines:
 @settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @pytest.mark.parametrize("suffix", [*WRITERS])
 @given(mesh=meshes())
+@pytest.mark.slow
 def test_what_is_written_is_read_again(tmp_path: Path, suffix: str, mesh: GroupedLines) -> None:
     path = tmp_path / f"mesh{suffix}"
     write_line_mesh(path, mesh)

@@ -35,6 +35,7 @@ def test_they_are_those_of_seconds_to_the_last_bit(tmp_path: Path) -> None:
     assert read.in_seconds(400.0) == case.march.in_seconds(400.0)
 
 
+@pytest.mark.slow
 def test_in_a_sweep_the_step_follows_the_speed(tmp_path: Path) -> None:
     with in_process():
         bw.run_sweep(turning(), {"march.speed": [0.8, 1.2]}, tmp_path / "sweep")

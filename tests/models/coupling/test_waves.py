@@ -163,6 +163,7 @@ def test_dampers_are_in_the_damping_matrix() -> None:
 
 
 @pytest.mark.parametrize("speed", [1.06, 1.3])
+@pytest.mark.slow
 def test_rotating_axes_hold_unlike_blades_still(speed: float) -> None:
     """Eigenvalues in these axes are the Floquet exponents of a turn in static and rotating ones."""
     stiffness = [1.0, 1.1, 0.95, 1.0, 1.2, 0.9]

@@ -180,6 +180,7 @@ def test_mistuning_by_lists() -> None:
     assert not disk(mistuning=lists).structure.is_cyclic
 
 
+@pytest.mark.slow
 def test_random_mistuning_comes_from_its_seed() -> None:
     def factors(**changes: Any) -> FloatArray:
         given = {"stiffness_spread": 0.03, "seed": 5} | changes

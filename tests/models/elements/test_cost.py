@@ -59,6 +59,7 @@ def test_what_the_machine_cannot_hold_is_refused(monkeypatch: pytest.MonkeyPatch
         tell_cost(needed)
 
 
+@pytest.mark.slow
 def test_modes_of_blades_that_differ_cost_the_square_of_the_whole(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

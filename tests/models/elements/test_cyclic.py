@@ -163,6 +163,7 @@ def test_symmetry_is_found_not_assumed() -> None:
 
 
 @pytest.mark.parametrize(("blades", "elements"), [(2000, 1), (3, 3000)])
+@pytest.mark.slow
 def test_rounding_of_many_points_breaks_no_symmetry(blades: int, elements: int) -> None:
     """Lines are short beside the radius, whose last digit turns and stretches them."""
     disk = bladed_disk(blades=blades, elements=elements)

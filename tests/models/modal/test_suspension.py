@@ -39,6 +39,7 @@ def test_a_stage_has_the_stiffness_found() -> None:
     np.testing.assert_array_equal(built.arrays.shaft_stiffness, stiffness)
 
 
+@pytest.mark.slow
 def test_where_families_repel_no_springs_do() -> None:
     """Between modes that a family and the suspension exchange; limits named are within reach."""
     small = loads("", overrides=SMALL)

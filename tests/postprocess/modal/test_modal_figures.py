@@ -220,6 +220,7 @@ def figures() -> dict[str, Figure]:
 
 
 @pytest.mark.parametrize("name", ["shapes", "families", "shaft", "rotating", "scenario"])
+@pytest.mark.slow
 def test_figures_are_as_wide_as_a_column_or_a_page_with_legible_text_inside(name: str) -> None:
     figure = figures()[name]
     width = 0.085 if name in ("families", "shaft") else 0.17

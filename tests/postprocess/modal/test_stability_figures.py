@@ -98,6 +98,7 @@ def test_a_spectrum_without_growth_has_no_panel_of_growth_rates() -> None:
     assert "No mode grows or decays" in figure.get_suptitle()
 
 
+@pytest.mark.slow
 def test_truncation_shows_zones_that_six_modes_hide() -> None:
     six = six_modes()
     second = replace(six, nodal_diameter=np.full(3, 2), name=("casing 2", "1F 2", "s 2"))

@@ -39,6 +39,7 @@ def test_every_figure_has_a_documented_function() -> None:
         assert function.__doc__
 
 
+@pytest.mark.slow
 def test_runs_and_sweeps_are_distinguished(tmp_path: Path) -> None:
     run = synthetic_result(shaft_radius=1.2e-3, records=1001)
     figure = bw.plot.whirl(run, start=0.02)

@@ -105,6 +105,7 @@ def test_a_sweep_without_a_point_done(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("radii", "named"), [((0.4e-3, 1.3e-3), ["1"]), ((0.4e-3, 0.4e-3), [])])
+@pytest.mark.slow
 def test_the_report_names_points_with_an_uncertain_outcome(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, radii: tuple[float, float], named: list[str]
 ) -> None:

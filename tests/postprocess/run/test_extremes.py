@@ -183,6 +183,7 @@ def test_works_add_up_and_a_drive_at_rest_does_none(tmp_path: Path, wall: str) -
     assert np.isnan(balance) if wall == "coated" else abs(balance) < 1e-3 * abs(actual["normal"])
 
 
+@pytest.mark.slow
 def test_the_drive_works_against_the_slope_of_the_wall(tmp_path: Path) -> None:
     """The torque of normal forces on a rigid wall, from its forces and its slope."""
     wall = {"clearance_lobes": [{"lobes": 3, "amplitude": "0.49 mm"}], "support": 1e12}

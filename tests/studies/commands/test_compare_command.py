@@ -43,6 +43,7 @@ def test_the_schemes_agree_on_what_the_stage_does(place: Path) -> None:
     assert all(row["step_cost"] > 0.0 for row in rows)
 
 
+@pytest.mark.slow
 def test_table_and_figure(place: Path) -> None:
     done = answer(*compare(place, "-o", place / "out"))
     lines = [line.split() for line in done.stdout.splitlines() if line.strip()]

@@ -98,6 +98,7 @@ def test_faults_of_the_target(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, n
     assert not [*tmp_path.iterdir()]
 
 
+@pytest.mark.slow
 def test_a_sweep_keeps_its_mesh_and_varies_its_sections(tmp_path: Path) -> None:
     elsewhere, begun = tmp_path / "in", tmp_path / "sweep"
     elsewhere.mkdir()

@@ -53,6 +53,7 @@ def test_a_clamped_case_lists_its_own_modes_first_and_stays_normalised() -> None
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
+@pytest.mark.slow
 def test_pictures_and_films(case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(motion, "PICTURES", 4)
     monkeypatch.setattr(
@@ -76,6 +77,7 @@ def test_pictures_and_films(case: Path, tmp_path: Path, monkeypatch: pytest.Monk
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
+@pytest.mark.slow
 def test_waves_at_speed_are_pictured_as_they_travel(case: Path, tmp_path: Path) -> None:
     effects = (*SMALL, "--set", "rotation.effects=full", "-o", tmp_path / "new", "--no-films")
     answer("modes", case, *effects, "--shapes", "1F:0,1F:1")
@@ -124,6 +126,7 @@ def test_campbell_diagrams_and_table(case: Path, saved: Figures) -> None:
     np.testing.assert_allclose(data.attrs["operating_range"], (1.0, 1.2))
 
 
+@pytest.mark.slow
 def test_an_operating_range_is_named_only_if_it_is_given(case: Path, saved: Figures) -> None:
     printed = answer(
         "campbell", case, *SMALL, "--html", case.parent / "page.html", "-o", "fan"
@@ -158,6 +161,7 @@ def test_the_interactive_page_has_every_wave(case: Path, tmp_path: Path) -> None
     assert set(ways) <= {"backward", "forward", "standing"}
 
 
+@pytest.mark.slow
 def test_veering_diagrams(case: Path, saved: Figures) -> None:
     result = answer("veering", case, *SMALL, "--families", "3", "--stiffnesses", "1e6:1e9")
     assert "suspension, rotating frame" in result.stdout

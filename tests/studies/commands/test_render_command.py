@@ -10,6 +10,7 @@ from PIL import Image
 
 
 @pytest.mark.usefixtures("can_draw")
+@pytest.mark.slow
 def test_each_kind_goes_to_the_folder_of_the_run(run: Path) -> None:
     done = answer("render", run, "--gif", "--frames", "2")
     with Image.open(run / "animation.gif") as film:
@@ -31,6 +32,7 @@ def test_a_named_file_and_a_window_with_units(run: Path, tmp_path: Path) -> None
 
 
 @pytest.mark.usefixtures("can_draw")
+@pytest.mark.slow
 def test_stills_at_times_and_a_sheet(run: Path, tmp_path: Path) -> None:
     times = ["--time", "50 ms", "--time", "0.1"]
     still = ["render", str(run), "-o", str(tmp_path / "at.png"), "--colour", "gap", "--orbit"]

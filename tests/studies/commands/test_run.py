@@ -85,6 +85,7 @@ def test_files_of_a_run(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(first.points) == 2 * result.sizes["rotor_line"]
 
 
+@pytest.mark.slow
 def test_from_python_to_a_dataset(path: Path) -> None:
     reports: list[tuple[str, int, int]] = []
     case = bw.with_values(
@@ -125,6 +126,7 @@ def test_coarse_records_hold_sums_and_minima() -> None:
         np.testing.assert_array_equal(two[name].values, one[name].values[::10])
 
 
+@pytest.mark.slow
 def test_divergence_is_a_result(path: Path) -> None:
     out = path.parent / "out"
     values = ["--set", "march.displacement_limit=1e-4", "--set", "march.duration=0.1"]
@@ -219,6 +221,7 @@ def test_where_nothing_can_be_written(tmp_path: Path) -> None:
     assert [*error.value.lines] == [f"{out}: cannot be written (Not a directory)"]
 
 
+@pytest.mark.slow
 def test_a_disk_without_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is seen before the march where it can be, and ends a march in order."""
     free = [10**7]

@@ -53,6 +53,7 @@ def test_rest_has_no_monodromy(speed: str) -> None:
     assert "growth_rate_floquet" not in point
 
 
+@pytest.mark.slow
 def test_chart_with_its_figures(
     tmp_path: Path, saved: dict[str, tuple[Figure, xr.Dataset]]
 ) -> None:
@@ -80,6 +81,7 @@ def test_chart_as_one_document(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.usefixtures("saved")
+@pytest.mark.slow
 def test_divergent_mode_in_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Check claim 15 on the written motion."""
     folder = tmp_path / "mode"
@@ -109,6 +111,7 @@ def test_divergent_mode_in_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         assert np.unravel_index(gap.argmin(), gap.shape)[0] > 0.98 * len(gap)
 
 
+@pytest.mark.slow
 def test_damping_takes_energy_as_a_growing_circle_does(tmp_path: Path) -> None:
     """The power sum 2 xi omega v^2 grows with exp(2 growth t)."""
     folder = tmp_path / "mode"

@@ -65,6 +65,7 @@ def test_critical_speeds_and_engine_orders_are_listed() -> None:
     assert result["clearance_gone"]["ratio"] == pytest.approx(KNOWN["growth_of_1mm"], rel=1e-7)
 
 
+@pytest.mark.slow
 def test_speeds_take_any_unit() -> None:
     case, same = bw.with_values(stage_case(), SMALL), small_diagram("full")
     hertz = same.attrs["reference_frequency_hz"]
@@ -121,6 +122,7 @@ def small_diagram(effects: str) -> xr.Dataset:
     return campbell(case, families=1, speeds=(0.0, 2.5))
 
 
+@pytest.mark.slow
 def test_the_figures_show_branches_and_critical_speeds() -> None:
     rotating, static = (plot_campbell(small_diagram("full"), f) for f in FRAMES)
     speed = small_diagram("full").critical_speed.item()
@@ -134,6 +136,7 @@ def test_the_figures_show_branches_and_critical_speeds() -> None:
     assert not {"forward wave", critical} & set(at_rest)
 
 
+@pytest.mark.slow
 def test_the_command_prints_critical_speeds(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -170,6 +173,7 @@ def test_unlike_sectors_are_refused() -> None:
         campbell(bw.with_values(stage_case("centrifugal"), unlike))
 
 
+@pytest.mark.slow
 def test_contact_scenarios_are_of_the_wave_where_it_meets_the_casing() -> None:
     """The backward wave of 1F, slow in static axes there, hardly moves the shaft."""
     stage = modal_stage(bw.with_values(stage_case(), {"casing.support": 1508.0}))

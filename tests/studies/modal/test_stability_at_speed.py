@@ -163,6 +163,7 @@ def test_internal_damping_grows_as_known_and_bearings_hold_it() -> None:
         assert growth(1.1 * computed.holding) < 0.0 < growth(0.0)
 
 
+@pytest.mark.slow
 def test_internal_damping_destabilises_the_bladed_disk_alone_past_its_critical_speed() -> None:
     damped, undamped = (coupled("fan_stage", damped=both) for both in (True, False))
     past = 2.5 * damped.reference

@@ -21,6 +21,7 @@ SENSORS = [
 ]
 
 
+@pytest.mark.slow
 def test_a_run_writes_its_sensors_and_replaces_them(tmp_path: Path) -> None:
     case = small(**{"sensor": SENSORS, "march.duration": 0.05, "march.time_step": 4e-6})
     run = bw.run(case, tmp_path / "run", frames=0)

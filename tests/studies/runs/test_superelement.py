@@ -369,6 +369,7 @@ def test_show_draws_the_blades_and_the_wall(file: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
+@pytest.mark.slow
 def test_a_run_has_figures_by_name_and_a_report(run: Run, tmp_path: Path) -> None:
     answer("export", run.directory, "--frames", "2", "-o", tmp_path / "series")
     plots = tmp_path / "plots"

@@ -46,6 +46,7 @@ def gauged(folder: Path) -> Path:
     return folder / "rods.npz"
 
 
+@pytest.mark.slow
 def test_gauges_of_a_file_are_strained_as_its_points_move(tmp_path: Path) -> None:
     rig: list[dict[str, Any]] = [{"type": "strain", "gauge": 1}]
     rig += [{"type": "strain", "gauge": 0, "blade": 2, "name": "one"}]

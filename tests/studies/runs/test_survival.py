@@ -34,6 +34,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return bw.run(long(), tmp_path_factory.mktemp("whole") / "run", frames=0).directory
 
 
+@pytest.mark.slow
 def test_a_run_broken_off_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) -> None:
     broken_off(long(), tmp_path / "run", 20_000)
     with bw.open_result(tmp_path / "run") as left:
@@ -113,6 +114,7 @@ def test_a_changed_checkpoint_is_refused_in_one_line(
     assert {path.name for path in tmp_path.iterdir()} == {"case.toml", CHECKPOINT_NAME}
 
 
+@pytest.mark.slow
 def test_a_checkpoint_of_more_records_than_the_result_is_refused(
     whole: Path, tmp_path: Path
 ) -> None:
@@ -125,6 +127,7 @@ def test_a_checkpoint_of_more_records_than_the_result_is_refused(
     assert "it is not a regular file" in fault(resume, tmp_path / "run")
 
 
+@pytest.mark.slow
 def test_a_run_that_overwrites_and_is_broken_off_leaves_the_old_one(tmp_path: Path) -> None:
     """It follows no links, and says what is left of an earlier one."""
     out, elsewhere, old = (tmp_path / name for name in ("run", "elsewhere", "run.old"))

@@ -37,6 +37,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return bw.run(coated(), tmp_path_factory.mktemp("coated") / "run", frames=0).directory
 
 
+@pytest.mark.slow
 def test_a_run_broken_off_goes_on_to_the_same_profiles(whole: Path, tmp_path: Path) -> None:
     broken_off(coated(), tmp_path / "run", 4_000)
     resume(tmp_path / "run", frames=0)

@@ -78,6 +78,7 @@ def test_wilson_at_the_ends() -> None:
 
 
 @pytest.mark.usefixtures("process")
+@pytest.mark.slow
 def test_a_sweep_has_a_dimension_of_draws(tmp_path: Path) -> None:
     perturb = ["contact.friction = 1e-3"]
     folder = tmp_path / "sweep"

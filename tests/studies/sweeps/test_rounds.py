@@ -211,6 +211,7 @@ def test_how_often_the_interval_of_a_stopped_point_holds_the_share(
 
 
 @pytest.mark.usefixtures("even")
+@pytest.mark.slow
 def test_the_file_does_not_depend_on_the_number_of_workers(tmp_path: Path) -> None:
     for workers, folder in ((1, "one"), (5, "five")):
         done = run_sweep(

@@ -44,6 +44,7 @@ def swept(case: bw.Case, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_a_point_is_the_run_of_its_case(case: bw.Case, swept: Path, tmp_path: Path) -> None:
     part = case.bladed_disk.superelement
     assert part is not None
@@ -80,6 +81,7 @@ def test_lost_points_are_marched_again_with_the_same_bits(swept: Path) -> None:
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
+@pytest.mark.slow
 def test_it_has_figures_and_a_report(swept: Path, tmp_path: Path) -> None:
     messages = answer("plot", swept, "all", "-o", tmp_path).stderr
     assert "probability left out" in messages

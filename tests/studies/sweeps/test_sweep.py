@@ -79,6 +79,7 @@ def test_the_dataset_names_its_dimensions(swept: Path) -> None:
 
 
 @pytest.mark.usefixtures("process")
+@pytest.mark.slow
 def test_full_histories_are_runs_of_the_size_that_was_told(tmp_path: Path) -> None:
     run_sweep(CASE, {"contact.friction": [0.05, 0.1]}, tmp_path / "sweep", histories=True)
     files = sorted((tmp_path / "sweep" / HISTORIES_NAME).iterdir())
@@ -260,6 +261,7 @@ def test_a_script_without_a_guard_sweeps_once(swept: Path, tmp_path: Path) -> No
     assert same_bits(swept, folder)
 
 
+@pytest.mark.slow
 def test_a_sweep_whose_points_all_fail_raises(process: InProcess, tmp_path: Path) -> None:
     process.outcome = lambda work, point: Failure(reason=f"no luck at {point.number}")
     with pytest.raises(bw.UserError, match=r"all 6 points failed, first .*: no luck at 0"):

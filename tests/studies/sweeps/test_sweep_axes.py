@@ -80,6 +80,7 @@ def test_large_sweeps_are_asked_for() -> None:
     assert make_grid(Case(), over, large=True).size == 101_000
 
 
+@pytest.mark.slow
 def test_more_steps_than_a_cluster_marches_in_weeks_are_asked_for() -> None:
     speeds = [1 + 1e-3 * number for number in range(1000)]
     over = {"march.duration": (500.0, 600.0), "march.speed": speeds}

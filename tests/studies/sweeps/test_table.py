@@ -65,6 +65,7 @@ def test_files_that_are_no_table(tmp_path: Path, text: str, expected: str) -> No
     assert expected in line
 
 
+@pytest.mark.slow
 def test_draws_change_the_values_of_each_row(tmp_path: Path) -> None:
     draws = parse_draws(2, ["march.speed = 1e-3", "contact.friction = 0.1"], 0)
     grid = make_grid(CASE, {}, large=False, draws=draws, table=point_table(COLUMNS))
