@@ -5,7 +5,7 @@ from pathlib import Path
 
 from bladewhirl.meshes.files.abaqus_text import is_abaqus_text
 
-ABAQUS, GMSH, VTK = ".inp", ".msh", ".vtu"
+ABAQUS, VTK = ".inp", ".vtu"
 
 OTHERS = {
     ".cdb": "a deck of Ansys",
