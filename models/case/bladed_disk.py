@@ -107,6 +107,12 @@ class Mistuning(Table):
         drawn = np.random.default_rng([self.seed, stream]).standard_normal(blades)
         return np.asarray(1.0 + getattr(self, f"{name}_spread") * drawn)
 
+    def is_given(self, blades: int) -> bool:
+        """Return true if a factor of a blade is not 1."""
+        return any(
+            (self.factors(name, blades) != 1.0).any() for name in ("stiffness", "mass", "length")
+        )
+
     def faults(self, blades: int) -> Iterator[Inconsistency]:
         """Yield lists of wrong length, and spreads that are too large or given in addition to a
         list."""
@@ -275,15 +281,16 @@ class BladedDisk(ReplacedKeys):
         yield from self.mistuning.faults(self.blades)
 
     def _factor_faults(self, table: SuperelementTable) -> Iterator[Inconsistency]:
-        """Yield errors for mistuning beside a superelement; only the stiffness of blades may
-        differ, and only if the superelement is one blade."""
+        """Yield errors for mistuning beside a superelement: only the stiffness of blades may
+        differ, and a sector or a wheel needs the stiffness of its blades."""
         given = self.mistuning.model_dump(exclude_defaults=True)
         for name in given.keys() - {"stiffness", "stiffness_spread", "seed"}:
             expected = "not allowed together with bladed_disk.superelement; remove this key"
             yield Inconsistency(f"mistuning.{name}", expected, ("superelement",))
-        if given and table.kind != "blade":
+        if given and table.kind != "blade" and table.part.blade_stiffness is None:
             expected = (
-                f'not allowed with bladed_disk.superelement.kind = "{table.kind}"; remove this key'
+                f'a file with blade_stiffness for bladed_disk.superelement.kind = "{table.kind}",'
+                " which bw.mesh3d writes with blade = GROUP; or remove this key"
             )
             yield Inconsistency("mistuning", expected, ("superelement",))
         yield from self.mistuning.faults(table.copies)

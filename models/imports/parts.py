@@ -41,6 +41,7 @@ class ForeignPart:
     gyroscopic: Matrix | None = None  #: matrix of the Coriolis forces at 1 rad/s, (n, n)
     stiffness_speed: Matrix | None = None  #: change of the stiffness at 1 rad/s, (n, n)
     stiffness_speed4: Matrix | None = None  #: its part that grows with speed^4, (n, n)
+    blade_stiffness: Matrix | None = None  #: part of the stiffness of the blades, (n, n)
     speed: float | None = None  #: speed of the stiffness [rad/s]; None if unknown
     numbers: IntArray  #: number of each node in the program, (nodes,)
     points: FloatArray  #: positions of the nodes, (nodes, 3)

@@ -43,6 +43,7 @@ NAMES = {
     "stiffness": ("stiffness", "K", "KK", "Kaa", "Kred"),
     "damping": ("damping", "D", "C"),
     "gyroscopic": ("gyroscopic", "G"),
+    "blade_stiffness": ("blade_stiffness", "KB"),
 }
 """Names of matrices in MATLAB files, of which the first that is present is taken."""
 
@@ -60,8 +61,8 @@ def read_matrix_market(stiffness: Path, mass: Path, nodes: Path) -> ForeignPart:
 def read_matlab(path: Path, nodes: Path) -> ForeignPart:
     """Read the matrices M and K of a .mat file of NLvib or another program, and a table of nodes.
 
-    The matrices may be fields of a structure. D or C is damping, and G the matrix of the Coriolis
-    forces at 1 rad/s.
+    The matrices may be fields of a structure. D or C is damping, G the matrix of the Coriolis
+    forces at 1 rad/s, and KB the part of the stiffness that the blades have.
 
     Raises:
         SuperelementError: a file is missing or invalid, or there are no matrices M and K.

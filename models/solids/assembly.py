@@ -15,7 +15,7 @@ from skfem import Basis, BilinearForm
 
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import VolumeMesh
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.models.solids.elements import ELEMENTS, ElementType, Mapping, Rule, Unknowns
 from bladewhirl.models.solids.materials import Materials
 from bladewhirl.models.superelements.cholesky import Cholesky
@@ -43,7 +43,8 @@ class _Block(NamedTuple):
 
     kind: ElementType
     cells: IntArray  #: numbers of the cells among all cells
-    positions: FloatArray  #: positions of the nodes of each cell [m], (cells, nodes, 3)
+    nodes: IntArray  #: nodes of each cell, (cells, nodes)
+    positions: FloatArray  #: their positions [m], (cells, nodes, 3)
     unknowns: Unknowns  #: unknowns of its functions
 
     def basis(self, rule: Rule, functions: type[Any]) -> Basis:
@@ -78,9 +79,10 @@ class Solid:
             unknowns = np.concatenate([nodes, internal], axis=1).T
             numbers = np.arange(first, first + len(cells))
             self._blocks.append(
-                _Block(kind, numbers, mesh.points[nodes], Unknowns(unknowns, self.size))
+                _Block(kind, numbers, nodes, mesh.points[nodes], Unknowns(unknowns, self.size))
             )
             first, following = first + len(cells), following + count
+        self.cells = first  #: number of cells
         _check_volumes(self._blocks)
         for block in self._blocks:
             if block.kind.hourglass:
@@ -106,9 +108,24 @@ class Solid:
                 total += _mass_form((1.0 - share) * density).assemble(basis)
         return sp.csr_array(total)
 
-    def stiffness(self) -> sp.csr_array:
-        """Return the stiffness at rest [N/m], (3 * size, 3 * size)."""
-        return self._assembled(lambda block, basis: self._law(block)[..., None], hourglass=True)
+    def stiffness(self, chosen: BoolArray | None = None) -> sp.csr_array:
+        """Return the stiffness at rest [N/m], (3 * size, 3 * size), of all cells or of those for
+        which `chosen` is true, (cells,)."""
+        share = np.ones(self.cells) if chosen is None else chosen.astype(float)
+
+        def law(block: _Block, basis: Basis) -> FloatArray:
+            return np.asarray((share[block.cells] * self._law(block))[..., None])
+
+        return self._assembled(law, hourglass=share)
+
+    def within(self, nodes: IntArray) -> BoolArray:
+        """Return true for each cell all of whose nodes are among the given ones, (cells,)."""
+        among = np.zeros(self.size, dtype=np.bool_)
+        among[nodes] = True
+        inside = np.zeros(self.cells, dtype=np.bool_)
+        for block in self._blocks:
+            inside[block.cells] = among[block.nodes].all(axis=1)
+        return inside
 
     def stiffness_terms(self, displacement: FloatArray) -> tuple[sp.csr_array, ...]:
         """Return the changes of the stiffness by static displacements u [N/m], (3 * size, 3 * size)
@@ -149,14 +166,18 @@ class Solid:
         return self._materials.tensor[..., block.cells]
 
     def _assembled(
-        self, tangent: Callable[[_Block, Basis], FloatArray], *, hourglass: bool = False
+        self,
+        tangent: Callable[[_Block, Basis], FloatArray],
+        *,
+        hourglass: FloatArray | None = None,
     ) -> sp.csr_array:
         """Return the matrix of int T_ijkl dN/dx_j dN^T/dx_l dV for displacements i and k, (3 *
         size, 3 * size).
 
         Args:
             tangent: function that returns T, (3, 3, 3, 3, cells, points or 1).
-            hourglass: add the stiffness against hourglass modes.
+            hourglass: factor on the stiffness against hourglass modes of each cell, (cells,); None
+                to leave it out.
         """
         blocks = sp.csr_array((3 * self.size, 3 * self.size))
         for block in self._blocks:
@@ -171,8 +192,8 @@ class Solid:
                 columns = np.einsum("jleq,mleq->eqjm", law[i, :, k] * basis.dx, gradient)
                 entries = rows @ columns.reshape(cells, -1, functions)
                 part = _spread(entries, block.unknowns)
-                if i == k and hourglass and block.kind.hourglass:
-                    modulus = self._materials.young_modulus[block.cells]
+                if i == k and hourglass is not None and block.kind.hourglass:
+                    modulus = (hourglass * self._materials.young_modulus)[block.cells]
                     part += _hourglass_stiffness(block, basis, modulus)
                 unit = np.zeros((3, 3))
                 unit[i, k] = 1.0

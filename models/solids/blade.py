@@ -53,6 +53,7 @@ def mesh3d(
     clamped: str | None = "root",
     contact: str = "tip",
     contacts: int | None = None,
+    blade: str | None = None,
     left: str | None = None,
     right: str | None = None,
     copies: int | None = None,
@@ -105,6 +106,9 @@ def mesh3d(
             also nodes of the next sector are left out.
         contacts: number of contact nodes, evenly spaced along the chord of the group and in the
             middle of its thickness; all nodes of the group by default.
+        blade: group, or a condition as for `clamped`, of the nodes of the blade of a sector, or of
+            the blades of a wheel. Elements all of whose nodes belong to it are those whose Young's
+            modulus the mistuning of a case changes (`blade_stiffness`).
         left, right: groups, or conditions as for `clamped`, of the clockwise and of the
             counter-clockwise face of a sector; their nodes match after a rotation by one pitch.
             Both or none are given.
@@ -199,6 +203,11 @@ def mesh3d(
         **{key: dofs[nodes] for key, nodes in faces.items()},
     }
     stiffness = solid.stiffness()
+    if blade is not None:
+        chosen = solid.within(group_nodes(volumes, "blade", blade, axis))
+        if not chosen.any():
+            raise invalid("blade", blade, "all nodes of at least one element")
+        content["blade_stiffness"] = sp.csr_array(select.T @ solid.stiffness(chosen) @ select)
     part = Superelement(stiffness=sp.csr_array(select.T @ stiffness @ select), speed=0.0, **content)
     if omega != 0.0 and not (len(fixed) and stiffening):
         expected = "0, or clamped nodes (a free part does not resist rotation) and a stiffening"

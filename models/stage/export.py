@@ -1,7 +1,7 @@
 """A bladed disk of beams as a superelement."""
 
 from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import scipy.sparse as sp
@@ -129,13 +129,15 @@ def part_superelement(
     recovery = sp.lil_array((3 * len(nodes), dofs.size))
     for axis in range(ROTATION):
         recovery[3 * np.arange(len(nodes)) + axis, dofs[:, axis]] = 1.0
-    faces = {}
+    faces: dict[str, Any] = {}
     if kind == "sector":
         right = np.flatnonzero(of_sector[nodes] == 1)
         twins = sectors[0][np.argsort(sectors[1])][
             np.searchsorted(np.sort(sectors[1]), nodes[right])
         ]
-        faces = {"left_dofs": dofs[np.searchsorted(nodes, twins)], "right_dofs": dofs[right]}
+        blades = chosen & (np.array(mesh.line_parts) == BLADES)
+        faces["blade_stiffness"] = _lines_alone(disk, blades, nodes)[1]
+        faces |= {"left_dofs": dofs[np.searchsorted(nodes, twins)], "right_dofs": dofs[right]}
     flat = np.pad(mesh.points[nodes], ((0, 0), (0, 1)))
     return Superelement(
         mass=mass_matrix,

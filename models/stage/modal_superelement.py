@@ -40,6 +40,7 @@ from bladewhirl.models.rotation.whirl_modes import joined_modes, wave_modes
 from bladewhirl.models.stage.superelement_stage import (
     SuperelementStage,
     on_springs,
+    structure_of,
     superelement_stage,
     without_rotation,
 )
@@ -48,10 +49,12 @@ from bladewhirl.models.superelements.nodal_blocks import (
     Blocks,
     NodalBlock,
     blade_blocks,
+    block_of,
     sector_blocks,
     wheel_blocks,
     with_clamped_centre,
 )
+from bladewhirl.models.superelements.reduction import ReducedSuperelement
 from bladewhirl.models.superelements.superelement import SuperelementError
 
 COUPLED, COUPLED_AT_ONE_SPEED = 20, 100
@@ -291,7 +294,7 @@ class ModalSuperelement(ModalModel):
         """Return the dominant nodal diameter of each mode of a wheel whose blades differ, and its
         share in the motion of the contact nodes; None for other structures."""
         blades = self._table.copies
-        if UNKNOWN not in blocks or self._table.kind != "wheel" or blades == 1:
+        if UNKNOWN not in blocks or self._table.kind == "blade" or blades == 1:
             return None
         part, block = self.stage.part, blocks[UNKNOWN]
         x, y = part.contact_position[:, :2].reshape(blades, -1, 2).mean(axis=1).T
@@ -321,17 +324,19 @@ def modal_superelement(
     stage = superelement_stage(without_rotation(case))
     if case.rotation.effects != "none":
         highest = max(highest, abs(case.march.speed.rad_per_s(stage.reference_frequency)))
-    table, clamped = stage.table, None
+    table, part, clamped = stage.table, structure_of(case), None
     each = families + COUPLED if count is None else count + COUPLED_AT_ONE_SPEED
     try:
         if table.kind == "blade":
-            blocks = blade_blocks(table.part, table.copies, each, highest)
+            blocks = blade_blocks(part, table.copies, each, highest)
+        elif table.kind == "sector" and case.bladed_disk.mistuning.is_given(table.copies):
+            blocks = {UNKNOWN: block_of(*_at_rest(superelement_stage(case)))}
         elif table.kind == "sector":
             blocks = sector_blocks(stage.given, table.copies, each, highest)
         else:
             total = each * (table.copies if count is None else 1)
             springs = case.shaft.stiffnesses
-            part = table.part if table.part.centre_dofs is None else on_springs(case, table.part)
+            part = part if part.centre_dofs is None else on_springs(case, part)
             blocks = wheel_blocks(part, springs, table.copies, total, highest)
             if part.centre_dofs is not None:
                 fixed = with_clamped_centre(part)
@@ -351,6 +356,15 @@ def modal_superelement(
         count=count,
         highest=highest,
     )
+
+
+def _at_rest(stage: SuperelementStage) -> tuple[ReducedSuperelement, FloatArray]:
+    """Return the reduction of a stage at its speed, and its stiffness at rest."""
+    reduced, omega = stage.reduced, stage.speed
+    stiffness = np.diag(reduced.frequency**2)
+    if reduced.stiffness_speed is not None and stage.case.rotation.effects != "none":
+        stiffness = stiffness - reduced.change(omega)
+    return reduced, stiffness
 
 
 def _of_casing(stage: SuperelementStage) -> LabelledModes:

@@ -40,7 +40,8 @@ from bladewhirl.models.stage.superelement_loads import (
 )
 from bladewhirl.models.stage.superelement_springs import coupling_springs
 from bladewhirl.models.superelements.at_speed import at_speed
-from bladewhirl.models.superelements.condensed import condensed
+from bladewhirl.models.superelements.condensed import FURTHER_MODES, condensed
+from bladewhirl.models.superelements.mistuned import mistuned_wheel
 from bladewhirl.models.superelements.points import with_fewer_points
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
@@ -50,7 +51,11 @@ from bladewhirl.models.superelements.reduction import (
     rigid_limit,
 )
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
-from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
+from bladewhirl.models.superelements.wheel import (
+    WheelOverSpeeds,
+    massless_wheel,
+    whole_wheel,
+)
 
 LIMIT = 0.2  #: default of march.displacement_limit, divided by the largest radius of a contact node
 
@@ -274,10 +279,7 @@ class SuperelementStage:
         if reduced.gyroscopic is not None:
             matrices.append(speed * reduced.gyroscopic)
         if self.damped_as_at_rest:
-            assert reduced.stiffness_speed is not None  # the case refuses a file without it
-            at_rest = np.diag(reduced.frequency**2) - speed**2 * reduced.stiffness_speed
-            if reduced.stiffness_speed4 is not None:
-                at_rest = at_rest - speed**4 * reduced.stiffness_speed4
+            at_rest = np.diag(reduced.frequency**2) - reduced.change(speed)
             squares, shapes = np.linalg.eigh(at_rest)
             rates = 2.0 * self._ratio * np.sqrt(np.maximum(squares, 0.0))
             matrices.append((shapes * rates) @ shapes.T)
@@ -356,11 +358,14 @@ def superelement_stage(case: Case) -> SuperelementStage:
     """
     table = case.bladed_disk.superelement
     assert table is not None
-    part, at_rest = table.part, None
+    part, at_rest, omega = structure_of(case), None, 0.0
+    factor = case.bladed_disk.mistuning.factors("stiffness", table.copies)
     shown = np.arange(part.point_count)
     if table.kind == "sector":
-        modes = table.copies * case.reduction.free_interface_modes
-        most = max(POINT_NUMBERS // (3 * table.copies * modes), FEWEST_POINTS)
+        fields = case.reduction.free_interface_modes
+        if case.rotation.effects != "none":  # those of three speeds
+            fields = 3 * (fields + FURTHER_MODES + 3 * part.contacts)
+        most = max(POINT_NUMBERS // (3 * table.copies**2 * fields), FEWEST_POINTS)
         loads = case.excitations.values()
         needed = {point for load in loads for point in getattr(load, "points", ())}
         part, shown = with_fewer_points(part, most, needed)
@@ -368,18 +373,21 @@ def superelement_stage(case: Case) -> SuperelementStage:
     if case.rotation.effects != "none":
         at_rest = _reference_at_rest(case)
         omega = case.march.speed.rad_per_s(at_rest)
-        part = at_speed(
-            _over_speeds(case, part, omega), omega, coriolis=case.rotation.effects == "full"
-        )
+    of_waves = table.kind == "sector" and case.reduction.boundary == "massless"
+    if at_rest is not None and not of_waves:
+        full = case.rotation.effects == "full"
+        part = at_speed(_over_speeds(case, part, omega), omega, coriolis=full)
     given = part
     try:
         if part.centre_dofs is not None:
             part = on_springs(case, part)
         if table.kind == "sector" and case.reduction.boundary == "consistent":
             part = whole_wheel(part, table.copies)
-        if table.kind == "sector" and case.reduction.boundary == "massless":
-            modes = case.reduction.free_interface_modes
-            part, reduced = massless_wheel(part, table.copies, modes, table.file)
+            if case.bladed_disk.mistuning.is_given(table.copies):
+                part = mistuned_wheel(part, factor)
+        if of_waves:
+            turning = at_rest is not None
+            part, reduced = _wheel_of_sectors(case, part, omega, factor, turning=turning)
         elif case.reduction.boundary == "massless":
             key = "reduction.free_interface_modes"
             reduced = massless(part, case.reduction.free_interface_modes)
@@ -405,7 +413,6 @@ def superelement_stage(case: Case) -> SuperelementStage:
         if rates[0] < -NEGATIVE * abs(rates).max():
             expected = "a damping matrix without negative eigenvalues, which feed energy"
             raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])
-    factor = case.bladed_disk.mistuning.factors("stiffness", table.copies)
     per_blade = part.contacts if table.kind == "blade" else part.contacts // table.copies
     stage = SuperelementStage(
         case=case,
@@ -428,6 +435,26 @@ def superelement_stage(case: Case) -> SuperelementStage:
     return replace(stage, case=case.in_seconds(stage.reference_frequency))
 
 
+def structure_of(case: Case) -> Superelement:
+    """Return the superelement of a case; a wheel has the stiffness of its mistuned blades.
+
+    Raises:
+        CaseError: the file does not give the stiffness of each blade.
+    """
+    table = case.bladed_disk.superelement
+    assert table is not None
+    part = table.part
+    if table.kind == "sector" or part.blade_stiffness is None:
+        return part
+    mistuning = case.bladed_disk.mistuning
+    if table.kind == "blade" or not mistuning.is_given(table.copies):
+        return replace(part, blade_stiffness=None)
+    try:
+        return mistuned_wheel(part, mistuning.factors("stiffness", table.copies))
+    except SuperelementError as error:
+        raise CaseError([case_fault(case, f"{SOURCE}.file", str(error))]) from None
+
+
 _at_rest: dict[str, float] = {}
 _small: dict[str, Superelement] = {}
 """Reference frequencies and condensed superelements of the last cases, by all they depend on."""
@@ -444,20 +471,50 @@ def _reference_at_rest(case: Case) -> float:
 
 
 def _over_speeds(case: Case, part: Superelement, omega: float) -> Superelement:
-    """Return a large blade or wheel condensed for the speeds up to the next power of two above a
-    speed [rad/s], so that points of a sweep and single runs have the same numbers; other
+    """Return a large blade or wheel condensed for the `_range_of` a speed [rad/s]; other
     superelements as they are."""
     table, modes = case.bladed_disk.superelement, case.reduction.free_interface_modes
     assert table is not None
     massless_ends = case.reduction.boundary == "massless"
     if part.size < LARGE or table.kind == "sector" or not massless_ends or omega == 0.0:
         return part
-    highest = 2.0 ** np.ceil(np.log2(abs(omega)))
+    highest = _range_of(omega)
     key = f"{_structure(case)} {highest}"
     if key not in _small:
         _forget(_small)
         _small[key] = _condensed(case, part, highest, modes)
     return _small[key]
+
+
+def _wheel_of_sectors(
+    case: Case, part: Superelement, omega: float, factor: FloatArray, *, turning: bool
+) -> tuple[Superelement, ReducedSuperelement]:
+    """Return a wheel of sectors with a massless boundary, and its reduction.
+
+    Args:
+        case: the case.
+        part: the sector.
+        omega: speed [rad/s].
+        factor: factor on the stiffness of each blade, (sectors,).
+        turning: whether the rotation acts on the structure.
+    """
+    table, modes = case.bladed_disk.superelement, case.reduction.free_interface_modes
+    assert table is not None
+    mistuned = case.bladed_disk.mistuning.is_given(table.copies)
+    if not mistuned:
+        part = replace(part, blade_stiffness=None)
+        if not turning:
+            return massless_wheel(part, table.copies, modes, table.file)
+    if turning and case.rotation.effects != "full":
+        part = replace(part, gyroscopic=None)
+    wheel = WheelOverSpeeds(part, table.copies, modes, _range_of(omega), table.file)
+    return wheel.at(omega, factor if mistuned else None)
+
+
+def _range_of(omega: float) -> float:
+    """Return the next power of two above a speed [rad/s], up to which structures are condensed, so
+    that points of a sweep and single runs have the same numbers; 0 at rest."""
+    return 2.0 ** float(np.ceil(np.log2(abs(omega)))) if omega else 0.0
 
 
 def _condensed(case: Case, part: Superelement, highest: float, modes: int) -> Superelement:
@@ -473,7 +530,7 @@ def _structure(case: Case) -> str:
     """Return text that is the same for cases with the same structure."""
     table = case.bladed_disk.superelement
     assert table is not None
-    return repr((table, table.stamp, case.shaft, case.reduction))
+    return repr((table, table.stamp, case.shaft, case.reduction, case.bladed_disk.mistuning))
 
 
 def _forget(kept: dict[str, Any]) -> None:

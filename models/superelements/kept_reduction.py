@@ -38,7 +38,7 @@ _remembered: dict[str, Arrays] = {}
 
 
 def kept_reduction(
-    file: str, part: Superelement, settings: tuple[int, ...], compute: Callable[[], Arrays]
+    file: str, part: Superelement, settings: tuple[float, ...], compute: Callable[[], Arrays]
 ) -> Arrays:
     """Return the arrays of a reduction: those that were kept, else those that a function computes.
 
@@ -66,7 +66,7 @@ def kept_reduction(
     return arrays
 
 
-def _digest(part: Superelement, settings: tuple[int, ...]) -> str:
+def _digest(part: Superelement, settings: tuple[float, ...]) -> str:
     found = hashlib.sha256(repr((VERSION, settings)).encode())
     for name, value in vars(part).items():
         if isinstance(value, str):  # name and source change nothing

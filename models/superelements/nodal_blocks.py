@@ -8,7 +8,7 @@ are equal; the eigenvalues exp(i k alpha) of this map give the nodal diameters. 
 equal matrices for every nodal diameter.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,7 +20,9 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.superelements.at_speed import over_speeds
 from bladewhirl.models.superelements.joined import joined
 from bladewhirl.models.superelements.reduction import (
+    RIGID_SECTOR,
     STIFF,
+    ReducedSuperelement,
     lowest_modes,
     modes_and_static,
 )
@@ -46,6 +48,11 @@ CYCLIC = 1e-4
 relative error of at most this."""
 
 
+SPANNED = 1e-3
+"""Forces of blades below this fraction of the largest ones have no static displacements of their
+own in the blocks of a sector."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class NodalBlock:
     """Matrices of one nodal diameter on m mass-normalised modes of the structure at rest.
@@ -56,6 +63,7 @@ class NodalBlock:
 
     stiffness: ComplexArray  #: stiffness with the springs of the shaft [1/s2], (m, m)
     springs: ComplexArray  #: part of the stiffness due to the springs of the shaft [1/s2], (m, m)
+    damping: ComplexArray | None  #: damping of the file [1/s], (m, m); None if there is none
     gyroscopic: ComplexArray  #: Coriolis forces at 1 rad/s, (m, m), skew-Hermitian
     stiffness_speed: ComplexArray  #: change of the stiffness at 1 rad/s, (m, m)
     stiffness_speed4: ComplexArray | None
@@ -64,6 +72,12 @@ class NodalBlock:
     """Radial, tangential and axial displacements of the contact nodes [kg^-1/2], (3c, m)."""
     centre: ComplexArray  #: x and y of the centre [kg^-1/2], (2, m); zero without a centre
     points: ComplexArray  #: displacements of the points along x, y and z [kg^-1/2], (3p, m)
+    strains: ComplexArray  #: strains of gauges [kg^-1/2/m], (gauges, m)
+    blade: ComplexArray
+    """Displacements of all coordinates of the structure [kg^-1/2], (n, m), if it has
+    blade_stiffness and is a sector; no rows otherwise."""
+    blade_loads: ComplexArray
+    """Forces of the stiffness of the blade in the modes of all nodal diameters, (m, loads)."""
 
     def change(self, omega: float) -> ComplexArray:
         """Return the change of the stiffness at a speed [rad/s], (m, m)."""
@@ -101,7 +115,9 @@ def blade_blocks(part: Superelement, blades: int, count: int, highest: float = 0
     return dict.fromkeys(range(blades // 2 + 1), block)
 
 
-def sector_blocks(part: Superelement, sectors: int, count: int, highest: float = 0.0) -> Blocks:
+def sector_blocks(
+    part: Superelement, sectors: int, count: int, highest: float = 0.0, *, touched: bool = False
+) -> Blocks:
     """Return the blocks of a wheel of equal sectors.
 
     Args:
@@ -109,24 +125,60 @@ def sector_blocks(part: Superelement, sectors: int, count: int, highest: float =
         sectors: number of sectors.
         count: number of modes of each nodal diameter at a speed, see `over_speeds`.
         highest: highest speed at which the blocks are used [rad/s].
+        touched: whether the blocks also have the static displacements under forces on the contact
+            nodes; the sector must then have no rigid modes.
 
     Raises:
-        SuperelementError: the sector takes too much memory, or its faces do not match.
+        SuperelementError: the sector takes too much memory, its faces do not match, or it has
+            rigid modes though `touched` is true.
+    """
+    loads = sp.csc_array(part.contact_rows.T) if touched else sp.csc_array((part.size, 0))
+    with sector_errors(RIGID_SECTOR if touched else STIFF):
+        states = [
+            Sector(state, sectors, modes=count, loads=loads.shape[1], rigid=not touched)
+            for state in over_speeds(part, highest)
+        ]
+        of_blade = np.zeros((part.size, 0))
+        if part.blade_stiffness is not None:
+            of_blade = _blade_loads(part, states, count)
+            loads = sp.csc_array(sp.hstack([loads, of_blade]))
+
+        def block(wave: Wave) -> NodalBlock:
+            waves = [wave, *(Wave(sector, wave.diameter) for sector in states[1:])]
+            together = joined(part, [field for each in waves for field in fields(each)])
+            made = _block(part, together)
+            if part.blade_stiffness is None:
+                return made
+            return replace(made, blade=together, blade_loads=together.conj().T @ of_blade)
+
+        def fields(wave: Wave) -> Iterator[ComplexArray]:
+            _, shapes = wave.lowest(min(count, wave.size))
+            yield np.asarray(wave.tie @ shapes, dtype=np.complex128)
+            if touched:
+                forces = (loads.T @ wave.tie).conj().T.toarray()
+                moved = wave.tie @ wave.static(forces, shapes)
+                yield np.asarray(moved[:, np.any(moved, axis=0)], dtype=np.complex128)
+
+        return dict(enumerate(states[0].each_wave(block)))
+
+
+def _blade_loads(part: Superelement, states: list[Sector], count: int) -> FloatArray:
+    """Return forces that span, but for `SPANNED`, those of the stiffness of the blade in the modes
+    of all nodal diameters at all speeds, (n, loads).
+
+    Their static displacements are the first change of the modes when blades differ.
     """
 
-    def lowest(wave: Wave) -> ComplexArray:
-        _, shapes = wave.lowest(min(count, wave.size))
-        return np.asarray(wave.tie @ shapes, dtype=np.complex128)
+    def in_modes(wave: Wave) -> FloatArray:
+        squares, shapes = wave.lowest(min(count, wave.size))
+        moved = wave.tie @ (shapes / squares)
+        return np.hstack([moved.real, moved.imag])
 
-    fields: list[list[ComplexArray]] = []
-    for state in over_speeds(part, highest):
-        with sector_errors(STIFF):
-            sector = Sector(state, sectors, modes=count, loads=0, rigid=True)
-            fields.append([*sector.each_wave(lowest)])
-    return {
-        k: _block(part, joined(part, [*of_wave]))
-        for k, of_wave in enumerate(zip(*fields, strict=True))
-    }
+    moved = [field for sector in states for field in sector.each_wave(in_modes)]
+    forces = sp.csr_array(part.blade_stiffness) @ np.hstack(moved)
+    squares, vectors = la.eigh(forces.T @ forces)
+    kept = squares > SPANNED**2 * squares[-1]
+    return np.asarray(forces @ (vectors[:, kept] / np.sqrt(squares[kept])))
 
 
 def wheel_blocks(
@@ -176,6 +228,32 @@ def with_clamped_centre(part: Superelement) -> Superelement:
         contact_dofs=place[part.contact_dofs],
         centre_dofs=None,
         recovery=None if part.recovery is None else sp.csc_array(part.recovery)[:, kept],
+    )
+
+
+def block_of(reduced: ReducedSuperelement, stiffness: FloatArray) -> NodalBlock:
+    """Return the only block of a structure whose blades differ, from its reduction and its
+    stiffness at rest on the modes of this reduction [1/s2], (m, m)."""
+    modes = len(stiffness)
+    zero = np.zeros((modes, modes))
+
+    def given(matrix: FloatArray | None) -> Any:
+        return np.asarray(zero if matrix is None else matrix, dtype=np.complex128)
+
+    fourth = reduced.stiffness_speed4
+    return NodalBlock(
+        stiffness=given(stiffness),
+        springs=given(None),
+        damping=None if reduced.damping is None else given(reduced.damping),
+        gyroscopic=given(reduced.gyroscopic),
+        stiffness_speed=given(reduced.stiffness_speed),
+        stiffness_speed4=None if fourth is None else given(fourth),
+        contact=np.asarray(reduced.contact, dtype=np.complex128),
+        centre=np.asarray(reduced.centre, dtype=np.complex128),
+        points=np.asarray(reduced.points, dtype=np.complex128),
+        blade=np.zeros((0, modes), dtype=np.complex128),
+        blade_loads=np.zeros((modes, 0), dtype=np.complex128),
+        strains=np.zeros((0, modes), dtype=np.complex128),
     )
 
 
@@ -242,14 +320,18 @@ def _block(
     centre = np.zeros((2, modes), dtype=np.complex128)
     if part.centre_dofs is not None:
         centre = fields[part.centre_dofs]
-    points, fourth = np.zeros((0, modes), dtype=np.complex128), part.stiffness_speed4
+    none, fourth = np.zeros((0, modes), dtype=np.complex128), part.stiffness_speed4
     return NodalBlock(
         stiffness=on_modes(part.stiffness),
         springs=centre.conj().T @ (np.array(springs)[:, None] * centre),
+        damping=None if part.damping is None else on_modes(part.damping),
         gyroscopic=on_modes(part.gyroscopic, -1.0),
         stiffness_speed=on_modes(part.stiffness_speed),
         stiffness_speed4=None if fourth is None else on_modes(fourth),
         contact=np.asarray(part.contact_rows @ fields),
         centre=centre,
-        points=points if part.recovery is None else np.asarray(part.recovery @ fields),
+        points=none if part.recovery is None else np.asarray(part.recovery @ fields),
+        blade=none,
+        blade_loads=none.T,
+        strains=none if part.strain_recovery is None else np.asarray(part.strain_recovery @ fields),
     )

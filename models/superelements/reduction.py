@@ -16,7 +16,9 @@ from one static solution for each contact displacement, so that it includes all 
 nodes have mass, and C is zero.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg as la
@@ -45,6 +47,8 @@ STIFF = (
     " rigid ones"
 )
 
+RIGID_SECTOR = "expected a sector without rigid modes and with a stiffness that is not indefinite"
+
 FURTHER = ("damping", "gyroscopic", "stiffness_speed", "stiffness_speed4")
 """Optional matrices of a superelement, which couple its modes."""
 
@@ -63,8 +67,7 @@ class ReducedSuperelement:
     centre: FloatArray
     """x and y of the centre for unit modal coordinates [kg^-1/2], (2, modes); zero if there is no
     centre."""
-    points: FloatArray
-    """x, y and z of the points for pictures, for unit modal coordinates [kg^-1/2], (3p, modes)."""
+    of_points: Callable[[], FloatArray]  #: computes `points`
     strains: FloatArray = absent()
     """Strains of gauges for unit modal coordinates [kg^-1/2/m], (gauges, modes), if the file gives
     their recovery."""
@@ -78,6 +81,21 @@ class ReducedSuperelement:
     kept: int
     """Number of the lowest modes, which have the damping ratio of the structure; higher modes have
     that of the boundary."""
+
+    def change(self, omega: float) -> FloatArray:
+        """Return the change of the stiffness by rotation at a speed [rad/s] [1/s2], (modes,
+        modes), of a structure that has `stiffness_speed`."""
+        assert self.stiffness_speed is not None
+        change = omega**2 * self.stiffness_speed
+        if self.stiffness_speed4 is not None:
+            change = change + omega**4 * self.stiffness_speed4
+        return change
+
+    @cached_property
+    def points(self) -> FloatArray:
+        """x, y and z of the points for pictures, for unit modal coordinates [kg^-1/2], (3p,
+        modes)."""
+        return self.of_points()
 
 
 def massless(part: Superelement, modes: int) -> ReducedSuperelement:
@@ -167,9 +185,12 @@ def _reduced(
     centre = np.zeros((2, shapes.shape[1]))
     if part.centre_dofs is not None:
         centre = shapes[part.centre_dofs]
-    points = np.zeros((0, shapes.shape[1]))
-    if part.recovery is not None:
-        points = np.asarray(part.recovery @ shapes)
+
+    def points() -> FloatArray:
+        if part.recovery is None:
+            return np.zeros((0, shapes.shape[1]))
+        return np.asarray(part.recovery @ shapes)
+
     strains = np.zeros(0)
     if part.strain_recovery is not None:
         strains = np.asarray(part.strain_recovery @ shapes)
@@ -184,7 +205,7 @@ def _reduced(
         contact=part.contact_rows @ shapes,
         compliance=compliance,
         centre=centre,
-        points=points,
+        of_points=points,
         strains=strains,
         kept=kept,
     )

@@ -40,7 +40,10 @@ def errors_of(source: object) -> Iterator[None]:
         raise SuperelementError(*(f"{source}: {line}" for line in error.lines)) from None
 
 
-SQUARE = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_speed", "stiffness_speed4")
+SQUARE = (
+    *("mass", "stiffness", "damping", "gyroscopic"),
+    *("stiffness_speed", "stiffness_speed4", "blade_stiffness"),
+)
 """Names of the matrices between coordinates."""
 
 
@@ -71,6 +74,9 @@ class Superelement:
     """Further change of the stiffness (of the elastic stiffness by the second power of the static
     displacement) for a speed of 1 rad/s [kg s2], (n, n), symmetric; it grows with the fourth power
     of the speed."""
+    blade_stiffness: Matrix | None = None
+    """Part of the stiffness that the blade of a sector, or the blades of a wheel, have at rest
+    [N/m], (n, n), symmetric. The mistuning of a case changes it."""
     speed: float | None = None
     """Speed of rotation to which the stiffness belongs [rad/s]; None if it is unknown. 0 with
     stiffness_speed."""
@@ -169,7 +175,9 @@ def _faults(part: Superelement) -> Iterator[str]:
         largest = abs(values).max() if values.size else 0.0
         if abs(matrix + sign * matrix.T).max() > SYMMETRIC * largest:
             yield f"{key}: expected a {word} matrix"
-        if key in ("mass", "stiffness", "damping") and np.any(diagonal(matrix) < 0.0):
+        if key in ("mass", "stiffness", "damping", "blade_stiffness") and np.any(
+            diagonal(matrix) < 0.0
+        ):
             yield f"{key}: expected no negative numbers on the diagonal"
     if part.speed is not None and not np.isfinite(part.speed):
         yield "speed: expected a finite number"

@@ -1,6 +1,7 @@
 """A wheel from one sector: real modes and residual flexibility, by nodal diameter."""
 
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -9,18 +10,25 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
+from bladewhirl.models.superelements.condensed import FURTHER_MODES
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.kept_reduction import Arrays, kept_reduction
+from bladewhirl.models.superelements.mistuned import (
+    blade_products,
+    change_of_waves,
+    coupled_waves,
+    stiffened,
+)
+from bladewhirl.models.superelements.nodal_blocks import NodalBlock, sector_blocks
 from bladewhirl.models.superelements.reduction import (
     FURTHER,
+    RIGID_SECTOR,
     ReducedSuperelement,
     check_count,
     rigid_limit,
 )
 from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
-
-RIGID = "expected a sector without rigid modes and with a stiffness that is not indefinite"
 
 WAVE = ("squares", "contact", "points", "strains", "residual")
 """Arrays of one nodal diameter, see `_reduced`."""
@@ -51,7 +59,7 @@ def massless_wheel(
     """
 
     def compute() -> Arrays:
-        with sector_errors(RIGID):
+        with sector_errors(RIGID_SECTOR):
             sector = Sector(part, sectors, modes=modes, loads=3 * part.contacts, rigid=False)
             found = sector.each_wave(lambda wave: _reduced(part, wave, modes))
             return {
@@ -59,46 +67,145 @@ def massless_wheel(
             }
 
     kept = compute() if file is None else kept_reduction(file, part, (sectors, modes), compute)
-    rows = 3 * part.contacts
+    names = (*WAVE, *(key for key in FURTHER if getattr(part, key) is not None))
+    waves = [{name: kept[f"{name}_{k}"] for name in names} for k in range(sectors // 2 + 1)]
+    return _expanded(part, sectors, waves)
+
+
+class WheelOverSpeeds:
+    """A wheel of sectors whose reduction at a speed takes milliseconds.
+
+    Its motions are the lowest modes of each nodal diameter, and the static displacements under
+    forces on the contact nodes, at rest, at half and at all of the highest speed.
+    """
+
+    def __init__(
+        self, part: Superelement, sectors: int, modes: int, highest: float, file: str
+    ) -> None:
+        """Reduce the sector, or read what was kept of an earlier reduction.
+
+        Args:
+            part: sector with left_dofs and right_dofs; with blade_stiffness if blades differ.
+            sectors: number of sectors.
+            modes: number of modes of each nodal diameter at a speed.
+            highest: highest speed [rad/s].
+            file: file of the sector, beside which its reduction is kept.
+
+        Raises:
+            SuperelementError: as for `massless_wheel`.
+        """
+        self._part, self._sectors, self._modes = part, sectors, modes
+        own = part.blade_stiffness
+
+        def compute() -> Arrays:
+            found = sector_blocks(part, sectors, modes + FURTHER_MODES, highest, touched=True)
+            arrays: dict[str, FloatArray] = {}
+            if own is not None:
+                matrix = sp.csr_array(own)
+                arrays["products"] = blade_products(matrix, [each.blade for each in found.values()])
+            for k, block in found.items():
+                values = vars(block) | {"blade": np.zeros((0, block.size))}
+                arrays |= {f"{name}_{k}": one for name, one in values.items() if one is not None}
+            return arrays
+
+        kept = kept_reduction(file, part, (sectors, modes, highest), compute)
+        self._products = kept.get("products")
+        names = [field.name for field in fields(NodalBlock)]
+        self._blocks = [
+            NodalBlock(**{name: kept.get(f"{name}_{k}") for name in names})  # type: ignore[arg-type]
+            for k in range(sectors // 2 + 1)
+        ]
+
+    def at(
+        self, omega: float, factor: FloatArray | None = None
+    ) -> tuple[Superelement, ReducedSuperelement]:
+        """Return the contact nodes of the wheel and its reduction at a speed, see `massless_wheel`.
+
+        Args:
+            omega: speed of rotation [rad/s].
+            factor: factor on the stiffness of each blade, (sectors,); None if blades are equal.
+
+        Raises:
+            SuperelementError: the stiffness is not positive definite at this speed.
+        """
+        sectors, modes = self._sectors, self._modes
+        if factor is None:
+            waves = [_of_block(block, omega, modes) for block in self._blocks]
+            return _expanded(self._part, sectors, waves)
+        waves = [_of_block(block, omega, modes, static=True) for block in self._blocks]
+        wheel, reduced = _expanded(self._part, sectors, waves)
+        change = change_of_waves(self._coupled(waves), factor)
+        order = _order(waves, sectors)
+        of_nodes = np.repeat(factor, self._part.contacts)
+        return wheel, stiffened(reduced, change[order][:, order], sectors * modes, of_nodes)
+
+    def _coupled(self, waves: Sequence[Arrays]) -> ComplexArray:
+        assert self._products is not None
+        return coupled_waves(self._products, [wave["shapes"] for wave in waves], self._sectors)
+
+
+def _expanded(
+    part: Superelement, sectors: int, waves: Sequence[Arrays]
+) -> tuple[Superelement, ReducedSuperelement]:
+    """Return the wheel and its reduction from the arrays of each nodal diameter, see `_reduced`."""
+    rows, modes = 3 * part.contacts, len(waves[0]["squares"])
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
-    frequency, contact, points, strains = [], [], [], []
-    further: dict[str, list[FloatArray]] = {
-        key: [] for key in FURTHER if getattr(part, key) is not None
-    }
+    frequency, contact, strains = [], [], []
+    further: dict[str, list[FloatArray]] = {key: [] for key in FURTHER if key in waves[0]}
     flexibility = np.zeros((sectors, rows, rows))
-    for k in range(sectors // 2 + 1):
-        wave = {name: kept[f"{name}_{k}"] for name in (*WAVE, *further)}
+    for k, wave in enumerate(waves):
         pair = 0 < 2 * k < sectors
         for n, angle in enumerate(spread):  # sector n under a force on sector 0
             turned = wave["residual"] * np.exp(1j * k * angle)
             flexibility[n] += (1 + pair) / sectors * turned.real
-        scale = np.sqrt((1 + pair) / sectors)
-        for phase in (1.0, -1j) if pair else (1.0,):
-            phases = [scale * phase * np.exp(1j * k * angle) for angle in spread]
+        for phases in _real_waves(k, spread):
             contact.append(np.vstack([(one * wave["contact"]).real for one in phases]))
-            each = np.stack([(one * wave["points"]).real for one in phases])
-            each = each.reshape(sectors, -1, 3, modes)
-            points.append(rotate(each, spread[:, None, None], axis=2).reshape(-1, modes))
             strains.append(np.vstack([(one * wave["strains"]).real for one in phases]))
             frequency.append(np.sqrt(wave["squares"]))
         for key, blocks in further.items():
             blocks.append(_on_waves(wave[key], pair=pair))
-    order = np.argsort(np.concatenate(frequency), kind="stable")
+    order = _order(waves, sectors)
     compliance = np.block(
         [[flexibility[(i - j) % sectors] for j in range(sectors)] for i in range(sectors)]
     )
+
+    def points() -> FloatArray:
+        moved = []
+        for k, wave in enumerate(waves):
+            for phases in _real_waves(k, spread):
+                each = np.stack([(one * wave["points"]).real for one in phases])
+                each = each.reshape(sectors, -1, 3, modes)
+                moved.append(rotate(each, spread[:, None, None], axis=2).reshape(-1, modes))
+        return np.hstack(moved)[:, order]
+
     values = np.asarray(np.concatenate(frequency)[order], dtype=np.float64)
     reduced = ReducedSuperelement(
         frequency=values,
         contact=np.hstack(contact)[:, order],
         compliance=0.5 * (compliance + compliance.T),
         centre=np.zeros((2, len(values))),
-        points=np.hstack(points)[:, order],
+        of_points=points,
         strains=np.hstack(strains)[:, order],
         kept=len(values),
         **{key: la.block_diag(*blocks)[order][:, order] for key, blocks in further.items()},
     )
-    return _wheel(part, spread, np.asarray(values, dtype=np.float64)), reduced
+    return _wheel(part, spread, values), reduced
+
+
+def _order(waves: Sequence[Arrays], sectors: int) -> IntArray:
+    """Return the positions of all real modes, nodal diameter by nodal diameter, by frequency."""
+    twice = (1 + (0 < 2 * k < sectors) for k in range(len(waves)))
+    squares = [np.tile(wave["squares"], times) for wave, times in zip(waves, twice, strict=True)]
+    return np.argsort(np.sqrt(np.concatenate(squares)), kind="stable")
+
+
+def _real_waves(k: int, spread: FloatArray) -> Iterator[list[complex]]:
+    """Yield the complex amplitudes of all sectors, at the angles `spread`, in the cosine and in
+    the sine wave of a nodal diameter, or in its single wave."""
+    pair = 0 < 2 * k < len(spread)
+    scale = np.sqrt((1 + pair) / len(spread))
+    for phase in (1.0, -1j) if pair else (1.0,):
+        yield [scale * phase * np.exp(1j * k * angle) for angle in spread]
 
 
 def _reduced(part: Superelement, wave: Wave, modes: int) -> Arrays:
@@ -116,21 +223,58 @@ def _reduced(part: Superelement, wave: Wave, modes: int) -> Arrays:
     squares, shapes = wave.lowest(modes)
     check_count(len(squares), modes)
     if not squares[0] > rigid_limit(part):
-        raise SuperelementError(RIGID)
+        raise SuperelementError(RIGID_SECTOR)
     forces = (part.contact_rows @ wave.tie).conj().T.toarray()
     residual = forces.conj().T @ wave.static(forces, shapes)
-    fields, none = wave.tie @ shapes, np.zeros((0, modes), dtype=np.complex128)
+    moved, none = wave.tie @ shapes, np.zeros((0, modes), dtype=np.complex128)
     return {
         "squares": squares,
-        "contact": part.contact_rows @ fields,
-        "points": none if part.recovery is None else part.recovery @ fields,
-        "strains": none if part.strain_recovery is None else part.strain_recovery @ fields,
+        "contact": part.contact_rows @ moved,
+        "points": none if part.recovery is None else part.recovery @ moved,
+        "strains": none if part.strain_recovery is None else part.strain_recovery @ moved,
         "residual": 0.5 * (residual + residual.conj().T),
         **{
-            key: fields.conj().T @ (matrix @ fields)
+            key: moved.conj().T @ (matrix @ moved)
             for key in FURTHER
             if (matrix := getattr(part, key)) is not None
         },
+    }
+
+
+def _of_block(block: NodalBlock, omega: float, modes: int, *, static: bool = False) -> Arrays:
+    """Return the arrays of `_reduced` at a speed [rad/s] from a block, and the shapes of the modes.
+
+    Args:
+        block: matrices of a nodal diameter.
+        omega: speed [rad/s].
+        modes: number of modes.
+        static: whether the static displacements under the forces of blades follow the modes, as
+            further orthogonal motions with their stiffness.
+    """
+    squares, shapes = la.eigh(block.stiffness + block.change(omega))
+    check_count(len(squares), modes)
+    if not squares[0] > 0.0:
+        raise SuperelementError(RIGID_SECTOR)
+    rest, stiff = shapes[:, modes:], squares[modes:]
+    shapes, squares = shapes[:, :modes], squares[:modes]
+    touched = block.contact @ rest
+    residual = (touched / stiff) @ touched.conj().T
+    if static:
+        among = la.qr((rest.conj().T @ block.blade_loads) / stiff[:, None], mode="economic")[0]
+        own, turn = la.eigh((among.conj().T * stiff) @ among)
+        among = among @ turn
+        moved = touched @ among
+        residual = residual - (moved / own) @ moved.conj().T
+        shapes, squares = np.hstack([shapes, rest @ among]), np.concatenate([squares, own])
+    further = {key: matrix for key in FURTHER if (matrix := getattr(block, key)) is not None}
+    return {
+        "squares": squares,
+        "shapes": shapes,
+        "contact": block.contact @ shapes,
+        "points": block.points @ shapes,
+        "strains": block.strains @ shapes,
+        "residual": 0.5 * (residual + residual.conj().T),
+        **{key: shapes.conj().T @ matrix @ shapes for key, matrix in further.items()},
     }
 
 
@@ -191,7 +335,11 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
         picture,
         mass=assembled(part.mass),
         stiffness=assembled(part.stiffness),
-        **{key: assembled(matrix) for key in FURTHER if (matrix := getattr(part, key)) is not None},
+        **{
+            key: assembled(matrix)
+            for key in (*FURTHER, "blade_stiffness")
+            if (matrix := getattr(part, key)) is not None
+        },
         contact_dofs=dofs,
         recovery=recovery,
         strain_recovery=strains,
@@ -228,6 +376,7 @@ def _wheel(part: Superelement, spread: FloatArray, frequency: FloatArray) -> Sup
         gyroscopic=None,
         stiffness_speed=None,
         stiffness_speed4=None,
+        blade_stiffness=None,
         contact_position=positions,
         contact_dofs=np.full((len(positions), 3), -1),
         left_dofs=None,
