@@ -2,7 +2,8 @@
 contact; they are those of the time integration."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,17 @@ EngineOrders = Sequence[EngineOrder]
 """Excitations of engine order."""
 
 
+class Resonances(NamedTuple):
+    """Eigenvectors of the Hermitian dynamic stiffness K - w^2 + i w G of each copy at w = r Omega.
+
+    One eigenvalue passes through zero at each resonance of the engine order r.
+    """
+
+    value: FloatArray  #: eigenvalues [rad2/s2], ascending, (copies, modes)
+    loss: FloatArray  #: damping w d of each eigenvector [rad2/s2], (copies, modes)
+    drive: FloatArray  #: amplitude of a tip times the loss if in resonance [m rad2/s2]
+
+
 @dataclass(frozen=True, kw_only=True)
 class ForcedRotor:
     """A bladed disk at a speed of rotation, with the forces of engine orders."""
@@ -33,33 +45,70 @@ class ForcedRotor:
     tips: FloatArray | None = None
     """Matrix from displacements of the contact nodes of a copy to those of its blade tips, (blades
     of a copy, nodes); None if each blade has one tip."""
+    static: Mapping[int, ComplexArray] = field(default_factory=dict)
+    """Complex displacements of the contact nodes of each copy, radial, tangential and axial, due to
+    the modes that are left out, by engine order [m], (copies, 3 * nodes)."""
     has_centre: bool = True  #: false if the bladed disk has no node at its centre
 
-    @property
-    def blades(self) -> FloatArray:
-        """Tangential and radial displacements of the blade tips of a copy for unit modal
-        coordinates [kg^-1/2], (2, blades of a copy, modes)."""
-        rows = np.stack([self.rotor.tip_tangential, self.rotor.tip_radial])
-        return rows if self.tips is None else np.asarray(self.tips @ rows)
+    def motion(self, order: int, omega: float) -> dict[str, ComplexArray]:
+        """Return the complex displacements for an engine order at the speed omega [rad/s]:
+        tip_tangential and tip_radial [m], (blades,), and, if there is one, centre [m], (2,)."""
+        rotor, answers = self.rotor, self.response(order, omega)
+        rows = rotor.tip_tangential, rotor.tip_radial
+        moved = np.stack([answers @ row.T for row in rows])  # (2, copies, nodes)
+        if order in self.static:
+            moved = moved + np.stack([self.static[order][:, k::3] for k in (1, 0)])
+        if self.tips is not None:
+            moved = moved @ self.tips.T
+        tangential, radial = moved.reshape(2, -1)
+        motion = {"tip_tangential": tangential, "tip_radial": radial}
+        if self.has_centre:
+            motion["centre"] = rotor.centre @ answers[0]
+        return motion
 
     def response(self, order: int, omega: float) -> ComplexArray:
         """Return the complex modal amplitudes of an engine order at the speed omega [rad/s],
         (copies, modes)."""
-        rotor, w = self.rotor, order * omega
-        copies = zip(
+        w = order * omega
+        return np.stack(
+            [
+                np.linalg.solve(elastic - w**2 * np.eye(len(elastic)) + 1j * w * damping, force)
+                for elastic, damping, force in self._copies(order)
+            ]
+        )
+
+    def resonances(self, order: int, omega: float) -> Resonances:
+        """Return what tells the resonances of an engine order near the speed omega [rad/s]."""
+        w, rotor = order * omega, self.rotor
+        rows = np.vstack([rotor.tip_tangential, rotor.tip_radial])
+        found = []
+        for elastic, damping, force in self._copies(order):
+            skew = 0.5 * (damping - damping.T)
+            dynamic = elastic - w**2 * np.eye(len(elastic))
+            if skew.any() or np.count_nonzero(elastic) > len(elastic):
+                values, vectors = np.linalg.eigh(0.5 * (dynamic + dynamic.T) + 1j * w * skew)
+            else:
+                values, vectors = np.diag(dynamic), np.eye(len(elastic))
+            lost = np.einsum("im,im->m", vectors.conj(), damping @ vectors).real
+            reached = np.abs(vectors.conj().T @ force) * np.abs(rows @ vectors).max(axis=0)
+            ascending = np.argsort(values, kind="stable")
+            found.append((values[ascending], w * lost[ascending], reached[ascending]))
+        return Resonances(*(np.array(each) for each in zip(*found, strict=True)))
+
+    def _copies(self, order: int) -> Iterator[tuple[FloatArray, FloatArray, ComplexArray]]:
+        """Yield stiffness [1/s2] and matrix of the forces due to velocities [1/s], (modes, modes),
+        and the complex modal forces, (modes,), of each copy."""
+        rotor = self.rotor
+        for squares, damping, force in zip(
             rotor.by_copy(rotor.stiffness),
             rotor.velocity_forces,
             self.forces[order].reshape(rotor.copies, -1),
             strict=True,
-        )
-        answers = []
-        for squares, damping, force in copies:
+        ):
             stiffness = np.diag(squares)
             if rotor.circulation:  # only of a rotor of one copy
                 stiffness = stiffness + rotor.circulation_stiffness
-            dynamic = stiffness - w**2 * np.eye(len(squares)) + 1j * w * damping
-            answers.append(np.linalg.solve(dynamic, force))
-        return np.stack(answers)
+            yield stiffness, damping, force
 
 
 def forced_beams(
@@ -117,15 +166,19 @@ def forced_superelement(
     for omega in omegas:
         if stage.case.rotation.effects != "none":
             at_speed = {"march.speed": omega / reference}
-            stage = superelement_stage(with_values(stage.case, at_speed))
-        forces: dict[int, ComplexArray] = {}
+            stage = superelement_stage(with_values(stage.case, at_speed), stage.ring)
+        rotor, forces = stage.rotor_at(omega), dict[int, ComplexArray]()
+        static = dict[int, ComplexArray]()
         for load in loads:
             for order, force in stage.forces_of_order(load):
                 forces[order] = forces.get(order, 0.0) + force
+            for order, moved in stage.static_of_order(load):
+                static[order] = static.get(order, 0.0) + moved
         yield ForcedRotor(
-            rotor=stage.rotor_at(omega),
+            rotor=rotor,
             forces=forces,
             tips=blade_means(stage.blade),
+            static=static,
             has_centre=stage.part.centre_dofs is not None,
         )
 

@@ -187,7 +187,7 @@ class SuperelementStage:
             frequency=np.sqrt(self.factor)[:, None] * reduced.frequency,
             damping_ratio=np.tile(self.damping_ratio, (self.copies, 1)),
             contact=reduced.contact,
-            compliance=reduced.compliance / self.factor[:, None, None] if massless else None,
+            compliance=self._compliance if massless else None,
             angle=self.angle,
             radius=self.part.contact_radius,
             recess=self.recess,
@@ -250,6 +250,29 @@ class SuperelementStage:
             raise CaseError([case_fault(self.case, key, expected)])
         return engine_order_forces(acting, middle, blade, load)
 
+    def static_of_order(self, load: EngineOrder) -> list[tuple[int, ComplexArray]]:
+        """Return the complex displacements of the contact nodes that forces of each engine order on
+        them cause by the residual flexibility [m], (copies, 3 * nodes); none for forces on other
+        points."""
+        if load.points:
+            return []
+        nodes = self.part.contacts
+        acting = np.eye(3 * nodes).reshape(nodes, 3, -1)[:, :2]
+        middle = blade_angles(self.angle, self.blade)
+        return [
+            (
+                order,
+                np.stack([own @ each for own, each in zip(self._compliance, force, strict=True)]),
+            )
+            for order, flat in engine_order_forces(acting, middle, self.blade, load)
+            for force in [flat.reshape(self.copies, -1)]
+        ]
+
+    @property
+    def _compliance(self) -> FloatArray:
+        """Residual flexibility of the contact nodes of each copy [m/N], (copies, 3c, 3c)."""
+        return self.reduced.compliance / self.factor[:, None, None]
+
     @property
     def damped_as_at_rest(self) -> bool:
         """True if `by_velocity` contains the modal damping."""
@@ -279,10 +302,9 @@ class SuperelementStage:
         if reduced.gyroscopic is not None:
             matrices.append(speed * reduced.gyroscopic)
         if self.damped_as_at_rest:
-            at_rest = np.diag(reduced.frequency**2) - reduced.change(speed)
-            squares, shapes = np.linalg.eigh(at_rest)
-            rates = 2.0 * self._ratio * np.sqrt(np.maximum(squares, 0.0))
-            matrices.append((shapes * rates) @ shapes.T)
+            ratio = np.sqrt(self._ratio)
+            assert reduced.root is not None  # the rotation acts on the structure
+            matrices.append(2.0 * ratio[:, None] * reduced.root * ratio)
         return np.asarray(sum(matrices, np.zeros((modes, modes)))) if matrices else None
 
     @cached_property
@@ -350,8 +372,12 @@ class SuperelementStage:
             raise CaseError([case_fault(self.case, "casing.clearance", expected)])
 
 
-def superelement_stage(case: Case) -> SuperelementStage:
+def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStage:
     """Return the stage of a case with a superelement.
+
+    Args:
+        case: the case.
+        ring: its flexible casing, if it is known.
 
     Raises:
         CaseError: the superelement cannot be reduced as the case demands.
@@ -374,29 +400,27 @@ def superelement_stage(case: Case) -> SuperelementStage:
         at_rest = _reference_at_rest(case)
         omega = case.march.speed.rad_per_s(at_rest)
     of_waves = table.kind == "sector" and case.reduction.boundary == "massless"
-    if at_rest is not None and not of_waves:
-        full = case.rotation.effects == "full"
-        part = at_speed(_over_speeds(case, part, omega), omega, coriolis=full)
+    turning, still = at_rest is not None, None
+    if turning and not of_waves:
+        still = _over_speeds(case, part, omega)
+        part = at_speed(still, omega, coriolis=case.rotation.effects == "full")
     given = part
     try:
-        if part.centre_dofs is not None:
-            part = on_springs(case, part)
-        if table.kind == "sector" and case.reduction.boundary == "consistent":
-            part = whole_wheel(part, table.copies)
-            if case.bladed_disk.mistuning.is_given(table.copies):
-                part = mistuned_wheel(part, factor)
         if of_waves:
-            turning = at_rest is not None
             part, reduced = _wheel_of_sectors(case, part, omega, factor, turning=turning)
-        elif case.reduction.boundary == "massless":
-            key = "reduction.free_interface_modes"
-            reduced = massless(part, case.reduction.free_interface_modes)
         else:
-            key = "reduction.fixed_interface_modes"
-            kept = case.reduction.fixed_interface_modes
-            if kept == MODES:  # the default: all modes of a small superelement
-                kept = min(kept, part.size - boundary_size(part))
-            reduced = consistent(part, kept, kept)
+            part = _assembled(case, part)
+            if still is not None:
+                still = _assembled(case, still)
+            if case.reduction.boundary == "massless":
+                key = "reduction.free_interface_modes"
+                reduced = massless(part, case.reduction.free_interface_modes, still)
+            else:
+                key = "reduction.fixed_interface_modes"
+                kept = case.reduction.fixed_interface_modes
+                if kept == MODES:  # the default: all modes of a small superelement
+                    kept = min(kept, part.size - boundary_size(part))
+                reduced = consistent(part, kept, kept, still)
     except SuperelementError as error:
         if at_rest is not None:
             expected = "a speed below the lowest critical speed, at which the stiffness is lost"
@@ -422,7 +446,7 @@ def superelement_stage(case: Case) -> SuperelementStage:
         reduced=reduced,
         factor=factor if table.kind == "blade" else np.ones(1),
         blade=np.arange(part.contacts) // per_blade,
-        ring=flexible_ring(case) if case.casing.type == "ring" else None,
+        ring=flexible_ring(case) if ring is None and case.casing.type == "ring" else ring,
         frequency_at_rest=at_rest,
     )
     hertz = stage.reference_frequency / (2.0 * np.pi)
@@ -433,6 +457,20 @@ def superelement_stage(case: Case) -> SuperelementStage:
         )
         raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])
     return replace(stage, case=case.in_seconds(stage.reference_frequency))
+
+
+def _assembled(case: Case, part: Superelement) -> Superelement:
+    """Return a superelement on the springs of the shaft; a sector as a wheel."""
+    table = case.bladed_disk.superelement
+    assert table is not None
+    if part.centre_dofs is not None:
+        part = on_springs(case, part)
+    if table.kind != "sector":
+        return part
+    part, mistuning = whole_wheel(part, table.copies), case.bladed_disk.mistuning
+    if not mistuning.is_given(table.copies):
+        return part
+    return mistuned_wheel(part, mistuning.factors("stiffness", table.copies))
 
 
 def structure_of(case: Case) -> Superelement:

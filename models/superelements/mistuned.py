@@ -19,7 +19,12 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.superelements.reduction import FURTHER, RIGID_SECTOR, ReducedSuperelement
+from bladewhirl.models.superelements.reduction import (
+    FURTHER,
+    RIGID_SECTOR,
+    ReducedSuperelement,
+    root_of,
+)
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
 SEPARATE = (
@@ -149,6 +154,7 @@ def stiffened(
     squares, turn = la.eigh(np.diag(reduced.frequency**2) + change)
     if not squares[0] > 0.0:
         raise SuperelementError(RIGID_SECTOR)
+    assert reduced.root is not None
     kept, rest = turn[:, :modes], reduced.contact @ turn[:, modes:]
     softer = np.repeat(1.0 / np.sqrt(factor), 3)
     static = (rest / squares[modes:]) @ rest.T
@@ -160,6 +166,7 @@ def stiffened(
         centre=reduced.centre @ kept,
         of_points=lambda: reduced.points @ kept,
         strains=reduced.strains @ kept,
+        root=kept.T @ root_of(reduced.root @ reduced.root + change) @ kept,
         kept=modes,
         **{
             key: kept.T @ matrix @ kept

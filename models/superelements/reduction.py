@@ -19,6 +19,7 @@ nodes have mass, and C is zero.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.linalg as la
@@ -46,6 +47,8 @@ STIFF = (
     "stiffness: expected a matrix that is not indefinite, and no motion without stiffness except"
     " rigid ones"
 )
+
+ALL_MODES = 2500  #: largest number of coordinates of which all modes are computed for the damping
 
 RIGID_SECTOR = "expected a sector without rigid modes and with a stiffness that is not indefinite"
 
@@ -78,6 +81,11 @@ class ReducedSuperelement:
     """Change of the stiffness by rotation at 1 rad/s from the file, (modes, modes)."""
     stiffness_speed4: FloatArray | None = None
     """Its part that grows with the fourth power of the speed, (modes, modes)."""
+    root: FloatArray | None = None
+    """Square root of the stiffness at rest, on the modes [1/s], (modes, modes), of a structure at
+    speed: twice the damping ratio times this matrix is the modal damping of the structure at rest.
+    With a massless boundary it is the root of the whole stiffness; the root of the stiffness on
+    some modes at speed is too large, because the highest modes, which are left out, are stiff."""
     kept: int
     """Number of the lowest modes, which have the damping ratio of the structure; higher modes have
     that of the boundary."""
@@ -98,12 +106,15 @@ class ReducedSuperelement:
         return self.of_points()
 
 
-def massless(part: Superelement, modes: int) -> ReducedSuperelement:
+def massless(
+    part: Superelement, modes: int, at_rest: Superelement | None = None
+) -> ReducedSuperelement:
     """Return the lowest free-interface modes with the residual flexibility of the contact nodes.
 
     Args:
         part: superelement; every motion except rigid ones must have stiffness (no mechanisms).
         modes: number of modes.
+        at_rest: the superelement at rest; None if it is the same.
 
     Raises:
         SuperelementError: `modes` is not below the number of coordinates, or is so large that a
@@ -122,7 +133,8 @@ def massless(part: Superelement, modes: int) -> ReducedSuperelement:
             f"expected fewer free-interface modes than {modes}: the modes that are left out have to"
             " give all contact nodes a radial flexibility"
         )
-    return _reduced(part, squares, shapes, compliance, modes)
+    root = None if at_rest is None else _root(at_rest, shapes)
+    return _reduced(part, squares, shapes, compliance, modes, root)
 
 
 def check_count(found: int, modes: int) -> None:
@@ -142,13 +154,16 @@ def boundary_size(part: Superelement) -> int:
     return int(np.count_nonzero(part.contact_dofs >= 0)) + centre
 
 
-def consistent(part: Superelement, fixed_interface_modes: int, kept: int) -> ReducedSuperelement:
+def consistent(
+    part: Superelement, fixed_interface_modes: int, kept: int, at_rest: Superelement | None = None
+) -> ReducedSuperelement:
     """Return all modes of the Craig-Bampton model whose boundary are contact nodes and centre.
 
     Args:
         part: superelement without rigid modes.
         fixed_interface_modes: number of fixed-interface modes.
         kept: number of the lowest modes, which have the damping ratio of the structure.
+        at_rest: the superelement at rest; None if it is the same.
 
     Raises:
         SuperelementError: `fixed_interface_modes` is larger than the number of coordinates that are
@@ -176,11 +191,18 @@ def consistent(part: Superelement, fixed_interface_modes: int, kept: int) -> Red
     squares, vectors = la.eigh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))
     _check_definite(part, squares)
     compliance = np.zeros((3 * part.contacts, 3 * part.contacts))
-    return _reduced(part, squares, basis @ vectors, compliance, kept)
+    shapes = basis @ vectors
+    root = None if at_rest is None else root_of(shapes.T @ (at_rest.stiffness @ shapes))
+    return _reduced(part, squares, shapes, compliance, kept, root)
 
 
 def _reduced(
-    part: Superelement, squares: FloatArray, shapes: FloatArray, compliance: FloatArray, kept: int
+    part: Superelement,
+    squares: FloatArray,
+    shapes: FloatArray,
+    compliance: FloatArray,
+    kept: int,
+    root: FloatArray | None,
 ) -> ReducedSuperelement:
     centre = np.zeros((2, shapes.shape[1]))
     if part.centre_dofs is not None:
@@ -207,8 +229,25 @@ def _reduced(
         centre=centre,
         of_points=points,
         strains=strains,
+        root=root,
         kept=kept,
     )
+
+
+def root_of(stiffness: Any) -> Any:
+    """Return the square root of a matrix without its negative eigenvalues, (m, m)."""
+    squares, vectors = la.eigh(stiffness)
+    return (vectors * np.sqrt(np.maximum(squares, 0.0))) @ vectors.conj().T
+
+
+def _root(at_rest: Superelement, shapes: FloatArray) -> FloatArray:
+    """Return `ReducedSuperelement.root` from all modes at rest; for more than `ALL_MODES`
+    coordinates, from the stiffness at rest on the shapes."""
+    if at_rest.size > ALL_MODES:
+        return np.asarray(root_of(shapes.T @ (at_rest.stiffness @ shapes)))
+    squares, modes = la.eigh(dense(at_rest.stiffness), dense(at_rest.mass))
+    inside = modes.T @ (at_rest.mass @ shapes)
+    return np.asarray((inside.T * np.sqrt(np.maximum(squares, 0.0))) @ inside)
 
 
 def lowest_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArray]:

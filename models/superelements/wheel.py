@@ -26,6 +26,7 @@ from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
     check_count,
     rigid_limit,
+    root_of,
 )
 from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
@@ -151,7 +152,8 @@ def _expanded(
     rows, modes = 3 * part.contacts, len(waves[0]["squares"])
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
     frequency, contact, strains = [], [], []
-    further: dict[str, list[FloatArray]] = {key: [] for key in FURTHER if key in waves[0]}
+    matrices = (*FURTHER, "root")
+    further: dict[str, list[FloatArray]] = {key: [] for key in matrices if key in waves[0]}
     flexibility = np.zeros((sectors, rows, rows))
     for k, wave in enumerate(waves):
         pair = 0 < 2 * k < sectors
@@ -274,6 +276,7 @@ def _of_block(block: NodalBlock, omega: float, modes: int, *, static: bool = Fal
         "points": block.points @ shapes,
         "strains": block.strains @ shapes,
         "residual": 0.5 * (residual + residual.conj().T),
+        "root": shapes.conj().T @ root_of(block.stiffness) @ shapes,
         **{key: shapes.conj().T @ matrix @ shapes for key, matrix in further.items()},
     }
 

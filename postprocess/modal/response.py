@@ -20,10 +20,29 @@ LOWEST = 1e-4  #: smallest amplitude that is drawn, divided by the largest ampli
 
 def amplitude(data: xr.Dataset) -> xr.DataArray:
     """Return the largest displacement of each tip in a period [m], from `bladewhirl.response`."""
-    tangential, radial = data["tip_tangential"], data["tip_radial"]
-    square = abs(tangential) ** 2 + abs(radial) ** 2
-    distance = (0.5 * (square + abs(tangential**2 + radial**2))) ** 0.5
+    distance: xr.DataArray = largest_in_period(data["tip_tangential"], data["tip_radial"])
     return distance.assign_attrs(units="m", long_name="amplitude of the tip")
+
+
+def largest_in_period(tangential: Any, radial: Any) -> Any:
+    """Return the largest distance from rest in a period of motions with complex components, arrays
+    of equal shape."""
+    square = abs(tangential) ** 2 + abs(radial) ** 2
+    return (0.5 * (square + abs(tangential**2 + radial**2))) ** 0.5
+
+
+def at_peaks(data: xr.Dataset, order: int) -> xr.Dataset:
+    """Return the motions at the peaks of an engine order, over their speeds, from
+    `bladewhirl.response`."""
+    own = data.isel(peak=np.flatnonzero(data["peak_order"].values == order))
+    names: dict[Any, Any] = {
+        "peak_tip_tangential": "tip_tangential",
+        "peak_tip_radial": "tip_radial",
+    }
+    chosen = own[[*names]].reset_coords(drop=True).rename(peak="speed", **names)
+    return chosen.assign_coords(
+        speed=own["peak_speed"].values, rpm=("speed", own["peak_rpm"].values)
+    )
 
 
 def by_nodal_diameter(data: xr.Dataset) -> xr.DataArray:
@@ -48,11 +67,25 @@ def by_nodal_diameter(data: xr.Dataset) -> xr.DataArray:
 
 
 def drawn_amplitudes(data: xr.Dataset) -> xr.Dataset:
-    """Return the real amplitudes that `plot_response` draws, from `bladewhirl.response`."""
-    return xr.Dataset(
-        {"amplitude": amplitude(data), "amplitude_by_nodal_diameter": by_nodal_diameter(data)},
-        attrs=data.attrs,
-    )
+    """Return the real amplitudes that `plot_response` draws, from `bladewhirl.response`: those at
+    the given speeds and at all peaks."""
+    every = data if "order" in data.dims else data.expand_dims("order")
+    parts = []
+    for order in every["order"].values.tolist():
+        both = [every.sel(order=order), at_peaks(data, order)]
+        drawn = [
+            xr.Dataset(
+                {
+                    "amplitude": amplitude(each),
+                    "amplitude_by_nodal_diameter": by_nodal_diameter(each),
+                }
+            )
+            for each in both
+        ]
+        together = xr.concat(drawn, "speed", coords="minimal", compat="override")
+        parts.append(together.drop_duplicates("speed").sortby("speed"))
+    at = xr.Variable("order", every["order"].values)
+    return xr.concat(parts, at, join="outer").assign_attrs(data.attrs)
 
 
 @styled
@@ -62,14 +95,16 @@ def plot_response(data: xr.Dataset) -> Figure:
     Each engine order has a row. The left panel shows all blades, with the blade of the largest
     amplitude in colour; the right panel shows the nodal diameters with the largest amplitudes.
     """
-    drawn = drawn_amplitudes(data if "order" in data.dims else data.expand_dims("order"))
-    orders, speed = drawn["order"].values, drawn["speed"].values
+    drawn = drawn_amplitudes(data)
+    orders = drawn["order"].values
     figure = new_figure(width=FULL_WIDTH, height=0.035 + 0.05 * len(orders))
     panels = figure.subplots(len(orders), 2, sharex=True, squeeze=False)
     unit, scale = handy_unit(float(drawn["amplitude"].max()), "m")
     for row, order in zip(panels, orders, strict=True):
-        tips = scale * drawn["amplitude"].sel(order=order).transpose("speed", "blade").values
-        diameters = drawn["amplitude_by_nodal_diameter"].sel(order=order)
+        own = drawn.sel(order=order).dropna("speed")
+        speed = own["speed"].values
+        tips = scale * own["amplitude"].transpose("speed", "blade").values
+        diameters = own["amplitude_by_nodal_diameter"]
         waves = scale * diameters.transpose("speed", "nodal_diameter").values
         most = int(tips.max(axis=0).argmax())
         row[0].plot(speed, tips, color=COLOURS["rest"], linewidth=0.5)

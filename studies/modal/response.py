@@ -1,6 +1,7 @@
 """Steady response of the bladed disk to engine-order forces, without contact: Dataset, rows."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -11,14 +12,17 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import speed_of
-from bladewhirl.models.stage.forced import ForcedRotor, orders_of
+from bladewhirl.models.stage.forced import Resonances, orders_of
 from bladewhirl.models.stage.marched import Marchable, marched_stage
 from bladewhirl.postprocess.modal.response import (
     amplitude,
+    at_peaks,
     by_nodal_diameter,
     drawn_amplitudes,
+    largest_in_period,
     plot_response,
 )
+from bladewhirl.studies.modal.response_peaks import peak_speeds
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, table
 
@@ -37,7 +41,7 @@ PEAKS = (
     Column("amplitude", "amplitude of the tip [mm]", ".4g", 1e3),
     Column("nodal_diameter", "nodal diameter", "d"),
 )
-"""Columns of the largest amplitude of each engine order."""
+"""Columns of the peaks of each engine order."""
 
 
 def response(
@@ -59,12 +63,16 @@ def response(
             rpm"; by default the speed of the case.
         progress: called with the numbers of speeds done and in total.
 
+    Peaks between the speeds are found to 0.1 % of their amplitude, however narrow they are, if the
+    speeds ascend: those of up to 12 resonances of each engine order with the largest amplitudes.
+
     Returns:
         over (speed, blade): complex `tip_tangential` and `tip_radial` [m]; over (speed, axis):
         complex `centre` [m], x and y in the rotating frame, if there is one. A tip with several
         contact nodes moves by their mean. With several engine orders, `order` is
         the first dimension. `speed` is in multiples of the reference frequency, with the coordinate
-        `rpm`.
+        `rpm`. Over (peak, blade): complex `peak_tip_tangential` and `peak_tip_radial` [m], with the
+        coordinates peak_order, peak_speed and peak_rpm.
 
     Raises:
         CaseError: the case cannot be built at one of the speeds.
@@ -80,10 +88,25 @@ def response(
     loads = _engine_orders(stage.case)
     orders, omegas = orders_of(loads), [multiple * reference for multiple in multiples]
     answers: list[list[dict[str, ComplexArray]]] = []
+    near: dict[int, list[Resonances]] = {order: [] for order in orders}
     for done, disk in enumerate(stage.forced(loads, omegas), 1):
-        answers.append([_motions(disk, order, omegas[done - 1]) for order in orders])
+        omega = omegas[done - 1]
+        answers.append([disk.motion(order, omega) for order in orders])
+        for order in orders:
+            near[order].append(disk.resonances(order, omega))
         if progress is not None:
             progress(done, len(multiples))
+
+    def motion(order: int, omega: float) -> dict[str, ComplexArray]:
+        (disk,) = stage.forced(loads, [omega])
+        return disk.motion(order, omega)
+
+    peaks = [
+        (order, omega, motion(order, omega))
+        for order in orders
+        if order and all(later > before for before, later in pairwise(omegas))
+        for omega in peak_speeds(lambda w, r=order: _height(motion(r, w)), omegas, near[order])  # type: ignore[misc]
+    ]
     rpm = np.array(multiples) * reference * 30.0 / np.pi
     variables = {
         name: quantity(
@@ -94,13 +117,27 @@ def response(
         )
         for name in answers[0][0]
     }
+    blades = variables["tip_radial"][1].shape[-1]
+    at_peaks = {
+        f"peak_{name}": quantity(
+            ("peak", "blade"),
+            np.array([motion[name] for _, _, motion in peaks]).reshape(-1, blades),
+            "m",
+            MOTIONS[name],
+        )
+        for name in ("tip_tangential", "tip_radial")
+    }
+    at = np.array([omega for _, omega, _ in peaks])
     data = xr.Dataset(
-        variables,
+        variables | at_peaks,
         coords={
             "order": ("order", orders),
             "speed": quantity("speed", np.array(multiples), "1", "normalised speed"),
             "rpm": quantity("speed", rpm, "rpm", "speed"),
-            "blade": ("blade", np.arange(variables["tip_radial"][1].shape[-1])),
+            "blade": ("blade", np.arange(blades)),
+            "peak_order": ("peak", np.array([order for order, _, _ in peaks], dtype=np.int64)),
+            "peak_speed": quantity("peak", at / reference, "1", "normalised speed of a peak"),
+            "peak_rpm": quantity("peak", at * 30.0 / np.pi, "rpm", "speed of a peak"),
             **({"axis": ("axis", ["x", "y"])} if "centre" in variables else {}),
         },
         attrs={
@@ -113,6 +150,11 @@ def response(
     return data if len(orders) > 1 else data.isel(order=0)
 
 
+def _height(motion: Mapping[str, ComplexArray]) -> float:
+    """Return the largest amplitude of a tip [m]."""
+    return float(largest_in_period(motion["tip_tangential"], motion["tip_radial"]).max())
+
+
 def _engine_orders(case: Case) -> list[EngineOrder]:
     """Return the excitations of engine order; raise an error if there are none."""
     given = case.excitations
@@ -123,35 +165,37 @@ def _engine_orders(case: Case) -> list[EngineOrder]:
     return loads
 
 
-def _motions(disk: ForcedRotor, order: int, omega: float) -> dict[str, ComplexArray]:
-    """Return the complex displacements of the tips and of the centre, see `response`."""
-    answers = disk.response(order, omega)
-    tangential, radial = (np.concatenate([rows @ a for a in answers]) for rows in disk.blades)
-    motions = {"tip_tangential": tangential, "tip_radial": radial}
-    if disk.has_centre:
-        motions["centre"] = disk.rotor.centre @ answers[0]
-    return motions
-
-
 def largest(data: xr.Dataset) -> list[dict[str, Any]]:
     """Return the largest amplitude of each engine order as a row, see `PEAKS`."""
-    rows = []
+    return [rows[0] for rows in _rows(data).values()]
+
+
+def _rows(data: xr.Dataset) -> dict[int, list[dict[str, Any]]]:
+    """Return rows of the peaks of each engine order, see `PEAKS`, the largest first; and of the
+    largest amplitude at the given speeds, if it is larger than that of all peaks."""
     every = data if "order" in data.dims else data.expand_dims("order")
+    found = {}
     for order in every["order"].values.tolist():
-        one = every.sel(order=order)
-        tips = amplitude(one)
-        speed, blade = np.unravel_index(int(tips.values.argmax()), tips.shape)
-        rows.append(
-            {
-                "order": order,
-                "speed": float(one["speed"][speed]),
-                "rpm": float(one["rpm"][speed]),
-                "blade": int(blade),
-                "amplitude": float(tips[speed, blade]),
-                "nodal_diameter": int(by_nodal_diameter(one).values[speed].argmax()),
-            }
-        )
-    return rows
+        grid = every.sel(order=order)
+        peaks = at_peaks(data, order)
+        rows = [row for n in range(peaks.sizes["speed"]) for row in [_row(peaks, order, n)]]
+        row = _row(grid, order, int(amplitude(grid).max("blade").values.argmax()))
+        if row["amplitude"] > max((each["amplitude"] for each in rows), default=0.0):
+            rows.append(row)
+        found[order] = sorted(rows, key=lambda each: -each["amplitude"])
+    return found
+
+
+def _row(one: xr.Dataset, order: int, speed: int) -> dict[str, Any]:
+    tips = amplitude(one).transpose("speed", "blade").values[speed]
+    return {
+        "order": order,
+        "speed": float(one["speed"][speed]),
+        "rpm": float(one["rpm"][speed]),
+        "blade": int(tips.argmax()),
+        "amplitude": float(tips.max()),
+        "nodal_diameter": int(by_nodal_diameter(one).values[speed].argmax()),
+    }
 
 
 def report(data: xr.Dataset) -> Study:
@@ -169,10 +213,11 @@ def report(data: xr.Dataset) -> Study:
         "speed_rpm": data["rpm"].values.tolist(),
         **pairs,
         "largest": largest(data),
+        "peaks": [row for rows in _rows(data).values() for row in rows],
     }
     return Study(
         name="response",
         document=document,
-        tables=[table(document["largest"], PEAKS, "Largest amplitudes of the tips")],
+        tables=[table(document["peaks"], PEAKS, "Peaks of the amplitudes of the tips")],
         figures=lambda: {"response": (plot_response(data), drawn_amplitudes(data))},
     )

@@ -10,12 +10,19 @@ import pytest
 import scipy.linalg as la
 from command_line import answer
 from exported_stages import Kind, beams, exported
+from solid_meshes import SECTORS, STEEL, TIE, bladed_sector
 
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.excitation import EngineOrder
+from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage.engine_order import unit_forces
-from bladewhirl.postprocess.modal.response import plot_response
+from bladewhirl.models.superelements.at_speed import at_speed
+from bladewhirl.models.superelements.mistuned import mistuned_wheel
+from bladewhirl.models.superelements.superelement import dense
+from bladewhirl.models.superelements.wheel import whole_wheel
+from bladewhirl.postprocess.modal.response import amplitude, drawn_amplitudes, plot_response
+from bladewhirl.studies.modal.response import report
 
 BLADES = 7
 MISTUNED = [1.0, 1.03, 0.98, 1.01, 0.97, 1.02, 0.99]
@@ -189,3 +196,67 @@ def test_a_superelement_responds_as_its_beams(
         (tmp_path / "case.toml").write_text(bw.dumps_case(nodes), encoding="utf-8")
         shown = answer("response", tmp_path / "case.toml", "--speeds", "0.2:0.4:0.1", "--json")
         assert "centre" not in json.loads(shown.stdout)
+
+
+@pytest.mark.parametrize(("effects", "tuned"), [("none", True), ("full", False)])
+def test_peaks_are_found_between_speeds(effects: str, tuned: bool) -> None:
+    """A grid of a hundred half-power widths; the true peak by a scan around it."""
+    own = bw.with_values(case(effects=effects, tuned=tuned), {"damping.ratio": 5e-4})
+    coarse = bw.response(own, speeds=[0.4, 0.45, 0.5, 0.55, 0.6])
+    rows = report(coarse).document["peaks"]
+    speeds = [row["speed"] for row in rows]
+    assert rows == sorted(rows, key=lambda row: -row["amplitude"])
+    assert len(rows) >= (1 if tuned else 3)
+    assert amplitude(coarse).max() < 0.1 * rows[0]["amplitude"]
+    near = np.linspace(0.9995 * speeds[0], 1.0005 * speeds[0], 51)
+    fine = float(amplitude(bw.response(own, speeds=near.tolist())).max())
+    assert fine <= rows[0]["amplitude"] * (1.0 + 1e-12)
+    assert fine == pytest.approx(rows[0]["amplitude"], rel=2e-3)
+    drawn = drawn_amplitudes(coarse)["amplitude"].isel(order=0).max("blade")
+    assert float(drawn.max()) == pytest.approx(rows[0]["amplitude"])
+
+
+@pytest.mark.parametrize("effects", ["none", "full"])
+def test_a_mistuned_sector_responds_as_its_wheel(effects: str, tmp_path: Path) -> None:
+    """The direct solution of the assembled wheel is that of stiffness, mass, Coriolis forces and
+    modal damping. Without the residual flexibility the error would be 3e-3."""
+    part = mesh3d(
+        bladed_sector("hexahedron"),
+        **STEEL,
+        **TIE,
+        contacts=2,
+        blade="r > 0.0899",
+        coriolis=effects == "full",
+    )
+    bw.write_superelement(tmp_path / "part.npz", part)
+    factors = 1.0 + 0.02 * np.random.default_rng(3).standard_normal(SECTORS)
+    table = {"file": str(tmp_path / "part.npz"), "kind": "sector", "copies": SECTORS}
+    zeta, omega, order = 2e-3, 6370.0, 3
+    own = bw.case_from(
+        {
+            "bladed_disk": {"superelement": table, "mistuning": {"stiffness": factors.tolist()}},
+            "casing": {"type": "rigid"},
+            "shaft": {"clamped": True},
+            "damping": {"ratio": zeta},
+            "excitation": {"type": "engine-order", "order": order, "amplitude": AMPLITUDE},
+            "rotation": {"effects": effects},
+            "reduction": {"free_interface_modes": 20 if effects == "full" else 10},
+        }
+    )
+    found = bw.response(own, speeds=[f"{omega} rad/s"]).isel(speed=0)
+    wheel = mistuned_wheel(whole_wheel(part, SECTORS), factors)
+    turning = at_speed(wheel, omega, coriolis=True) if effects == "full" else wheel
+    stiffness, mass = dense(turning.stiffness), dense(wheel.mass)
+    squares, shapes = la.eigh(dense(wheel.stiffness), mass)
+    weighted = mass @ shapes
+    skew = omega * dense(turning.gyroscopic) if effects == "full" else 0.0
+    damping = (weighted * (2.0 * zeta * np.sqrt(squares))) @ weighted.T + skew
+    w = order * omega
+    rows = wheel.contact_rows.toarray()
+    nodes = rows.reshape(SECTORS, -1, 3, rows.shape[1])
+    middle = np.angle(np.exp(1j * wheel.contact_angle).reshape(SECTORS, -1).mean(axis=1))
+    force = AMPLITUDE * np.exp(1j * order * middle) @ nodes[:, :, 1].mean(axis=1)
+    answer = np.linalg.solve(stiffness - w**2 * mass + 1j * w * damping, force)
+    expected = nodes[:, :, 1].mean(axis=1) @ answer
+    largest = np.abs(expected).max()
+    assert found["tip_tangential"].values == pytest.approx(expected, abs=1e-4 * largest)
