@@ -181,10 +181,11 @@ class March(ReplacedKeys):
     record_step: fields.Time = 1e-4
     """Time between records [s], a whole number of time steps."""
     displacement_limit: fields.Length | None = Field(default=None, examples=["0.5"])
-    """A march ends as divergent if a displacement exceeds this limit [m]: radial or tangential at a
-    blade tip, radial at the casing or at a contact node of a superelement. By default the length of
-    a blade, or a fifth of the radius of a superelement (a choice: at a third of the length of a
-    blade the linear model has errors of 10 %, but larger transients can still decay)."""
+    """A march ends as divergent if a displacement exceeds this limit [m]: in any direction at a
+    blade tip or a contact node, radial at the casing. By default the length of a blade; for a
+    superelement the extent in radius of the surface of a blade, or a fifth of the radius if its
+    file is a sector or a wheel, or has no surface (a choice: at a third of the length of a blade
+    the linear model has errors of 10 %, but larger transients can still decay)."""
     unsolved_share: fields.NumberOrZero = 1e-3
     """Largest share of time steps whose contact problem may remain unsolved; a march with more ends
     as an error. 1 allows all."""

@@ -126,6 +126,7 @@ class MarchedBeams(MarchedStage):
             **({} if strength is None else {"yield_strength": strength}),
             "casing_radius": self.model.reduced_casing.radius,
             "tip_radius": self.model.rotor.tip_radius,
+            "blade_length": self.model.disk.model.blade_length,
             "clamped": int(self.case.shaft.clamped),
         }
 
@@ -175,6 +176,7 @@ class MarchedNodes(MarchedStage):
             "boundary": self.case.reduction.boundary,
             "casing_radius": self.model.casing_radius,
             "tip_radius": float(part.contact_radius.max()),
+            "blade_length": self.model.blade_length,
         }
 
     @property

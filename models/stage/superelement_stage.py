@@ -57,7 +57,9 @@ from bladewhirl.models.superelements.wheel import (
     whole_wheel,
 )
 
-LIMIT = 0.2  #: default of march.displacement_limit, divided by the largest radius of a contact node
+LENGTH = 0.2
+"""Length of a blade, divided by the largest radius of a contact node, if the file does not show
+it."""
 
 POINT_NUMBERS, FEWEST_POINTS = 50_000_000, 200
 """Largest number of displacements of points in all modes of a wheel from a sector; and number of
@@ -125,6 +127,17 @@ class SuperelementStage:
         return self.case.tip_radius + self.case.casing.clearance
 
     @property
+    def blade_length(self) -> float:
+        """Length of a blade [m]: the extent in radius of the surface of a clamped blade; `LENGTH`
+        times the largest radius of a contact node for sectors, wheels and files without a
+        surface."""
+        outermost = float(self.part.contact_radius.max())
+        if self.table.kind != "blade" or self.part.points is None or self.part.triangles is None:
+            return LENGTH * outermost
+        x, y, _ = self.part.points[self.part.triangles.ravel()].T
+        return outermost - float(np.hypot(x, y).min())
+
+    @property
     def recess(self) -> FloatArray:
         """Radius from which the clearance is measured, minus the radius of each contact node [m],
         (nodes,)."""
@@ -145,7 +158,6 @@ class SuperelementStage:
             CaseError: a contact node is beyond the wall at the start.
         """
         case, blade = self.case, self.blade
-        limit = case.march.displacement_limit
         rotor = self.rotor_at(speed)
         problem = ContactProblem(
             rotor=rotor,
@@ -154,7 +166,7 @@ class SuperelementStage:
             friction=case.contact.friction,
             sliding="full" if case.contact.sliding == "full" else "permanent",
             tip_rotation=case.contact.tip_rotation,
-            displacement_limit=limit or LIMIT * float(self.part.contact_radius.max()),
+            displacement_limit=case.march.displacement_limit or self.blade_length,
             start=Start.of_rotor(
                 static_shapes(case, "displacement", self.reduced, blade, self.copies),
                 static_shapes(case, "velocity", self.reduced, blade, self.copies),

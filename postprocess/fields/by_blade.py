@@ -6,6 +6,20 @@ import xarray as xr
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, tip_rows
 from bladewhirl.postprocess.fields.result import portions, reduce_modes
 
+LARGE_DISPLACEMENT = 0.1
+"""Displacement of a tip, divided by the length of the blade, above which a linear model is no
+longer accurate."""
+
+WRONG_BY_A_TENTH = 1.0 / 3.0
+"""Displacement of a tip, divided by the length of the blade, at which a linear model has an error
+of a tenth."""
+
+
+def blade_length(dataset: xr.Dataset) -> float:
+    """Return the length of a blade [m]; the tip radius for modes, and for results before format
+    11."""
+    return float(dataset.attrs.get("blade_length", dataset.attrs["tip_radius"]))
+
 
 def blade_starts(dataset: xr.Dataset) -> IntArray:
     """Return the number of the first contact node of each blade, (blade,)."""

@@ -37,8 +37,6 @@ from bladewhirl.postprocess.fields.strains import rotor_sections
 DRAWN_CLEARANCE = 0.1
 #: largest drawn displacement divided by the tip radius, if the factor is chosen automatically
 DRAWN_MOTION = 0.25
-#: a displacement of this fraction of the tip radius makes the linear model wrong by a tenth
-LARGE_DISPLACEMENT = 0.3
 #: drawn thickness of a rigid wall divided by the tip radius
 RIGID = 0.02
 

@@ -11,8 +11,12 @@ import xarray as xr
 
 from bladewhirl.meshes.plane import rotate, unit
 from bladewhirl.postprocess.fields import kinematics
-from bladewhirl.postprocess.fields.by_blade import blade_count, of_blades
-from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT
+from bladewhirl.postprocess.fields.by_blade import (
+    WRONG_BY_A_TENTH,
+    blade_count,
+    blade_length,
+    of_blades,
+)
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.pictures.bodies import BEAM_STATIONS, body_of
@@ -95,6 +99,7 @@ class Drawing:
         self.exaggeration = stage.factor
         self.largest_displacement = stage.largest_displacement
         self.times = dataset["time"].values[records]
+        self._blade_length = blade_length(dataset)
         angle = stage.turns
         self._rotor_turn, self._casing_turn = (
             (0 * angle, -angle) if rotating else (angle, 0 * angle)
@@ -113,7 +118,7 @@ class Drawing:
     def linear_limit(self) -> float | None:
         """Return the displacement [m] at which a linear model has an error of a tenth; None if all
         displacements at these records are smaller."""
-        limit = LARGE_DISPLACEMENT * self._stage.tip_radius
+        limit = WRONG_BY_A_TENTH * self._blade_length
         return limit if self._body.largest_bend > limit else None
 
     def reach(self) -> tuple[float, float]:

@@ -9,8 +9,12 @@ from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY
 from bladewhirl.postprocess.energy.works import Works
+from bladewhirl.postprocess.fields.by_blade import (
+    LARGE_DISPLACEMENT,
+    WRONG_BY_A_TENTH,
+    blade_length,
+)
 from bladewhirl.postprocess.fields.drawback import largest_drawback
-from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT
 from bladewhirl.postprocess.fields.kinematics import ViewError, table_of_result
 from bladewhirl.postprocess.run.extremes import StressPeak, WallPeak
 from bladewhirl.postprocess.run.summary import EnergyHolders, LineOfWhirl, Summary
@@ -188,15 +192,19 @@ def _contact(summary: Summary) -> dict[str, str]:
 
 
 def displacement_hints(summary: Summary, result: xr.Dataset) -> tuple[str, ...]:
-    """Return a hint if the displacement of a blade exceeds the limit of a linear model, which is
-    `LARGE_DISPLACEMENT` times the tip radius. The hint says by how much the tips drew back."""
-    limit = LARGE_DISPLACEMENT * float(result.attrs["tip_radius"])
-    if summary.tip_displacement_max <= limit:
+    """Return a hint if the displacement of a tip exceeds the limit of a linear model, which is
+    `LARGE_DISPLACEMENT` times the length of a blade. The hint says by how much tips of beams drew
+    back."""
+    moved, length = summary.tip_displacement_max, blade_length(result)
+    if moved <= LARGE_DISPLACEMENT * length:
         return ()
-    hint = (
-        f"tips moved up to {summary.tip_displacement_max:.3g} m; above {limit:.2g} m the linear "
-        "model is off by a tenth or more: the regime is valid, the displacements are not"
-    )
+    hint = f"tips moved up to {moved:.3g} m, {moved / length:.2g} of the length of a blade; "
+    if moved > WRONG_BY_A_TENTH * length:
+        hint += "the linear model is off by a tenth or more: the regime is valid, the displacements"
+        hint += " are not"
+    else:
+        hint += "the linear model neglects that bent blades draw back, and is off by a tenth from a"
+        hint += " third of the length on"
     return (f"{hint}{_drawn_back(result)}",)
 
 

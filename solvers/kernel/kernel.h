@@ -181,7 +181,7 @@ typedef struct {
     double speed;              /* Omega [rad/s] */
     double wheel_speed;        /* R Omega [m/s] */
     double elements_per_metre; /* casing elements per metre of u_t; 0 if u_t does not move tips */
-    double displacement_limit; /* limit of tip displacements and of w of the casing [m] */
+    double displacement_limit; /* limit of tip displacements, and of w of the casing [m] */
     double gap_scale;          /* smallest reference length of the complementarity residual [m] */
     Matrix loads;              /* (patterns, 4) end, ramp, frequency, phase of each pattern */
 } Numbers;

@@ -307,7 +307,8 @@ int march(const Stage *stage, State *state, Records *records, Scratch *scratch, 
         int within = solve_step(&m, step, &penetrating);
         if (within && (step + 1) % CHECK_EVERY == 0)
             within = keeps_limit(rotor, casing, numbers->displacement_limit, m.x.new,
-                                 &scratch->fields);
+                                 &scratch->fields) &&
+                     (!stage->nodes || nodes_keep_limit(&m));
         if (step % record_every == 0 || !within) {
             double stored = energy[0] + (stage->nodes ? flexible_energy(&m) : 0.0);
             write_record(records, written++, state, rotor, casing, m.x, m.y, dt, stored, step,

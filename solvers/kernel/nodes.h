@@ -154,6 +154,28 @@ static int find_node_gaps(const March *m, const double *recess)
     return (int)within;
 }
 
+/* Return whether the displacements of all nodes at x_{n+1}, in each direction, are within the
+ * limit. */
+static int nodes_keep_limit(const March *m)
+{
+    const Nodes *nodes = m->stage.nodes;
+    NodeScratch *s = &m->scratch->nodes;
+    int64_t width = nodes->contact.rows;
+    int within = 1;
+    for (int64_t copy = 0; copy < nodes->compliance.layers; copy++) {
+        for (int64_t i = 0; i < width; i++)
+            s->moved.at[i] = 0.0;
+        add_rows(m->x.new + first_mode(m, copy), nodes->columns.at, nodes->contact.columns, width,
+                 s->moved.at);
+        if (nodes->massless > 0.0 && is_pushed(nodes, s->force.at, copy))
+            add_rows(s->force.at + copy * width, nodes->compliance.at + copy * width * width, width,
+                     width, s->moved.at);
+        for (int64_t i = 0; i < width; i++)
+            within &= fabs(s->moved.at[i]) <= m->stage.numbers->displacement_limit;
+    }
+    return within;
+}
+
 /* Compute the displacements of the nodes of a copy in the step, relative to those of the last contact
  * forces and without new ones. */
 static void slip_nodes(const March *m, int64_t copy)

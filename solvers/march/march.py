@@ -108,14 +108,17 @@ class Chunk:
         """Return the place that passed the displacement limit of a contact problem, and its
         displacement, as texts.
 
-        The last record is still within the limit. The place is the contact node that has moved most
-        outward if displacements of contact nodes are recorded. Otherwise it is found from
-        displacements that are extrapolated by one step; it is unknown if the motion of the casing
-        is not recorded.
+        The last record is still within the limit. The place is the contact node with the largest
+        displacement in any direction if displacements of contact nodes are recorded. Otherwise it
+        is found from displacements that are extrapolated by one step; it is unknown if the motion
+        of the casing is not recorded.
         """
         if self.contact_displacement.size:
-            node = int(np.abs(self.contact_displacement[-1, :, 0]).argmax())
-            return f"contact node {arrays.node[node]} of blade {arrays.blade[node]}", ""
+            moved = self.contact_displacement[-1]
+            node, way = divmod(int(np.abs(moved).argmax()), moved.shape[1])
+            how = ("radially", "tangentially", "axially")[way]
+            who = f"contact node {arrays.node[node]} of blade {arrays.blade[node]}"
+            return who, f" ({moved[node, way]:.4g} m {how})"
         rotor, casing = problem.rotor, problem.casing
         if self.casing_displacement.shape[1] < len(casing.frequency):
             return "a tip or the casing", ""

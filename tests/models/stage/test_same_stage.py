@@ -21,7 +21,12 @@ COMMON: dict[str, Any] = {
     "contact": {"friction": 0.05},
     "damping": {"ratio": 0.0, "boundary_ratio": 0.0},
     "excitation": {"type": "none"},
-    "march": {"speed": "1200 rpm", "time_step": 2e-6, "duration": 0.01},
+    "march": {
+        "speed": "1200 rpm",
+        "time_step": 2e-6,
+        "duration": 0.01,
+        "displacement_limit": 0.45,
+    },
 }
 PINCHED = {"closure": {"amount": 6e-4, "time_constant": 1e-3}}
 

@@ -77,9 +77,12 @@ class TestSummarise:
         largest = float(np.linalg.norm(moved, axis=2).max())
         summary = summarise(result, REPORT)
         assert summary.tip_displacement_max == pytest.approx(largest, rel=1e-12)
-        assert displacement_hints(summary, result.assign_attrs(tip_radius=largest / 0.299)) == ()
-        (hint,) = displacement_hints(summary, result.assign_attrs(tip_radius=largest / 0.301))
-        assert f"{largest:.3g} m" in hint
+        for share, expected in ((0.099, None), (0.101, "draw back"), (0.34, "off by a tenth or")):
+            hints = displacement_hints(summary, result.assign_attrs(blade_length=largest / share))
+            assert len(hints) == (expected is not None)
+            for hint in hints:
+                assert f"{largest:.3g} m, {share:.2g} of the length" in hint
+                assert str(expected) in hint
 
     def test_contact_share_counts_steps_of_each_blade(self, result: xr.Dataset) -> None:
         steps = np.zeros((401, 22), dtype=np.int64)

@@ -1,5 +1,6 @@
 """March of structures with many contact nodes, against plain NumPy: walls, rings and coatings."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,14 @@ import pytest
 from boundary_cases import advanced, bladed, casing, coating, ledger, plain, rubbing
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load, NodeCoating
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    Load,
+    NodeCoating,
+    ReducedCasing,
+    ReducedRotor,
+    Start,
+)
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import EndReason
 
@@ -87,6 +95,39 @@ def test_records_do_not_depend_on_their_distance_and_a_march_can_be_split(
     if rest.coating is not None and fine.coating is not None:
         assert rest.coating.wear_volume[-1] == fine.coating.wear_volume[-1]
         assert np.array_equal(rest.coating.coating_strain[-1], fine.coating.coating_strain[-1])
+
+
+@pytest.mark.parametrize("massless", [False, True])
+@pytest.mark.parametrize("way", [0, 1, 2])
+def test_displacements_of_nodes_are_limited_in_every_direction(way: int, massless: bool) -> None:
+    """The second of two copies moves in one direction only, without contact."""
+    rotor = ReducedRotor.of_copies(
+        frequency=np.full((2, 1), 900.0),
+        damping_ratio=np.zeros((2, 1)),
+        contact=np.eye(3)[:, [way]],
+        compliance=np.tile(1e-9 * np.eye(3), (2, 1, 1)) if massless else None,
+        angle=np.array([[0.0], [np.pi]]),
+        radius=np.full(1, 0.3),
+        recess=np.zeros(1),
+        tip_radius=0.3,
+    )
+    free = bladed(
+        *(2, 1),
+        rotor=rotor,
+        casing=ReducedCasing.rigid(np.tile([1.0, 0.0], (64, 1)), 0.3),
+        start=Start.of_rotor(np.zeros(2), 1.1e-3 * 900.0 * np.eye(2)[1], 0),
+        displacement_limit=1.05e-3,
+    )
+    scheme = CentralDifference(free, 1e-6, 10)
+    state, chunk, end = scheme.advance(scheme.init(), 5000)
+    assert end is EndReason.DIVERGENT
+    after = np.arcsin(1.05 / 1.1) / 900.0
+    assert after - 1e-6 < state.step * 1e-6 < after + 1.01e-4
+    assert np.abs(chunk.contact_displacement[-1, 1, way]) == pytest.approx(1.05e-3, rel=0.03)
+    arrays = SimpleNamespace(node=[0, 0], blade=[0, 1])
+    who, how = chunk.beyond(free, arrays, 1e-6)  # type: ignore[arg-type]
+    assert who == "contact node 0 of blade 1"
+    assert how.endswith(f" m {['radially', 'tangentially', 'axially'][way]})")
 
 
 def test_a_march_ends_at_the_displacement_limit_and_refuses_long_steps() -> None:
