@@ -61,6 +61,16 @@ def _blade(value: Any) -> Any:
         raise fields.expectation('"all" or the number of a blade, from 0') from None
 
 
+def _direction(value: Any) -> tuple[float, ...]:
+    value = value.tolist() if hasattr(value, "tolist") else value
+    numbers = (
+        [x for x in value if isinstance(x, int | float)] if isinstance(value, list | tuple) else []
+    )
+    if len(numbers) != 3 or len(value) != 3 or not 0.0 < math.hypot(*numbers) < math.inf:
+        raise fields.expectation("three numbers [x, y, z], not all zero")
+    return tuple(map(float, numbers))
+
+
 def _noise(value: Any, info: ValidationInfo) -> float:
     unit = MOTION_UNITS[(info.data or {}).get("quantity", "displacement")]
     return float(fields.converted(fields.quantity(unit, "not negative"), value))
@@ -102,12 +112,20 @@ class StrainGauge(SensorTable):
     """Strain along the surface [m/m], relative to the state of steady rotation."""
     span: Annotated[float, BeforeValidator(_share)] | None = None
     """Position from 0 at the root to 1 at the tip, measured along the centre line of the blade.
-    Give one of span, element and gauge."""
+    Give one of span, element, gauge and point."""
     element: Annotated[int, fields.count(0)] | None = Field(default=None, examples=[0])
     """Number of the element of the blade, from 0 at the root; the gauge is at its middle."""
     gauge: Annotated[int, fields.count(0)] | None = Field(default=None, examples=[0])
     """Number of the gauge on its blade, from 0; for a superelement whose file has
     strain_recovery."""
+    point: Annotated[int, fields.count(0)] | None = Field(default=None, examples=[0])
+    """Number of a point of the surface, from 0, with direction; for a superelement whose file has
+    stress_recovery, young_modulus and poisson_ratio, as those of bw.mesh3d."""
+    direction: Annotated[tuple[float, float, float], BeforeValidator(_direction)] | None = Field(
+        default=None, examples=[[1.0, 0.0, 0.0]]
+    )
+    """Direction of the gauge at a point: x, y and z in the axes of the file, which turn with the
+    blade; of any length."""
     side: Literal["+theta", "-theta"] = "+theta"
     """Side of the blade with the gauge: "+theta" faces counter-clockwise, "-theta" clockwise."""
     blade: Annotated[int | Literal["all"], BeforeValidator(_blade)] = "all"
@@ -120,13 +138,22 @@ class StrainGauge(SensorTable):
         at = f"{self.span:g}" if self.span is not None else f"element-{self.element}"
         if self.gauge is not None:
             at = f"gauge-{self.gauge}"
+        if self.point is not None:
+            at = f"point-{self.point}"
         side = "" if self.side == "+theta" else "-minus"
         return f"{at}{side}" if self.blade == "all" else f"blade-{self.blade}-{at}{side}"
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error unless exactly one of span, element and gauge is given."""
-        if [self.span, self.element, self.gauge].count(None) != 2:
-            yield Inconsistency("span", "one of span, element and gauge", ("element", "gauge"))
+        """Yield an error unless exactly one of span, element, gauge and point is given, and a
+        direction with a point only."""
+        if [self.span, self.element, self.gauge, self.point].count(None) != 3:
+            expected = "one of span, element, gauge and point"
+            yield Inconsistency("span", expected, ("element", "gauge", "point"))
+        if (self.point is None) != (self.direction is None):
+            expected = (
+                "a direction with point" if self.direction is None else "point with direction"
+            )
+            yield Inconsistency("direction", expected, ("point",))
 
 
 class TipTiming(SensorTable):

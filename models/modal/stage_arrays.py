@@ -77,6 +77,21 @@ class StageArrays:
     gauge_shape: FloatArray = absent()
     """Strain of each gauge for unit modal coordinates of a copy [kg^-1/2/m], (gauges, modes of a
     copy), listed blade by blade."""
+    point_number: IntArray = absent()  #: number of each point in its file, (points,)
+    stress_shape: FloatArray = absent()
+    """Stress at each point for unit modal coordinates of a copy as stiff as the file [Pa
+    kg^-1/2/m], (points, 6, modes of a copy): xx, yy, zz, xy, yz and zx in axes that turn with the
+    copy, or with the sector."""
+    stress_by_force: FloatArray = absent()
+    """Stress by unit contact forces without their part in the modes [Pa/N], (distances, points of a
+    sector, 6, contact nodes of a sector, 3): by radial, tangential and axial forces on the sector
+    that is a number of sectors behind. Blades and whole wheels are one sector each."""
+    steady_stress: FloatArray = absent()
+    """Stress by steady rotation [Pa], (points, 6)."""
+    copy_stiffness: FloatArray = absent()
+    """Stiffness of each copy divided by that of the file, (copies,)."""
+    point_young_modulus: FloatArray = absent()  #: Young's modulus at each point [Pa], (points,)
+    point_poisson_ratio: FloatArray = absent()  #: Poisson's ratio at each point, (points,)
     copy_angle: FloatArray = (
         absent()
     )  #: angle of each copy relative to the first one [rad], (copies,)

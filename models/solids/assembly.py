@@ -38,7 +38,7 @@ DISTORTION = 1e-2
 """Largest deviation of a cell of C3D8R from a parallelepiped, divided by its size."""
 
 
-class _Block(NamedTuple):
+class Block(NamedTuple):
     """Cells with elements of one type."""
 
     kind: ElementType
@@ -67,7 +67,7 @@ class Solid:
 
     def __init__(self, mesh: VolumeMesh, materials: Materials) -> None:
         self._materials = materials
-        self._blocks: list[_Block] = []
+        self.blocks: list[Block] = []  #: cells by the type of their elements
         counts = [ELEMENTS[name].internal * len(cells) for name, cells in mesh.blocks]
         self.size = len(mesh.points) + sum(counts)  #: number of nodes and internal functions
         self.points = mesh.points  #: positions of the nodes [m], (nodes, 3)
@@ -78,13 +78,13 @@ class Solid:
             internal = following + np.arange(count).reshape(len(cells), -1)
             unknowns = np.concatenate([nodes, internal], axis=1).T
             numbers = np.arange(first, first + len(cells))
-            self._blocks.append(
-                _Block(kind, numbers, nodes, mesh.points[nodes], Unknowns(unknowns, self.size))
+            self.blocks.append(
+                Block(kind, numbers, nodes, mesh.points[nodes], Unknowns(unknowns, self.size))
             )
             first, following = first + len(cells), following + count
         self.cells = first  #: number of cells
-        _check_volumes(self._blocks)
-        for block in self._blocks:
+        _check_volumes(self.blocks)
+        for block in self.blocks:
             if block.kind.hourglass:
                 _check_parallelepipeds(block)
 
@@ -96,7 +96,7 @@ class Solid:
                 with plane faces; None for that of the name of each element.
         """
         total = sp.csr_array((self.size, self.size))
-        for block in self._blocks:
+        for block in self.blocks:
             kind = block.kind
             density = self._materials.density[block.cells, None]
             share = kind.reduced if reduced is None else float(reduced)
@@ -113,7 +113,7 @@ class Solid:
         which `chosen` is true, (cells,)."""
         share = np.ones(self.cells) if chosen is None else chosen.astype(float)
 
-        def law(block: _Block, basis: Basis) -> FloatArray:
+        def law(block: Block, basis: Basis) -> FloatArray:
             return np.asarray((share[block.cells] * self._law(block))[..., None])
 
         return self._assembled(law, hourglass=share)
@@ -123,7 +123,7 @@ class Solid:
         among = np.zeros(self.size, dtype=np.bool_)
         among[nodes] = True
         inside = np.zeros(self.cells, dtype=np.bool_)
-        for block in self._blocks:
+        for block in self.blocks:
             inside[block.cells] = among[block.nodes].all(axis=1)
         return inside
 
@@ -144,15 +144,15 @@ class Solid:
         def gradient(basis: Basis) -> FloatArray:
             return np.array([basis.interpolate(one).grad for one in moved.T])
 
-        def by_stress(block: _Block, basis: Basis) -> FloatArray:
+        def by_stress(block: Block, basis: Basis) -> FloatArray:
             stress = np.einsum("ajble,blen->ajen", self._law(block), gradient(basis))
             return np.asarray(np.einsum("ik,jlen->ijklen", unit, stress))
 
-        def linear(block: _Block, basis: Basis) -> FloatArray:
+        def linear(block: Block, basis: Basis) -> FloatArray:
             half = np.einsum("iaen,ajkle->ijklen", gradient(basis), self._law(block))
             return np.asarray(half + np.einsum("ijklen->klijen", half))
 
-        def quadratic(block: _Block, basis: Basis) -> FloatArray:
+        def quadratic(block: Block, basis: Basis) -> FloatArray:
             first = gradient(basis)
             law = self._law(block)
             return np.asarray(
@@ -161,13 +161,13 @@ class Solid:
 
         return tuple(map(self._assembled, (by_stress, linear, quadratic)))
 
-    def _law(self, block: _Block) -> FloatArray:
+    def _law(self, block: Block) -> FloatArray:
         """Return the elasticity tensor of each cell, (3, 3, 3, 3, cells)."""
         return self._materials.tensor[..., block.cells]
 
     def _assembled(
         self,
-        tangent: Callable[[_Block, Basis], FloatArray],
+        tangent: Callable[[Block, Basis], FloatArray],
         *,
         hourglass: FloatArray | None = None,
     ) -> sp.csr_array:
@@ -180,7 +180,7 @@ class Solid:
                 to leave it out.
         """
         blocks = sp.csr_array((3 * self.size, 3 * self.size))
-        for block in self._blocks:
+        for block in self.blocks:
             basis = block.basis(block.kind.stiffness_rule, block.kind.functions)
             law = tangent(block, basis)
             gradient = np.array([field[0].grad for field in basis.basis])  # (functions, 3, ...)
@@ -214,7 +214,7 @@ def _spread(entries: FloatArray, unknowns: Unknowns) -> sp.csr_array:
     return sp.csr_array((entries.ravel(), (rows.ravel(), columns.ravel())), shape=size)
 
 
-def _hourglass_stiffness(block: _Block, basis: Any, young_modulus: FloatArray) -> sp.csr_array:
+def _hourglass_stiffness(block: Block, basis: Any, young_modulus: FloatArray) -> sp.csr_array:
     """Return the stiffness of one displacement against hourglass modes [N/m].
 
     It is a sum over the four modes of a g g^T, with the vectors g of Flanagan and Belytschko (1981,
@@ -232,7 +232,7 @@ def _hourglass_stiffness(block: _Block, basis: Any, young_modulus: FloatArray) -
     return _spread(entries, Unknowns(block.unknowns.element_dofs[order], block.unknowns.N))
 
 
-def _check_volumes(blocks: list[_Block]) -> None:
+def _check_volumes(blocks: list[Block]) -> None:
     """Check that the determinant of the mapping of each cell has one sign, and is not zero."""
     bad: list[FloatArray] = []
     for block in blocks:
@@ -250,7 +250,7 @@ def _check_volumes(blocks: list[_Block]) -> None:
         )
 
 
-def _check_parallelepipeds(block: _Block) -> None:
+def _check_parallelepipeds(block: Block) -> None:
     """Check that the stiffness against hourglass modes is that of other programs.
 
     CalculiX subtracts the uniform gradient from these modes only along z of the deck; frequencies

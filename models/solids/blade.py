@@ -29,6 +29,7 @@ from bladewhirl.models.solids.groups import (
     sector_faces,
 )
 from bladewhirl.models.solids.materials import Given, materials_of
+from bladewhirl.models.solids.stress import nodal_stress
 from bladewhirl.models.solids.surface import surface_triangles
 from bladewhirl.models.superelements.at_speed import fixed_at_speed
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
@@ -65,6 +66,7 @@ def mesh3d(
     merge: float | str | None = None,
     stiffening: Measure | None = "prestress",
     coriolis: bool = False,
+    stress: bool = True,
     outside_files: bool = False,
     name: str = "",
 ) -> Superelement:
@@ -132,6 +134,10 @@ def mesh3d(
             K_u = K and K2 = 0; None, or a free part, for a superelement at rest only.
         coriolis: true to add the matrix of the Coriolis forces 2 M e_z x v, for the velocity v and
             a speed of 1 rad/s.
+        stress: true to add the recovery of the stress at the points of the surface, extrapolated
+            from the quadrature points and averaged over the elements of one material (where
+            materials meet, of the stiffest), with the material of each point and the centrifugal
+            forces. False saves memory and time for large meshes.
         outside_files: whether files that an .inp file names in ``*INCLUDE`` and ``INPUT=`` may be
             outside its folder.
         name: name of the superelement; by default that of the file.
@@ -185,7 +191,18 @@ def mesh3d(
     select = sp.eye_array(dofs.size, format="csr")[:, np.flatnonzero(dofs.ravel() != FIXED)]
     mass = solid.mass(reduced=QUADRATURES[mass_quadrature])
     shown, triangles = surface_triangles(volumes)
+    recovered: dict[str, Any] = {}
+    if stress:
+        rows, *constants = nodal_stress(solid, shown, materials)
+        load, nodes = np.zeros((solid.size, 3)), slice(len(solid.points))  # not incompatible modes
+        load[nodes, :2] = mass[nodes, nodes] @ solid.points[:, :2]
+        recovered = {
+            "stress_recovery": sp.csr_array(rows @ select),
+            "centrifugal_load": select.T @ load.ravel(),
+            **dict(zip(("young_modulus", "poisson_ratio"), constants, strict=True)),
+        }
     content: dict[str, Any] = {
+        **recovered,
         "mass": sp.csr_array(select.T @ sp.kron(mass, np.eye(3), format="csr") @ select),
         "gyroscopic": (
             sp.csr_array(select.T @ sp.kron(mass, CORIOLIS, format="csr") @ select)

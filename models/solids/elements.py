@@ -189,6 +189,10 @@ class ElementType:
         places = {tuple(place): number for number, place in enumerate(self.cell.reference.tolist())}
         return np.array([places[tuple(place)] for place in self.shape.doflocs.tolist()])
 
+    def nodes_of(self, unknowns: Unknowns) -> IntArray:
+        """Return the nodes of each cell in the order of `order`, (nodes, cells)."""
+        return unknowns.element_dofs[: len(self.order)]
+
     def basis(
         self, positions: FloatArray, unknowns: Unknowns, rule: Rule, functions: type[Any]
     ) -> Basis:

@@ -169,9 +169,11 @@ class MarchedNodes(MarchedStage):
     @property
     def attributes(self) -> Mapping[str, str | float | int]:
         layer, part = self.coating, self.model.part
+        strength = self.case.material.lowest_yield_strength
         worn = {"coating_thickness": "thickness", "coating_removable": "removable"}
         return {
             **({} if layer is None else {key: getattr(layer, name) for key, name in worn.items()}),
+            **({} if strength is None else {"yield_strength": strength}),
             "superelement": part.name,
             "boundary": self.case.reduction.boundary,
             "casing_radius": self.model.casing_radius,

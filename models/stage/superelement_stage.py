@@ -50,6 +50,7 @@ from bladewhirl.models.superelements.reduction import (
     massless,
     rigid_limit,
 )
+from bladewhirl.models.superelements.stresses import COMPONENTS
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 from bladewhirl.models.superelements.wheel import (
     WheelOverSpeeds,
@@ -62,8 +63,8 @@ LENGTH = 0.2
 it."""
 
 POINT_NUMBERS, FEWEST_POINTS = 50_000_000, 200
-"""Largest number of displacements of points in all modes of a wheel from a sector; and number of
-points of a sector that are always kept."""
+"""Largest number of displacements and stresses of points in all modes of a wheel from a sector; and
+number of points of a sector that are always kept."""
 
 LARGE = 2000
 """Number of coordinates from which a blade or a wheel is condensed for a range of speeds."""
@@ -351,6 +352,7 @@ class SuperelementStage:
             **centre,
             copy_angle=np.asarray(2.0 * np.pi / copies * np.arange(copies), dtype=np.float64),
             gauge_shape=self.reduced.strains,
+            **self._stresses(),
             point=points,
             point_shape=shapes,
             triangle=np.zeros((0, 3), np.int64) if part.triangles is None else part.triangles,
@@ -358,6 +360,29 @@ class SuperelementStage:
             clearance=self.case.casing.clearance_profile.value(self._wall_angle),
             **walls,
         )
+
+    def _stresses(self) -> dict[str, Any]:
+        """Return the arrays of stresses in a result, if the file gives their recovery."""
+        stress, modes = self.reduced.stress, len(self.reduced.frequency)
+        if stress is None:
+            return {}
+        distances, values, columns = stress.forces.shape
+        points = self.part.point_count
+        arrays: dict[str, Any] = {
+            "point_number": np.tile(self.shown, points // len(self.shown)),
+            "stress_shape": stress.modes.reshape(points, COMPONENTS, modes),
+            "stress_by_force": stress.forces.reshape(
+                distances, values // COMPONENTS, COMPONENTS, columns // 3, 3
+            ),
+            "copy_stiffness": self.factor,
+        }
+        if stress.steady is not None and self.case.rotation.effects != "none":
+            steady = self.speed**2 * stress.steady
+            arrays["steady_stress"] = steady.reshape(points, COMPONENTS)
+        for key in ("young_modulus", "poisson_ratio"):
+            if (numbers := getattr(self.given, key)) is not None:
+                arrays[f"point_{key}"] = np.tile(numbers, points // len(numbers))
+        return arrays
 
     @cached_property
     def wall(self) -> ReducedCasing:
@@ -403,9 +428,12 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
         fields = case.reduction.free_interface_modes
         if case.rotation.effects != "none":  # those of three speeds
             fields = 3 * (fields + FURTHER_MODES + 3 * part.contacts)
-        most = max(POINT_NUMBERS // (3 * table.copies**2 * fields), FEWEST_POINTS)
+        values = 3 if part.stress_recovery is None else 3 + COMPONENTS
+        most = max(POINT_NUMBERS // (values * table.copies**2 * fields), FEWEST_POINTS)
         loads = case.excitations.values()
         needed = {point for load in loads for point in getattr(load, "points", ())}
+        gauges = (getattr(sensor, "point", None) for sensor in case.sensor)
+        needed |= {point for point in gauges if point is not None and point < part.point_count}
         part, shown = with_fewer_points(part, most, needed)
     key = "bladed_disk.superelement.file"
     if case.rotation.effects != "none":

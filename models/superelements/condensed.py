@@ -9,14 +9,21 @@ import scipy.linalg as la
 from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.joined import joined
 from bladewhirl.models.superelements.reduction import modes_and_static
-from bladewhirl.models.superelements.superelement import FIXED, SQUARE, Superelement
+from bladewhirl.models.superelements.stresses import load_columns
+from bladewhirl.models.superelements.superelement import (
+    FIXED,
+    RECOVERIES,
+    SQUARE,
+    Superelement,
+)
 
 FURTHER_MODES = 10  #: number of modes at each of three speeds, besides those of the reduction
 
 
 def condensed(part: Superelement, highest: float, modes: int) -> Superelement:
     """Return a superelement whose motions are the lowest modes and the static displacements by
-    forces on contact nodes and centre, at rest, at half and at all of the highest speed.
+    forces on contact nodes and centre and by centrifugal forces (if the stress is recovered), at
+    rest, at half and at all of the highest speed.
 
     Its first coordinates are the displacements of contact nodes and centre. It has dense matrices
     and is reduced at a speed in between in milliseconds, with almost the frequencies and the
@@ -36,6 +43,7 @@ def condensed(part: Superelement, highest: float, modes: int) -> Superelement:
     ends = np.unique(ends[ends != FIXED])
     loads = np.zeros((part.size, len(ends)))
     loads[ends, np.arange(len(ends))] = 1.0
+    loads = load_columns(part, loads)
     fields = []
     for state in (part, *(at_speed(part, share * highest, coriolis=True) for share in (0.5, 1.0))):
         _, shapes, moved = modes_and_static(state, min(modes + FURTHER_MODES, part.size - 1), loads)
@@ -51,9 +59,11 @@ def condensed(part: Superelement, highest: float, modes: int) -> Superelement:
         for name in SQUARE
         if (matrix := getattr(part, name)) is not None
     }
-    for name in ("recovery", "strain_recovery"):
+    for name in RECOVERIES:
         if (matrix := getattr(part, name)) is not None:
             changes[name] = np.asarray(matrix @ basis)
+    if part.centrifugal_load is not None:
+        changes["centrifugal_load"] = part.centrifugal_load @ basis
     if part.centre_dofs is not None:
         changes["centre_dofs"] = place[part.centre_dofs]
     return replace(part, contact_dofs=place[part.contact_dofs], **changes)

@@ -20,6 +20,8 @@ from bladewhirl.models.superelements.containers import (
     whole_numbers,
 )
 from bladewhirl.models.superelements.superelement import (
+    NUMBERS,
+    RECOVERIES,
     SQUARE,
     Matrix,
     Superelement,
@@ -27,8 +29,7 @@ from bladewhirl.models.superelements.superelement import (
     errors_of,
 )
 
-MATRICES = (*SQUARE, "recovery", "strain_recovery")
-NUMBERS = ("contact_position", "points")
+MATRICES = (*SQUARE, *RECOVERIES)
 SPEED = "speed"
 INTEGERS = ("contact_dofs", "centre_dofs", "triangles", "left_dofs", "right_dofs")
 TEXTS = ("name", "source")
@@ -78,11 +79,13 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
     for key in MATRICES:
         matrix = _matrix(content, key)
         if matrix is not None:
-            factor = {"recovery": 1.0, "strain_recovery": 1.0 / length}.get(key, mass)
-            values[key] = matrix * factor
+            values[key] = matrix * _scale(key, length, mass)
     for key in NUMBERS:
         if key in content:
-            values[key] = length * real_numbers(key, content[key])
+            values[key] = _scale(key, length, mass) * real_numbers(key, content[key])
+    for key in ("young_modulus", "poisson_ratio", "centrifugal_load"):
+        if key in values:
+            values[key] = values[key].ravel()
     if SPEED in content:
         values[SPEED] = _number(content, SPEED)
     for key in INTEGERS:
@@ -100,6 +103,20 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
             f"contact_dofs: expected a radial displacement of each node; node {still[0]} has none"
         )
     return part
+
+
+def _scale(key: str, length: float, mass: float) -> float:
+    """Return the factor to SI units of the numbers under a key, from the units of length [m] and
+    mass [kg] of a file."""
+    factors = {
+        **dict.fromkeys(("recovery", "poisson_ratio"), 1.0),
+        **dict.fromkeys(("contact_position", "points"), length),
+        "strain_recovery": 1.0 / length,
+        "stress_recovery": mass / length**2,
+        "young_modulus": mass / length,
+        "centrifugal_load": mass * length,
+    }
+    return factors.get(key, mass)
 
 
 def write_superelement(path: str | PathLike[str], part: Superelement) -> None:

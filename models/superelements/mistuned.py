@@ -154,6 +154,7 @@ def stiffened(
     squares, turn = la.eigh(np.diag(reduced.frequency**2) + change)
     if not squares[0] > 0.0:
         raise SuperelementError(RIGID_SECTOR)
+    stress = reduced.stress
     assert reduced.root is not None
     kept, rest = turn[:, :modes], reduced.contact @ turn[:, modes:]
     softer = np.repeat(1.0 / np.sqrt(factor), 3)
@@ -166,6 +167,7 @@ def stiffened(
         centre=reduced.centre @ kept,
         of_points=lambda: reduced.points @ kept,
         strains=reduced.strains @ kept,
+        stress=None if stress is None else replace(stress, modes=stress.modes @ kept),
         root=kept.T @ root_of(reduced.root @ reduced.root + change) @ kept,
         kept=modes,
         **{

@@ -73,6 +73,9 @@ class NodalBlock:
     centre: ComplexArray  #: x and y of the centre [kg^-1/2], (2, m); zero without a centre
     points: ComplexArray  #: displacements of the points along x, y and z [kg^-1/2], (3p, m)
     strains: ComplexArray  #: strains of gauges [kg^-1/2/m], (gauges, m)
+    stresses: ComplexArray  #: stresses at the points [Pa kg^-1/2/m], (6p, m)
+    load: ComplexArray
+    """Centrifugal forces at 1 rad/s, (m,), of nodal diameter 0; zero if they are not known."""
     blade: ComplexArray
     """Displacements of all coordinates of the structure [kg^-1/2], (n, m), if it has
     blade_stiffness and is a sector; no rows otherwise."""
@@ -147,6 +150,8 @@ def sector_blocks(
             waves = [wave, *(Wave(sector, wave.diameter) for sector in states[1:])]
             together = joined(part, [field for each in waves for field in fields(each)])
             made = _block(part, together)
+            if part.centrifugal_load is not None and wave.diameter == 0:
+                made = replace(made, load=together.conj().T @ part.centrifugal_load)
             if part.blade_stiffness is None:
                 return made
             return replace(made, blade=together, blade_loads=together.conj().T @ of_blade)
@@ -156,6 +161,8 @@ def sector_blocks(
             yield np.asarray(wave.tie @ shapes, dtype=np.complex128)
             if touched:
                 forces = (loads.T @ wave.tie).conj().T.toarray()
+                if part.centrifugal_load is not None and wave.diameter == 0:
+                    forces = np.column_stack([forces, wave.tie.T @ part.centrifugal_load])
                 moved = wave.tie @ wave.static(forces, shapes)
                 yield np.asarray(moved[:, np.any(moved, axis=0)], dtype=np.complex128)
 
@@ -251,6 +258,8 @@ def block_of(reduced: ReducedSuperelement, stiffness: FloatArray) -> NodalBlock:
         contact=np.asarray(reduced.contact, dtype=np.complex128),
         centre=np.asarray(reduced.centre, dtype=np.complex128),
         points=np.asarray(reduced.points, dtype=np.complex128),
+        stresses=np.zeros((0, modes), dtype=np.complex128),
+        load=np.zeros(modes, dtype=np.complex128),
         blade=np.zeros((0, modes), dtype=np.complex128),
         blade_loads=np.zeros((modes, 0), dtype=np.complex128),
         strains=np.zeros((0, modes), dtype=np.complex128),
@@ -321,6 +330,10 @@ def _block(
     if part.centre_dofs is not None:
         centre = fields[part.centre_dofs]
     none, fourth = np.zeros((0, modes), dtype=np.complex128), part.stiffness_speed4
+
+    def recovered(rows: Matrix | None) -> ComplexArray:
+        return none if rows is None else np.asarray(rows @ fields)
+
     return NodalBlock(
         stiffness=on_modes(part.stiffness),
         springs=centre.conj().T @ (np.array(springs)[:, None] * centre),
@@ -331,7 +344,11 @@ def _block(
         contact=np.asarray(part.contact_rows @ fields),
         centre=centre,
         points=none if part.recovery is None else np.asarray(part.recovery @ fields),
+        stresses=none
+        if part.stress_recovery is None
+        else np.asarray(part.stress_recovery @ fields),
+        load=np.zeros(modes, dtype=np.complex128),
         blade=none,
         blade_loads=none.T,
-        strains=none if part.strain_recovery is None else np.asarray(part.strain_recovery @ fields),
+        strains=recovered(part.strain_recovery),
     )

@@ -2,11 +2,13 @@
 
 from collections.abc import Collection
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.superelements.stresses import COMPONENTS
 from bladewhirl.models.superelements.superelement import Superelement
 
 WIDER = 1.1  #: factor by which cells grow until there are few enough of them
@@ -47,15 +49,15 @@ def with_fewer_points(
         joined = joined[(a != b) & (b != c) & (c != a)]
         _, first = np.unique(np.sort(joined, axis=1), axis=0, return_index=True)
         triangles = joined[np.sort(first)] if len(first) else None
-    rows = (3 * shown[:, None] + np.arange(3)).ravel()
-    recovery = part.recovery
-    if sp.issparse(recovery):
-        recovery = sp.csr_array(recovery)
-    assert recovery is not None
-    return (
-        replace(part, points=part.points[shown], recovery=recovery[rows], triangles=triangles),
-        shown,
-    )
+    chosen: dict[str, Any] = {"points": part.points[shown], "triangles": triangles}
+    for key, values in (("recovery", 3), ("stress_recovery", COMPONENTS)):
+        if (matrix := getattr(part, key)) is not None:
+            rows = (values * shown[:, None] + np.arange(values)).ravel()
+            chosen[key] = (sp.csr_array(matrix) if sp.issparse(matrix) else matrix)[rows]
+    for key in ("young_modulus", "poisson_ratio"):
+        if (numbers := getattr(part, key)) is not None:
+            chosen[key] = numbers[shown]
+    return replace(part, **chosen), shown
 
 
 def _clusters(points: FloatArray, most: int) -> IntArray:

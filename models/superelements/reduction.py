@@ -27,6 +27,11 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, absent
 from bladewhirl.models.superelements.solver import MatrixPencil, announce
+from bladewhirl.models.superelements.stresses import (
+    ReducedStress,
+    load_columns,
+    reduced_stress,
+)
 from bladewhirl.models.superelements.superelement import (
     Matrix,
     Superelement,
@@ -74,6 +79,7 @@ class ReducedSuperelement:
     strains: FloatArray = absent()
     """Strains of gauges for unit modal coordinates [kg^-1/2/m], (gauges, modes), if the file gives
     their recovery."""
+    stress: ReducedStress | None = None  #: stress at the points, if the file gives its recovery
     damping: FloatArray | None = None  #: damping matrix of the file [1/s], (modes, modes)
     gyroscopic: FloatArray | None = None
     """Matrix of the Coriolis forces of the file at 1 rad/s, (modes, modes)."""
@@ -121,11 +127,11 @@ def massless(
             contact node has no radial residual flexibility; or a matrix is indefinite.
     """
     rows = part.contact_rows
-    squares, shapes, moved = modes_and_static(part, modes, dense(rows).T)
+    squares, shapes, moved = modes_and_static(part, modes, load_columns(part, dense(rows).T))
     check_count(len(squares), modes)
     elastic = squares > rigid_limit(part)
     kept = rows @ shapes[:, elastic]
-    compliance = np.asarray(rows @ moved)
+    compliance = np.asarray(rows @ moved[:, : 3 * part.contacts])
     compliance = 0.5 * (compliance + compliance.T)
     static = np.diag(compliance)[::3] + ((kept**2) @ (1.0 / squares[elastic]))[::3]
     if not la.eigvalsh(compliance[::3, ::3])[0] > ENOUGH * static.max():
@@ -133,8 +139,9 @@ def massless(
             f"expected fewer free-interface modes than {modes}: the modes that are left out have to"
             " give all contact nodes a radial flexibility"
         )
+    stress = reduced_stress(part, squares, shapes, moved, elastic)
     root = None if at_rest is None else _root(at_rest, shapes)
-    return _reduced(part, squares, shapes, compliance, modes, root)
+    return _reduced(part, squares, shapes, compliance, modes, stress, root)
 
 
 def check_count(found: int, modes: int) -> None:
@@ -191,9 +198,23 @@ def consistent(
     squares, vectors = la.eigh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))
     _check_definite(part, squares)
     compliance = np.zeros((3 * part.contacts, 3 * part.contacts))
-    shapes = basis @ vectors
+    shapes, elastic = basis @ vectors, squares > rigid_limit(part)
+    still = np.zeros((part.size, 3 * part.contacts + 1))  # contact forces act on modes only
+    if part.stress_recovery is not None and part.centrifugal_load is not None:
+        load = part.centrifugal_load
+        still[:, -1] = _static_rest(part, load, shapes[:, elastic], squares[elastic])
+    stress = reduced_stress(part, squares, shapes, still, elastic)
     root = None if at_rest is None else root_of(shapes.T @ (at_rest.stiffness @ shapes))
-    return _reduced(part, squares, shapes, compliance, kept, root)
+    return _reduced(part, squares, shapes, compliance, kept, stress, root)
+
+
+def _static_rest(
+    part: Superelement, load: FloatArray, shapes: FloatArray, squares: FloatArray
+) -> FloatArray:
+    """Return the static displacements under a load [N], without their part in modes, (n,)."""
+    _, lowest, moved = modes_and_static(part, 1, load[:, None])
+    whole = moved[:, 0] + lowest[:, 0] * (lowest[:, 0] @ load) / squares[0]
+    return np.asarray(whole - shapes @ (shapes.T @ load / squares))
 
 
 def _reduced(
@@ -202,6 +223,7 @@ def _reduced(
     shapes: FloatArray,
     compliance: FloatArray,
     kept: int,
+    stress: ReducedStress | None,
     root: FloatArray | None,
 ) -> ReducedSuperelement:
     centre = np.zeros((2, shapes.shape[1]))
@@ -229,6 +251,7 @@ def _reduced(
         centre=centre,
         of_points=points,
         strains=strains,
+        stress=stress,
         root=root,
         kept=kept,
     )

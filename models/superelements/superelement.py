@@ -12,6 +12,7 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.fields import SMALLEST
 from bladewhirl.models.inputs.plausible import fault_of
+from bladewhirl.models.superelements.stresses import stress_faults
 
 Matrix: TypeAlias = FloatArray | sp.csr_array
 """A dense or a sparse matrix."""
@@ -45,6 +46,13 @@ SQUARE = (
     *("stiffness_speed", "stiffness_speed4", "blade_stiffness"),
 )
 """Names of the matrices between coordinates."""
+
+
+RECOVERIES = ("recovery", "strain_recovery", "stress_recovery")
+"""Names of the matrices from coordinates to other quantities."""
+
+NUMBERS = ("contact_position", "points", "young_modulus", "poisson_ratio", "centrifugal_load")
+"""Names of the arrays of numbers."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -89,6 +97,14 @@ class Superelement:
     strain_recovery: Matrix | None = None
     """Matrix from the coordinates to the strains of gauges [1/m], (gauges, n), listed blade by
     blade. The flexible part of the strain near contact nodes without mass is not included."""
+    stress_recovery: Matrix | None = None
+    """Matrix from the coordinates to the stress at the points [Pa/m], (6p, n): components xx, yy,
+    zz, xy, yz and zx of each point in the axes of the file."""
+    young_modulus: FloatArray | None = None
+    """Young's modulus at each point [Pa], (p,), for strain gauges; with stress_recovery."""
+    poisson_ratio: FloatArray | None = None  #: Poisson's ratio at each point, (p,)
+    centrifugal_load: FloatArray | None = None
+    """Centrifugal forces on the coordinates at a speed of 1 rad/s [kg m], (n,)."""
     left_dofs: IntArray | None = None
     """Numbers of the x, y and z displacements of the nodes on the clockwise face of a sector,
     (l, 3)."""
@@ -158,7 +174,7 @@ class Superelement:
 def _faults(part: Superelement) -> Iterator[str]:
     """Yield the faults of the arrays of a superelement, each as "KEY: expected ..."."""
     n = part.size
-    for key in (*SQUARE, "recovery", "strain_recovery", "contact_position", "points"):
+    for key in (*SQUARE, *RECOVERIES, *NUMBERS):
         given = getattr(part, key)
         if given is not None and not np.isfinite(given.data if sp.issparse(given) else given).all():
             yield f"{key}: expected finite numbers"
@@ -210,6 +226,7 @@ def _faults(part: Superelement) -> Iterator[str]:
     strains = part.strain_recovery
     if strains is not None and (strains.ndim != 2 or strains.shape[1] != n or not strains.shape[0]):
         yield f"strain_recovery: expected (gauges, {n}), got {_shape(strains)}"
+    yield from stress_faults(part)
     if (part.left_dofs is None) != (part.right_dofs is None):
         yield "left_dofs: expected both left_dofs and right_dofs, or neither"
     elif part.left_dofs is not None and part.right_dofs is not None:

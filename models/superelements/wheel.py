@@ -1,7 +1,8 @@
 """A wheel from one sector: real modes and residual flexibility, by nodal diameter."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import fields, replace
+from dataclasses import fields as fields_of
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -29,9 +30,10 @@ from bladewhirl.models.superelements.reduction import (
     root_of,
 )
 from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
+from bladewhirl.models.superelements.stresses import ReducedStress
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
-WAVE = ("squares", "contact", "points", "strains", "residual")
+WAVE = ("squares", "contact", "points", "strains", "stresses", "by_force", "steady", "residual")
 """Arrays of one nodal diameter, see `_reduced`."""
 
 
@@ -111,7 +113,7 @@ class WheelOverSpeeds:
 
         kept = kept_reduction(file, part, (sectors, modes, highest), compute)
         self._products = kept.get("products")
-        names = [field.name for field in fields(NodalBlock)]
+        names = [field.name for field in fields_of(NodalBlock)]
         self._blocks = [
             NodalBlock(**{name: kept.get(f"{name}_{k}") for name in names})  # type: ignore[arg-type]
             for k in range(sectors // 2 + 1)
@@ -151,18 +153,21 @@ def _expanded(
     """Return the wheel and its reduction from the arrays of each nodal diameter, see `_reduced`."""
     rows, modes = 3 * part.contacts, len(waves[0]["squares"])
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
-    frequency, contact, strains = [], [], []
+    frequency, contact, strains, stresses = [], [], [], []
     matrices = (*FURTHER, "root")
     further: dict[str, list[FloatArray]] = {key: [] for key in matrices if key in waves[0]}
     flexibility = np.zeros((sectors, rows, rows))
+    by_force = np.zeros((sectors, *waves[0]["by_force"].shape))
     for k, wave in enumerate(waves):
         pair = 0 < 2 * k < sectors
         for n, angle in enumerate(spread):  # sector n under a force on sector 0
-            turned = wave["residual"] * np.exp(1j * k * angle)
-            flexibility[n] += (1 + pair) / sectors * turned.real
+            turn = (1 + pair) / sectors * np.exp(1j * k * angle)
+            flexibility[n] += (turn * wave["residual"]).real
+            by_force[n] += (turn * wave["by_force"]).real
         for phases in _real_waves(k, spread):
             contact.append(np.vstack([(one * wave["contact"]).real for one in phases]))
             strains.append(np.vstack([(one * wave["strains"]).real for one in phases]))
+            stresses.append(np.vstack([(one * wave["stresses"]).real for one in phases]))
             frequency.append(np.sqrt(wave["squares"]))
         for key, blocks in further.items():
             blocks.append(_on_waves(wave[key], pair=pair))
@@ -188,6 +193,15 @@ def _expanded(
         centre=np.zeros((2, len(values))),
         of_points=points,
         strains=np.hstack(strains)[:, order],
+        stress=(
+            ReducedStress(
+                modes=np.hstack(stresses)[:, order],
+                forces=by_force,
+                steady=np.tile(waves[0]["steady"], sectors) if len(waves[0]["steady"]) else None,
+            )
+            if part.stress_recovery is not None
+            else None
+        ),
         kept=len(values),
         **{key: la.block_diag(*blocks)[order][:, order] for key, blocks in further.items()},
     )
@@ -212,8 +226,11 @@ def _real_waves(k: int, spread: FloatArray) -> Iterator[list[complex]]:
 
 def _reduced(part: Superelement, wave: Wave, modes: int) -> Arrays:
     """Return the modes of one nodal diameter, all for the first sector: squared frequencies
-    [rad2/s2], (modes,); displacements of contact nodes and points and strains of gauges, (rows,
-    modes) each; the residual flexibility [m/N], (3c, 3c); and the optional matrices on the modes.
+    [rad2/s2], (modes,); displacements of contact nodes and points, strains of gauges and stresses
+    of points, (rows, modes) each; the stress by contact forces without their part in the modes,
+    (6p, 3c), and by steady rotation, (6p,), see `ReducedStress`; the residual flexibility [m/N],
+    (3c, 3c); and the optional matrices on the modes. Stresses that the file does not give are
+    empty.
 
     Raises:
         SuperelementError: there are too few coordinates, or rigid modes.
@@ -227,16 +244,27 @@ def _reduced(part: Superelement, wave: Wave, modes: int) -> Arrays:
     if not squares[0] > rigid_limit(part):
         raise SuperelementError(RIGID_SECTOR)
     forces = (part.contact_rows @ wave.tie).conj().T.toarray()
-    residual = forces.conj().T @ wave.static(forces, shapes)
-    moved, none = wave.tie @ shapes, np.zeros((0, modes), dtype=np.complex128)
+    moved = wave.static(forces, shapes)
+    residual = forces.conj().T @ moved
+    fields, none = wave.tie @ shapes, np.zeros((0, modes), dtype=np.complex128)
+    stress, by_force, steady = none, np.zeros((0, forces.shape[1])), np.zeros(0)
+    if part.stress_recovery is not None:
+        stress, by_force = part.stress_recovery @ fields, part.stress_recovery @ (wave.tie @ moved)
+        if part.centrifugal_load is not None and wave.diameter == 0:
+            load = (wave.tie.T @ part.centrifugal_load)[:, None]
+            still = wave.static(load, shapes) + shapes @ (shapes.T @ load / squares[:, None])
+            steady = (part.stress_recovery @ (wave.tie @ still))[:, 0]
     return {
+        "stresses": stress,
+        "by_force": by_force,
+        "steady": steady,
         "squares": squares,
-        "contact": part.contact_rows @ moved,
-        "points": none if part.recovery is None else part.recovery @ moved,
-        "strains": none if part.strain_recovery is None else part.strain_recovery @ moved,
+        "contact": part.contact_rows @ fields,
+        "points": none if part.recovery is None else part.recovery @ fields,
+        "strains": none if part.strain_recovery is None else part.strain_recovery @ fields,
         "residual": 0.5 * (residual + residual.conj().T),
         **{
-            key: moved.conj().T @ (matrix @ moved)
+            key: fields.conj().T @ (matrix @ fields)
             for key in FURTHER
             if (matrix := getattr(part, key)) is not None
         },
@@ -260,6 +288,9 @@ def _of_block(block: NodalBlock, omega: float, modes: int, *, static: bool = Fal
     rest, stiff = shapes[:, modes:], squares[modes:]
     shapes, squares = shapes[:, :modes], squares[:modes]
     touched = block.contact @ rest
+    by_force = (block.stresses @ rest / stiff) @ touched.conj().T
+    steady = block.stresses @ (rest @ ((rest.conj().T @ block.load) / stiff))
+    steady = steady + block.stresses @ (shapes @ ((shapes.conj().T @ block.load) / squares))
     residual = (touched / stiff) @ touched.conj().T
     if static:
         among = la.qr((rest.conj().T @ block.blade_loads) / stiff[:, None], mode="economic")[0]
@@ -275,6 +306,9 @@ def _of_block(block: NodalBlock, omega: float, modes: int, *, static: bool = Fal
         "contact": block.contact @ shapes,
         "points": block.points @ shapes,
         "strains": block.strains @ shapes,
+        "stresses": block.stresses @ shapes,
+        "by_force": by_force,
+        "steady": steady.real if block.load.any() else np.zeros(0),
         "residual": 0.5 * (residual + residual.conj().T),
         "root": shapes.conj().T @ root_of(block.stiffness) @ shapes,
         **{key: shapes.conj().T @ matrix @ shapes for key, matrix in further.items()},
@@ -331,6 +365,12 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
     if part.strain_recovery is not None:
         own = sp.kron(sp.eye_array(sectors), part.strain_recovery @ rest)
         strains = sp.csr_array((own + sp.kron(step, part.strain_recovery @ on)) @ turn.T)
+    stresses = loads = None
+    if part.stress_recovery is not None:
+        own = sp.kron(sp.eye_array(sectors), part.stress_recovery @ rest)
+        stresses = sp.csr_array((own + sp.kron(step, part.stress_recovery @ on)) @ turn.T)
+    if part.centrifugal_load is not None:
+        loads = turn @ np.tile((rest + on).T @ part.centrifugal_load, sectors)
     picture = _wheel(part, spread, np.ones(1))
     offset = tie.shape[1] * np.arange(sectors)[:, None, None]
     dofs = np.where(contact == FIXED, FIXED, contact + offset).reshape(-1, 3)
@@ -346,6 +386,8 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
         contact_dofs=dofs,
         recovery=recovery,
         strain_recovery=strains,
+        stress_recovery=stresses,
+        centrifugal_load=loads,
     )
 
 
@@ -362,7 +404,8 @@ def _turned_contact(contact: IntArray, size: int, angle: float) -> sp.csr_array:
 def _wheel(part: Superelement, spread: FloatArray, frequency: FloatArray) -> Superelement:
     """Return the nodes and points of a wheel, with diagonal matrices of its modes."""
     positions = rotate(part.contact_position, spread[:, None]).reshape(-1, 3)
-    changes: dict[str, Any] = {"strain_recovery": None}
+    changes: dict[str, Any] = dict.fromkeys(("strain_recovery", "stress_recovery"))
+    changes |= dict.fromkeys(("young_modulus", "poisson_ratio", "centrifugal_load"))
     if part.points is not None:
         changes["points"] = rotate(part.points, spread[:, None]).reshape(-1, 3)
         changes["recovery"] = np.zeros((3 * len(changes["points"]), len(frequency)))

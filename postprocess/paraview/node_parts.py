@@ -14,6 +14,7 @@ from bladewhirl.meshes.plane import rotate
 from bladewhirl.postprocess.fields.enlarged_surface import EnlargedSurface
 from bladewhirl.postprocess.fields.kinematics import IntArray, ViewError
 from bladewhirl.postprocess.fields.nodes import frame_meshes, is_flexible
+from bladewhirl.postprocess.fields.point_stresses import PointStresses, has_stresses
 
 
 class NodeParts:
@@ -45,6 +46,7 @@ class NodeParts:
             raise ViewError("expected a superelement whose file has points and recovery")
         self._dataset, self._records, self._rotating = dataset, records, rotating
         self._stage = EnlargedSurface(dataset, records, factor=exaggeration, per_element=1)
+        self._stresses = PointStresses(dataset) if has_stresses(dataset) else None
         self.exaggeration = self._stage.factor
         self.largest_displacement = self._stage.largest_displacement  #: over all records [m]
         points = self._stage.rest
@@ -57,6 +59,9 @@ class NodeParts:
         stage = self._stage
         for index, record in enumerate(self._records):
             meshes = frame_meshes(self._dataset, int(record), self._rotating)
+            if self._stresses is not None:
+                (stress,) = self._stresses.at(np.array([record]))
+                meshes["blades"].point_data["von_mises_stress"] = stress
             ahead = float(stage.turns[index])
             turn = 0.0 if self._rotating else ahead
             drawn = {

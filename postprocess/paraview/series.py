@@ -80,7 +80,8 @@ def export_vtk(
 
     For a superelement with points, the part `blades` has the points and triangles of its file,
     `contact` the contact nodes, `casing` the inner face of a flexible casing; they have
-    `displacement` and `warp`, blades and casing also `radial_displacement`, contact nodes
+    `displacement` and `warp`, blades and casing also `radial_displacement`, blades whose file gives
+    the recovery of stress also `von_mises_stress` [Pa], contact nodes
     `contact_force`; blades and contact nodes have the number `blade`, on a wheel that of the
     nearest contact node.
 

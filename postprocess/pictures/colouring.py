@@ -23,6 +23,7 @@ from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.enlarged import rounded_up
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
 from bladewhirl.postprocess.fields.nodes import copy_coordinates, point_blades, point_vectors
+from bladewhirl.postprocess.fields.point_stresses import PointStresses, has_stresses
 from bladewhirl.postprocess.fields.strains import (
     Strains,
     casing_strain_rows,
@@ -120,11 +121,17 @@ def colouring(
         rotor = np.zeros((len(records), 0, stations.per_line + 1, 2))
         surface = _surface(dataset, field, records, rotating)
     casing = _casing(dataset, field, records, stations, rotating)
+    if field == "stress" and "rotor_line" not in dataset:
+        casing = np.abs(casing)  # beside the von Mises stress of the surface
     base = {"velocity": "m/s", "stress": "Pa"}.get(field, "m/m" if "strain" in field else "m")
     known = [np.abs(values[np.isfinite(values)]) for values in (rotor, surface, casing)]
     largest = float(max(np.max(values, initial=0.0) for values in known))
     unit, scale = ("m/s", 1.0) if field == "velocity" else handy_unit(largest, base)
-    names = {"stress": "surface stress", "gap": "gap at the tip"}
+    surfaces = "rotor_line" not in dataset
+    names = {
+        "stress": "von Mises stress" if surfaces else "surface stress",
+        "gap": "gap at the tip",
+    }
     return Colouring(
         name=names.get(field, field.replace("-", " ")),
         unit=unit,
@@ -132,7 +139,7 @@ def colouring(
         rotor=rotor,
         surface=surface,
         casing=casing,
-        signed=field in ("stress", "axial-strain", "bending-strain"),
+        signed=field in ("axial-strain", "bending-strain") or (field == "stress" and not surfaces),
     )
 
 
@@ -175,10 +182,14 @@ def _surface(dataset: xr.Dataset, field: str, records: IntArray, rotating: bool)
     if field == "gap":
         gap = of_blades(dataset, history(dataset, "gap", records), np.minimum)
         return np.asarray(gap[:, point_blades(dataset)])
+    if field == "stress" and has_stresses(dataset):
+        stresses = PointStresses(dataset)
+        return np.concatenate([stresses.at(np.array([record])) for record in records])
     if field not in MAGNITUDES:
         shown = ", ".join((*MAGNITUDES, "gap", "part"))
         raise ViewError(
-            f'colour = "{field}": a superelement has no strains of its surface; expected {shown}'
+            f'colour = "{field}": a superelement has no strains of its surface, and stress only if'
+            f" its file has stress_recovery; expected {shown}"
         )
     spin = 0.0 if rotating else float(dataset.attrs["speed"])
     values = []

@@ -26,7 +26,7 @@ class Figures:
         self, kinds: Mapping[str, FigureKind], dataset: xr.Dataset, *source: object
     ) -> None:
         self._missing = {
-            name: [each for each in kind.needs if each not in dataset]
+            name: [each for each in kind.needs if not {*each.split(" or ")} & {*dataset.variables}]
             for name, kind in kinds.items()
         }
         #: figures that the dataset has

@@ -21,7 +21,8 @@ class FigureKind:
     about: str  #: content of the figure, in one line
     reading: str = ""  #: help for reading the figure: units, signs, marks of dangerous motion
     section: str = ""  #: section of the report that shows the figure; empty for no section
-    needs: Sequence[str] = ()  #: variables of a run or a sweep without which there is no figure
+    needs: Sequence[str] = ()
+    """Variables of a run or a sweep without which there is no figure; "a or b" needs one of two."""
     wide: bool = False  #: true for the width of the page of a report, false for half of it
     data: str  #: "module:function" that computes the dataset, or an attribute of `RunFigures`
     plot: str  #: "module:function" in postprocess that draws the dataset

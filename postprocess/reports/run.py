@@ -67,6 +67,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     if "rotor_line" in dataset:
         plots = instants(dataset, figures.contact, figures.orbit, energies)
         first.append(PageSection(name="instant", title="At one instant", blocks=[plots]))
+    if "stress" in figures.kinds:
         stresses = figures.stresses
     meaning = REGIMES[regime.name].meaning
     reason = str(dataset.attrs.get("end_reason", "completed"))
@@ -105,7 +106,7 @@ def _late(dataset: xr.Dataset) -> xr.Dataset:
 
 def _summary(dataset: xr.Dataset, stresses: xr.Dataset | None) -> PageTable:
     """Return the rows of a summary. If the march has not ended, rows that are known only at its end
-    are left out. `stresses` are from `stress_history`, None for a stage without beams."""
+    are left out. `stresses` are from `stress_history`, None for a stage without stresses."""
     reported = {name: dataset.attrs.get(name, math.nan) for name in MARCH_REPORT}
     done = float(dataset["time"].values[-1]) / float(dataset.attrs["time_step"])
     missing = any(math.isnan(float(reported[name])) for name in MARCH_REPORT)

@@ -38,6 +38,8 @@ class StressPeak(TypedDict):
     """Largest linear elastic stress of a body."""
 
     stress: float  #: [Pa], signed
+    measure: str  #: "beam theory", or "von Mises stress at the surface", which is positive
+    centrifugal: bool  #: true if the stress of steady rotation is included
     member: str  #: "blade 3", another part of the rotor, or "casing"
     radius: float  #: radius of the stressed point in the undeformed body [m]
     time: float  #: [s]
@@ -93,6 +95,8 @@ def stress_peaks(peaks: xr.Dataset) -> dict[str, StressPeak]:
         one = members.isel(member=int(np.abs(members["peak_stress"].values).argmax()))
         largest[body] = StressPeak(
             stress=float(one["peak_stress"]),
+            measure=str(peaks.attrs["measure"]) if body == "bladed_disk" else "beam theory",
+            centrifugal=body == "bladed_disk" and bool(peaks.attrs["steady"]),
             member=str(one["member"].values),
             radius=float(one["peak_radius"]),
             time=float(one["peak_time"]),

@@ -31,6 +31,8 @@ from bladewhirl.postprocess.fields.blades import blade_chain
 from bladewhirl.postprocess.fields.by_blade import blade_angles, blade_count, blade_radii
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, casing_rows
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.nodes import point_blades
+from bladewhirl.postprocess.fields.point_stresses import gauge_row
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.strains import surface_strain_rows
 from bladewhirl.postprocess.fields.windows import in_window
@@ -137,9 +139,8 @@ def check_sensors(
             try:
                 gauge_rows(stage, sensor)
             except ViewError as error:
-                key = next(
-                    k for k in ("span", "element", "gauge") if getattr(sensor, k) is not None
-                )
+                keys = ("span", "element", "gauge", "point")
+                key = next(k for k in keys if getattr(sensor, k) is not None)
                 expected = str(error).removeprefix("expected ")
                 value = getattr(sensor, key)
                 faults.append(Fault(key=f"sensor[{number}].{key}", value=value, expected=expected))
@@ -188,6 +189,8 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> Array:
     blades = range(blade_count(dataset)) if gauge.blade == "all" else [gauge.blade]
     if gauge.gauge is not None:
         return _recovered_rows(dataset, gauge.gauge)[[*blades]]
+    if gauge.point is not None:
+        return _point_rows(dataset, gauge)
     if "rotor_line" not in dataset:
         raise ViewError("expected gauge in place of span and element, as the blades are no beams")
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
@@ -222,6 +225,24 @@ def _recovered_rows(dataset: xr.Dataset, number: int) -> Array:
         )
     own = shape.reshape(blades, -1, shape.shape[1])[:, number]
     return np.asarray(np.kron(np.eye(copies), own))
+
+
+def _point_rows(dataset: xr.Dataset, gauge: StrainGauge) -> Array:
+    """Return the strain of a gauge at a point, on every blade or on that of the gauge, for unit
+    modal coordinates, (blade, rotor_mode)."""
+    assert gauge.point is not None
+    assert gauge.direction is not None
+    places, rows = gauge_row(dataset, gauge.point, np.array(gauge.direction))
+    points, copies = dataset.sizes["point"], dataset.sizes["copy"]
+    modal = np.kron(np.eye(copies), rows)  # a mistuned blade has the modes of the file
+    of_blades = point_blades(dataset)[(places + points * np.arange(copies)[:, None]).ravel()]
+    wanted = np.arange(blade_count(dataset)) if gauge.blade == "all" else np.array([gauge.blade])
+    if not np.isin(wanted, of_blades).all():
+        raise ViewError(
+            f"expected a point of each blade with a gauge; point {gauge.point} is on blade"
+            f" {', '.join(map(str, of_blades))} of a whole wheel: give blade"
+        )
+    return np.asarray(modal[[int(np.flatnonzero(of_blades == blade)[0]) for blade in wanted]])
 
 
 def shown_unit(signal: xr.DataArray) -> tuple[str, float]:

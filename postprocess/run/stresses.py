@@ -1,8 +1,9 @@
 """Stresses in blades, disk and casing over time, and their extremes.
 
-The stress is Young's modulus times the strain, see `strains`. It does not include yielding, stress
-concentration where beams meet, and centrifugal stress. The stress at a surface is the axial stress
-plus or minus the bending stress.
+The stress of beams and of the casing is Young's modulus times the strain, see `strains`. It does
+not include yielding, stress concentration where beams meet, and centrifugal stress. The stress at a
+surface is the axial stress plus or minus the bending stress. That of superelements is the von Mises
+stress, see `point_stresses`.
 """
 
 from collections.abc import Iterator
@@ -16,8 +17,10 @@ from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.blades import member_names
+from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.point_stresses import has_stresses
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.fields.strains import (
     Strains,
@@ -28,6 +31,7 @@ from bladewhirl.postprocess.fields.strains import (
 from bladewhirl.postprocess.fields.windows import in_window, span_starts
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
+from bladewhirl.postprocess.run.surface_stresses import SurfaceStresses, surface_stresses
 
 CASING_PIECES = 4
 """Number of pieces of a casing element. Strains are computed at the ends of the pieces, because
@@ -83,7 +87,9 @@ def stress_history(
         surfaces. Over
         member only: `peak_stress` [Pa], the surface stress of largest magnitude at any time,
         signed, the time `peak_time` [s], and the radius of the point in the undeformed body,
-        `peak_radius` [m].
+        `peak_radius` [m]. Blades of a superelement whose file gives the recovery of stress have
+        the von Mises stress at the surface as `largest_stress` and `peak_stress`, with the stress
+        of steady rotation if the case has effects of rotation; the other variables are nan.
 
     Example:
         ``stress_history(result)["largest_stress"].sel(member="blade 3").plot()``
@@ -91,7 +97,7 @@ def stress_history(
     dataset = in_window(result, start, end)
     names, bodies = _bodies(dataset)
     time = dataset["time"].values
-    out = {name: np.empty((len(time), len(names))) for name in UNITS}
+    out = {name: np.full((len(time), len(names)), np.nan) for name in UNITS}
     peak = {name: np.zeros(len(names)) for name in PEAKS}
     for body, portion, axial, bending in _strains(dataset, bodies):
         stress, bent = body.modulus * axial, body.modulus * bending
@@ -106,16 +112,22 @@ def stress_history(
         for name, values in extremes.items():
             out[name][portion, body.columns] = values.T
         _note_peaks(peak, body, time[portion], axial, bending)
+    if has_stresses(dataset):
+        surface = surface_stresses(dataset)
+        out["largest_stress"][:, : len(surface.peak)] = surface.largest
+        _add_surface(peak, surface)
     plane = ("time", "member")
     return labelled(
         dataset,
-        "stresses, linear, by beam theory",
+        f"stresses, linear, {measure_of(dataset)}",
         {
             **{name: (plane, values, UNITS[name]) for name, values in out.items()},
             **{name: ("member", values, PEAKS[name]) for name, values in peak.items()},
         },
         {"time": time, "member": names},
-        blades=dataset.sizes["contact_node"],
+        blades=blade_count(dataset),
+        measure=measure_of(dataset),
+        steady=int("steady_stress" in dataset),
     )
 
 
@@ -125,11 +137,31 @@ def peak_stresses(dataset: xr.Dataset) -> xr.Dataset:
     peak = {name: np.zeros(len(names)) for name in PEAKS}
     for body, portion, axial, bending in _strains(dataset, bodies):
         _note_peaks(peak, body, dataset["time"].values[portion], axial, bending)
+    if has_stresses(dataset):
+        _add_surface(peak, surface_stresses(dataset))
     variables = {name: ("member", values) for name, values in peak.items()}
-    return xr.Dataset(variables, {"member": names})
+    about = {"measure": measure_of(dataset), "steady": int("steady_stress" in dataset)}
+    return xr.Dataset(variables, {"member": names}, about)
+
+
+def measure_of(dataset: xr.Dataset) -> str:
+    """Return the measure of the largest stress of the bladed disk: that of beam theory, or the von
+    Mises stress at the surface of a superelement."""
+    return "von Mises stress at the surface" if has_stresses(dataset) else "beam theory"
+
+
+def _add_surface(peak: dict[str, Array], surface: SurfaceStresses) -> None:
+    blades = slice(len(surface.peak))
+    for name, values in zip(PEAKS, surface[1:], strict=True):
+        peak[name][blades] = values
 
 
 def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
+    if has_stresses(dataset):
+        names = [f"blade {number}" for number in range(blade_count(dataset))]
+        if "casing_displacement" not in dataset:
+            return names, []
+        return [*names, "casing"], [_casing(dataset, len(names))]
     names, member = member_names(dataset)
     order = np.argsort(member, kind="stable")
     present = np.unique(member)
@@ -145,16 +177,20 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
     rotor_names = [names[number] for number in present]
     if "casing_displacement" not in dataset:  # a rigid wall
         return rotor_names, [rotor]
+    return [*rotor_names, "casing"], [rotor, _casing(dataset, len(present))]
+
+
+def _casing(dataset: xr.Dataset, first: int) -> _Body:
+    """Return the flexible casing; `first` is its position among the members."""
     nodes = dataset.sizes["casing_node"]
-    casing = _body(
+    return _body(
         "casing_displacement",
         casing_strain_rows(dataset, CASING_PIECES),
         dataset["casing_young_modulus"].values[:, None],
         np.full((nodes, CASING_PIECES + 1), dataset.attrs["casing_radius"]),
         np.zeros(nodes, dtype=np.int64),
-        first=len(present),
+        first=first,
     )
-    return [*rotor_names, "casing"], [rotor, casing]
 
 
 def _body(
@@ -231,7 +267,7 @@ def plot_stress(history: xr.Dataset) -> Figure:
     figure = new_figure(width=FULL_WIDTH, height=0.065)
     over_time, over_blades = figure.subplots(1, 2, gridspec_kw={"wspace": 0.12})
     blades = int(history.attrs["blades"])
-    size = np.maximum(history["largest_stress"].values, -history["smallest_stress"].values)
+    size = np.fmax(history["largest_stress"].values, -history["smallest_stress"].values)
     unit, scale = handy_unit(float(size.max()), "Pa")
     _draw_time(over_time, history, scale * size, blades)
     over_time.set(ylabel=f"largest stress [{unit}]", ylim=(0, None))
@@ -241,7 +277,11 @@ def plot_stress(history: xr.Dataset) -> Figure:
     over_blades.set(xlabel="blade", ylabel=f"stress [{unit}]", title="extremes of each blade")
     figure.legend(*over_time.get_legend_handles_labels(), loc="outside lower left", ncols=4)
     figure.legend(*over_blades.get_legend_handles_labels(), loc="outside lower right", ncols=2)
-    head(figure, history, "stress at surfaces by beam theory")
+    what = "stress at surfaces by beam theory"
+    if history.attrs["measure"] != "beam theory":
+        what = f"{history.attrs['measure']} of blades"
+        what += ", with that of steady rotation" if history.attrs["steady"] else ""
+    head(figure, history, what)
     return figure
 
 
@@ -261,11 +301,12 @@ def _draw_time(axes: Axes, history: xr.Dataset, size: Array, blades: int) -> Non
     starts = span_starts(time, COLUMNS)
     shown = np.maximum.reduceat(size, starts, axis=0)
     at = time[np.append(starts[1:], len(time)) - 1]
-    names = history["member"].values.astype(str)[blades:]
-    for number, name in enumerate(names[:-1]):
+    names = history["member"].values.astype(str)[blades:].tolist()
+    for number, name in enumerate(name for name in names if name != "casing"):
         colour, dashes = LINES[number % len(LINES)]
         axes.plot(at, shown[:, blades + number], color=colour, linestyle=dashes, label=name)
-    axes.plot(at, shown[:, -1], color=COLOURS["casing"], label="casing")
+    if "casing" in names:
+        axes.plot(at, shown[:, -1], color=COLOURS["casing"], label="casing")
     axes.plot(at, shown[:, :blades].max(axis=1), color=COLOURS["rotor"], label="blades")
 
 
@@ -277,8 +318,13 @@ def _draw_blades(axes: Axes, history: xr.Dataset, scale: float) -> None:
         (scale * history[low].min("time").values, scale * history[high].max("time").values)
         for low, high in (("smallest_stress", "largest_stress"), ("axial_stress", "axial_stress"))
     ]
-    bottom, top = np.minimum(ends[0][0], 0.0), np.maximum(ends[0][1], 0.0)
+    bottom, top = np.fmin(ends[0][0], 0.0), np.fmax(ends[0][1], 0.0)
     axes.bar(blade, top - bottom, 0.8, bottom, color=COLOURS["rest"], label="at a surface")
+    if history.attrs["measure"] != "beam theory":
+        axes.set_ylim(0.0, 1.1 * top.max() or 1.0)
+        axes.locator_params(axis="x", integer=True)
+        axes.grid(axis="x", visible=False)
+        return
     for axial, label in zip(ends[1], ("axial alone", None), strict=True):
         axes.plot(blade, axial, "_", markersize=4.0, color=COLOURS["k = 0"], label=label)
     reach = 1.1 * scale * float(abs(history["peak_stress"]).max()) or 1.0

@@ -13,6 +13,7 @@ from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, RegimeName, cl
 from bladewhirl.postprocess.energy.works import Works, late_drive_power, works
 from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
 from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.fields.point_stresses import has_stresses
 from bladewhirl.postprocess.fields.result import portions, reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run import extremes
@@ -107,7 +108,8 @@ class Summary:
     """Normal impulse on all blades per revolution [N s], averaged over at most ten complete
     revolutions at the end; None without a complete revolution."""
     stress_max: dict[str, extremes.StressPeak] | None
-    """Largest stress of "bladed_disk" and "casing", of stages of beams."""
+    """Largest stress of "bladed_disk" and "casing", of stages of beams, and of superelements whose
+    file gives the recovery of stress."""
     yield_strength: float | None  #: lowest of the yield strengths given in the case [Pa]
     contact_share: list[float]  #: share of the time steps in contact, for each contact node
     gap_violation_max: float  #: deepest penetration at any step [m]
@@ -280,7 +282,7 @@ def _casing_figures(dataset: xr.Dataset) -> dict[str, Any]:
 def _stresses(
     dataset: xr.Dataset, stresses: xr.Dataset | None
 ) -> dict[str, extremes.StressPeak] | None:
-    if "rotor_line" not in dataset:
+    if "rotor_line" not in dataset and not has_stresses(dataset):
         return None
     return extremes.stress_peaks(peak_stresses(dataset) if stresses is None else stresses)
 

@@ -167,9 +167,11 @@ def _stress(peak: StressPeak, strength: float | None) -> str:
     if not peak["stress"]:
         return "none"
     beyond = strength is not None and abs(peak["stress"]) > strength
+    measure = "linear" if peak["measure"] == "beam theory" else f"{peak['measure']}, linear"
+    rotation = "with" if peak["centrifugal"] else "without"
     return (
-        f"{_text(peak['stress'], 'Pa')}, linear, without centrifugal stress ({peak['member']},"
-        f" r = {peak['radius']:.3g} m, {_text(peak['time'], 's')})"
+        f"{_text(peak['stress'], 'Pa')}, {measure}, {rotation} centrifugal stress ("
+        f"{peak['member']}, r = {peak['radius']:.3g} m, {_text(peak['time'], 's')})"
         + (f"; beyond the yield strength, {_text(strength, 'Pa')}" if beyond else "")
     )
 

@@ -1,0 +1,125 @@
+"""Stresses at the points of a superelement, from a result.
+
+The stress is the sum of that of the modes, that of the contact forces without their part in the
+modes, and that of steady rotation, see `models.superelements.stresses`. The von Mises stress is the
+root of a sum of five squares, which are linear in the stress:
+
+    s^2 = 3/4 (xx - yy)^2 + (zz - (xx + yy) / 2)^2 + 3 (xy^2 + yz^2 + zx^2)
+"""
+
+from functools import cached_property
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.nodes import copy_coordinates
+
+ROOT = np.sqrt(3.0)
+VON_MISES = np.array(
+    [
+        [0.5 * ROOT, -0.5 * ROOT, 0.0, 0.0, 0.0, 0.0],
+        [-0.5, -0.5, 1.0, 0.0, 0.0, 0.0],
+        *ROOT * np.eye(6)[3:],
+    ]
+)
+"""Matrix from the components xx, yy, zz, xy, yz and zx to the five terms, (5, 6)."""
+
+PRODUCTS = np.array([[0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]])
+"""Axes of the components xx, yy, zz, xy, yz and zx."""
+
+
+def has_stresses(dataset: xr.Dataset) -> bool:
+    """Return true for the result of a superelement whose file gives the recovery of stress."""
+    return "stress_shape" in dataset
+
+
+class PointStresses:
+    """Von Mises stress at the points of all copies, for any records."""
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        """Prepare the products.
+
+        Args:
+            dataset: result of a superelement with stresses.
+        """
+        self._dataset = dataset
+        self._factor = dataset["copy_stiffness"].values[:, None]
+        self.points = dataset.sizes["point"]  #: number of points of a copy
+        self._modes = self._terms(dataset["stress_shape"].values)
+
+    @cached_property
+    def _forces(self) -> Array:
+        """Terms by unit contact forces, (distances, 5 points of a sector, 3 nodes of a sector)."""
+        given = self._dataset["stress_by_force"].values
+        terms = np.einsum("kc,dpcni->dpkni", VON_MISES, given)
+        return np.asarray(terms.reshape(len(terms), terms.shape[1] * len(VON_MISES), -1))
+
+    @cached_property
+    def _steady(self) -> Array | float:
+        """Terms by steady rotation, (5 points,); 0 if they are not part of the result."""
+        if "steady_stress" not in self._dataset:
+            return 0.0
+        return np.asarray((self._dataset["steady_stress"].values @ VON_MISES.T).ravel())
+
+    def _terms(self, shape: Array) -> Array:
+        """Return terms of the points for unit modal coordinates, (5 points, modes)."""
+        terms = np.einsum("kc,pcm->pkm", VON_MISES, shape)
+        return np.asarray(terms.reshape(-1, shape.shape[-1]))
+
+    def at(self, records: IntArray) -> Array:
+        """Return the von Mises stress [Pa], (record, point), of one copy after another."""
+        motion = copy_coordinates(self._dataset, "rotor_displacement", records)
+        terms = (self._factor * motion) @ self._modes.T
+        force = self._dataset["contact_force"].isel(time=records).values
+        width = self._forces.shape[2]
+        force = force.reshape(len(records), -1, width)
+        of_sectors = terms.reshape(len(records), force.shape[1], -1)
+        for sector in np.flatnonzero(force.any(axis=(0, 2))):
+            pushed = np.flatnonzero(force[:, sector].any(axis=1))
+            for distance, by_force in enumerate(self._forces):
+                place = (sector + distance) % force.shape[1]
+                of_sectors[pushed, place] += force[pushed, sector] @ by_force.T
+        terms += self._steady
+        squares = (terms.reshape(len(records), -1, len(VON_MISES)) ** 2).sum(axis=2)
+        return np.asarray(np.sqrt(squares))
+
+    def together(self, most_bytes: float) -> int:
+        """Return the number of records whose terms take at most a number of bytes; at least 1."""
+        each = 8 * len(VON_MISES) * self.points * self._dataset.sizes["copy"]
+        return max(1, int(most_bytes / each))
+
+
+def gauge_row(dataset: xr.Dataset, point: int, direction: Array) -> tuple[IntArray, Array]:
+    """Return the points of a result that have a number in the file, and the strain in a direction
+    at each of them for unit modal coordinates [kg^-1/2/m], (points, modes).
+
+    The strain follows from the stress s by the law of Hooke, ((1 + nu) n s n - nu tr s) / E for the
+    unit vector n.
+
+    Args:
+        dataset: result of a superelement.
+        point: number of the point in the file.
+        direction: direction of the gauge in the axes of the file, (3,).
+
+    Raises:
+        ViewError: the file gives no stresses or no material, or has no such point.
+    """
+    if not has_stresses(dataset) or "point_young_modulus" not in dataset:
+        raise ViewError(
+            "expected another sensor, or a file with stress_recovery, young_modulus and"
+            " poisson_ratio"
+        )
+    number = dataset["point_number"].values
+    places = np.flatnonzero(number == point)
+    if not len(places):
+        raise ViewError(f"expected a point of the file, from 0 to {number.max()}")
+    stress = dataset["stress_shape"].values[places]
+    unit = direction / np.linalg.norm(direction)
+    twice = np.where(np.arange(6) < 3, 1.0, 2.0)  # shear stresses count twice
+    along = twice * unit[PRODUCTS[0]] * unit[PRODUCTS[1]]
+    ratio = dataset["point_poisson_ratio"].values[places, None]
+    modulus = dataset["point_young_modulus"].values[places, None]
+    trace = stress[:, :3].sum(axis=1)
+    strain = (1.0 + ratio) * np.einsum("c,pcm->pm", along, stress) - ratio * trace
+    return places, np.asarray(strain / modulus)
