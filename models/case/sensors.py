@@ -63,12 +63,12 @@ def _blade(value: Any) -> Any:
 
 def _direction(value: Any) -> tuple[float, ...]:
     value = value.tolist() if hasattr(value, "tolist") else value
-    numbers = (
-        [x for x in value if isinstance(x, int | float)] if isinstance(value, list | tuple) else []
-    )
-    if len(numbers) != 3 or len(value) != 3 or not 0.0 < math.hypot(*numbers) < math.inf:
-        raise fields.expectation("three numbers [x, y, z], not all zero")
-    return tuple(map(float, numbers))
+    listed = isinstance(value, list | tuple) and len(value) == 3
+    if not (listed and all(isinstance(x, Real) and not isinstance(x, bool) for x in value)):
+        raise fields.expectation("three numbers [x, y, z]")
+    if not 0.0 < math.hypot(*value) < math.inf:
+        raise fields.expectation("three numbers [x, y, z] that are not all zero")
+    return tuple(map(float, value))
 
 
 def _noise(value: Any, info: ValidationInfo) -> float:
@@ -150,9 +150,7 @@ class StrainGauge(SensorTable):
             expected = "one of span, element, gauge and point"
             yield Inconsistency("span", expected, ("element", "gauge", "point"))
         if (self.point is None) != (self.direction is None):
-            expected = (
-                "a direction with point" if self.direction is None else "point with direction"
-            )
+            expected = "both point and direction, or neither"
             yield Inconsistency("direction", expected, ("point",))
 
 

@@ -37,6 +37,9 @@ SUPPORTS = {
     "casing.springs": [{"angle": 0.0, "radial": 1e6}, {"angle": 2.0, "tangential": 1e5}],
     "casing.struts": [{"angle": 3.0, "length": 0.2}],
 }
+NO_BEAMS = ("nodes", "points", "gauges", "stress")
+"""Parts that stages of beams do not have."""
+
 ATTRIBUTES: dict[str, Attribute] = {
     "title": "made up",
     "speed": 100.0,
@@ -90,7 +93,7 @@ def test_what_a_stage_has_none_of_is_left_out(tmp_path: Path) -> None:
     with xr.open_dataset(tmp_path / "result.nc") as actual:
         missing = {*STAGE} - {*actual.variables}
         hung = {"rotor_link", "rotor_spring", "mass_node", "point_mass"}
-        absent = {name for name in STAGE if STAGE[name].part in ("nodes", "points", "gauges")}
+        absent = {name for name in STAGE if STAGE[name].part in NO_BEAMS}
         assert missing == {name for name in STAGE if name.startswith("support_")} | hung | absent
         assert "support" not in actual.sizes
 
@@ -106,7 +109,7 @@ def test_a_result_grows_and_reads_back_to_the_last_bit(tmp_path: Path) -> None:
         recorder.finish("completed", "", {"wall_time": 0.5})
     whole = made_up(stage, 0, 208)
     with xr.open_dataset(tmp_path / "result.nc") as actual:
-        absent = {name for name in RESULT if RESULT[name].part in ("nodes", "points", "gauges")}
+        absent = {name for name in RESULT if RESULT[name].part in NO_BEAMS}
         absent |= {*COATING, "direction", "xyz"}
         assert {*actual.variables} == {*RESULT} - absent
         for name in actual.variables:

@@ -1,0 +1,266 @@
+"""Stress of superelements: static forces, steady rotation, wheels, gauges, summary and files."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+import scipy.sparse as sp
+import scipy.sparse.linalg as spl
+from solid_meshes import STEEL, TIE, bladed_sector, cantilever, grid_mesh
+
+import bladewhirl as bw
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.superelements.at_speed import at_speed
+from bladewhirl.models.superelements.condensed import condensed
+from bladewhirl.models.superelements.reduction import consistent, massless
+from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
+from bladewhirl.postprocess.fields.point_stresses import PointStresses
+from bladewhirl.postprocess.pictures.colouring import Stations, colouring
+from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.postprocess.run.summary_table import summary_rows
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
+
+SPEED = 700.0  #: [rad/s]
+
+
+def solved(part: Superelement, load: FloatArray) -> FloatArray:
+    """Stress at the points under a load on the coordinates, from all of them, (6 points,)."""
+    moved = spl.spsolve(sp.csc_array(part.stiffness), load)
+    return np.asarray(part.stress_recovery @ moved)
+
+
+def von_mises(stress: FloatArray) -> FloatArray:
+    """From the deviator, (points,)."""
+    components = stress.reshape(-1, 6)
+    tensor = components[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
+    trace = np.trace(tensor, axis1=1, axis2=2)
+    deviator = tensor - trace[:, None, None] / 3.0 * np.eye(3)
+    return np.asarray(np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2))))
+
+
+def bar() -> meshio.Mesh:
+    """A radial bar of 10 x 10 mm from a radius of 0.2 to 0.3 m."""
+
+    def shape(place: Any) -> Any:
+        return place * [0.1, 0.01, 0.01] + [0.2, -0.005, -0.005]
+
+    return grid_mesh(
+        *((10, 2, 2), shape, "hexahedron20"),
+        root=lambda place: place[:, 0] == 0.0,
+        tip=lambda place: place[:, 0] == 1.0,
+    )
+
+
+def case(folder: Path, part: Superelement, **tables: Any) -> bw.Case:
+    """Two blades in a rigid wall at speed."""
+    bw.write_superelement(folder / "part.npz", part)
+    given: dict[str, Any] = {
+        "bladed_disk": {"superelement": {"file": str(folder / "part.npz"), "copies": 2}},
+        "casing": {"type": "rigid", "clearance": 1e-4},
+        "contact": {"friction": 0.1},
+        "march": {"speed": f"{SPEED} rad/s", "duration": 0.002, "time_step": 5e-7},
+        "reduction": {"free_interface_modes": 12},
+        "initial": {"tip_velocity": [[2.0, -4.0], [0.0, 1.0]]},
+    }
+    return bw.case_from(given | tables)
+
+
+@pytest.mark.parametrize("boundary", ["massless", "consistent"])
+def test_stress_of_a_spinning_bar_is_the_closed_form(boundary: str, tmp_path: Path) -> None:
+    """rho Omega^2 (R^2 - r^2) / 2 along the bar; without lateral contraction also at the clamp."""
+    part = bw.mesh3d(bar(), **STEEL | {"poisson_ratio": 0.0})
+    kept = {"boundary": boundary, "free_interface_modes": 6, "fixed_interface_modes": 3}
+    stage = superelement_stage(
+        case(tmp_path, part, rotation={"effects": "centrifugal"}, reduction=kept)
+    )
+    arrays = stage.arrays
+    radius = arrays.point[:, 0]
+    expected = 0.5 * 7800.0 * SPEED**2 * (0.3**2 - radius**2)
+    error = arrays.steady_stress[:, 0] - expected
+    assert abs(error).max() < 0.005 * expected.max()
+    assert abs(arrays.steady_stress[:, 1:]).max() < 0.005 * expected.max()
+
+
+def test_steady_stress_is_left_out_without_effects_of_rotation(tmp_path: Path) -> None:
+    stage = superelement_stage(case(tmp_path, bw.mesh3d(bar(), **STEEL)))
+    assert "steady_stress" not in stage.arrays.stored
+    assert stage.arrays.stress_shape.shape == (stage.part.point_count, 6, 12)
+
+
+def test_centrifugal_forces_pull_as_the_mass_at_its_radius() -> None:
+    """Their sum is that of the mass times the radius of the centre of mass, less the share of the
+    clamped nodes."""
+    part = bw.mesh3d(cantilever("tetra10"), **STEEL, clamped=None)
+    assert part.centrifugal_load is not None
+    total = part.centrifugal_load.reshape(-1, 3).sum(axis=0)
+    mass = 7800.0 * 0.1 * 0.03 * 0.005
+    assert total == pytest.approx([0.25 * mass, 0.0, 0.0], abs=1e-9 * mass)
+
+
+def test_stress_of_static_forces_is_exact_with_few_modes(tmp_path: Path) -> None:
+    """With modes, residual flexibility and steady rotation, for blades of different stiffness."""
+    part = bw.mesh3d(cantilever("hexahedron20", (4, 2, 1)), **STEEL)
+    given = case(
+        tmp_path,
+        part,
+        rotation={"effects": "centrifugal"},
+        bladed_disk={
+            "superelement": {"file": str(tmp_path / "part.npz"), "copies": 2},
+            "mistuning": {"stiffness": [1.0, 1.3]},
+        },
+        march={"speed": f"{SPEED} rad/s", "duration": 1e-4, "time_step": 1e-7, "record_step": 5e-5},
+    )
+    result = march_in_memory(prepare(given))[0]
+    force = np.zeros((2, part.contacts, 3))
+    force[0, 2] = [-3.0, -0.3, 0.2]
+    force[1] = np.random.default_rng(4).standard_normal((part.contacts, 3))
+    reduced = superelement_stage(given).reduced
+    push = np.einsum("cm,bc->bm", reduced.contact, force.reshape(2, -1))
+    stiffness = np.array([[1.0], [1.3]]) * reduced.frequency**2
+    static = result.isel(time=[0]).copy()
+    static["rotor_displacement"] = ("time", "rotor_mode"), (push / stiffness).reshape(1, -1)
+    static["contact_force"] = (
+        result["contact_force"].isel(time=[0]).copy(data=force.reshape(1, -1, 3))
+    )
+    turning = at_speed(part, SPEED, coriolis=False)
+    assert part.centrifugal_load is not None
+    steady = SPEED**2 * part.centrifugal_load
+    for factor, each, found in zip(
+        (1.0, 1.3),
+        force,
+        np.split(PointStresses(static).at(np.array([0]))[0], 2),
+        strict=True,
+    ):
+        assert factor > 0.0  # a stiffer blade has the same stress under the same forces
+        load = part.contact_rows.T @ each.ravel() + steady
+        expected = von_mises(solved(turning, load))
+        assert found == pytest.approx(expected, rel=1e-6, abs=1e-6 * expected.max())
+
+
+def test_stress_of_a_wheel_from_a_sector_is_that_of_the_whole_wheel() -> None:
+    """Under forces on two of its sectors, and in steady rotation; in the axes of each sector."""
+    part = bw.mesh3d(bladed_sector("hexahedron20"), **STEEL, **TIE, contacts=2)
+    sectors = TIE["copies"]
+    turning = at_speed(part, SPEED, coriolis=False)
+    _, reduced = massless_wheel(turning, sectors, 3)
+    wheel = whole_wheel(turning, sectors)
+    force = np.zeros((sectors, 6))
+    force[0], force[5] = [-3.0, 1.0, 0.3, 0.0, 0.0, 2.0], [0.0, 0.5, 0.0, -1.0, 0.0, 0.0]
+    stress = reduced.stress
+    assert stress is not None
+    assert stress.steady is not None
+    found = stress.modes @ (reduced.contact.T @ force.ravel() / reduced.frequency**2)
+    found = found.reshape(sectors, -1)
+    for sector in (0, 5):
+        for distance, by_force in enumerate(stress.forces):
+            found[(sector + distance) % sectors] += by_force @ force[sector]
+    expected = solved(wheel, wheel.contact_rows.T @ force.ravel())
+    assert found.ravel() == pytest.approx(expected, abs=1e-6 * abs(expected).max())
+    assert wheel.centrifugal_load is not None
+    expected = solved(wheel, wheel.centrifugal_load)
+    assert stress.steady == pytest.approx(expected, abs=1e-6 * abs(expected).max())
+
+
+def test_condensed_and_consistent_superelements_keep_the_stress_of_steady_rotation() -> None:
+    part = bw.mesh3d(cantilever("hexahedron20", (4, 2, 1)), **STEEL, contacts=3)
+    small = condensed(part, 1000.0, 6)
+    reductions = [
+        massless(at_speed(part, 1000.0, coriolis=False), 6),
+        massless(at_speed(small, 1000.0, coriolis=False), 6),
+        consistent(at_speed(part, 1000.0, coriolis=False), 6, 6),
+    ]
+    steady = [one.stress.steady for one in reductions if one.stress is not None]
+    assert part.centrifugal_load is not None
+    expected = solved(at_speed(part, 1000.0, coriolis=False), part.centrifugal_load)
+    for one in steady:
+        assert one == pytest.approx(expected, abs=1e-6 * abs(expected).max())
+    assert len(steady) == 3
+
+
+def test_gauges_at_points_have_the_strain_of_the_stress(tmp_path: Path) -> None:
+    """By the inverse of the law of Hooke, in three directions, on both blades."""
+    part = bw.mesh3d(cantilever("hexahedron20", (4, 2, 1)), **STEEL)
+    point, ways = 7, [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, -0.5]]
+    rig: list[dict[str, Any]] = [
+        {"type": "strain", "point": point, "direction": way, "name": f"way-{number}"}
+        for number, way in enumerate(ways)
+    ]
+    rig += [rig[2] | {"name": "one", "blade": 1}]
+    given = case(tmp_path, part, sensor=rig, contact={"friction": 0.0})
+    result = march_in_memory(prepare(given))[0]
+    signals = bw.sensors(result)
+    shape = superelement_stage(given).arrays.stress_shape[point]
+    modal = result["rotor_displacement"].values.reshape(-1, 2, shape.shape[1])
+    stress = (modal @ shape.T)[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
+    law = 2.1e11 / 1.3 * (np.eye(9) + 0.3 / 0.4 * np.outer(np.eye(3), np.eye(3)))
+    strain = np.linalg.solve(law, stress.reshape(*stress.shape[:2], 9, 1)).reshape(stress.shape)
+    assert abs(strain).max() > 1e-6
+    for number, way in enumerate(ways):
+        unit = np.array(way) / np.linalg.norm(way)
+        expected = np.einsum("i,tbij,j->tb", unit, strain, unit)
+        np.testing.assert_allclose(
+            signals[f"way-{number}"], expected, atol=1e-9 * abs(strain).max()
+        )
+    np.testing.assert_allclose(signals["one"], signals["way-2"].sel(blade=1), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("sensor", "expected"),
+    [
+        ({"point": 3}, "expected both point and direction"),
+        ({"point": 3, "direction": [0, 0, 0]}, "three numbers"),
+        ({"point": 3, "direction": "x"}, "three numbers"),
+        ({"point": 3, "gauge": 0, "direction": [0, 0, 1]}, "one of span, element, gauge and point"),
+        ({"point": 9999, "direction": [0, 0, 1]}, "a point of the file, from 0 to"),
+    ],
+)
+def test_invalid_gauges_are_refused(sensor: dict[str, Any], expected: str, tmp_path: Path) -> None:
+    part = bw.mesh3d(cantilever("hexahedron20", (2, 1, 1)), **STEEL)
+    with pytest.raises(bw.CaseError, match=expected):
+        bw.sensors(march_in_memory(prepare(case(tmp_path, part)))[0], [{"type": "strain"} | sensor])
+
+
+def test_a_run_writes_the_largest_stress_with_a_hint(tmp_path: Path) -> None:
+    """In summary, figure, picture and series: that of all records and points."""
+    part = bw.mesh3d(cantilever("hexahedron20", (4, 2, 1)), **STEEL)
+    given = case(
+        tmp_path, part, rotation={"effects": "centrifugal"}, material={"yield_strength": 1e6}
+    )
+    run = bw.run(given, tmp_path / "run", frames=2)
+    peak = json.loads((run.directory / "summary.json").read_text())["stress_max"]["bladed_disk"]
+    assert peak["measure"] == "von Mises stress at the surface"
+    assert peak["centrifugal"] is True
+    with run.open() as result:
+        assert result["contact_impulse"].sum() > 0.0
+        records = np.arange(result.sizes["time"])
+        values = PointStresses(result).at(records)
+        record, place = np.unravel_index(values.argmax(), values.shape)
+        assert peak["stress"] == pytest.approx(values.max())
+        assert peak["time"] == pytest.approx(float(result["time"][record]))
+        assert peak["member"] == f"blade {place // part.point_count}"
+        x, y, _ = part.points[place % part.point_count]  # type: ignore[index]
+        assert peak["radius"] == pytest.approx(np.hypot(x, y))
+        history = bw.stress_history(result)
+        assert [*history["member"].values] == ["blade 0", "blade 1"]
+        largest = values.reshape(len(records), 2, -1).max(axis=2)
+        np.testing.assert_allclose(history["largest_stress"], largest)
+        figures = RunFigures(result)
+        assert "stress" in figures.kinds
+        figure, _ = figures.draw("stress")
+        assert len(figure.axes) == 2
+        stations = Stations(1, 1)
+        shown = colouring(result, "stress", records[:3], stations, rotating=True)
+        assert (shown.name, shown.unit, shown.signed) == ("von Mises stress", "MPa", False)
+        np.testing.assert_allclose(shown.surface, values[:3])
+    rows = summary_rows(run.summary)
+    assert "von Mises stress at the surface" in rows["stress of bladed disk, largest"]
+    assert "with centrifugal stress" in rows["stress of bladed disk, largest"]
+    assert rows["stress of bladed disk, largest"].endswith("beyond the yield strength, 1 MPa")
+    blades = meshio.read(next((run.directory / "vtk").glob("**/*blades*.vtu")))
+    assert blades.point_data["von_mises_stress"].shape == (2 * part.point_count,)
