@@ -35,7 +35,8 @@ class NamedMaterial(Table):
     """Density [kg/m3]."""
     yield_strength: Modulus | None = Field(default=None, examples=['"600 MPa"'])
     """Yield strength [Pa]. The summary of a run states where the stress of the motion exceeds it;
-    the static stress of centrifugal forces comes in addition. The model remains elastic."""
+    the static stress of centrifugal forces comes in addition, except for a superelement with
+    effects of rotation, whose stress includes it. The model remains elastic."""
 
 
 class Material(Table):
@@ -47,7 +48,8 @@ class Material(Table):
     """Density [kg/m3] (the paper: "steel")."""
     yield_strength: Modulus | None = Field(default=None, examples=['"600 MPa"'])
     """Yield strength [Pa]. The summary of a run states where the stress of the motion exceeds it;
-    the static stress of centrifugal forces comes in addition. The model remains elastic."""
+    the static stress of centrifugal forces comes in addition, except for a superelement with
+    effects of rotation, whose stress includes it. The model remains elastic."""
     named: Annotated[
         tuple[NamedMaterial, ...],
         rows('{ name = "titanium", young_modulus = "114 GPa", density = 4430.0 }'),

@@ -51,7 +51,8 @@ def render(
             mean contact force (normal and friction) since the previous record.
         exaggeration: Factor on displacements and clearance; 1: true to scale; automatic by default.
         frame: Frame of reference of the picture: by default static, rotating for a single blade.
-        colour: Field that colours rotor and wall; strains and stresses are those of beams.
+        colour: Field that colours rotor and wall; strains are those of beams, the stress of a
+            superelement is the von Mises stress.
         orbit: Show the shaft's orbit in an inset.
     """
     from bladewhirl.files import check_file

@@ -206,6 +206,7 @@ def superelement_properties(stage: SuperelementStage) -> dict[str, Any]:
         "modes": problem.rotor.tip_radial.shape[1],
         "smallest_clearance": float(problem.casing.clearance[:, 0].min() + stage.recess.min()),
         **({"coating": coating} if coating else {}),
+        **({} if stage.reduced.stress is None else {"stress_points": stage.part.point_count}),
         "contact_nodes": list(_nodes(stage)),
         "critical_time_step": limit,
         "dt_over_critical": timing.time_step / limit,

@@ -9,7 +9,11 @@ import scipy.io as sio
 import scipy.sparse as sp
 
 from bladewhirl.models.superelements.file import read_superelement, write_superelement
-from bladewhirl.models.superelements.superelement import SuperelementError, dense
+from bladewhirl.models.superelements.superelement import (
+    Superelement,
+    SuperelementError,
+    dense,
+)
 
 CHAIN: dict[str, Any] = {
     "mass": np.diag([1.0, 2.0, 3.0, 4.0]),
@@ -108,3 +112,52 @@ def test_files_that_are_no_superelements_are_refused(tmp_path: Path) -> None:
         with pytest.raises(SuperelementError, match=name) as caught:
             read_superelement(tmp_path / name)
         assert expected in str(caught.value)
+
+
+def test_stresses_are_converted_and_written(tmp_path: Path) -> None:
+    """From N, mm, t and s: stress per displacement from N/mm3 to Pa/m, forces from t mm to kg m."""
+    rows = np.arange(48.0).reshape(12, 4)
+    given = {
+        "points": np.full((2, 3), 100.0),
+        "recovery": np.arange(24.0).reshape(6, 4),
+        "stress_recovery": rows,
+        "young_modulus": np.array([[2.1e5, 1.1e5]]),
+        "poisson_ratio": np.array([0.3, 0.31]),
+        "centrifugal_load": np.arange(4.0),
+    }
+    units = {"length_unit": "mm", "mass_unit": "t"}
+    content = CHAIN | given | units | {"contact_position": 1e3 * CHAIN["contact_position"]}
+    np.savez(tmp_path / "a.npz", **content)
+    write_superelement(tmp_path / "b.npz", read_superelement(tmp_path / "a.npz"))
+    part = read_superelement(tmp_path / "b.npz")
+    assert part.stress_recovery is not None
+    assert dense(part.stress_recovery) == pytest.approx(1e9 * rows)
+    assert part.young_modulus == pytest.approx([2.1e11, 1.1e11])
+    assert part.poisson_ratio == pytest.approx([0.3, 0.31])
+    assert part.centrifugal_load == pytest.approx(np.arange(4.0))
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"stress_recovery": np.ones((11, 4))}, r"expected \(12, 4\), six rows a point, got"),
+        ({"stress_recovery": np.full((12, 4), np.nan)}, "stress_recovery: expected finite numbers"),
+        ({"young_modulus": np.ones(3)}, r"a number for each point, \(2,\), got \(3,\)"),
+        ({"young_modulus": np.array([1.0, -1.0])}, "young_modulus: expected numbers above 0"),
+        ({"poisson_ratio": np.array([0.3, 0.6])}, "numbers above -1, up to 0.5"),
+        ({"poisson_ratio": None}, "expected both young_modulus and poisson_ratio"),
+        ({"stress_recovery": None}, "only allowed together with stress_recovery"),
+        ({"centrifugal_load": np.ones(3)}, r"centrifugal_load: expected \(4,\), got \(3,\)"),
+    ],
+)
+def test_invalid_stresses_are_refused(changes: dict[str, Any], expected: str) -> None:
+    given = {
+        "points": np.zeros((2, 3)),
+        "recovery": np.ones((6, 4)),
+        "stress_recovery": np.ones((12, 4)),
+        "young_modulus": np.ones(2),
+        "poisson_ratio": np.zeros(2),
+        "centrifugal_load": np.ones(4),
+    }
+    with pytest.raises(SuperelementError, match=expected):
+        Superelement(**CHAIN | given | changes)

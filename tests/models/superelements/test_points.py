@@ -31,6 +31,9 @@ def test_fewer_points_keep_shape_and_displacements(blade: Superelement) -> None:
     field = np.random.default_rng(0).standard_normal(blade.size)
     moved = (dense(blade.recovery) @ field).reshape(-1, 3)
     assert (dense(some.recovery) @ field).reshape(-1, 3) == pytest.approx(moved[shown])
+    stress = (dense(blade.stress_recovery) @ field).reshape(-1, 6)
+    assert (dense(some.stress_recovery) @ field).reshape(-1, 6) == pytest.approx(stress[shown])
+    assert some.young_modulus == pytest.approx(np.full(len(shown), 2.1e11))
     assert area(some) == pytest.approx(area(blade), rel=0.2)
 
 

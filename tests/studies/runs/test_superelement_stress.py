@@ -264,3 +264,43 @@ def test_a_run_writes_the_largest_stress_with_a_hint(tmp_path: Path) -> None:
     assert rows["stress of bladed disk, largest"].endswith("beyond the yield strength, 1 MPa")
     blades = meshio.read(next((run.directory / "vtk").glob("**/*blades*.vtu")))
     assert blades.point_data["von_mises_stress"].shape == (2 * part.point_count,)
+
+
+def test_a_result_of_sectors_has_the_stress_of_the_whole_wheel(tmp_path: Path) -> None:
+    """Static forces on two blades: von Mises stress at all points, and gauges on all blades."""
+    part = bw.mesh3d(bladed_sector("hexahedron20"), **STEEL, **TIE, contacts=2)
+    sectors = TIE["copies"]
+    assert part.points is not None
+    point = int(abs(np.hypot(*part.points[:, :2].T) - 0.1).argmin())  # low on the blade
+    file = {"file": str(tmp_path / "part.npz"), "kind": "sector", "copies": sectors}
+    given = case(
+        tmp_path,
+        part,
+        bladed_disk={"superelement": file},
+        shaft={"clamped": True},
+        reduction={"free_interface_modes": 3},
+        initial={},
+        march={"speed": "10 rad/s", "duration": 1e-6, "time_step": 1e-7, "record_step": 1e-6},
+        sensor=[{"type": "strain", "point": point, "direction": [0.0, 0.0, 1.0]}],
+    )
+    result = march_in_memory(prepare(given))[0]
+    force = np.zeros((sectors, 6))
+    force[2], force[7] = [-3.0, 1.0, 0.3, 0.0, 0.0, 2.0], [0.0, 0.5, 0.0, -1.0, 0.0, 0.0]
+    reduced = superelement_stage(given).reduced
+    static = result.copy()
+    moved = reduced.contact.T @ force.ravel() / reduced.frequency**2
+    records = result.sizes["time"]
+    static["rotor_displacement"] = ("time", "rotor_mode"), np.tile(moved, (records, 1))
+    static["contact_force"] = result["contact_force"].copy(
+        data=np.tile(force.reshape(-1, 3), (records, 1, 1))
+    )
+    wheel = whole_wheel(part, sectors)
+    stress = solved(wheel, wheel.contact_rows.T @ force.ravel())
+    expected = von_mises(stress)
+    found = PointStresses(static).at(np.array([0]))[0]
+    assert found == pytest.approx(expected, rel=1e-6, abs=1e-6 * expected.max())
+    ours = (reduced.stress.modes @ moved).reshape(sectors, -1, 6)[:, point]  # type: ignore[union-attr]
+    strain = (1.3 * ours[:, 2] - 0.3 * ours[:, :3].sum(axis=1)) / 2.1e11
+    (signal,) = bw.sensors(static).data_vars.values()
+    assert abs(strain).max() > 1e-10
+    assert signal.values[0] == pytest.approx(strain, rel=1e-9, abs=1e-9 * abs(strain).max())
