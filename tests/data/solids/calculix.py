@@ -79,13 +79,20 @@ def frequencies(model: str, modes: str, speed: float) -> list[tuple[int, float]]
     return [(int(one[0]), float(one[-2])) for one in actual]
 
 
-def surface_stress(element: str) -> list[list[float]]:
-    """Return the stress xx, yy, zz, xy, yz and zx [Pa] at the nodes of the cantilever under 10 N
-    along z on each node of its tip, from the file .frd, which has six digits."""
+LOADS = {
+    "tip": "*CLOAD\ntip, 3, 10.0\n",
+    "rotation": f"*DLOAD\nall, CENTRIF, {SPEED**2!r}, 0, 0, 0, 0, 0, 1\n",
+}
+"""Loads of static steps: 10 N along z on each node of the tip; steady rotation."""
+
+
+def nodal_stress(element: str, load: str) -> list[list[float]]:
+    """Return the stress xx, yy, zz, xy, yz and zx [Pa] at the nodes of the cantilever, from the
+    file .frd, which has six digits."""
     model = deck_text(cantilever(SOLIDS[element], (8, 3, 1)), element) + STEEL
-    step = "*STATIC\n*CLOAD\ntip, 3, 10.0\n*EL FILE\nS\n"
+    step = f"*STEP\n*STATIC\n{LOADS[load]}*EL FILE\nS\n*END STEP\n"
     with TemporaryDirectory() as folder:
-        (Path(folder) / "job.inp").write_text(f"{model}*BOUNDARY\nroot, 1, 3\n" + steps(step, 0.0))
+        (Path(folder) / "job.inp").write_text(f"{model}*BOUNDARY\nroot, 1, 3\n{step}")
         subprocess.run(["ccx", "job"], cwd=folder, check=True, capture_output=True)
         block = (Path(folder) / "job.frd").read_text().partition("STRESS")[2]
     rows = [line for line in block.partition("\n -3")[0].splitlines() if line[:3] == " -1"]
@@ -116,7 +123,8 @@ for kind, shape in SOLIDS.items():
             [value for number, value in found if number == k][::2] for k in range(7)
         ]
 (here / "calculix.json").write_text(json.dumps(content, indent=1) + "\n")
-stress = {kind: surface_stress(kind) for kind in ("C3D8I", "C3D10", "C3D15", "C3D20", "C3D20R")}
+loaded = ("C3D8I", "C3D10", "C3D15", "C3D20", "C3D20R")
+stress = {load: {kind: nodal_stress(kind, load) for kind in loaded} for load in LOADS}
 (here / "stress.json").write_text(json.dumps(stress) + "\n")
 model = deck_text(cantilever("tetra", (2, 1, 1)), "C3D4") + STEEL + "*BOUNDARY\nroot, 1, 3\n"
 with TemporaryDirectory() as folder:

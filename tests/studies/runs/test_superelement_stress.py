@@ -304,3 +304,30 @@ def test_a_result_of_sectors_has_the_stress_of_the_whole_wheel(tmp_path: Path) -
     (signal,) = bw.sensors(static).data_vars.values()
     assert abs(strain).max() > 1e-10
     assert signal.values[0] == pytest.approx(strain, rel=1e-9, abs=1e-9 * abs(strain).max())
+
+
+@pytest.mark.parametrize(
+    ("velocity", "end", "hint"),
+    [(5.0, "completed", ""), (20.0, "completed", "draw back"), (600.0, "divergent", "a tenth or")],
+)
+def test_a_blade_that_bends_far_gets_a_hint_and_ends_at_its_length(
+    velocity: float, end: str, hint: str, tmp_path: Path
+) -> None:
+    """A staggered blade of 100 mm bends along axis and circumference, without contact."""
+    part = bw.mesh3d(cantilever("hexahedron20", (4, 2, 1)), **STEEL)
+    given = case(
+        tmp_path,
+        part,
+        casing={"type": "rigid", "clearance": 0.2},
+        initial={"tip_velocity": [[0.0, velocity], [0.0, 0.0]]},
+    )
+    stage = superelement_stage(given)
+    assert stage.problem.displacement_limit == pytest.approx(0.1, rel=5e-3)
+    run = bw.run(given, tmp_path / "run", frames=0)
+    assert run.end_reason == end
+    found = " ".join(run.hints)
+    assert ("of the length of a blade" in found) == bool(hint)
+    assert hint in found
+    if end == "divergent":
+        assert "axially" in run.end_message
+        assert "passed march.displacement_limit = 0.1" in run.end_message
