@@ -38,7 +38,7 @@ class StressPeak(TypedDict):
     """Largest linear elastic stress of a body."""
 
     stress: float  #: [Pa], signed
-    measure: str  #: "beam theory", or "von Mises stress at the surface", which is positive
+    measure: str  #: "beam theory", or "von Mises stress away from contact nodes"
     centrifugal: bool  #: true if the stress of steady rotation is included
     member: str  #: "blade 3", another part of the rotor, or "casing"
     radius: float  #: radius of the stressed point in the undeformed body [m]

@@ -88,7 +88,8 @@ def stress_history(
         member only: `peak_stress` [Pa], the surface stress of largest magnitude at any time,
         signed, the time `peak_time` [s], and the radius of the point in the undeformed body,
         `peak_radius` [m]. Blades of a superelement whose file gives the recovery of stress have
-        the von Mises stress at the surface as `largest_stress` and `peak_stress`, with the stress
+        the von Mises stress at the surface as `largest_stress` and `peak_stress`, at points whose
+        distance from contact nodes is more than a tenth of the length of a blade, with the stress
         of steady rotation if the case has effects of rotation; the other variables are nan.
 
     Example:
@@ -146,8 +147,8 @@ def peak_stresses(dataset: xr.Dataset) -> xr.Dataset:
 
 def measure_of(dataset: xr.Dataset) -> str:
     """Return the measure of the largest stress of the bladed disk: that of beam theory, or the von
-    Mises stress at the surface of a superelement."""
-    return "von Mises stress at the surface" if has_stresses(dataset) else "beam theory"
+    Mises stress at the surface of a superelement, see `surface_stresses`."""
+    return "von Mises stress away from contact nodes" if has_stresses(dataset) else "beam theory"
 
 
 def _add_surface(peak: dict[str, Array], surface: SurfaceStresses) -> None:

@@ -1,17 +1,30 @@
-"""Largest von Mises stress on the surface of each blade of a superelement over time."""
+"""Largest von Mises stress on the surface of each blade of a superelement over time.
+
+A contact force acts on a point, at which the stress of a fine mesh has no limit. Points near
+contact nodes are therefore left out.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from scipy.spatial import KDTree
 
-from bladewhirl.postprocess.fields.by_blade import blade_count
+from bladewhirl.postprocess.fields.by_blade import blade_count, blade_length
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.fields.nodes import placed_points, point_blades
+from bladewhirl.postprocess.fields.nodes import (
+    placed_contact_nodes,
+    placed_points,
+    point_blades,
+)
 from bladewhirl.postprocess.fields.point_stresses import PointStresses
 from bladewhirl.postprocess.fields.result import portions
 
 PORTION_BYTES = 3e7  #: size of the stresses computed in one matrix product [bytes]
+
+NEAR = 0.1
+"""Distance from the nearest contact node, divided by the length of a blade, up to which points are
+left out."""
 
 
 class SurfaceStresses(NamedTuple):
@@ -24,18 +37,20 @@ class SurfaceStresses(NamedTuple):
 
 
 def surface_stresses(dataset: xr.Dataset) -> SurfaceStresses:
-    """Return the largest von Mises stress on the surface of each blade.
+    """Return the largest von Mises stress on the surface of each blade, away from contact nodes.
 
     A point of a wheel belongs to the blade of the nearest contact node.
 
     Args:
         dataset: result of a superelement with stresses.
     """
-    stresses, blade = PointStresses(dataset), point_blades(dataset)
+    stresses, blade, places = PointStresses(dataset), point_blades(dataset), placed_points(dataset)
     blades, time = blade_count(dataset), dataset["time"].values
+    distance = KDTree(placed_contact_nodes(dataset)).query(places)[0]
     order = np.argsort(blade, kind="stable")
+    order = order[distance[order] > NEAR * blade_length(dataset)]
     starts = np.searchsorted(blade[order], np.arange(blades))
-    radius = np.hypot(*placed_points(dataset)[:, :2].T)
+    radius = np.hypot(*places[:, :2].T)
     largest = np.zeros((len(time), blades))
     peak, when, where = np.zeros(blades), np.zeros(blades), np.zeros(blades)
     present = np.flatnonzero(np.diff(np.append(starts, len(order))))
