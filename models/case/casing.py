@@ -16,6 +16,8 @@ from bladewhirl.models.sections.wall import TURN, Arc, Lobe, LobeRows, RingProfi
 
 SAME_ANGLE = 1e-9  #: difference below which two angles count as equal [rad]
 
+STEEPEST = np.radians(30.0)  #: largest slope of a conical wall [rad]
+
 ELEMENTS_PER_LOBE = 4
 """Smallest number of elements per wave. With fewer elements, the error of the clearance, which is a
 cubic polynomial between nodes, exceeds 2 % of the amplitude."""
@@ -161,6 +163,13 @@ class Casing(Table):
     """Radius from which the clearance of a rigid wall is measured [m]. By default the clearance of
     each contact node is measured from the radius of this node, so that the wall follows the shape
     of the tip."""
+    slope: Annotated[float, fields.quantity("rad", "any")] = Field(
+        default=0.0, examples=['"3 deg"']
+    )
+    """Slope of a conical wall under a superelement, at most 30 deg [rad]: its radius grows by the
+    tangent of the slope along the axis. The clearance still counts at each contact node along the
+    radius; gap, normal force and friction have the directions of the wall. On a flexible casing,
+    the radial part of the friction along the slope is left out."""
 
     @property
     def clearance_profile(self) -> RingProfile:
@@ -185,6 +194,8 @@ class Casing(Table):
         """Yield errors for a negative clearance or thickness, for more lobes than the elements
         resolve, for two thickness stations at one angle, and for stiffened arcs that overlap."""
         most = fields.MOST if self.type == "rigid" else self.elements // ELEMENTS_PER_LOBE
+        if not abs(self.slope) <= STEEPEST:
+            yield Inconsistency("slope", "from -30 to 30 deg")
         if self.radius is not None and self.type == "ring":
             expected = (
                 'not allowed with casing.type = "ring", whose radius follows from the tips;'

@@ -497,6 +497,8 @@ class ContactProblem:
     coating: WallCoating | NodeCoating | None = None
     """Abradable coating: a `NodeCoating` under `ContactNodes`."""
     foreshortening: Foreshortening | None = None  #: gaps that open as blades bend
+    slope: float = 0.0
+    """Slope of a conical wall [rad], in whose axes contact nodes move, see `cone`."""
     law: dict[str, float] = field(default_factory=lambda: Contact().law)
     """Numbers of the contact law of the scheme, by their key in the table `contact` of a case."""
 

@@ -9,6 +9,7 @@ from bladewhirl.meshes.ring_mesh import W
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
+from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.models.superelements.reduction import rigid_limit
@@ -158,15 +159,18 @@ def locking_friction(stage: SuperelementStage) -> dict[int, float]:
 
 
 def static_response(stage: SuperelementStage) -> tuple[FloatArray, FloatArray]:
-    """Return the radial displacement of each contact node per radial and per tangential force on
-    it [m/N], (nodes,) each. Both arrays are empty for a structure with rigid modes."""
+    """Return the displacement of each contact node normal to the wall, per normal and per
+    tangential force on it [m/N], (nodes,) each; empty for a structure with rigid modes."""
     reduced = stage.reduced
     squares = reduced.frequency**2
     if squares.min() <= rigid_limit(stage.part):
         return np.zeros(0), np.zeros(0)
     # The modes and the residual flexibility together are statically exact.
-    radial, tangential = reduced.contact[::3], reduced.contact[1::3]
-    residual = np.diag(reduced.compliance)[::3], np.diag(reduced.compliance, 1)[::3]
+    slope = stage.case.casing.slope
+    rows = in_wall_axes(reduced.contact, slope)
+    compliance = compliance_in_wall_axes(reduced.compliance, slope)
+    radial, tangential = rows[::3], rows[1::3]
+    residual = np.diag(compliance)[::3], np.diag(compliance, 1)[::3]
     return (
         residual[0] + (radial**2) @ (1.0 / squares),
         residual[1] + (radial * tangential) @ (1.0 / squares),

@@ -21,6 +21,7 @@ from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.describe import casing_arrays
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.coating import node_coating
+from bladewhirl.models.stage.cone import in_cone
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     NodeCoating,
@@ -160,7 +161,7 @@ class SuperelementStage:
         """
         case, blade = self.case, self.blade
         rotor = self.rotor_at(speed)
-        problem = ContactProblem(
+        cylinder = ContactProblem(
             rotor=rotor,
             casing=self.wall,
             speed=speed,
@@ -188,6 +189,7 @@ class SuperelementStage:
                 )
             ),
         )
+        problem = in_cone(cylinder, case.casing.slope)
         self._check_start(problem)
         return problem
 

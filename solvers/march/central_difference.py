@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.contact_problem import ContactProblem, WallCoating
 from bladewhirl.solvers.kernel.structs import (
     Arrays,
@@ -261,6 +262,11 @@ class CentralDifference:
         moved = motion.reshape(written, copies, modes) @ nodes.columns
         if nodes.massless:
             moved = moved + np.einsum("rcj,cij->rci", force, nodes.compliance)
+        slope = self._problem.slope
+        moved, force = (
+            in_wall_axes(each.reshape(written, -1).T, -slope).T if slope else each
+            for each in (moved, force)
+        )
         return {
             "contact_displacement": moved.reshape(written, tips, DIRECTIONS),
             "contact_force": force.reshape(written, tips, DIRECTIONS).copy(),
