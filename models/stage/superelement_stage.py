@@ -51,13 +51,12 @@ from bladewhirl.models.superelements.reduction import (
     massless,
     rigid_limit,
 )
-from bladewhirl.models.superelements.stresses import COMPONENTS
-from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
-from bladewhirl.models.superelements.wheel import (
-    WheelOverSpeeds,
-    massless_wheel,
-    whole_wheel,
+from bladewhirl.models.superelements.superelement import (
+    COMPONENTS,
+    Superelement,
+    SuperelementError,
 )
+from bladewhirl.models.superelements.wheel import WheelOverSpeeds, massless_wheel, whole_wheel
 
 LENGTH = 0.2
 """Length of a blade, divided by the largest radius of a contact node, if the file does not show

@@ -8,8 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.superelements.stresses import COMPONENTS
-from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.models.superelements.superelement import COMPONENTS, Superelement
 
 WIDER = 1.1  #: factor by which cells grow until there are few enough of them
 

@@ -9,18 +9,13 @@ contact forces f without their part in the modes (so that the stress under stati
 and the static displacements u by the centrifugal forces M X of the structure, `centrifugal_load`.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-
-if TYPE_CHECKING:
-    from bladewhirl.models.superelements.superelement import Superelement
-
-COMPONENTS = 6  #: components xx, yy, zz, xy, yz and zx of a stress
+from bladewhirl.models.superelements.superelement import Superelement
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +33,7 @@ class ReducedStress:
     them."""
 
 
-def load_columns(part: "Superelement", rows: FloatArray) -> FloatArray:
+def load_columns(part: Superelement, rows: FloatArray) -> FloatArray:
     """Return columns of forces on contact nodes, with the centrifugal load if its stress is needed,
     (n, 3c or 3c + 1)."""
     if part.stress_recovery is None or part.centrifugal_load is None:
@@ -47,7 +42,7 @@ def load_columns(part: "Superelement", rows: FloatArray) -> FloatArray:
 
 
 def reduced_stress(
-    part: "Superelement", squares: FloatArray, shapes: FloatArray, moved: FloatArray, elastic: Any
+    part: Superelement, squares: FloatArray, shapes: FloatArray, moved: FloatArray, elastic: Any
 ) -> ReducedStress | None:
     """Return the stresses of a reduction; None without `stress_recovery`.
 
@@ -71,26 +66,3 @@ def reduced_stress(
         forces=np.asarray(rows @ moved[:, : 3 * part.contacts])[None],
         steady=steady,
     )
-
-
-def stress_faults(part: "Superelement") -> Iterator[str]:
-    """Yield the faults of the arrays of stresses, each as "KEY: expected ..."."""
-    n, rows, given_points = part.size, part.stress_recovery, part.points
-    points = 0 if given_points is None or not given_points.ndim else len(given_points)
-    if part.centrifugal_load is not None and part.centrifugal_load.shape != (n,):
-        yield f"centrifugal_load: expected ({n},), got {part.centrifugal_load.shape}"
-    if rows is not None and rows.shape != (COMPONENTS * points, n):
-        given = tuple(map(int, rows.shape))
-        yield f"stress_recovery: expected {(COMPONENTS * points, n)}, six rows a point, got {given}"
-    for key, least, most in (("young_modulus", 0.0, np.inf), ("poisson_ratio", -1.0, 0.5)):
-        values = getattr(part, key)
-        if values is None:
-            continue
-        if rows is None:
-            yield f"{key}: only allowed together with stress_recovery, which is missing"
-        elif values.shape != (points,):
-            yield f"{key}: expected a number for each point, ({points},), got {values.shape}"
-        elif not ((values > least) & (values <= most)).all():
-            yield f"{key}: expected numbers above {least:g}, up to {most:g}"
-    if (part.young_modulus is None) != (part.poisson_ratio is None):
-        yield "young_modulus: expected both young_modulus and poisson_ratio, or neither"

@@ -12,7 +12,6 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.fields import SMALLEST
 from bladewhirl.models.inputs.plausible import fault_of
-from bladewhirl.models.superelements.stresses import stress_faults
 
 Matrix: TypeAlias = FloatArray | sp.csr_array
 """A dense or a sparse matrix."""
@@ -50,6 +49,8 @@ SQUARE = (
 
 RECOVERIES = ("recovery", "strain_recovery", "stress_recovery")
 """Names of the matrices from coordinates to other quantities."""
+
+COMPONENTS = 6  #: components xx, yy, zz, xy, yz and zx of a stress
 
 NUMBERS = ("contact_position", "points", "young_modulus", "poisson_ratio", "centrifugal_load")
 """Names of the arrays of numbers."""
@@ -226,7 +227,7 @@ def _faults(part: Superelement) -> Iterator[str]:
     strains = part.strain_recovery
     if strains is not None and (strains.ndim != 2 or strains.shape[1] != n or not strains.shape[0]):
         yield f"strain_recovery: expected (gauges, {n}), got {_shape(strains)}"
-    yield from stress_faults(part)
+    yield from _stress_faults(part)
     if (part.left_dofs is None) != (part.right_dofs is None):
         yield "left_dofs: expected both left_dofs and right_dofs, or neither"
     elif part.left_dofs is not None and part.right_dofs is not None:
@@ -274,6 +275,29 @@ def _picture_faults(part: Superelement) -> Iterator[str]:
         and part.triangles.max() < p
     ):
         yield f"triangles: expected numbers of points from 0 to {p - 1}, (triangles, 3)"
+
+
+def _stress_faults(part: Superelement) -> Iterator[str]:
+    """Yield the faults of the arrays of stresses, each as "KEY: expected ..."."""
+    n, rows, given_points = part.size, part.stress_recovery, part.points
+    points = 0 if given_points is None or not given_points.ndim else len(given_points)
+    if part.centrifugal_load is not None and part.centrifugal_load.shape != (n,):
+        yield f"centrifugal_load: expected ({n},), got {_shape(part.centrifugal_load)}"
+    if rows is not None and rows.shape != (COMPONENTS * points, n):
+        shape = (COMPONENTS * points, n)
+        yield f"stress_recovery: expected {shape}, six rows a point, got {_shape(rows)}"
+    for key, least, most in (("young_modulus", 0.0, np.inf), ("poisson_ratio", -1.0, 0.5)):
+        values = getattr(part, key)
+        if values is None:
+            continue
+        if rows is None:
+            yield f"{key}: only allowed together with stress_recovery, which is missing"
+        elif values.shape != (points,):
+            yield f"{key}: expected a number for each point, ({points},), got {_shape(values)}"
+        elif not ((values > least) & (values <= most)).all():
+            yield f"{key}: expected numbers above {least:g}, up to {most:g}"
+    if (part.young_modulus is None) != (part.poisson_ratio is None):
+        yield "young_modulus: expected both young_modulus and poisson_ratio, or neither"
 
 
 def diagonal(matrix: Matrix) -> FloatArray:
