@@ -142,12 +142,12 @@ def test_stresses_are_converted_and_written(tmp_path: Path) -> None:
     [
         ({"stress_recovery": np.ones((11, 4))}, r"expected \(12, 4\), six rows a point, got"),
         ({"stress_recovery": np.full((12, 4), np.nan)}, "stress_recovery: expected finite numbers"),
-        ({"young_modulus": np.ones(3)}, r"a number for each point, \(2,\), got \(3,\)"),
+        ({"young_modulus": np.ones(3)}, r"a number for each point, \(2,\), got \(3\)"),
         ({"young_modulus": np.array([1.0, -1.0])}, "young_modulus: expected numbers above 0"),
         ({"poisson_ratio": np.array([0.3, 0.6])}, "numbers above -1, up to 0.5"),
         ({"poisson_ratio": None}, "expected both young_modulus and poisson_ratio"),
         ({"stress_recovery": None}, "only allowed together with stress_recovery"),
-        ({"centrifugal_load": np.ones(3)}, r"centrifugal_load: expected \(4,\), got \(3,\)"),
+        ({"centrifugal_load": np.ones(3)}, r"centrifugal_load: expected \(4,\), got \(3\)"),
     ],
 )
 def test_invalid_stresses_are_refused(changes: dict[str, Any], expected: str) -> None:
