@@ -22,7 +22,7 @@ from bladewhirl.postprocess.plotting.style import (
 )
 
 DRAWN = 0.2  #: largest displacement in a picture, divided by the radius
-BEAM_PIECES = 8  #: largest number of straight pieces by which the Hermite curve of a beam is drawn
+BEAM_PIECES = 4  #: largest number of straight pieces by which the Hermite curve of a beam is drawn
 MOST_PIECES = 16_000
 """Largest number of pieces in all beams of the bladed disk; with many beams, each beam has fewer
 than `BEAM_PIECES`."""

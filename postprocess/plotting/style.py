@@ -15,6 +15,7 @@ import matplotlib.style
 import xarray as xr
 from cycler import cycler
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from bladewhirl.files import replacing
@@ -109,7 +110,9 @@ def at_width(width: float | None) -> Iterator[None]:
 def new_figure(*, width: float = COLUMN_WIDTH, height: float) -> Figure:
     """Return an empty figure in constrained layout, with a width [m], unless `at_width` gives
     another one, and a height [m]."""
-    return Figure(figsize=((_width.get() or width) / INCH, height / INCH), layout="constrained")
+    figure = Figure(figsize=((_width.get() or width) / INCH, height / INCH), layout="constrained")
+    FigureCanvasAgg(figure)  # measures text without starting a picture for each text
+    return figure
 
 
 def time_axis(*panels: Axes) -> None:
@@ -120,6 +123,19 @@ def time_axis(*panels: Axes) -> None:
         axes.locator_params(axis="x", nbins=5)
         axes.xaxis.set_major_formatter(lambda value, _: f"{scale * value:.6g}")
     panels[-1].set_xlabel(f"time [{unit}]")
+
+
+@contextmanager
+def laid_out(figure: Figure) -> Iterator[None]:
+    """Lay out a figure once, instead of twice for each file written in the ``with`` block."""
+    layout = figure.get_layout_engine()
+    if layout is not None and figure.axes:
+        layout.execute(figure)
+        figure.set_layout_engine(None)
+    try:
+        yield
+    finally:
+        figure.set_layout_engine(layout)
 
 
 @styled
@@ -141,15 +157,11 @@ def save_figure(
     path = Path(path)
     name = path.stem if path.suffix in (".png", ".pdf", ".svg") else path.name
     pictures = [path.with_name(f"{name}.{suffix}") for suffix in formats]
-    layout = figure.get_layout_engine()
-    if layout is not None and figure.axes:
-        layout.execute(figure)  # once, instead of twice for each file
-        figure.set_layout_engine(None)
-    for picture, suffix in zip(pictures, formats, strict=True):
-        faster: Any = {"pil_kwargs": {"compress_level": 3}} if suffix == "png" else {}
-        with replacing(picture) as draft:
-            figure.savefig(draft, format=suffix, **faster)
-    figure.set_layout_engine(layout)
+    with laid_out(figure):
+        for picture, suffix in zip(pictures, formats, strict=True):
+            faster: Any = {"pil_kwargs": {"compress_level": 3}} if suffix == "png" else {}
+            with replacing(picture) as draft:
+                figure.savefig(draft, format=suffix, **faster)
     if data is None:
         return pictures
     beside = path.with_name(f"{name}.nc")

@@ -3,7 +3,6 @@
 import numpy as np
 import xarray as xr
 from matplotlib import rcParams
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.textpath import TextPath
@@ -53,7 +52,7 @@ def retitle(figure: Figure, title: str) -> None:
 
 def plain_exponents(figure: Figure) -> None:
     """Write powers of ten of logarithmic axes as 1e-05, because raised exponents are too small."""
-    for axes in figure.findobj(Axes):
+    for axes in [each for panel in figure.axes for each in (panel, *panel.child_axes)]:
         for axis in (axes.xaxis, axes.yaxis):
             old = axis.get_major_formatter()
             if isinstance(old, LogFormatter):

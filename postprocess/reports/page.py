@@ -19,7 +19,7 @@ from bladewhirl.files import write_atomically
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.plotting.figures import Figures
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
-from bladewhirl.postprocess.plotting.style import styled
+from bladewhirl.postprocess.plotting.style import laid_out, styled
 
 DPI = 200  #: resolution of the pictures: a column of 8 cm is as wide as half a screen [1/inch]
 
@@ -145,7 +145,8 @@ def report_figures(
 @styled
 def _as_png(figure: Figure) -> str:
     file = io.BytesIO()
-    figure.savefig(file, format="png", dpi=DPI)
+    with laid_out(figure):
+        figure.savefig(file, format="png", dpi=DPI)
     return base64.b64encode(file.getvalue()).decode("ascii")
 
 

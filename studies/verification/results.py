@@ -129,7 +129,7 @@ def circle(way: str) -> Pairs:
     """Compare the whirl rate of a circular orbit without contact in both frames with the suspension
     frequency. The labels of the whirl direction agree with the direction in which the shaft
     starts."""
-    longer = {"march__duration": 0.2, "march__record_step": 4e-5}
+    longer = {"march__duration": 0.1, "march__record_step": 4e-5}
     pair = {"reduction__modes": "suspension,casing:1", **longer}
     still = {"initial__centre_velocity": (0.0, 0.0)}
     natural = float(recorded(**pair, **still)["rotor_frequency"][0])
