@@ -15,6 +15,7 @@ from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import Modes
+from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.rotation.whirl_modes import WhirlModes
 
@@ -80,14 +81,16 @@ class PointShapes:
 
     position: FloatArray  #: undeformed points [m], (points, 3)
     triangle: IntArray  #: points of each surface triangle, (triangles, 3); may be empty
-    displacement: FloatArray  #: real displacements [kg^-1/2], (modes, points, 3)
+    displacement: ComplexArray
+    """Displacements [kg^-1/2], (modes, points, 3); a mode moves as Re(displacement exp(i w t))."""
+    stage: StageArrays  #: the structure that the points belong to, with its contact nodes
 
 
 @dataclass(frozen=True, kw_only=True)
 class ModalModel(ABC):
     """Bladed disk and casing in their modes, at any speed of rotation."""
 
-    of_lines: ClassVar[bool] = False  #: true if the bladed disk consists of lines, as films show it
+    of_lines: ClassVar[bool] = False  #: true if the bladed disk consists of lines
 
     case: Case
     reference_frequency: float
@@ -130,6 +133,11 @@ class ModalModel(ABC):
     def listed_modes(self) -> LabelledModes | LabelledWhirlModes:
         """Modes of the bladed disk at the speed of the case, with a free or a clamped centre as the
         case requires."""
+
+    @property
+    def has_surface(self) -> bool:
+        """True if films can show the bladed disk: as lines, or as triangles between its points."""
+        return self.of_lines
 
     def points(self, numbers: IntArray) -> PointShapes | None:
         """Return some of the listed modes at the points of the bladed disk; None if it consists of

@@ -107,6 +107,10 @@ class ModalSuperelement(ModalModel):
     def listed_modes(self) -> LabelledModes | LabelledWhirlModes:
         return self.by_centre[self.centre]
 
+    @property
+    def has_surface(self) -> bool:
+        return self.stage.part.triangles is not None
+
     def points(self, numbers: IntArray) -> PointShapes:
         part, listed = self.stage.part, self.listed_modes
         if part.points is None:
@@ -115,35 +119,41 @@ class ModalSuperelement(ModalModel):
             )
         amplitudes: Sequence[ComplexArray | FloatArray]
         if isinstance(listed, LabelledWhirlModes):
+            ahead = np.array(listed.modes.direction) == "forward"  # p of exp(-i k angle)
             amplitudes = listed.modes.amplitudes
             columns = np.zeros(listed.modes.count, dtype=np.int64)
         else:
             amplitudes, columns = listed.amplitudes, listed.column
+            ahead = np.full(listed.count, False)
         displacement = []
         for mode in numbers.tolist():
             k, column = int(listed.nodal_diameter[mode]), int(columns[mode])
             if UNKNOWN in self.blocks or self._table.kind == "blade":
                 field = next(iter(self.blocks.values())).points @ amplitudes[mode]
-                displacement.append(field.real.reshape(-1, 3))
+                displacement.append(field.reshape(-1, 3))
                 continue
             sine = -1j if column > 0 and column % 2 == 0 else 1.0
             field = sine * (self.blocks[k].points @ amplitudes[mode])
-            displacement.append(self._around(k, field))
-        none = np.zeros((0, 3), dtype=np.int64)
+            wave = self._around(k, field)
+            displacement.append(wave.conj() if ahead[mode] else wave)
+        turn, arrays = self._table.angle, self.stage.arrays
+        moved = np.array(displacement, dtype=np.complex128).reshape(-1, *part.points.shape)
         return PointShapes(
-            position=part.points,
-            triangle=none if part.triangles is None else part.triangles,
-            displacement=np.array(displacement).reshape(-1, *part.points.shape),
+            position=rotate(part.points, turn),
+            triangle=arrays.triangle,
+            displacement=rotate(moved.real, turn) + 1j * rotate(moved.imag, turn),
+            stage=arrays,
         )
 
-    def _around(self, k: int, field: ComplexArray) -> FloatArray:
-        """Return the real displacements of the points of the whole structure, (points, 3), from the
-        complex ones of its first sector, or of the whole wheel, with nodal diameter k."""
+    def _around(self, k: int, field: ComplexArray) -> ComplexArray:
+        """Return the displacements of the points of the whole structure, (points, 3), from those of
+        its first sector, or of the whole wheel, with nodal diameter k."""
         if self._table.kind == "wheel":
-            return np.asarray(field.real.reshape(-1, 3))
+            return np.asarray(field.reshape(-1, 3))
         turns = 2.0 * np.pi / self._table.copies * np.arange(self._table.copies)
-        waves = (field * np.exp(1j * k * turns)[:, None]).real
-        return rotate(waves.reshape(len(turns), -1, 3), turns[:, None]).reshape(-1, 3)
+        waves = (field * np.exp(1j * k * turns)[:, None]).reshape(len(turns), -1, 3)
+        angle = turns[:, None]
+        return (rotate(waves.real, angle) + 1j * rotate(waves.imag, angle)).reshape(-1, 3)
 
     @cached_property
     def disk_modes(self) -> LabelledModes:

@@ -11,6 +11,7 @@ from scipy.spatial import KDTree
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.plane import directions, rotate, unit
+from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.netcdf import need
 from bladewhirl.postprocess.fields.result import open_result, portions
@@ -161,11 +162,20 @@ def ring_mesh(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
 def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, meshio.Mesh]:
     """Return the meshes of blades, contact nodes and a flexible casing at a record; points are at
     undeformed positions, and displacements are arrays."""
-    ahead = float(dataset.attrs["speed"] * dataset["time"][record])
-    turn = 0.0 if rotating else ahead
-    coordinates = copy_coordinates(dataset, "rotor_displacement", np.array([record]))[0]
+    speed = float(dataset.attrs["speed"])
+    ahead = speed * float(dataset["time"][record])
+    turn, spin = (0.0, 0.0) if rotating else (ahead, speed)
+    coordinates, rates = (
+        copy_coordinates(dataset, f"rotor_{name}", np.array([record]))[0]
+        for name in ("displacement", "velocity")
+    )
     placed, moved = placed_points(dataset), point_vectors(dataset, coordinates)
-    cells = copied_cells(dataset)
+    # The rate of the displacement vector in the axes of the grid.
+    velocity = point_vectors(dataset, rates) + spin * np.cross([0.0, 0.0, 1.0], moved)
+    cells, gap = (
+        copied_cells(dataset),
+        of_blades(dataset, dataset["gap"][[record]].values, np.minimum),
+    )
     meshes = {"casing": ring_mesh(dataset, record, turn - ahead)} if is_flexible(dataset) else {}
     return meshes | {
         "blades": meshio.Mesh(
@@ -173,6 +183,8 @@ def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, 
             [("triangle" if cells.shape[1] == 3 else "vertex", cells)],
             {
                 "displacement": rotate(moved, turn),
+                "velocity": rotate(velocity, turn),
+                "gap": gap[0, point_blades(dataset)],
                 "radial_displacement": np.sum(unit(placed * [1.0, 1.0, 0.0]) * moved, axis=1),
                 "blade": point_blades(dataset),
             },
@@ -183,12 +195,15 @@ def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, 
 
 def _contact(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
     angle = dataset["tip_angle"].values + turn
-    moved, force = (
-        rotate(dataset[name][record].values, angle)
-        for name in ("contact_displacement", "contact_force")
-    )
+    moved = dataset["contact_displacement"][record].values
+    force = dataset["contact_force"][record].values if "contact_force" in dataset else 0.0 * moved
     return meshio.Mesh(
         rotate(placed_contact_nodes(dataset), turn),
         [("vertex", np.arange(len(angle))[:, None])],
-        {"displacement": moved, "contact_force": force, "blade": dataset["blade"].values},
+        {
+            "displacement": rotate(moved, angle),
+            "contact_force": rotate(force, angle),
+            "gap": dataset["gap"][record].values,
+            "blade": dataset["blade"].values,
+        },
     )

@@ -17,12 +17,12 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
-from bladewhirl.models.modal.modal_model import ModalModel
+from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.rotation.whirl_modes import Direction, in_sense_of_rotation
 from bladewhirl.postprocess.fields.kinematics import casing_rows, clearance_at, line_rows, tip_rows
 from bladewhirl.postprocess.fields.result import stage_dataset
-from bladewhirl.postprocess.modal.point_shapes import casing_shapes, point_shapes
+from bladewhirl.postprocess.modal.point_shapes import casing_shapes, point_arrays, point_shapes
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShapes
 
 Wave = Direction
@@ -35,7 +35,7 @@ BEAM_STATIONS = 8
 
 
 def mode_motion(
-    stage: ModalStage, body: Body, numbers: IntArray, *, wave: Wave, title: str
+    stage: ModalModel, body: Body, numbers: IntArray, *, wave: Wave, title: str
 ) -> xr.Dataset:
     """Return one period of a mode of the bladed disk or of the casing, in the axes of that body.
 
@@ -46,7 +46,7 @@ def mode_motion(
     clearance is zero. The body to which the mode does not belong is at rest.
 
     Args:
-        stage: finite element models with their modes.
+        stage: bladed disk and casing in their modes.
         body: body that moves.
         numbers: number of a single mode, or numbers of the cosine and the sine mode of a pair,
             among the modes of the body; for a whirling mode its number.
@@ -62,29 +62,29 @@ def mode_motion(
     """
     on_disk = body == "bladed-disk"
     arrays = _arrays_of(stage, body, numbers)
-    fixed = stage_dataset(arrays).assign_attrs(_attributes(stage))
+    attributes = _attributes(stage, arrays)
+    fixed = stage_dataset(arrays).assign_attrs(attributes)
     frequency = float((arrays.rotor_frequency if on_disk else arrays.casing_frequency)[0])
     time = 2.0 * np.pi / frequency * np.arange(PICTURES) / PICTURES
-    whirls = on_disk and stage.disk_whirl is not None
+    whirls = on_disk and isinstance(stage.listed_modes, LabelledWhirlModes)
     # The two fields of a whirling mode are one motion, whose direction does not depend on `wave`.
     (towards,) = in_sense_of_rotation((wave,), stage.speed)
     fields, played = (2, "forward") if whirls else (len(numbers), towards)
     shift, rate = _coordinates(frequency * time, fields, played)
-    scale = shown_clearance(stage) / _largest(fixed, body, shift)
-    displacement, velocity = scale * shift, scale * frequency * rate
-    rest = np.zeros((PICTURES, 1))
-    rotor, casing = (displacement, rest) if on_disk else (rest, displacement)
-    motion = {
-        "time": time,
-        "rotor_displacement": rotor,
-        "rotor_velocity": velocity if on_disk else rest,
-        "casing_displacement": casing,
-        "casing_velocity": rest if on_disk else velocity,
-        "gap": arrays.tip_recess + _gaps(fixed, rotor, casing),
-    }
-    return stage_dataset(arrays, motion).assign_attrs(
-        _attributes(stage), title=title, wave=wave, speed=0.0
-    )
+    shown = stage.case.casing.clearance or SHARE_OF_RADIUS * attributes["tip_radius"]
+    scale = shown / _largest(fixed, body, shift)
+    moving, other = (arrays.rotor_frequency, arrays.casing_frequency)[:: 1 if on_disk else -1]
+    assert moving.size == shift.shape[1]
+    rest = np.zeros((PICTURES, other.size))
+    displaced = (scale * shift, rest)[:: 1 if on_disk else -1]
+    rates = (scale * frequency * rate, rest)[:: 1 if on_disk else -1]
+    motion = {"time": time, "gap": arrays.tip_recess + _gaps(fixed, *displaced)}
+    for name, position, velocity in zip(("rotor", "casing"), displaced, rates, strict=True):
+        if position.size:  # a rigid wall has no modes
+            motion |= {f"{name}_displacement": position, f"{name}_velocity": velocity}
+    if "contact_shape" in fixed:
+        motion["contact_displacement"] = _contact_displacement(fixed, displaced[0])
+    return stage_dataset(arrays, motion).assign_attrs(attributes, title=title, wave=wave, speed=0.0)
 
 
 @singledispatch
@@ -111,7 +111,8 @@ def _(stage: ModalStage, body: Body, numbers: IntArray) -> xr.Dataset:
             whirling modes; the shape of a whirling mode is its real part.
         numbers: numbers of the modes; of each pair only one number.
     """
-    data = stage_dataset(_arrays_of(stage, body, numbers)).assign_attrs(_attributes(stage))
+    arrays = _arrays_of(stage, body, numbers)
+    data = stage_dataset(arrays).assign_attrs(_attributes(stage, arrays))
     if body == "casing":
         return data.assign(casing_purity=("casing_mode", stage.casing_modes.purity[numbers]))
     if stage.disk_whirl is None:
@@ -125,7 +126,14 @@ def _(stage: ModalStage, body: Body, numbers: IntArray) -> xr.Dataset:
     )
 
 
-def _arrays_of(stage: ModalStage, body: Body, numbers: IntArray) -> StageArrays:
+@singledispatch
+def _arrays_of(stage: ModalModel, body: Body, numbers: IntArray) -> StageArrays:
+    """Return the arrays of a stage with some modes of one body, see `mode_motion`."""
+    return point_arrays(stage, body, numbers)
+
+
+@_arrays_of.register
+def _(stage: ModalStage, body: Body, numbers: IntArray) -> StageArrays:
     """Return the arrays of a stage with some modes of one body; the other body has one mode, which
     stays at rest."""
     resting = np.zeros(1, dtype=np.int64)
@@ -167,8 +175,9 @@ def coupled_mode_motion(stage: StageModes, motion: CoupledMotion, kappa: float) 
         "damping_work": lost,
         "coupling_work": energy - energy[0] + lost,
     }
-    return stage_dataset(stage.modal.arrays(rotor_modes, wall_modes), in_time).assign_attrs(
-        _attributes(stage.modal),
+    arrays = stage.modal.arrays(rotor_modes, wall_modes)
+    return stage_dataset(arrays, in_time).assign_attrs(
+        _attributes(stage.modal, arrays),
         title="coupled mode",
         speed=motion.speed,
         record_step=float(motion.time[1] - motion.time[0]),
@@ -206,14 +215,15 @@ def shown_clearance(stage: ModalStage) -> float:
     return stage.case.casing.clearance or SHARE_OF_RADIUS * stage.case.tip_radius
 
 
-def _attributes(stage: ModalStage) -> dict[str, Any]:
-    given = stage.case
+def _attributes(stage: ModalModel, arrays: StageArrays) -> dict[str, Any]:
+    tip_radius = float(arrays.contact_radius.max())
+    casing = stage.casing
     return {
-        "case": given.title,
+        "case": stage.case.title,
         "reference_frequency": stage.reference_frequency,
-        "casing_radius": stage.casing.mesh.radius,
-        "tip_radius": given.tip_radius,
-        "clamped": int(given.shaft.clamped),
+        "casing_radius": tip_radius if casing is None else casing.mesh.radius,
+        "tip_radius": tip_radius,
+        "clamped": int(stage.case.shaft.clamped),
         "rotation": "clockwise" if stage.speed < 0.0 else "counter-clockwise",
     }
 
@@ -234,7 +244,9 @@ def _coordinates(phase: FloatArray, modes: int, wave: str) -> tuple[FloatArray, 
 def _largest(geometry: xr.Dataset, body: Body, coordinates: FloatArray) -> float:
     """Return the largest displacement of a body over all points and times, for coordinates
     (pictures, modes)."""
-    if body == "bladed-disk":
+    if body == "bladed-disk" and "point_shape" in geometry:
+        rows = geometry["point_shape"].values
+    elif body == "bladed-disk":
         rows = line_rows(geometry, BEAM_STATIONS)[1]
     else:
         rows = casing_rows(geometry, geometry["casing_angle"].values)
@@ -246,9 +258,18 @@ def _gaps(geometry: xr.Dataset, rotor: FloatArray, casing: FloatArray) -> FloatA
     blades). `tip_recess`, by which each tip lies inside the tip radius, is not included; the caller
     adds it."""
     angle = geometry["tip_angle"].values
-    wall = casing_rows(geometry, angle)[:, 0]
-    gap = clearance_at(geometry, angle) + casing @ wall.T - rotor @ tip_rows(geometry)[0].T
-    return np.asarray(gap)
+    gap = clearance_at(geometry, angle)
+    if casing.size:
+        gap = gap + casing @ casing_rows(geometry, angle)[:, 0].T
+    if "contact_shape" in geometry:
+        return np.asarray(gap - _contact_displacement(geometry, rotor)[..., 0])
+    return np.asarray(gap - rotor @ tip_rows(geometry)[0].T)
+
+
+def _contact_displacement(geometry: xr.Dataset, rotor: FloatArray) -> FloatArray:
+    """Return radial, tangential and axial displacements of contact nodes (pictures, contact nodes,
+    3) for coordinates (pictures, modes)."""
+    return np.asarray(np.einsum("cdm,tm->tcd", geometry["contact_shape"].values, rotor))
 
 
 def _coupled_gaps(stage: StageModes, motion: CoupledMotion) -> FloatArray:

@@ -1,5 +1,6 @@
 """Mode shapes of a bladed disk that is given by points and surface triangles, and of its casing."""
 
+from dataclasses import replace
 from typing import Any
 
 import matplotlib
@@ -8,10 +9,13 @@ import xarray as xr
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+from scipy.spatial import KDTree
 
 from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
+from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.modal.mode_shapes import COLUMNS, DRAWN, PURE, mode_title
 from bladewhirl.postprocess.plotting.legends import complete
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, SEQUENTIAL, new_figure, styled
@@ -41,11 +45,61 @@ def point_shapes(model: ModalModel, numbers: IntArray) -> xr.Dataset:
         "triangle": (("triangles", "corner"), shapes.triangle),
         "point_shape": (
             ("rotor_mode", "points", "axis"),
-            shapes.displacement,
+            shapes.displacement.real,
             {"units": "kg^-1/2", "long_name": "displacement for unit modal coordinates"},
         ),
     }
     return xr.Dataset(values, attrs=_attributes(model))
+
+
+def point_arrays(model: ModalModel, body: Body, numbers: IntArray) -> StageArrays:
+    """Return the arrays of a bladed disk with points, with some modes of one body; the other body
+    has one mode, which stays at rest.
+
+    The bladed disk is one copy with the points of its modes: the whole structure, or one of several
+    separate blades.
+
+    Args:
+        model: bladed disk whose `points` are not None.
+        body: body whose modes are taken.
+        numbers: number of a single mode, numbers of the cosine and the sine mode of a pair, or
+            number of a whirling mode, which has two fields.
+    """
+    disk = numbers if body == "bladed-disk" else np.zeros(1, dtype=np.int64)
+    shapes, listed = model.points(disk), model.listed_modes
+    assert shapes is not None
+    fields = shapes.displacement.real
+    if isinstance(listed, LabelledWhirlModes):
+        fields = np.concatenate([fields, -shapes.displacement.imag])
+    stage, position = shapes.stage, shapes.position
+    first = stage.blade == 0 if len(stage.copy_angle) > 1 else np.full(len(stage.blade), True)
+    radius, angle = stage.contact_radius[first], stage.tip_angle[first]
+    nodes = np.column_stack([radius[:, None] * directions(angle), stage.axial_position[first]])
+    moved = fields[:, KDTree(position).query(nodes)[1]]
+    names = ("blade", "node", "tip_angle", "contact_radius", "axial_position", "tip_recess")
+    modes = listed.modes if isinstance(listed, LabelledWhirlModes) else listed
+    walls: dict[str, Any] = {}
+    if model.casing is not None:
+        wall = numbers if body == "casing" else np.zeros(1, dtype=np.int64)
+        walls = {
+            "casing_frequency": model.casing_modes.frequency[wall],
+            "casing_nodal_diameter": model.casing_modes.nodal_diameter[wall],
+            "casing_family": tuple(model.casing_modes.family[i] for i in wall),
+            "casing_shape": model.casing.nodal(model.casing_modes.fields(wall)),
+        }
+    return replace(
+        stage,
+        **{name: getattr(stage, name)[first] for name in names},
+        **walls,
+        rotor_frequency=np.resize(modes.frequency[disk], len(fields)),
+        rotor_nodal_diameter=np.resize(modes.nodal_diameter[disk], len(fields)),
+        contact_shape=np.moveaxis(rotate(moved, -angle), 0, -1),
+        copy_angle=np.zeros(1),
+        point=position,
+        point_shape=np.moveaxis(fields, 0, -1),
+        centre_shape=np.zeros(0),
+        gauge_shape=np.zeros(0),
+    )
 
 
 def casing_shapes(model: ModalModel, numbers: IntArray) -> xr.Dataset:

@@ -80,10 +80,10 @@ def export_vtk(
 
     For a superelement with points, the part `blades` has the points and triangles of its file,
     `contact` the contact nodes, `casing` the inner face of a flexible casing; they have
-    `displacement` and `warp`, blades and casing also `radial_displacement`, blades whose file gives
-    the recovery of stress also `von_mises_stress` [Pa], contact nodes
-    `contact_force`; blades and contact nodes have the number `blade`, on a wheel that of the
-    nearest contact node.
+    `displacement` and `warp`, blades and casing also `radial_displacement`, blades `velocity` and,
+    if their file gives the recovery of stress, `von_mises_stress` [Pa], contact nodes
+    `contact_force`; blades and contact nodes have `gap` and the number `blade`, on a wheel that of
+    the nearest contact node.
 
     With `surface`, beams and wall are boxes of their true thickness and width, made of quads. With
     `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and all

@@ -45,8 +45,8 @@ def modes(
     column "at rest" gives the name of the same branch at rest. -o DIR writes
     pictures of mode shapes; contact scenarios of the first k = 1 mode at the speed at which it
     coincides with the k = 1 mode of the casing; and films, with a picture of each travelling wave.
-    With Coriolis forces, pictures and films show the waves at the speed of the case. For a
-    superelement, -o draws mode shapes at the points of its file, and no films.
+    With Coriolis forces, pictures and films show the waves at the speed of the case. A superelement
+    is drawn at the points of its file; its films need triangles there.
 
     Args:
         count: Number of modes of each body, from the lowest on; a pair of equal frequencies has one

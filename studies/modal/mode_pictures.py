@@ -21,7 +21,6 @@ from bladewhirl.models.inputs.mode_names import CASING
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body, LabelledModes
 from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
-from bladewhirl.models.stage.modal import full_models
 from bladewhirl.postprocess.modal.mode_shapes import (
     mode_title,
     plot_mode_shapes,
@@ -38,9 +37,6 @@ from bladewhirl.studies.runs.figures_folder import save_figures
 BODIES: tuple[Body, ...] = get_args(Body)
 FED: dict[Body, Wave] = {"bladed-disk": "backward", "casing": "forward"}
 """Waves that contact amplifies."""
-
-NEEDS = "films of modes show beams; modes of a superelement have pictures"
-"""Reason why modes of a superelement have no films."""
 
 PANELS = 6  #: default number of pictured modes of a body
 
@@ -62,7 +58,8 @@ class ChosenMode:
     @property
     def name(self) -> str:
         """Name on the command line."""
-        diameter = "" if self.family == "suspension" else f":{self.nodal_diameter}"
+        named = self.family != "suspension" and self.nodal_diameter >= 0
+        diameter = f":{self.nodal_diameter}" if named else ""
         prefix = "" if self.body == "bladed-disk" else f"{CASING}:"
         return f"{prefix}{self.family}{diameter}"
 
@@ -96,12 +93,10 @@ def plan_pictures(
     """
     if wave is not None and wave not in get_args(Wave):
         raise UserError(f"--wave {wave}: expected one of {', '.join(get_args(Wave))}")
-    if not stage.of_lines:
-        if animate or wave is not None:
-            raise UserError(f"{'--animate' if animate else '--wave'}: {NEEDS}")
+    if animate is None and not stage.has_surface:
         filmed = []
     elif animate is None:
-        filmed = _of_family(stage, "bladed-disk", "1F", [1])
+        filmed = _of_family(stage, "bladed-disk", "1F", [1, -1])[:1]
         filmed += _of_family(stage, "bladed-disk", "suspension", [1])
     else:
         filmed = _chosen(stage, "--animate", animate) if animate else []
@@ -125,7 +120,7 @@ def draw_modes(
     for mode, wave in track(
         plan.films, "films", console=console, transient=True, disable=not console.is_terminal
     ):
-        _film(full_models(stage, "--animate", NEEDS), mode, wave, folder, overwrite=overwrite)
+        _film(stage, mode, wave, folder, overwrite=overwrite)
 
 
 def _lowest(stage: ModalModel) -> list[ChosenMode]:
@@ -207,7 +202,7 @@ def _scenarios(stage: ModalModel) -> Drawn:
 
 
 def _film(
-    stage: ModalStage, mode: ChosenMode, wave: Wave, folder: Path, *, overwrite: bool
+    stage: ModalModel, mode: ChosenMode, wave: Wave, folder: Path, *, overwrite: bool
 ) -> None:
     """Write the film and the VTK series of a mode, and the picture of a travelling wave."""
     modes, numbers = _modes_of(stage, mode.body), mode.numbers
@@ -215,13 +210,13 @@ def _film(
     title = f"{mode_title(mode.family, mode.nodal_diameter, purity)}, {wave} wave"
     if mode.body == "casing":
         title = f"casing {title}"
-    elif stage.disk_whirl is not None:
-        direction, _ = stage.disk_whirl.modes.named_directions(stage.speed)
+    elif isinstance(modes, LabelledWhirlModes):
+        direction, _ = modes.modes.named_directions(stage.speed)
         numbers = np.array([number for number in numbers if direction[number] == wave][:1])
     motion = mode_motion(stage, mode.body, numbers, wave=wave, title=title)
     stem = mode.stem
     film = folder / f"{stem}.gif"
-    if wave != "standing":
+    if wave != "standing" and (stage.of_lines or mode.body == "casing"):
         figure = plot_travelling_wave(motion, mode.body)
         save_figures(folder, {f"{stem}-wave": (figure, motion)}, overwrite=overwrite)
     with writing(folder):

@@ -8,13 +8,22 @@ import pytest
 from command_line import answer, refusal
 from exported_stages import BLADES, beams, exported
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+from PIL import Image, ImageSequence
 from rod_blade import blade, tables
 
 import bladewhirl as bw
 from bladewhirl.meshes.plane import rotate
+from bladewhirl.models.modal.labels import Body
+from bladewhirl.models.modal.modal_model import LabelledWhirlModes
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.models.stage.modal_superelement import modal_superelement
-from bladewhirl.postprocess.modal.motion import shapes_dataset
+from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
 from bladewhirl.postprocess.modal.point_shapes import plot_point_shapes
+from bladewhirl.postprocess.pictures.render import render_animation
+from bladewhirl.studies.modal.mode_pictures import plan_pictures
+
+ONE = {"shapes": None, "animate": "1F", "wave": None}
+CASES = [("none", "bladed-disk", "1F"), ("full", "bladed-disk", "1F"), ("none", "casing", "1F")]
 
 
 def test_shapes_of_a_sector_go_on_around_the_wheel(tmp_path: Path) -> None:
@@ -23,7 +32,7 @@ def test_shapes_of_a_sector_go_on_around_the_wheel(tmp_path: Path) -> None:
     modes = model.listed_modes
     pair = np.flatnonzero((modes.nodal_diameter == 2) & (np.array(modes.family) == "1F"))
     shapes = model.points(pair)
-    cosine, sine = shapes.displacement.reshape(2, BLADES, -1, 3)
+    cosine, sine = shapes.displacement.real.reshape(2, BLADES, -1, 3)
     angle = 2.0 * np.pi / BLADES
     expected = np.cos(2 * angle) * cosine - np.sin(2 * angle) * sine
     assert rotate(cosine, -angle)[1:] == pytest.approx(expected[:-1], abs=1e-12)
@@ -59,4 +68,43 @@ def test_the_command_draws_both_bodies(tmp_path: Path) -> None:
     names = {path.stem for path in (tmp_path / "shapes").glob("*.nc")}
     assert names == {"bladed-disk-shapes", "casing-shapes"}
     line = refusal(*given[:-1], tmp_path / "films", "--animate", "1F:1")
-    assert "--animate: films of modes show beams" in line
+    assert "expected a superelement whose file has points, recovery and triangles" in line
+
+
+@pytest.mark.parametrize("wave", ["backward", "forward"])
+@pytest.mark.parametrize(("effects", "body", "family"), CASES)
+def test_waves_travel_as_those_of_its_beams(
+    tmp_path: Path, wave: Wave, effects: str, body: Body, family: str
+) -> None:
+    """Amplitudes of the gaps, and the lag from tip to tip, do not depend on the phase of a mode."""
+    case = beams(rotation={"effects": effects})
+    amplitudes = []
+    for each in (case, exported(case, "wheel", tmp_path)):
+        model = modal_model(each, count=30)
+        modes = model.listed_modes if body == "bladed-disk" else model.casing_modes
+        numbers = modes.find(family, 2)
+        if isinstance(modes, LabelledWhirlModes):
+            named, _ = modes.modes.named_directions(model.speed)
+            numbers = np.array([n for n in numbers if named[n] == wave][:1])
+        motion = mode_motion(model, body, numbers[:2], wave=wave, title="mode")
+        turning = np.exp(-2j * np.pi * np.arange(PICTURES) / PICTURES)
+        amplitudes.append(motion["gap"].values.T @ turning)
+    beam, wheel = amplitudes
+    assert np.abs(wheel) == pytest.approx(np.abs(beam), rel=1e-2)
+    assert wheel[1:] / wheel[:-1] == pytest.approx(beam[1:] / beam[:-1], abs=1e-4)
+
+
+def test_films_of_a_blade_move(tmp_path: Path, can_draw: None) -> None:
+    bw.write_superelement(tmp_path / "rods.npz", blade())
+    model = modal_model(bw.case_from(tables(tmp_path / "rods.npz")), count=2)
+    (mode,) = (chosen for chosen, _ in plan_pictures(model, **ONE).films)
+    assert (mode.name, mode.stem) == ("1F", "1F")
+    motion = mode_motion(model, mode.body, mode.numbers, wave="standing", title="1F")
+    half = np.array([0, 1, PICTURES // 2])  # after half a period the blade is on the other side
+    with Image.open(render_animation(motion, tmp_path / "1F.gif", half, size=(480, 360))) as film:
+        first, *others = (
+            np.asarray(each.convert("L"), np.int64)[:, :360]
+            for each in ImageSequence.Iterator(film)
+        )
+    soon, later = (np.count_nonzero(np.abs(each - first) > 50) for each in others)
+    assert later > 300 + soon
