@@ -42,6 +42,7 @@ from .postprocess.shaft.whirl_history import whirl_history as whirl_history
 from .postprocess.sweep.dataset import open_sweep as open_sweep
 from .postprocess.sweep.probability import probability as probability
 from .studies.convergence.study import convergence as convergence
+from .studies.modal.amplification import amplification as amplification
 from .studies.modal.campbell import campbell as campbell
 from .studies.modal.critical_speeds import critical_speeds as critical_speeds
 from .studies.modal.modes import modes as modes

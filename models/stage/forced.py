@@ -167,20 +167,24 @@ def forced_superelement(
         if stage.case.rotation.effects != "none":
             at_speed = {"march.speed": omega / reference}
             stage = superelement_stage(with_values(stage.case, at_speed), stage.ring)
-        rotor, forces = stage.rotor_at(omega), dict[int, ComplexArray]()
-        static = dict[int, ComplexArray]()
-        for load in loads:
-            for order, force in stage.forces_of_order(load):
-                forces[order] = forces.get(order, 0.0) + force
-            for order, moved in stage.static_of_order(load):
-                static[order] = static.get(order, 0.0) + moved
-        yield ForcedRotor(
-            rotor=rotor,
-            forces=forces,
-            tips=blade_means(stage.blade),
-            static=static,
-            has_centre=stage.part.centre_dofs is not None,
-        )
+        yield forced_stage(stage, loads, omega)
+
+
+def forced_stage(stage: SuperelementStage, loads: EngineOrders, omega: float) -> ForcedRotor:
+    """Return the equations of a superelement that is reduced at a speed [rad/s]."""
+    forces, static = dict[int, ComplexArray](), dict[int, ComplexArray]()
+    for load in loads:
+        for order, force in stage.forces_of_order(load):
+            forces[order] = forces.get(order, 0.0) + force
+        for order, moved in stage.static_of_order(load):
+            static[order] = static.get(order, 0.0) + moved
+    return ForcedRotor(
+        rotor=stage.rotor_at(omega),
+        forces=forces,
+        tips=blade_means(stage.blade),
+        static=static,
+        has_centre=stage.part.centre_dofs is not None,
+    )
 
 
 def orders_of(loads: Iterable[EngineOrder]) -> list[int]:

@@ -17,6 +17,7 @@ from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.stage.blade_stiffness import TunedRotor, tuned_beams, tuned_sectors
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.coating import node_coating_faults, wall_coating
 from bladewhirl.models.stage.contact_problem import ContactProblem, NodeCoating, WallCoating
@@ -103,6 +104,15 @@ class MarchedStage(ABC):
             UserError: a speed is too high, or the equations depend on time.
         """
 
+    @abstractmethod
+    def tuned_rotor(self, loads: EngineOrders, omega: float) -> TunedRotor:
+        """Return the bladed disk with equal blades under engine-order forces at a speed [rad/s],
+        with the stiffness of each blade.
+
+        Raises:
+            UserError: the stiffness of the blades is not known.
+        """
+
     def fields(self, coordinates: FloatArray) -> FloatArray:
         """Return the motion of the bladed disk, given in modal coordinates, in coordinates that do
         not depend on the speed."""
@@ -146,6 +156,9 @@ class MarchedBeams(MarchedStage):
 
     def forced(self, loads: EngineOrders, omegas: Sequence[float]) -> Iterator[ForcedRotor]:
         return forced_beams(self.model, loads, omegas)
+
+    def tuned_rotor(self, loads: EngineOrders, omega: float) -> TunedRotor:
+        return tuned_beams(self.model, loads, omega)
 
     def fields(self, coordinates: FloatArray) -> FloatArray:
         """Return displacements or velocities on the free degrees of freedom, (size,)."""
@@ -205,6 +218,9 @@ class MarchedNodes(MarchedStage):
 
     def forced(self, loads: EngineOrders, omegas: Sequence[float]) -> Iterator[ForcedRotor]:
         return forced_superelement(self.model, loads, omegas)
+
+    def tuned_rotor(self, loads: EngineOrders, omega: float) -> TunedRotor:
+        return tuned_sectors(self.model, loads, omega)
 
 
 Marchable = Case | Stage | SuperelementStage | MarchedStage  #: what `marched_stage` accepts

@@ -584,10 +584,30 @@ def _wheel_of_sectors(
         part = replace(part, blade_stiffness=None)
         if not turning:
             return massless_wheel(part, table.copies, modes, table.file)
-    if turning and case.rotation.effects != "full":
+    return _over_all_speeds(case, part, omega).at(omega, factor if mistuned else None)
+
+
+def _over_all_speeds(case: Case, part: Superelement, omega: float) -> WheelOverSpeeds:
+    """Return a wheel of sectors for the `_range_of` a speed [rad/s]."""
+    table, effects = case.bladed_disk.superelement, case.rotation.effects
+    assert table is not None
+    if effects == "centrifugal":
         part = replace(part, gyroscopic=None)
-    wheel = WheelOverSpeeds(part, table.copies, modes, _range_of(omega), table.file)
-    return wheel.at(omega, factor if mistuned else None)
+    modes, highest = case.reduction.free_interface_modes, _range_of(omega)
+    return WheelOverSpeeds(
+        part, table.copies, modes, 0.0 if effects == "none" else highest, table.file
+    )
+
+
+def with_blades(stage: SuperelementStage, omega: float) -> tuple[SuperelementStage, FloatArray]:
+    """Return a stage of tuned sectors, with a file with blade_stiffness, reduced at a speed
+    [rad/s], and the stiffness of each blade on its modes [1/s2], (sectors, modes, modes)."""
+    wheel = _over_all_speeds(stage.case, stage.table.part, omega)
+    at = omega if stage.case.rotation.effects != "none" else 0.0
+    part, reduced = wheel.at(at)
+    points = np.arange(part.point_count // stage.table.copies)
+    own = replace(stage, part=part, reduced=reduced, shown=points)
+    return own, wheel.blades_at(at)
 
 
 def _range_of(omega: float) -> float:

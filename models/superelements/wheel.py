@@ -98,6 +98,7 @@ class WheelOverSpeeds:
             SuperelementError: as for `massless_wheel`.
         """
         self._part, self._sectors, self._modes = part, sectors, modes
+        self._given = [key for key in FURTHER if getattr(part, key) is not None]
         own = part.blade_stiffness
 
         def compute() -> Arrays:
@@ -133,14 +134,22 @@ class WheelOverSpeeds:
         """
         sectors, modes = self._sectors, self._modes
         if factor is None:
-            waves = [_of_block(block, omega, modes) for block in self._blocks]
+            waves = [_of_block(block, omega, modes, self._given) for block in self._blocks]
             return _expanded(self._part, sectors, waves)
-        waves = [_of_block(block, omega, modes, static=True) for block in self._blocks]
+        waves = [_of_block(block, omega, modes, self._given, static=True) for block in self._blocks]
         wheel, reduced = _expanded(self._part, sectors, waves)
         change = change_of_waves(self._coupled(waves), factor)
         order = _order(waves, sectors)
         of_nodes = np.repeat(factor, self._part.contacts)
         return wheel, stiffened(reduced, change[order][:, order], sectors * modes, of_nodes)
+
+    def blades_at(self, omega: float) -> FloatArray:
+        """Return the stiffness of each blade on the modes of `at` at a speed [rad/s] [1/s2],
+        (sectors, modes, modes)."""
+        waves = [_of_block(block, omega, self._modes, self._given) for block in self._blocks]
+        coupled, order = self._coupled(waves), _order(waves, self._sectors)
+        each = (change_of_waves(coupled, 1.0 + unit) for unit in np.eye(self._sectors))
+        return np.array([change[order][:, order] for change in each])
 
     def _coupled(self, waves: Sequence[Arrays]) -> ComplexArray:
         assert self._products is not None
@@ -271,13 +280,16 @@ def _reduced(part: Superelement, wave: Wave, modes: int) -> Arrays:
     }
 
 
-def _of_block(block: NodalBlock, omega: float, modes: int, *, static: bool = False) -> Arrays:
+def _of_block(
+    block: NodalBlock, omega: float, modes: int, given: Sequence[str], *, static: bool = False
+) -> Arrays:
     """Return the arrays of `_reduced` at a speed [rad/s] from a block, and the shapes of the modes.
 
     Args:
         block: matrices of a nodal diameter.
         omega: speed [rad/s].
         modes: number of modes.
+        given: names of the optional matrices that the superelement has.
         static: whether the static displacements under the forces of blades follow the modes, as
             further orthogonal motions with their stiffness.
     """
@@ -299,7 +311,7 @@ def _of_block(block: NodalBlock, omega: float, modes: int, *, static: bool = Fal
         moved = touched @ among
         residual = residual - (moved / own) @ moved.conj().T
         shapes, squares = np.hstack([shapes, rest @ among]), np.concatenate([squares, own])
-    further = {key: matrix for key in FURTHER if (matrix := getattr(block, key)) is not None}
+    further = {key: getattr(block, key) for key in given}
     return {
         "squares": squares,
         "shapes": shapes,

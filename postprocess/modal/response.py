@@ -1,5 +1,6 @@
 """Response to engine-order forces: amplitudes by blade and nodal diameter against speed."""
 
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -129,4 +130,29 @@ def plot_response(data: xr.Dataset) -> Figure:
     for axes in panels[-1]:
         axes.set_xlabel("speed Ω / ω₁ [–]")
     set_title(figure, str(data.attrs["case"]), "Response to engine-order forces, without contact")
+    return figure
+
+
+@styled
+def plot_amplification(data: xr.Dataset) -> Figure:
+    """Draw the share of the patterns whose amplification exceeds a value, from
+    `bladewhirl.amplification`: a line for each engine order, with Whitehead's bound."""
+    figure = new_figure(width=FULL_WIDTH, height=0.075)
+    axes = figure.subplots()
+    colours = [COLOURS["total"], COLOURS["k = 1"], *OTHER_COLOURS]
+    for order, colour in zip(data["order"].values.tolist(), cycle(colours)):
+        values = np.sort(data["amplification"].sel(order=order).values)
+        share = 1.0 - np.arange(len(values)) / len(values)
+        axes.step(values, share, where="pre", color=colour, label=f"engine order {order}")
+    bound = float(data.attrs["whitehead_bound"])
+    axes.axvline(bound, color=COLOURS["rest"], linestyle="--", label=f"Whitehead, {bound:.3g}")
+    axes.set(
+        yscale="log",
+        xlabel="amplification by mistuning [–]",
+        ylabel="share of patterns above [–]",
+    )
+    axes.legend()
+    spread = 100.0 * float(data.attrs["stiffness_spread"])
+    words = f"{data.sizes['draw']} patterns, stiffness of blades with a deviation of {spread:.3g} %"
+    set_title(figure, str(data.attrs["case"]), f"Amplification by mistuning: {words}")
     return figure

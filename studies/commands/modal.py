@@ -178,6 +178,7 @@ def critical_speeds(
 def response(
     case: options.CaseFile,
     speeds: options.Speeds = RESPONSE_SPEEDS,
+    draws: options.MaybeNumber = None,
     output: options.CaseFolder = None,
     overwrite: options.Replace = False,
     json: options.AsJson = False,
@@ -187,13 +188,16 @@ def response(
 
     The case needs excitation.type = "engine-order". The equations of motion of the time
     integration, with damping, mistuning and rotation effects, are solved for the complex amplitude
-    at each speed. The table lists the largest amplitude of each engine order; the figure shows the
+    at each speed. The table lists the peaks of each engine order; the figure shows the
     amplitudes of all blades and of nodal diameters against the speed. A blade with several contact
-    nodes moves by their mean. With --json and no -o nothing is written.
+    nodes moves by their mean. With --draws, the table and the figure show how much mistuning
+    amplifies the largest peak of the tuned blades, for random patterns of the stiffness of blades
+    (bladed_disk.mistuning.stiffness_spread). With --json and no -o nothing is written.
 
     Args:
         speeds: Speeds of rotation: multiples of ω₁, or "2000 rpm:9000 rpm:10 rpm"; the stop is
             included.
+        draws: Number of random patterns of the stiffness of blades.
     """
     from bladewhirl.models.stage.marched import marched_stage
     from bladewhirl.studies.modal import response as study
@@ -201,8 +205,13 @@ def response(
     with options.case_of(case, overrides) as read, progress_bar("speeds") as progress:
         stage = marched_stage(read)
         multiples = speeds.values(stage.reference_frequency).tolist()
-        data = study.response(stage, speeds=multiples, progress=progress)
-    _present(study.report(data), case, output, overwrite=overwrite, json=json)
+        if draws is None:
+            found = study.report(study.response(stage, speeds=multiples, progress=progress))
+        else:
+            from bladewhirl.studies.modal.amplification import amplification, report
+
+            found = report(amplification(stage, draws=draws, speeds=multiples, progress=progress))
+    _present(found, case, output, overwrite=overwrite, json=json)
 
 
 def stability(

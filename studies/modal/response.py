@@ -85,7 +85,7 @@ def response(
         raise UserError("response: speeds []: expected at least one speed")
     reference = stage.reference_frequency
     multiples = [speed_of(each, f"response: speeds {each!r}").multiple(reference) for each in given]
-    loads = _engine_orders(stage.case)
+    loads = engine_orders(stage.case)
     orders, omegas = orders_of(loads), [multiple * reference for multiple in multiples]
     answers: list[list[dict[str, ComplexArray]]] = []
     near: dict[int, list[Resonances]] = {order: [] for order in orders}
@@ -155,7 +155,7 @@ def _height(motion: Mapping[str, ComplexArray]) -> float:
     return float(largest_in_period(motion["tip_tangential"], motion["tip_radial"]).max())
 
 
-def _engine_orders(case: Case) -> list[EngineOrder]:
+def engine_orders(case: Case) -> list[EngineOrder]:
     """Return the excitations of engine order; raise an error if there are none."""
     given = case.excitations
     loads = [load for load in given.values() if isinstance(load, EngineOrder)]
@@ -167,10 +167,10 @@ def _engine_orders(case: Case) -> list[EngineOrder]:
 
 def largest(data: xr.Dataset) -> list[dict[str, Any]]:
     """Return the largest amplitude of each engine order as a row, see `PEAKS`."""
-    return [rows[0] for rows in _rows(data).values()]
+    return [rows[0] for rows in peak_rows(data).values()]
 
 
-def _rows(data: xr.Dataset) -> dict[int, list[dict[str, Any]]]:
+def peak_rows(data: xr.Dataset) -> dict[int, list[dict[str, Any]]]:
     """Return rows of the peaks of each engine order, see `PEAKS`, the largest first; and of the
     largest amplitude at the given speeds, if it is larger than that of all peaks."""
     every = data if "order" in data.dims else data.expand_dims("order")
@@ -213,7 +213,7 @@ def report(data: xr.Dataset) -> Study:
         "speed_rpm": data["rpm"].values.tolist(),
         **pairs,
         "largest": largest(data),
-        "peaks": [row for rows in _rows(data).values() for row in rows],
+        "peaks": [row for rows in peak_rows(data).values() for row in rows],
     }
     return Study(
         name="response",

@@ -1,0 +1,122 @@
+"""Stiffness of each blade on the modes of a tuned bladed disk, for many patterns of mistuning."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import FloatArray, chain_to
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.elements.assembly import straight_beams
+from bladewhirl.models.elements.bladed_disk import COMPONENTS, BladedDiskModel, nodal_to_line_axes
+from bladewhirl.models.elements.forms import straight_stiffness
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.export import BLADES
+from bladewhirl.models.stage.forced import (
+    EngineOrders,
+    ForcedRotor,
+    forced_beams,
+    forced_stage,
+)
+from bladewhirl.models.stage.stage import Stage, rotor_at
+from bladewhirl.models.stage.superelement_stage import SuperelementStage, with_blades
+
+
+@dataclass(frozen=True, kw_only=True)
+class TunedRotor:
+    """A tuned bladed disk at a speed of rotation under engine-order forces, and its blades."""
+
+    omega: float  #: speed [rad/s]
+    disk: ForcedRotor  #: modes and forces
+    blades: FloatArray  #: stiffness of each blade on the modes [1/s2], (blades, modes, modes)
+    by_speed: FloatArray
+    """Change of the stiffness on the modes with the square of the speed, (modes, modes)."""
+
+
+def tuned_beams(stage: Stage, loads: EngineOrders, omega: float) -> TunedRotor:
+    """Return a tuned bladed disk of beams at a speed [rad/s]."""
+    (disk,) = forced_beams(stage, loads, [omega])
+    _, shapes = rotor_at(stage, omega)
+    count = shapes.shape[1]
+    by_speed = np.zeros((count, count))
+    if stage.turning is not None:
+        effects = stage.case.rotation.effects
+        twice, once = (
+            stage.turning.matrices.at_speed(factor * omega, effects).stiffness
+            for factor in (2.0, 1.0)
+        )
+        by_speed = np.asarray(shapes.T @ ((twice - once) @ shapes)) / (3.0 * omega**2)
+    blades = np.array([shapes.T @ (own @ shapes) for own in _blades_of_beams(stage.disk)])
+    return TunedRotor(omega=omega, disk=disk, blades=blades, by_speed=by_speed)
+
+
+def _blades_of_beams(disk: BladedDiskModel) -> list[sp.csr_array]:
+    """Return the stiffness of the beams of each blade on the free degrees of freedom."""
+    mesh, model = disk.mesh, disk.model
+    among = np.zeros(len(mesh.lines), dtype=np.bool_)
+    among[mesh.line_sets.get(BLADES, [])] = True
+    assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
+    sections, order = disk.properties.at(assembler.points), assembler.node_dofs.ravel()
+    axes = nodal_to_line_axes(mesh)
+    found = []
+    for tip in model.tips.tolist():
+        weight = np.zeros((len(mesh.lines), 1))
+        weight[chain_to(tip, mesh.lines, among).lines] = 1.0
+        whole = assembler.matrix(
+            straight_stiffness,
+            axes,
+            EA=weight * sections.axial_stiffness,
+            EI=weight * sections.bending_stiffness,
+        )
+        nodal = sp.csr_array(whole)[order][:, order]
+        assert nodal.shape[0] == COMPONENTS * len(mesh.points)
+        found.append(sp.csr_array(disk.expansion.T @ nodal @ disk.expansion))
+    return found
+
+
+def tuned_sectors(stage: SuperelementStage, loads: EngineOrders, omega: float) -> TunedRotor:
+    """Return a tuned wheel of sectors at a speed [rad/s].
+
+    Raises:
+        UserError: the superelement is not a sector, or does not give the stiffness of its blade.
+    """
+    table = stage.table
+    if table.kind != "sector" or table.part.blade_stiffness is None:
+        raise UserError(
+            'response: draws: expected beams, or bladed_disk.superelement.kind = "sector" and a'
+            " file with blade_stiffness (bw.mesh3d with blade = GROUP)"
+        )
+    own, blades = with_blades(stage, omega)
+    count, reduced = len(own.reduced.frequency), own.reduced
+    by_speed = np.zeros((count, count))
+    if own.case.rotation.effects != "none" and reduced.stiffness_speed is not None:
+        by_speed = reduced.stiffness_speed
+        if reduced.stiffness_speed4 is not None:
+            by_speed = by_speed + 2.0 * omega**2 * reduced.stiffness_speed4
+    disk = forced_stage(own, loads, omega)
+    return TunedRotor(omega=omega, disk=disk, blades=blades, by_speed=by_speed)
+
+
+def without_mistuning(case: Case) -> Case:
+    """Return a case with equal blades."""
+    disk = case.bladed_disk
+    tuned = type(disk.mistuning)()
+    return case.model_copy(update={"bladed_disk": disk.model_copy(update={"mistuning": tuned})})
+
+
+def drawn_factors(case: Case, draws: int) -> FloatArray:
+    """Return random factors on the stiffness of each blade, (draws, blades): those of the mistuning
+    of the case with its seed and the seeds that follow.
+
+    Raises:
+        UserError: the case has no spread of the stiffness, or also other mistuning.
+    """
+    mistuning, blades = case.bladed_disk.mistuning, case.bladed_disk.count
+    given = mistuning.model_dump(exclude_defaults=True).keys() - {"seed"}
+    if given != {"stiffness_spread"}:
+        raise UserError(
+            "response: draws: expected bladed_disk.mistuning.stiffness_spread as the only mistuning"
+        )
+    seeds = range(mistuning.seed, mistuning.seed + draws)
+    each = (mistuning.model_copy(update={"seed": seed}) for seed in seeds)
+    return np.array([one.factors("stiffness", blades) for one in each])

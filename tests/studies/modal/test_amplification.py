@@ -1,0 +1,104 @@
+"""Amplification of the response by random patterns of blade stiffness."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command_line import answer
+from exported_stages import beams, exported
+from solid_meshes import SECTORS, STEEL, TIE, bladed_sector
+
+import bladewhirl as bw
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.modal.amplification import amplification_rows
+from bladewhirl.studies.modal.response import largest
+
+LOAD = {"type": "engine-order", "order": 2, "amplitude": 1.0}
+
+
+def directly(case: bw.Case, draw: int, speeds: list[float], tuned: bw.Case) -> float:
+    """The amplification of one pattern from two responses."""
+    seed = {"bladed_disk.mistuning.seed": case.bladed_disk.mistuning.seed + draw}
+    both = (
+        largest(bw.response(each, speeds=speeds))[0]["amplitude"]
+        for each in (bw.with_values(case, seed), tuned)
+    )
+    mistuned, equal = both
+    return float(mistuned / equal)
+
+
+def spread(seed: int = 4) -> dict[str, Any]:
+    return {"bladed_disk.mistuning": {"stiffness_spread": 0.02, "seed": seed}}
+
+
+@pytest.mark.parametrize("effects", ["none", pytest.param("centrifugal", marks=pytest.mark.slow)])
+def test_patterns_of_beams_have_the_amplification_of_their_responses(effects: str) -> None:
+    tuned = beams("sector", excitation=LOAD, damping={"ratio": 2e-3}, rotation={"effects": effects})
+    case, speeds = bw.with_values(tuned, spread()), np.linspace(0.4, 0.7, 61).tolist()
+    data = bw.amplification(case, draws=5, speeds=speeds)
+    for draw in (0, 3):  # the ten fixed-interface modes are those of equal blades
+        expected = directly(case, draw, speeds, tuned)
+        assert data["amplification"].values[0, draw] == pytest.approx(expected, rel=3e-3)
+    assert (data["amplification"] < data.attrs["whitehead_bound"]).all()
+    assert np.ptp(data["amplification"].values) > 0.05
+
+
+def test_patterns_of_sectors_have_the_amplification_of_their_responses(tmp_path: Path) -> None:
+    part = bw.mesh3d(bladed_sector("hexahedron"), **STEEL, **TIE, contacts=2, blade="r > 0.0899")
+    bw.write_superelement(tmp_path / "part.npz", part)
+    table = {"file": str(tmp_path / "part.npz"), "kind": "sector", "copies": SECTORS}
+    tuned = bw.case_from(
+        {
+            "bladed_disk": {"superelement": table},
+            "casing": {"type": "rigid"},
+            "shaft": {"clamped": True},
+            "damping": {"ratio": 2e-3},
+            "excitation": LOAD,
+            "reduction": {"free_interface_modes": 8},
+        }
+    )
+    case, speeds = bw.with_values(tuned, spread()), np.linspace(0.45, 0.55, 41).tolist()
+    data = bw.amplification(case, draws=3, speeds=speeds)
+    for draw in range(2):  # the tuned modes leave an error of 3e-5 in frequencies
+        expected = directly(case, draw, speeds, tuned)
+        assert data["amplification"].values[0, draw] == pytest.approx(expected, rel=0.02)
+
+
+def test_percentiles_have_bands() -> None:
+    case = bw.with_values(beams("sector", excitation=LOAD, damping={"ratio": 5e-3}), spread())
+    data = bw.amplification(case, draws=200, speeds=np.linspace(0.4, 0.7, 31).tolist())
+    (row,) = amplification_rows(data)
+    values = np.sort(data["amplification"].values[0])
+    assert row["median_band"][0] < row["median"] < row["median_band"][1]
+    inside = (values >= row["median_band"][0]) & (values <= row["median_band"][1])
+    assert 20 <= inside.sum() <= 40  # twice 1.96 standard deviations, sqrt(200) / 2 each
+    assert row["p99_band"][1] == row["largest"] == values[-1]
+
+
+def test_the_command_prints_percentiles(tmp_path: Path) -> None:
+    case = bw.with_values(beams("sector", excitation=LOAD), spread())
+    (tmp_path / "case.toml").write_text(bw.dumps_case(case), encoding="utf-8")
+    words = ("response", tmp_path / "case.toml", "--draws", 20, "--speeds", "0.4:0.7:0.02")
+    text = answer(*words, "-o", tmp_path / "out").output
+    assert "Amplification by mistuning, 20 patterns" in text
+    assert (tmp_path / "out" / "amplification.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({}, "expected bladed_disk.mistuning.stiffness_spread"),
+        (spread() | {"rotation.effects": "full"}, "expected modal damping only"),
+    ],
+)
+def test_refusals(changes: dict[str, Any], message: str) -> None:
+    case = bw.with_values(beams("sector", excitation=LOAD), changes)
+    with pytest.raises(UserError, match=message):
+        bw.amplification(case, draws=2, speeds=[0.4, 0.5, 0.6])
+
+
+def test_separate_blades_are_refused(tmp_path: Path) -> None:
+    case = bw.with_values(exported(beams("blade"), "blade", tmp_path, excitation=LOAD), spread())
+    with pytest.raises(UserError, match=r'expected beams, or .*kind = "sector"'):
+        bw.amplification(case, draws=2, speeds=[0.4, 0.5, 0.6])
