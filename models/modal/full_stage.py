@@ -37,7 +37,9 @@ from bladewhirl.models.modal.modal_model import (
 from bladewhirl.models.modal.modes import DENSE_LIMIT, Modes, lowest_pairs, natural_frequencies
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
+from bladewhirl.models.modal.touching import Tips
 from bladewhirl.models.rotation.at_speed import TurningDisk, speed_of_growth, turning_disk
+from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
 from bladewhirl.models.rotation.waves import Waves, waves
 from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, whirl_modes
@@ -175,8 +177,20 @@ class ModalStage(ModalModel):
 
     @property
     def waves(self) -> dict[int, Waves]:
-        assert self.turning is not None  # `turns`
-        return _disk_waves(self.case, self.turning)
+        turning = self.turning
+        if turning is None:
+            turning = TurningDisk(disk=self.disk, matrices=rotation_matrices(self.disk), omega=0.0)
+        return _disk_waves(self.case, turning)
+
+    @property
+    def tips(self) -> dict[int, Tips]:
+        layout, first = self.disk.structure.layout, self.disk.tip_radial[:1]
+        if layout is None or not self.disk.structure.is_cyclic:
+            raise UserError(UNEQUAL_SECTORS)
+        return {
+            k: Tips(rows=np.asarray(layout.basis(k)[first].toarray()), flexibility=None)
+            for k in nodal_diameters(layout.sectors)
+        }
 
     @property
     def shaft_waves(self) -> Waves:

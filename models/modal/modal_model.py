@@ -16,6 +16,7 @@ from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.modal.touching import Tips
 from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.rotation.whirl_modes import WhirlModes
 
@@ -161,6 +162,15 @@ class ModalModel(ABC):
     @abstractmethod
     def waves(self) -> Mapping[int, Waves]:
         """Waves of each nodal diameter, with a free or a clamped centre as the case requires.
+
+        Raises:
+            UserError: the sectors of the bladed disk differ.
+        """
+
+    @property
+    @abstractmethod
+    def tips(self) -> Mapping[int, Tips]:
+        """Contact nodes of each nodal diameter, on the coordinates of `waves`.
 
         Raises:
             UserError: the sectors of the bladed disk differ.

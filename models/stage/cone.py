@@ -10,14 +10,17 @@ along e_s, is left out.
 """
 
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 
+Rows = TypeVar("Rows", FloatArray, ComplexArray)
 
-def in_wall_axes(rows: FloatArray, slope: float) -> FloatArray:
+
+def in_wall_axes(rows: Rows, slope: float) -> Rows:
     """Return rows of components along e_r, e_theta and e_z of each contact node as those along e_n,
     e_theta and e_s, (3 * nodes, ...); a negative slope reverses this."""
     c, s = np.cos(slope), np.sin(slope)

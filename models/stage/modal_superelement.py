@@ -34,9 +34,11 @@ from bladewhirl.models.modal.modal_model import (
     ShaftBlock,
 )
 from bladewhirl.models.modal.modes import Modes, families, is_first_of_pair
+from bladewhirl.models.modal.touching import Tips
 from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
 from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.rotation.whirl_modes import joined_modes, wave_modes
+from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes
 from bladewhirl.models.stage.superelement_stage import (
     SuperelementStage,
     on_springs,
@@ -168,6 +170,29 @@ class ModalSuperelement(ModalModel):
         if difference and self.clamped_blocks is not None and 1 in found:
             along_x = self.blocks[1].centre[0].conj()
             found[1] = on_unequal_bearings(found[1], along_x, difference)
+        return found
+
+    @property
+    def tips(self) -> dict[int, Tips]:
+        stage, slope = self.stage, self.case.casing.slope
+        if UNKNOWN in self.blocks:
+            raise UserError(UNEQUAL_SECTORS)
+        reduced = stage.reduced
+        static = (reduced.contact / reduced.frequency**2) @ reduced.contact.T + reduced.compliance
+        static = compliance_in_wall_axes(static, slope)[::3, ::3]
+        found, one = {}, self._table.kind == "blade"
+        copies = 1 if one else self._table.copies
+        own = len(static) // copies
+        # Displacements of each blade, counter-clockwise from the first, by forces on the first.
+        angle = np.mod(stage.angle.reshape(copies, -1)[:, 0] - stage.angle.flat[0], 2.0 * np.pi)
+        distance = static.reshape(copies, own, copies, own)[np.argsort(angle), :, 0]
+        for k, block in self.blocks.items():
+            phases = np.exp(-2j * np.pi * k * np.arange(copies) / copies)
+            flexibility = np.tensordot(phases, distance, 1)
+            rows = in_wall_axes(block.contact, slope)[::3]
+            if self._table.kind == "wheel":  # the fields are those of the whole wheel
+                rows = np.sqrt(copies) * rows[:own]
+            found[k] = Tips(rows=rows, flexibility=flexibility)
         return found
 
     @property

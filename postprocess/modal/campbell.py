@@ -30,6 +30,8 @@ RING: dict[str, Any] = {
 }
 #: mark of a critical speed
 CROSS: dict[str, Any] = {"linestyle": "none", "marker": "X", "markersize": 6.0, "mec": "white"}
+#: mark of a resonance in a rub
+BAND: dict[str, Any] = {"linewidth": 4.0, "alpha": 0.35, "solid_capstyle": "round", "zorder": 1}
 FINE = 2001  #: number of speeds at which the frequency of a wave is computed
 ENDS = 0.9  #: engine orders are labelled beyond this fraction of the width or height of the axes
 HEADROOM = 1.18  #: highest frequency shown divided by the highest coincidence or mode drawn
@@ -130,6 +132,8 @@ def drawn_part(data: xr.Dataset) -> xr.Dataset:
     }
     if "branch" in data.dims:
         shown["branch"] = np.isin(data["branch_family"].values, families)
+    if "resonance" in data.dims:
+        shown["resonance"] = np.isin(data["resonance_family"].values, families)
     return data.isel(shown)
 
 
@@ -173,6 +177,8 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
         label = f"critical speed, {', '.join(f'{speed:.4g}' for speed in critical)} ω₁"
         colour = COLOURS["contact"]
         axes.plot(critical, height, clip_on=False, zorder=6, color=colour, label=label, **CROSS)
+    if frame == "rotating":
+        _draw_resonances(axes, data)
     speeds, k = data["normalised_speed"].values, data["nodal_diameter"].values
     for here, colour in ((shown & (k != 1), "other k"), (shown & (k == 1), "k = 1")):
         if here.any():  # an empty line that is not clipped would stretch the layout
@@ -264,6 +270,17 @@ def _draw_engine_orders(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[
         axes.plot(speed, y, ":", color="#777777", linewidth=0.6, zorder=1, label="engine orders")
         end = y > ENDS * axes.get_ylim()[1] if frame == "rotating" else speed > ENDS * last
         yield speed[end], y[end], f"{order}Ω" if order > 1 else "Ω", "#555555"
+
+
+def _draw_resonances(axes: Axes, data: xr.Dataset) -> None:
+    """Draw where the lines of the wall and of engine orders excite waves in a rub: between the
+    resonance with free and that with held tips."""
+    for n in range(data.sizes.get("resonance", 0)):
+        row = data.isel(resonance=n)
+        order, speed = int(row["resonance_order"]), float(row["resonance_free"])
+        ends = np.array([speed, float(np.nan_to_num(row["resonance_held"], nan=speed))])
+        label = "resonance with free to held tips"
+        axes.plot(ends, order * ends, color=COLOURS["contact"], label=label, **BAND)
 
 
 def wave_colour(body: str, family: str, k: int) -> str:

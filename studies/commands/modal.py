@@ -83,6 +83,7 @@ def campbell(
     case: options.CaseFile,
     speeds: Annotated[options.Span, options.span("--speeds")] = CAMPBELL_SPEEDS,
     operating: Annotated[options.Span | None, options.span("--operating")] = None,
+    orders: Annotated[str | None, typer.Option(metavar="NUMBERS")] = None,
     families: options.Number = 5,
     output: options.CaseFolder = None,
     html: options.File = None,
@@ -96,12 +97,16 @@ def campbell(
     Where k Ω = ω_casing + ω_rotor, Eq. (14), a forward wave on the casing and a backward wave on
     the rotor travel at the same speed in space, and contact amplifies both waves. The table lists
     the coincidence speeds inside --speeds; JSON lists all coincidence speeds, for every nodal
-    diameter and family. With --json or --html a folder is made only if -o names it.
+    diameter and family. A second table lists the speeds at which the lobes of the wall and engine
+    orders excite the bladed disk, with free and with held tips: the resonance in a rub lies between
+    both. With --operating they are sorted by their distance from it. With --json or --html a
+    folder is made only if -o names it.
 
     Args:
         speeds: Speeds of the diagrams: multiples of ω₁, or "2000 rpm:9000 rpm".
         operating: Operating range to shade and to mark in the table: multiples of ω₁, or
             "40 Hz:60 Hz"; by default none.
+        orders: Orders besides those of the case, such as "1,2,6".
         families: Number of families of the bladed disk, without the suspension pair.
         html: Write both diagrams as an interactive page, FILE.html.
     """
@@ -115,7 +120,13 @@ def campbell(
     ends = None
     if operating is not None:
         ends = tuple(operating.values(stage.reference_frequency).tolist())
-    diagram = study.campbell(stage, families=families, speeds=(first, last), operating=ends)
+    diagram = study.campbell(
+        stage,
+        families=families,
+        speeds=(first, last),
+        operating=ends,
+        orders=_whole_numbers("--orders", orders),
+    )
     computed = study.report(diagram, page=html, overwrite=overwrite)
     _present(computed, case, output, overwrite=overwrite, json=json)
 
@@ -290,6 +301,14 @@ def stability(
         with progress_bar("growth rates") as update:
             computed = study.chart_report(system, omegas, stiffnesses, line=line, progress=update)
     _present(computed, case, output, overwrite=overwrite, json=json)
+
+
+def _whole_numbers(name: str, given: str | None) -> tuple[int, ...]:
+    """Return the positive whole numbers of a list with commas."""
+    words = [] if given is None else given.replace(",", " ").split()
+    if not all(word.isdecimal() and int(word) for word in words):
+        raise UserError(f'{name} {given}: expected whole numbers of 1 or more, such as "1,2,6"')
+    return tuple(map(int, words))
 
 
 def _model(case: Path, overrides: list[str] | None, **numbers: int) -> ModalModel:

@@ -11,6 +11,7 @@ from bladewhirl.files import claim_file
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.modal.labels import LabelledModes, names_of
+from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.stage.modal import Modelled, modal_model
 from bladewhirl.postprocess.modal.operating_range import UNKNOWN, operating_range
 from bladewhirl.solvers.stability.coincidence import coincidences
@@ -19,6 +20,8 @@ from bladewhirl.studies.modal.campbell_at_speed import (
     meetings,
     refuse_unequal_bearings,
 )
+from bladewhirl.studies.modal.resonances import COLUMNS as RESONANCES
+from bladewhirl.studies.modal.resonances import orders_of_case, resonances
 from bladewhirl.studies.modal.study import Figures, Study
 from bladewhirl.studies.runs.columns import Column, facts, quantity, rows_of, table, texts
 
@@ -34,6 +37,7 @@ def campbell(
     families: int = 5,
     speeds: Interval = (0.0, 3.0),
     operating: Interval | None = None,
+    orders: Sequence[int] = (),
 ) -> xr.Dataset:
     """Compute the speeds at which waves on bladed disk and casing coincide, Eq. (14), and these
     waves.
@@ -48,6 +52,10 @@ def campbell(
     Over `mode`, once per pair: mode_frequency [Hz] and normalised_mode_frequency, with
     mode_body, mode_family and mode_nodal_diameter. `diagram.reset_index("coincidence")` can be
     saved to a file; `bladewhirl.plot.campbell` draws it.
+
+    Over `resonance`, if all blades are equal: the speeds at which waves of the wall and of engine
+    orders excite the bladed disk, with free and with held tips, see `resonances.resonances`. The
+    orders are the lobes of the wall and the engine orders of the case, and those given.
 
     Over `critical`: critical_speed (normalised) and critical_rpm, up to the last of `speeds`; empty
     without rotation effects. With rotation effects, the Dataset also has:
@@ -74,6 +82,7 @@ def campbell(
             "2500 rpm". With rotation effects, coincidences are computed up to the second end only;
             a mode, such as 1F with nodal diameter 1, can have none below this speed.
         operating: ends of the operating range, in the form of `speeds`; None if it is not known.
+        orders: numbers of waves around the wall, besides those of the case.
 
     Raises:
         CaseError: finite elements cannot be computed with the numbers of the case.
@@ -110,6 +119,8 @@ def campbell(
         family = np.array(renamed, dtype=object)
         at_rest = np.array(rotor.at_rest or rotor.family, dtype=object)[met.rotor]
         at_speed = dataset_at_speed(stage, waves, names, chosen, shown)
+    if (turned := _excited(stage, chosen, orders, shown, operated)) is not None:
+        at_speed = at_speed.merge(turned)
     normalised, hertz = met.speed / reference, 2.0 * np.pi
     frequency = np.concatenate([rotor.frequency, casing.frequency])
     diameter = np.concatenate([rotor.nodal_diameter, casing.nodal_diameter])
@@ -145,6 +156,28 @@ def campbell(
         },
     ).set_index(coincidence=["family", "casing_family", "nodal_diameter"])
     return diagram.merge(at_speed).assign_attrs(at_speed.attrs)
+
+
+def _excited(
+    stage: ModalModel,
+    chosen: set[str],
+    orders: Sequence[int],
+    shown: tuple[float, float],
+    operating: tuple[float, float],
+) -> xr.Dataset | None:
+    """Return the resonances of the wall and of engine orders; None without orders, or if blades
+    differ, so that every order excites all nodal diameters."""
+    sources = orders_of_case(stage.case) | dict.fromkeys(orders, "given")
+    if not sources:
+        return None
+    try:
+        waves = stage.waves
+    except UserError:
+        return None
+    reference, names = stage.reference_frequency, names_of(stage.disk_modes)
+    ends = shown[0] * reference, shown[1] * reference
+    operated = operating[0] * reference, operating[1] * reference
+    return resonances(stage, waves, names, chosen, sources, ends, operated)
 
 
 def _multiples(name: str, ends: Interval, reference: float) -> tuple[float, float]:
@@ -187,6 +220,11 @@ def _coincidences(diagram: xr.Dataset) -> Sequence[Column]:
     return COINCIDENCES[: -1 if operating_range(diagram) is None else None]
 
 
+def _resonances(diagram: xr.Dataset) -> Sequence[Column]:
+    """Return the columns of resonances; the last only if an operating range is given."""
+    return RESONANCES[: -1 if operating_range(diagram) is None else None]
+
+
 def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
     """Return the JSON document of `campbell`: coincidences, ascending, and critical speeds."""
     document = {
@@ -194,6 +232,8 @@ def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
         "operating_range": operating_range(diagram),
         "coincidences": rows_of(diagram, _coincidences(diagram)),
     }
+    if "resonance" in diagram.dims:
+        document["resonances"] = rows_of(diagram, _resonances(diagram), "resonance_")
     if "branch" not in diagram.dims:
         return document
 
@@ -225,6 +265,11 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
     tables = [
         table(rows, _coincidences(diagram), f"Coincidence speeds from {first:g} to {last:g} ω₁")
     ]
+    if document.get("resonances"):
+        title = "Resonances with waves of the wall and engine orders"
+        if operating_range(diagram) is not None:
+            title += ", by distance from the operating range"
+        tables.append(table(document["resonances"], _resonances(diagram), title))
     if "critical_speeds" in document:
         title = f"Critical speeds up to {last:g} ω₁"
         tables.append(table(document["critical_speeds"], CRITICAL_SPEEDS, title))
