@@ -33,6 +33,7 @@ ARROW_WIDTH = 0.011
 LONGEST_ARROW = 0.17
 SPRING, GROUND, STRUT = 0.0032, 0.0026, 0.011  #: widths of strokes
 MARGIN = 1.04
+EDGE_WIDTH = 1.5  #: width of the edges of surfaces [rendered points]
 
 #: font of the figures
 FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")

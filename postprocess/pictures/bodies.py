@@ -1,6 +1,6 @@
 """What is drawn of a stage: beams with supports, or a surface of triangles, and the wall."""
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, get_args
 
 import numpy as np
 import xarray as xr
@@ -10,17 +10,24 @@ from bladewhirl.postprocess.fields.enlarged import EnlargedStage, EnlargedWall
 from bladewhirl.postprocess.fields.enlarged_surface import EnlargedSurface
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.nodes import copied_cells
+from bladewhirl.postprocess.pictures.choices import View
+from bladewhirl.postprocess.pictures.solids import HUB, Placed, Solid, hub_of, tube, tube_triangles
 from bladewhirl.postprocess.pictures.symbols import StageSymbols, Symbols
 
 BEAM_STATIONS = 6  #: number of straight pieces of a beam
 RING_STATIONS = 720  #: smallest number of straight pieces of the casing
 MARK = 0.7  #: radius of the mark on the first blade, relative to the tip radius
 
-TOWARDS = np.array([0.4, -0.3, 1.0])  #: direction from surfaces around the axis to the viewer
+TOWARDS = {"oblique": (0.42, -0.5, 0.75), "axial": (0.0, 0.0, 1.0), "side": (0.15, -1.0, 0.25)}
+"""Direction from surfaces around the axis to the viewer."""
+OPEN = 0.3
+"""The wall is cut open where the cosine between its normal and the direction to the viewer is
+larger, so that tips are seen."""
 LEAN, SWING = 0.35, 1.1  #: inclination of the view of a single blade, to the root and to an edge
 ABOVE = 0.1  #: distance of the middle of a picture from that of a single blade, by its size
+COATING = "#c8a165"  #: colour of a coating
 ARC = 0.06  #: angle over which the wall is drawn on each side of a single blade [rad]
-ARC_STATIONS = 41
+ARC_STATIONS, WALL_STATIONS = 41, 241
 BEYOND = 0.15  #: part of the wall that is drawn beyond the contact nodes, by their axial distance
 NARROW = 0.01  #: smallest such part, relative to the tip radius
 
@@ -36,6 +43,7 @@ class Shape(NamedTuple):
     centre: Array  #: (2,) [m]
     mark: Array  #: (2,) [m]
     symbols: Symbols
+    solids: tuple[Placed, ...] = ()  #: positions of the solids of the body
 
 
 class Body(Protocol):
@@ -44,6 +52,7 @@ class Body(Protocol):
     nodes: Array  #: nodes of beams, or contact nodes of a surface, at rest (node, 2) [m]
     triangles: IntArray  #: points of each triangle of the surface (triangle, 3)
     largest_bend: float  #: largest displacement of the rotor relative to its centre [m]
+    solids: tuple[Solid, ...]  #: wall, coating and hub in space; the wall is a ribbon if none
 
     @property
     def stage(self) -> EnlargedWall:
@@ -63,6 +72,7 @@ class Beams:
     def __init__(
         self, dataset: xr.Dataset, records: IntArray, factor: float | None, per_element: int
     ) -> None:
+        self.solids: tuple[Solid, ...] = ()
         self.stage = stage = EnlargedStage(
             dataset, records, factor=factor, per_line=BEAM_STATIONS, per_element=per_element
         )
@@ -105,8 +115,9 @@ class Triangles:
         records: numbers of the records.
         factor: factor of displacements and clearance, chosen when None.
         per_element: number of pieces of an element of the casing, or of a rigid wall.
-        around: true to show the whole wall, seen nearly along the axis; false for the wall near a
-            single blade, which is seen from the side, where its bending is visible.
+        around: true to show the wall around the axis, cut open in front of the tips; false for the
+            wall near a single blade, in an oblique view of its face, where its bending is visible.
+        view: direction of the view.
     """
 
     def __init__(
@@ -116,6 +127,7 @@ class Triangles:
         factor: float | None,
         per_element: int,
         around: bool,
+        view: View,
     ) -> None:
         if "triangle" not in dataset:
             raise ViewError("expected a superelement whose file has points, recovery and triangles")
@@ -125,13 +137,31 @@ class Triangles:
         axial, angle = dataset["axial_position"].values, dataset["tip_angle"].values
         margin = BEYOND * np.ptp(axial) + NARROW * stage.tip_radius
         self._edges = axial.min() - margin, axial.max() + margin
+        if "casing_width" in dataset:
+            middle, half = axial.min() + 0.5 * np.ptp(axial), 0.5 * dataset["casing_width"].values
+            self._edges = middle - float(half.max()), middle + float(half.max())
         target = MARK * stage.nodes[dataset["blade"].values == 0].mean(axis=0)
         self._mark = int(np.argmin(np.linalg.norm(stage.rest - target, axis=1)))
-        self._axes, self._focus = _axes(TOWARDS, np.array([0.0, 1.0, 0.0])), np.zeros(3)
+        towards, self._focus = np.array(TOWARDS[view]), np.zeros(3)
+        self._axes = _axes(
+            towards, np.array([0.0, 1.0, 0.0] if view != "side" else [0.0, 0.0, 1.0])
+        )
         self._arc: Array | None = None
         if not around:
-            self._axes, self._focus = _view_of_blade(stage.rest, stage.size)
+            self._axes, self._focus = _view_of_blade(stage.rest, stage.size, view)
             self._arc = np.linspace(angle.min() - ARC, angle.max() + ARC, ARC_STATIONS)
+        across = float(np.hypot(*unit(towards)[:2]))
+        gap = np.arccos(OPEN / across) if across > OPEN else 0.0
+        ahead = np.arctan2(towards[1], towards[0])
+        self._seen = np.linspace(ahead + gap, ahead + 2 * np.pi - gap, WALL_STATIONS)
+        self._coated = float(dataset.attrs.get("coating_thickness", 0.0))
+        self._hub = hub_of(dataset, stage.rest, 0.5 * stage.tip_radius) if around else None
+        wall = Solid(triangles=tube_triangles(WALL_STATIONS if around else ARC_STATIONS))
+        self.solids = (
+            wall,
+            *([Solid(triangles=wall.triangles, colour=COATING)] if self._coated else []),
+            *([] if self._hub is None else [HUB]),
+        )
         self.nodes = self._placed(stage.nodes, 0.0)[..., :2]
 
     def shape(self, index: int, rotor: float, casing: float) -> Shape:
@@ -148,6 +178,9 @@ class Triangles:
             inner = radius[:, None] * directions(at)
             stations = np.round(at * len(wall) / (2 * np.pi)).astype(np.int64) % len(wall)
         edges = np.stack([stage.wall_edge(inner, axial) for axial in self._edges], axis=1)
+        solids = self._walls(index, wall, casing)
+        if self._hub is not None:
+            solids += (Placed(self._placed(self._hub, rotor), np.full(len(self._hub), -1)),)
         points = self._placed(stage.points(index), rotor)
         return Shape(
             ribbons=np.zeros((0, BEAM_STATIONS + 1, 2, 2)),
@@ -158,6 +191,38 @@ class Triangles:
             centre=self._placed(np.append(stage.factor * stage.centre[index], 0.0), rotor)[:2],
             mark=points[self._mark, :2],
             symbols=Symbols(),
+            solids=solids,
+        )
+
+    def _walls(self, index: int, wall: Array, casing: float) -> tuple[Placed, ...]:
+        """Return the drawn wall, and its coating, at the index-th record; `wall` is the inner
+        surface of the wall (station, 2) [m], which is turned by an angle [rad]."""
+        stage = self.stage
+        at = self._seen - casing if self._arc is None else self._arc + float(stage.turns[index])
+        number = np.round(at * len(wall) / (2 * np.pi)).astype(np.int64) % len(wall)
+        around = np.arctan2(wall[:, 1], wall[:, 0])
+        inner = np.interp(at, around, np.hypot(*wall.T), period=2 * np.pi)
+        metal = inner
+        if self._coated:  # the layer has its thickness at rest, enlarged as the clearance
+            metal = stage.inner_radius[number] + stage.factor * self._coated
+        outer = metal + stage.wall_thickness[number]
+        layers = [(metal, outer), *([(inner, metal)] if self._coated else [])]
+        return tuple(
+            Placed(
+                self._placed(
+                    tube(
+                        *(
+                            stage.wall_edge(radius[:, None] * directions(at), axial)
+                            for radius, axial in zip(
+                                (low, low, high, high), self._edges + self._edges[::-1], strict=True
+                            )
+                        )
+                    ),
+                    casing,
+                ),
+                np.repeat(number, 4),
+            )
+            for low, high in layers
         )
 
     def seen(self, vectors: Array) -> Array:
@@ -177,24 +242,40 @@ def _axes(towards: Array, up: Array) -> Array:
     return np.stack([right, np.cross(forward, right), forward])
 
 
-def _view_of_blade(points: Array, size: float) -> tuple[Array, Array]:
-    """Return axes and middle of the view of a blade of points (point, 3) and of a size [m]: of its
-    face, from the side and slightly from the root."""
+def _view_of_blade(points: Array, size: float, view: View) -> tuple[Array, Array]:
+    """Return axes and middle of a view of a blade of points (point, 3) and of a size [m]; an
+    oblique view is one of its face, from the side and slightly from the root."""
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    face = np.linalg.svd(points - middle, full_matrices=False)[2][2]  # normal to the blade
     out = np.append(unit(middle[:2]), 0.0)
+    focus = middle + ABOVE * size * out
+    if view == "axial":
+        return _axes(np.array([0.0, 0.0, 1.0]), out), focus
+    if view == "side":
+        return _axes(np.cross(out, [0.0, 0.0, 1.0]), out), focus
+    face = np.linalg.svd(points - middle, full_matrices=False)[2][2]  # normal to the blade
     face = face if face[2] >= 0.0 else -face
-    towards = face - LEAN * out + SWING * np.cross(out, face)
-    return _axes(towards, out), middle + ABOVE * size * out
+    return _axes(face - LEAN * out + SWING * np.cross(out, face), out), focus
 
 
-def body_of(dataset: xr.Dataset, records: IntArray, factor: float | None, *, around: bool) -> Body:
-    """Return the beams of a result, or its surface; see `Triangles` for `around`.
+def body_of(
+    dataset: xr.Dataset,
+    records: IntArray,
+    factor: float | None,
+    *,
+    around: bool,
+    view: View | None = None,
+) -> Body:
+    """Return the beams of a result, or its surface; see `Triangles` for `around` and `view`, which
+    is oblique when None.
 
     Raises:
-        ViewError: the factor is invalid, or the result has no surface.
+        ViewError: the factor or the view is invalid, or the result has no surface.
     """
+    if view not in (None, *get_args(View)):
+        raise ViewError(f"view must be one of {', '.join(get_args(View))}, got {view!r}")
     per_element = -(-RING_STATIONS // dataset.sizes.get("casing_node", 1))
     if "rotor_line" in dataset:
+        if view not in (None, "axial"):
+            raise ViewError(f'view = "{view}": beams lie in a plane; expected "axial"')
         return Beams(dataset, records, factor, per_element)
-    return Triangles(dataset, records, factor, per_element, around)
+    return Triangles(dataset, records, factor, per_element, around, view or "oblique")

@@ -1,4 +1,5 @@
-"""Choices for pictures of a stage: field that colours beams and wall, frame of reference."""
+"""Choices for pictures of a stage: field that colours beams and wall, frame of reference,
+view of surfaces."""
 
 from typing import Literal
 
@@ -14,3 +15,5 @@ Field = Literal[
 ]
 
 Frame = Literal["static", "rotating"]
+
+View = Literal["oblique", "axial", "side"]

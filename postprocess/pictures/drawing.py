@@ -20,7 +20,7 @@ from bladewhirl.postprocess.fields.by_blade import (
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.pictures.bodies import BEAM_STATIONS, body_of
-from bladewhirl.postprocess.pictures.choices import Field, Frame
+from bladewhirl.postprocess.pictures.choices import Field, Frame, View
 from bladewhirl.postprocess.pictures.colouring import Stations, colouring
 from bladewhirl.postprocess.pictures.symbols import Symbols
 
@@ -49,6 +49,7 @@ class Picture:
     time: float  #: [s]
     rotor: Ribbon  #: beams
     surface: Surface
+    solids: tuple[Surface, ...]  #: the wall in space, its coating and a hub, see `Drawing.solids`
     casing: Ribbon
     shaft: Array  #: drawn centre (2,) [m]
     tips: Array  #: drawn contact nodes (contact_node, 2) [m]
@@ -68,10 +69,11 @@ class Drawing:
         frame: axes of the picture: in "static" axes the rotor turns, in "rotating" axes the casing
             turns backward. When None, "static", for a single blade "rotating".
         colour: field that colours rotor and wall, see `colouring`.
+        view: direction of the view of a surface, see `body_of`.
 
     Raises:
-        ViewError: the frame, the field or the exaggeration is invalid, or a rotor without beams has
-            no surface.
+        ViewError: the frame, the view, the field or the exaggeration is invalid, or a rotor without
+            beams has no surface.
     """
 
     def __init__(
@@ -82,6 +84,7 @@ class Drawing:
         exaggeration: float | None = None,
         frame: Frame | None = None,
         colour: Field = "displacement",
+        view: View | None = None,
     ) -> None:
         if frame not in (None, "static", "rotating"):
             raise ViewError(f'frame must be "static" or "rotating", got {frame!r}')
@@ -91,8 +94,9 @@ class Drawing:
         rotating = self.frame == "rotating"
         self.around = several or not rotating  #: whether the axis is in the picture
         self._dataset = dataset
-        self._body = body = body_of(dataset, records, exaggeration, around=self.around)
+        self._body = body = body_of(dataset, records, exaggeration, around=self.around, view=view)
         self.triangles = body.triangles  #: points of each triangle of the surface (triangle, 3)
+        self.solids = body.solids  #: triangles and colours of the solids
         self.nodes = body.nodes  #: nodes of beams, or contact nodes, at rest (node, 2) [m]
         self._stage = stage = body.stage
         self.records = records
@@ -130,7 +134,8 @@ class Drawing:
             touching = seen.tips[np.any(seen.forces, axis=1)]
             contact = max(contact, float(np.max(np.sum(touching**2, axis=-1), initial=0.0)))
             surface = seen.surface.points[:, :2]
-            for shape in (seen.rotor.sides, surface, seen.casing.sides, *seen.symbols):
+            walls = [solid.points[:, :2] for solid in seen.solids]
+            for shape in (seen.rotor.sides, surface, *walls, seen.casing.sides, *seen.symbols):
                 stage = max(stage, float(np.max(np.sum(shape**2, axis=-1), initial=0.0)))
         return float(np.sqrt(stage)), float(np.sqrt(contact))
 
@@ -146,6 +151,13 @@ class Drawing:
             time=float(self.times[index]),
             rotor=Ribbon(sides=shape.ribbons, values=colours.rotor[index]),
             surface=Surface(points=shape.surface, values=colours.surface[index]),
+            solids=tuple(
+                Surface(
+                    points=points,
+                    values=np.where(at < 0, np.nan, colours.casing[index][at, 0]),
+                )
+                for points, at in shape.solids
+            ),
             casing=Ribbon(
                 sides=shape.wall[None], values=colours.casing[index][shape.stations][None]
             ),

@@ -64,6 +64,7 @@ class Panel:
             write(scene.plotter, bar, 0.085, 11, indent=-look.SQUARE)
         write_title(scene.plotter, dataset)
         self._time = write(scene.plotter, "", TOPS["time"], 22)
+        self._touches = "contact_impulse" in dataset  # not in a mode
         if dataset.attrs["speed"]:  # zero for a mode
             write(scene.plotter, f"speed\n{look.speed_text(dataset)}", TOPS["speed"], 13)
         write(
@@ -90,7 +91,8 @@ class Panel:
     def show(self, picture: Picture) -> None:
         """Update time, contact text, blade numbers and orbit."""
         self._time.input = f"t = {1e3 * picture.time:.1f} ms"
-        self._contact.input = look.contact_text(picture.blade_forces)
+        if self._touches:
+            self._contact.input = look.contact_text(picture.blade_forces)
         self._numbers.show(picture)
         if self._orbit is not None:
             self._orbit.show(picture.time)

@@ -104,8 +104,8 @@ def render_still(
 ) -> Path:
     """Draw the stage at a record as PNG; return the path.
 
-    `view` is exaggeration, frame and colour, see `Drawing`. With `orbit` an inset shows the orbit
-    of the shaft in the previous revolution.
+    `view` is exaggeration, frame, colour and view, see `Drawing`. With `orbit` an inset shows the
+    orbit of the shaft in the previous revolution.
 
     Raises:
         ViewError: the path does not end in .png.
@@ -131,8 +131,8 @@ def render_animation(
     """Draw records (see `animation_records`) as a GIF or MP4 with 25 pictures per second; return
     the path.
 
-    `view` is exaggeration, frame and colour, see `Drawing`; all pictures have the same scales of
-    colours and arrows. With `orbit` an inset shows the orbit of the shaft. The default size is 960
+    `view` is exaggeration, frame, colour and view, see `Drawing`; all pictures have the same scales
+    of colours and arrows. With `orbit` an inset shows the orbit of the shaft. The default size is 960
     x 720 pixels for a GIF and 1280 x 960 pixels for an MP4. See `Progress` for `progress`.
 
     Raises:
@@ -143,7 +143,7 @@ def render_animation(
     drawing = Drawing(dataset, records, **view)
     seconds = float(np.ptp(dataset["time"].values[records]))
     slower = (len(records) - 1) / films.FRAME_RATE / seconds if seconds else 1.0
-    note = f"slowed down {slower:.3g} times" if slower > 1 else ""
+    note = f"slowed down {slower:{',.0f' if slower > 999 else '.3g'}} times" if slower > 1 else ""
     trail = np.arange(records.min(), records.max() + 1) if orbit else None
     size = size or (GIF_WINDOW if target.suffix.lower() == ".gif" else WINDOW)
     with stage_view(dataset, drawing, size, note, trail=trail) as picture:
@@ -165,8 +165,8 @@ def render_sheet(
     return the path.
 
     All pictures have the same scales of colours, forces and displacements. `columns` is chosen when
-    None, `cell` is the width of a picture [pixels], `view` is exaggeration, frame and colour, see
-    `Drawing`.
+    None, `cell` is the width of a picture [pixels], `view` is exaggeration, frame, colour and view,
+    see `Drawing`.
 
     Raises:
         ViewError: the path does not end in .png.

@@ -10,12 +10,17 @@ from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows, widened
+from bladewhirl.postprocess.pictures.solids import sharp_edges
 from bladewhirl.postprocess.pictures.symbols import MASS, Symbols
 
 DISC_CORNERS = 32
 FRONT = 1.5  #: layer before which the layers of ribbons lie, and after which all others lie
 DEPTH = 2.0  #: distance of these layers from the middle of surfaces, relative to the stage
-AMBIENT = 0.25  #: part of the light on surfaces that does not depend on their direction
+AMBIENT, DIFFUSE = (
+    0.36,
+    0.66,
+)  #: parts of the light on surfaces: from all directions, and from lamps
+EDGE_OFFSET = 8.0  #: distance of edges in front of their surface [units of the depth buffer]
 CIRCLE = directions(2 * np.pi * np.arange(DISC_CORNERS) / DISC_CORNERS)
 
 
@@ -40,13 +45,22 @@ class StageScene:
         surface = first.surface.points
         self._depth = DEPTH * self.size if len(surface) else 0.0
         self._surface = self._add(len(surface), drawing.triangles, layer=None)
+        bodies = [(surface, drawing.triangles)]
+        self._solids = []
+        for solid, placed in zip(drawing.solids, first.solids, strict=True):
+            mesh = self._add(len(placed.points), solid.triangles, layer=None, color=solid.colour)
+            self._solids.append(mesh)
+            bodies.append((placed.points, solid.triangles))
+        self._edges_of = [self._add_edges(*body) for body in bodies]
         self._outlines, self._ribbons = [], []
-        for ribbon in (first.casing, first.rotor):
+        for ribbon, flat in ((first.casing, not drawing.solids), (first.rotor, True)):
             lines, stations = ribbon.values.shape[:2]
             outline = _strip_quads(lines, stations, 1)
-            self._outlines.append(self._add(ribbon.values.size, outline, layer=0, color=look.INK))
+            self._outlines.append(
+                self._add(ribbon.values.size, outline, layer=0, color=look.INK, shown=flat)
+            )
             halves = _strip_quads(lines, stations, 2)
-            self._ribbons.append(self._add(2 * ribbon.values.size, halves, layer=1))
+            self._ribbons.append(self._add(2 * ribbon.values.size, halves, layer=1, shown=flat))
         # Strokes have light edges to be visible on parts of any colour.
         self._edges, self._strokes = (
             {
@@ -104,8 +118,11 @@ class StageScene:
             middle = sides.mean(axis=2)
             _move(mesh, np.stack([sides[:, :, 0], middle, middle, sides[:, :, 1]], axis=2))
             self._colour(mesh, np.repeat(ribbon.values, 2, axis=-1))
-        self._surface.points[:] = picture.surface.points
-        self._colour(self._surface, picture.surface.values)
+        meshes, surfaces = (self._surface, *self._solids), (picture.surface, *picture.solids)
+        for mesh, edges, seen in zip(meshes, self._edges_of, surfaces, strict=True):
+            mesh.points[:] = edges.points[:] = seen.points
+            if "value" in mesh.point_data:
+                self._colour(mesh, seen.values)
         for name, width, _, strokes in look.strokes_of(picture.symbols):
             _move(self._edges[name], stroke_corners(strokes, (width + 2 * look.EDGE) * self.size))
             _move(self._strokes[name], stroke_corners(strokes, width * self.size))
@@ -189,10 +206,23 @@ class StageScene:
             interpolate_before_map=True,
             lighting=layer is None,
             ambient=AMBIENT if layer is None else 0.0,
+            diffuse=DIFFUSE if layer is None else 1.0,
             show_scalar_bar=False,
         )
         if color is None:
             self.colours = actor.mapper
+        return mesh
+
+    def _add_edges(self, points: Array, triangles: IntArray) -> pyvista.PolyData:
+        """Add the sharp edges of a surface of triangles as lines; return the mesh of all points."""
+        mesh = pyvista.PolyData(points.copy())
+        if len(points):
+            edges = sharp_edges(points, triangles)
+            mesh.lines = np.insert(edges, 0, 2, axis=1).ravel()
+            mesh.verts = np.zeros(0, np.int64)
+            actor = self.plotter.add_mesh(mesh, color=look.INK, line_width=look.EDGE_WIDTH)
+            actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
+            actor.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -EDGE_OFFSET)
         return mesh
 
     def _colour(self, mesh: pyvista.PolyData, values: Array) -> None:

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
-from bladewhirl.postprocess.pictures.choices import Field, Frame
+from bladewhirl.postprocess.pictures.choices import Field, Frame, View
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import progress_bar
 
@@ -27,6 +27,7 @@ def render(
     exaggeration: float | None = None,
     frame: Frame | None = None,
     colour: Field = "displacement",
+    view: View | None = None,
     orbit: Annotated[bool, typer.Option("--orbit")] = False,
     overwrite: options.Replace = False,
 ) -> None:
@@ -53,6 +54,8 @@ def render(
         frame: Frame of reference of the picture: by default static, rotating for a single blade.
         colour: Field that colours rotor and wall; strains are those of beams, the stress of a
             superelement is the von Mises stress.
+        view: Direction of the view of a superelement: by default oblique, with the wall cut open in
+            front of the tips.
         orbit: Show the shaft's orbit in an inset.
     """
     from bladewhirl.files import check_file
@@ -67,7 +70,7 @@ def render(
     window = {"frames": frames, "start": start, "end": end}
     _check_options(set(targets), times, {"--frames": frames, "--from": start, "--to": end})
     pictures = list(_pictures(targets, times, window))
-    view: dict[str, Any] = {"frame": frame, "colour": colour, "orbit": orbit}
+    look: dict[str, Any] = {"frame": frame, "colour": colour, "view": view, "orbit": orbit}
     with open_result(directory) as result:
         for path, _ in pictures:
             with writing(path):
@@ -75,7 +78,7 @@ def render(
         nearest_records(result, times)  # refuses times outside the run
         for path, chosen in pictures:
             with progress_bar(path.name) as update, writing(path):
-                draw(result, path, **chosen, **view, exaggeration=exaggeration, progress=update)
+                draw(result, path, **chosen, **look, exaggeration=exaggeration, progress=update)
             options.claim_output(path, named=output is not None, overwrite=True)
             if "time" in chosen:
                 typer.echo(f"Wrote {path}.")

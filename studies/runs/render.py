@@ -15,7 +15,7 @@ from bladewhirl.models.inputs.errors import writing
 if TYPE_CHECKING:
     import xarray as xr
 
-    from bladewhirl.postprocess.pictures.choices import Field, Frame
+    from bladewhirl.postprocess.pictures.choices import Field, Frame, View
 
 SHEET_PICTURES = 9  #: default number of pictures of a sheet
 
@@ -31,6 +31,7 @@ def render(
     exaggeration: float | None = None,
     frame: Frame | None = None,
     colour: Field = "displacement",
+    view: View | None = None,
     orbit: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
@@ -52,6 +53,7 @@ def render(
         frame: "static" or "rotating" axes; if None, static, and rotating for a single blade.
         colour: field that colours rotor and wall, such as "velocity"; strains and stresses are
             those of beams.
+        view: direction of the view of a superelement: "oblique", the default, "axial" or "side".
         orbit: whether stills, GIF and MP4 have an inset with the orbit of the shaft.
         progress: called with the numbers of finished and of all pictures of a film.
 
@@ -60,7 +62,7 @@ def render(
 
     Raises:
         ResultError: the result does not exist.
-        ViewError: the suffix is unknown, a time or the window is invalid, the file of a
+        ViewError: the suffix or the view is unknown, a time or the window is invalid, the file of a
             superelement has no triangles, or it has no strains of its surface.
         OffScreenError: the system cannot draw without a display.
         UserError: the file cannot be written.
@@ -77,7 +79,7 @@ def render(
         raise ViewError(
             f"{target}: omit time; it is allowed for .png only, without frames, start and end"
         )
-    look: dict[str, Any] = {"exaggeration": exaggeration, "frame": frame, "colour": colour}
+    look: dict[str, Any] = dict(exaggeration=exaggeration, frame=frame, colour=colour, view=view)
     with opened(result) as dataset, writing(target):
         still = kind == ".png" and not windowed and not isinstance(time, Sequence)
         if time is not None:

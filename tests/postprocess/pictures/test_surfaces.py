@@ -9,11 +9,14 @@ import pytest
 import xarray as xr
 from PIL import Image
 from rod_blade import blade, tables
+from scipy.spatial.distance import pdist
 from web_pages import page, part
 
 import bladewhirl as bw
+from bladewhirl.meshes.plane import unit
 from bladewhirl.postprocess.fields.kinematics import contact_forces
 from bladewhirl.postprocess.fields.nodes import frame_meshes, point_blades
+from bladewhirl.postprocess.pictures.bodies import COATING, TOWARDS, WALL_STATIONS
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import stage_view
 from bladewhirl.postprocess.pictures.render import strongest_contact
@@ -105,6 +108,37 @@ def test_a_single_blade_fills_the_picture_in_rotating_axes(
     walls = [near.picture(index).casing.sides[0, :, 0] for index in range(len(RECORDS))]
     assert np.abs(walls[0] - walls[1]).max() > 1e-4
     assert np.linalg.norm(walls[0][-1] - walls[1][-1]) < 0.05 * RADIUS
+
+
+@pytest.mark.parametrize("view", ["oblique", "axial", "side"])
+def test_the_wall_is_open_in_front_of_the_tips(three: xr.Dataset, view: Any) -> None:
+    """No point of the wall lies nearer to the viewer than the tips and in front of their circle."""
+    drawing = Drawing(three, RECORDS, exaggeration=FACTOR, view=view)
+    across = np.hypot(*unit(np.array(TOWARDS[view]))[:2])
+    for index in range(len(RECORDS)):
+        seen = drawing.picture(index)
+        wall, hub = seen.solids
+        assert np.isnan(hub.values).all()  # separate blades stand on a hub
+        assert len(wall.points) == 4 * WALL_STATIONS
+        depth = wall.points[:, 2].max()
+        assert (depth > across * RADIUS) == (view == "axial")
+        # Drawn points have the distances that points in space have.
+        stage: Any = drawing._stage
+        drawn, points = seen.surface.points, stage.points(index)
+        assert pdist(drawn) == pytest.approx(pdist(points))
+    with pytest.raises(bw.ViewError, match="view must be one of oblique, axial, side"):
+        Drawing(three, RECORDS, **{"view": "top"})
+
+
+def test_a_coating_is_as_thick_as_its_layer_less_its_wear(single: xr.Dataset) -> None:
+    drawing = Drawing(single.assign_attrs(coating_thickness=1e-3), RECORDS, exaggeration=FACTOR)
+    wall, coating = drawing.picture(2).solids
+    assert [solid.colour for solid in drawing.solids] == [None, COATING]
+    low, high = coating.points.reshape(-1, 4, 3)[:, 0], coating.points.reshape(-1, 4, 3)[:, 3]
+    closed = CLOSURE * (1.0 - np.exp(-float(single["time"][RECORDS[2]]) / 2e-3))
+    thickness = np.linalg.norm(high - low, axis=1)
+    assert thickness == pytest.approx(FACTOR * (1e-3 + closed), rel=2e-3)
+    assert wall.points.reshape(-1, 4, 3)[:, 0] == pytest.approx(high)
 
 
 @pytest.mark.parametrize(

@@ -58,11 +58,11 @@ def test_options_of_the_view(run: Path, monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(
         "bladewhirl.studies.runs.render.render", lambda _, path, **options: calls.append(options)
     )
-    options = ["--time", "0.1", "--orbit", "--colour", "gap", "--exaggeration", "5"]
+    options = ["--time", "0.1", "--orbit", "--colour", "gap", "--view", "axial"]
     answer("render", run, "--png", *options)
     [view] = calls
     assert view.pop("progress")
-    look = {"exaggeration": 5.0, "frame": None, "colour": "gap", "orbit": True}
+    look = {"exaggeration": None, "frame": None, "colour": "gap", "view": "axial", "orbit": True}
     assert view == {"time": 0.1, **look}
 
 
