@@ -2,8 +2,8 @@
 
     python docs/pictures.py
 
-The script takes two minutes. It reduces the colours of PNGs to a palette. The film shows one
-revolution of the rub in imbalance.toml.
+The script takes three minutes. It reduces the colours of PNGs to a palette. The films show one
+revolution of the rub in imbalance.toml, and half a revolution of that in bladed_disk.toml.
 """
 
 import subprocess
@@ -11,6 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from PIL import Image, ImageDraw, ImageFont, ImageSequence
 
 from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE
@@ -20,7 +21,8 @@ EXAMPLES = DOCS.parent / "examples"
 BLADEWHIRL = Path(sys.executable).with_name("bladewhirl")
 COLOURS = 256  #: number of colours of a palette
 FRAMES, REVOLUTION = 36, ("--from", "0.9 s", "--to", "0.92367 s")  #: pictures, times of the film
-FILM = (560, 420, 64)  #: width and height [pixels] and number of colours of the film
+HALF = ("--from", "2.6 ms", "--to", "5.9 ms")  #: times of the film of a disk in space
+FILM = (560, 420)  #: width and height of a film [pixels]
 
 GALLERY = {
     "curved_blades": "curved blades",
@@ -66,16 +68,16 @@ def keep(
     small.save(DOCS / name, optimize=True)
 
 
-def keep_film(film: Path, name: str) -> None:
-    """Save a GIF in docs/, reduced to the size and number of colours of `FILM`."""
-    width, height, colours = FILM
+def keep_film(film: Path, name: str, colours: int = 64) -> None:
+    """Save a GIF in docs/, reduced to the size `FILM` and a number of colours."""
     with Image.open(film) as frames:
         wait = frames.info["duration"]
         small = [
-            frame.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
+            frame.convert("RGB").resize(FILM, Image.Resampling.LANCZOS)
             for frame in ImageSequence.Iterator(frames)
         ]
-    palette = small[0].quantize(colours, method=Image.Quantize.MAXCOVERAGE)  # keeps arrows orange
+    samples = Image.fromarray(np.vstack([np.asarray(frame) for frame in small[::9]]))
+    palette = samples.quantize(colours, method=Image.Quantize.MAXCOVERAGE)  # keeps arrows orange
     first, *rest = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in small)
     first.save(DOCS / name, save_all=True, append_images=rest, duration=wait, loop=0, optimize=True)
 
@@ -115,6 +117,10 @@ def main() -> None:
         film = ("--frames", str(FRAMES), *REVOLUTION, "--orbit", "-o", folder / "film.gif")
         bladewhirl("render", imbalance, "--gif", *film)
         keep_film(folder / "film.gif", "contact.gif")
+        bladewhirl("run", EXAMPLES / "bladed_disk.toml", "-o", folder / "disk", "--frames", "0")
+        film = ("--frames", str(FRAMES), *HALF, "-o", folder / "disk.gif")
+        bladewhirl("render", folder / "disk", "--gif", *film)
+        keep_film(folder / "disk.gif", "contact_3d.gif", COLOURS)  # shades of lit surfaces
         keep(distortion / "energy.png", "distortion_energy.png")
         keep(imbalance / "orbit.png", "imbalance_orbit.png")
         keep(chart / "stability.png", "stability.png")

@@ -25,7 +25,7 @@ y = CHORD * c * np.sin(stagger) + thickness * t * np.cos(stagger)
 z = CHORD * c * np.cos(stagger) - thickness * t * np.sin(stagger)
 mesh.points = np.column_stack([np.sqrt((ROOT + (TIP - ROOT) * s) ** 2 - y**2), y, z])
 mesh.point_sets = {"root": np.flatnonzero(s < 1e-9), "tip": np.flatnonzero(s > 1 - 1e-9)}
-blade = bw.mesh3d(
+part = bw.mesh3d(
     mesh,
     young_modulus="114 GPa",
     poisson_ratio=0.32,
@@ -36,4 +36,4 @@ blade = bw.mesh3d(
 )
 
 if __name__ == "__main__":
-    bw.write_superelement(Path(__file__).with_suffix(".npz"), blade)
+    bw.write_superelement(Path(__file__).with_suffix(".npz"), part)

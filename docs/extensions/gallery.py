@@ -17,13 +17,13 @@ LONGEST, FRAMES = 0.5, 10
 
 
 def write(pages: Path) -> None:
-    """Write a page for each example, and an index page with drawings of all examples."""
+    """Write a page for each example, and an index page that shows what each example does."""
     pages.mkdir(exist_ok=True)
     rows, names = [], []
     for example in sorted((ROOT / "examples").glob("*.toml")):
         case, name = bw.read_case(example), example.stem
         _keep(pages / f"{name}.md", "\n\n".join(_page(example, case)) + "\n")
-        picture = f"[![{name}](../built/gallery/{name}/{name}.png)]({name}.md)"
+        picture = f"[![{name}](../built/gallery/{name}/{_sign(name, case)})]({name}.md)"
         rows.append(f"- {picture} [{case.title}]({name}.md)")
         names.append(name)
     parts = (
@@ -33,6 +33,22 @@ def write(pages: Path) -> None:
         "\n".join(["```{toctree}", ":hidden:", "", *names, "```"]),
     )
     _keep(pages / "index.md", "\n\n".join(parts) + "\n")
+
+
+def _sign(name: str, case: bw.Case) -> str:
+    """Return the picture of an example on the index page: the wear of a coating, a film of the
+    motion, a Campbell diagram, or the stage if it does not move."""
+    if case.casing.coating is not None:
+        return f"run/{_figures(case)[-1].name}.png"
+    if _moves(case):
+        return "run/animation.gif"
+    return f"{name}.png" if case.rotation.effects == "none" else "campbell/campbell-static.png"
+
+
+def _moves(case: bw.Case) -> bool:
+    """Return true if the page of an example contains a march."""
+    loaded = case.excitation != bw.Case().excitation or case.casing.closure is not None
+    return loaded or bool(case.initial.model_fields_set)
 
 
 def _keep(page: Path, text: str) -> None:
@@ -57,8 +73,7 @@ def _page(example: Path, case: bw.Case) -> Iterator[str]:
     duration = case.march.duration  # a motion that grows without a load needs the whole duration
     if case.excitation != bw.Case().excitation:
         duration = min(duration, LONGEST)
-    moves = case.excitation != bw.Case().excitation or case.casing.closure is not None
-    if moves or case.initial.model_fields_set:
+    if _moves(case):
         march = f"bladewhirl run {file} --set march.duration={duration:g} -o run --frames 0"
         yield f"## The first {duration:.3g} s"
         frames = FRAMES if case.bladed_disk.superelement is None else 2 * FRAMES
@@ -75,7 +90,8 @@ def _page(example: Path, case: bw.Case) -> Iterator[str]:
 def _figures(case: bw.Case) -> list[FigureKind]:
     """Return the figures of a run that the page of the example shows."""
     if case.bladed_disk.superelement is None:
-        return [RUN_FIGURES["orbit"]]
+        worn = [RUN_FIGURES["wear-profile"]] if case.casing.coating else []
+        return [RUN_FIGURES["orbit"], *worn]
     names = ("contact-nodes", "tips", *(["wear-tracks"] if case.casing.coating else []))
     return [RUN_FIGURES[name] for name in names]
 

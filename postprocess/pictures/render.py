@@ -132,8 +132,8 @@ def render_animation(
     the path.
 
     `view` is exaggeration, frame, colour and view, see `Drawing`; all pictures have the same scales
-    of colours and arrows. With `orbit` an inset shows the orbit of the shaft. The default size is 960
-    x 720 pixels for a GIF and 1280 x 960 pixels for an MP4. See `Progress` for `progress`.
+    of colours and arrows. With `orbit` an inset shows the orbit of the shaft. The default size is
+    960 x 720 pixels for a GIF and 1280 x 960 pixels for an MP4. See `Progress` for `progress`.
 
     Raises:
         ViewError: the path does not end in .gif or .mp4.

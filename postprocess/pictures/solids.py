@@ -85,7 +85,10 @@ def hub_of(dataset: xr.Dataset, points: Array, least: float) -> Array | None:
 
 def sharp_edges(points: Array, triangles: IntArray) -> IntArray:
     """Return the end points (edge, 2) of the edges at which a surface of triangles is bent, or
-    ends."""
+    ends. Points at one place count as one."""
+    near = np.round(points / (SAME * np.ptp(points)))
+    _, first, number = np.unique(near, axis=0, return_index=True, return_inverse=True)
+    triangles = first[number.ravel()][triangles]
     a, b, c = np.moveaxis(points[triangles], 1, 0)
     normal = unit(np.cross(b - a, c - a))
     sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)

@@ -38,9 +38,10 @@ def test_marches(path: Path) -> None:
     assert moves == (case.excitation != NoExcitation() or any(case.initial.centre_velocity))
 
 
-def test_the_script_makes_the_file_of_the_twisted_blade() -> None:
-    made = runpy.run_path(str(ROOT / "examples" / "twisted_blade.py"))["blade"]
-    table = read_case(ROOT / "examples" / "twisted_blade.toml").bladed_disk.superelement
+@pytest.mark.parametrize("name", ["twisted_blade", "bladed_disk"])
+def test_the_script_makes_the_file(name: str) -> None:
+    made = runpy.run_path(str(ROOT / "examples" / f"{name}.py"))["part"]
+    table = read_case(ROOT / "examples" / f"{name}.toml").bladed_disk.superelement
     assert table is not None
     kept = table.part
     assert made.name == kept.name

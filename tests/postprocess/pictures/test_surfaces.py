@@ -2,7 +2,7 @@
 
 import inspect
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -127,7 +127,7 @@ def test_the_wall_is_open_in_front_of_the_tips(three: xr.Dataset, view: Any) -> 
         drawn, points = seen.surface.points, stage.points(index)
         assert pdist(drawn) == pytest.approx(pdist(points))
     with pytest.raises(bw.ViewError, match="view must be one of oblique, axial, side"):
-        Drawing(three, RECORDS, **{"view": "top"})
+        Drawing(three, RECORDS, view=cast(Any, "top"))
 
 
 def test_a_coating_is_as_thick_as_its_layer_less_its_wear(single: xr.Dataset) -> None:
