@@ -36,10 +36,10 @@ def write(pages: Path) -> None:
 
 
 def _sign(name: str, case: bw.Case) -> str:
-    """Return the picture of an example on the index page: the wear of a coating, a film of the
-    motion, a Campbell diagram, or the stage if it does not move."""
-    if case.casing.coating is not None:
-        return f"run/{_figures(case)[-1].name}.png"
+    """Return the picture of an example on the index page: the wear tracks of a coating, a film of
+    the motion, a Campbell diagram, or the stage if it does not move."""
+    if (figure := _figures(case)[-1].name) == "wear-tracks":
+        return f"run/{figure}.png"
     if _moves(case):
         return "run/animation.gif"
     return f"{name}.png" if case.rotation.effects == "none" else "campbell/campbell-static.png"
@@ -90,8 +90,7 @@ def _page(example: Path, case: bw.Case) -> Iterator[str]:
 def _figures(case: bw.Case) -> list[FigureKind]:
     """Return the figures of a run that the page of the example shows."""
     if case.bladed_disk.superelement is None:
-        worn = [RUN_FIGURES["wear-profile"]] if case.casing.coating else []
-        return [RUN_FIGURES["orbit"], *worn]
+        return [RUN_FIGURES["orbit"]]
     names = ("contact-nodes", "tips", *(["wear-tracks"] if case.casing.coating else []))
     return [RUN_FIGURES[name] for name in names]
 
