@@ -119,6 +119,11 @@ class Drawing:
         """Largest contact force on a contact node in the records [N]."""
         return float(np.linalg.norm(self._forces, axis=-1).max())
 
+    @property
+    def total_force(self) -> Array:
+        """Sum of the sizes of the contact forces on all contact nodes, (record,) [N]."""
+        return np.asarray(np.linalg.norm(self._forces, axis=-1).sum(axis=1))
+
     def linear_limit(self) -> float | None:
         """Return the displacement [m] at which a linear model has an error of a tenth; None if all
         displacements at these records are smaller."""

@@ -22,6 +22,7 @@ TOPS = {"title": 0.97, "time": 0.885, "speed": 0.82, "frame": 0.7, "contact": 0.
 #: upper and lower edge of the colour scale or of the key of colours, relative to the window
 SCALE_TOP, SCALE_FOOT = 0.455, 0.05
 ORBIT_SIZE = 0.17  #: size of the inset with the orbit, relative to the window
+LINE = (0.77, 0.98, 0.01, 0.036)  #: left, right, lower, upper edge of the time line, likewise
 BAR_SHARE = 0.11  #: longest scale bar, relative to the width of the window
 #: radius and sideways offset of a blade number, relative to the tip radius
 NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045
@@ -76,6 +77,8 @@ class Panel:
         )
         self._contact = write(scene.plotter, "", TOPS["contact"], 14, color=look.FORCE_COLOUR)
         self._orbit = None if trail is None else Orbit(scene, dataset, trail)
+        films = len(drawing) > 2 and not sheet
+        self._line = TimeLine(scene) if films else None
         self._numbers = BladeNumbers(scene, blade_starts(dataset), LETTERS if sheet else 1.0)
         limit = drawing.linear_limit()
         if limit is not None:
@@ -94,8 +97,9 @@ class Panel:
         if self._touches:
             self._contact.input = look.contact_text(picture.blade_forces)
         self._numbers.show(picture)
-        if self._orbit is not None:
-            self._orbit.show(picture.time)
+        for inset in (self._orbit, self._line):
+            if inset is not None:
+                inset.show(picture.time)
 
     def show_all(self) -> None:
         """Show the time window and the largest force of all records instead of one record."""
@@ -122,9 +126,9 @@ class Orbit:
         circle = self._middle + half * directions(np.linspace(0.0, 2 * np.pi, 73))
         across = np.array([[-half, 0.0], [half, 0.0], [0.0, 0.0], [0.0, -half], [0.0, half]])
         for line in (circle, self._middle + across):
-            self._add(scene.plotter, line, look.NO_VALUE, 1.5)
-        self._add(scene.plotter, self._way, look.FAINT, 1.0)
-        self._trail = self._add(scene.plotter, self._way, look.FORCE_COLOUR, 2.5)
+            add_line(scene.plotter, line, look.NO_VALUE, 1.5)
+        add_line(scene.plotter, self._way, look.FAINT, 1.0)
+        self._trail = add_line(scene.plotter, self._way, look.FORCE_COLOUR, 2.5)
         self._disc = 0.05 * half * CIRCLE
         self._dot = pyvista.PolyData.from_regular_faces(
             np.pad(self._middle + self._disc, ON_PLANE), disc_triangles(1)
@@ -139,14 +143,38 @@ class Orbit:
         self._trail.points[:, :2] = seen
         self._dot.points[:, :2] = self._way[past - 1] + self._disc
 
-    @staticmethod
-    def _add(plotter: pyvista.Plotter, line: Array, colour: str, width: float) -> pyvista.PolyData:
-        points = np.pad(line if len(line) > 1 else np.repeat(line, 2, axis=0), ON_PLANE)
-        mesh = pyvista.PolyData(points, lines=[len(points), *range(len(points))])
-        plotter.add_mesh(
-            mesh, color=colour, line_width=width * plotter.window_size[1] / 960, lighting=False
-        )
-        return mesh
+
+class TimeLine:
+    """Contact force of all blades at the times of a film, with a mark at the picture's time."""
+
+    def __init__(self, scene: StageScene) -> None:
+        drawing, (left, right, low, high) = scene.drawing, LINE
+        force, times = drawing.total_force, drawing.times
+        share = (times - times[0]) / np.ptp(times)
+        corners = scene.place(left, low), scene.place(right, high)
+        (self._start, foot), (end, top) = corners
+        self._times, self._length = times[[0, -1]], end - self._start
+        across = self._start + self._length * share
+        up = foot + (top - foot) * force / (force.max() or 1.0)
+        add_line(scene.plotter, np.array([[self._start, foot], [end, foot]]), look.FAINT, 1.0)
+        add_line(scene.plotter, np.column_stack([across, up]), look.FORCE_COLOUR, 1.5)
+        ends = np.array([[self._start, foot], [self._start, top]])
+        self._mark = add_line(scene.plotter, ends, look.INK, 3.0)
+
+    def show(self, time: float) -> None:
+        """Move the mark to a time [s]."""
+        share = (time - self._times[0]) / np.ptp(self._times)
+        self._mark.points[:, 0] = self._start + self._length * share
+
+
+def add_line(plotter: pyvista.Plotter, line: Array, colour: str, width: float) -> pyvista.PolyData:
+    """Add a line of points (point, 2) in the drawing plane, with a width [pixels of a window that
+    is 960 pixels high]."""
+    points = np.pad(line if len(line) > 1 else np.repeat(line, 2, axis=0), ON_PLANE)
+    mesh = pyvista.PolyData(points, lines=[len(points), *range(len(points))])
+    width *= plotter.window_size[1] / 960
+    plotter.add_mesh(mesh, color=colour, line_width=width, lighting=False)
+    return mesh
 
 
 class BladeNumbers:

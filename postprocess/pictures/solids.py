@@ -97,4 +97,4 @@ def sharp_edges(points: Array, triangles: IntArray) -> IntArray:
     np.add.at(total, which.ravel(), np.repeat(normal, 3, axis=0))
     # Two unit normals with the cosine c between them have a sum of the squared length 2 + 2 c.
     bent = np.sum(total**2, axis=1) < 2.0 + 2.0 * SHARP
-    return np.asarray(edges[(count != 2) | bent])
+    return np.asarray(edges[(count == 1) | ((count == 2) & bent)])

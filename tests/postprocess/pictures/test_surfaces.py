@@ -91,6 +91,8 @@ def test_forces_in_space_keep_their_size(three: xr.Dataset) -> None:
     picture = Drawing(three, np.array([record])).picture(0)
     force = contact_forces(three, np.array([record]))[0]
     assert force.shape == (9, 3)
+    total = Drawing(three, np.array([record])).total_force
+    assert total == pytest.approx([np.linalg.norm(force, axis=1).sum()])
     whole = np.linalg.norm(force.reshape(3, 3, 3).sum(axis=1), axis=1)
     assert whole.max() > 0.0
     np.testing.assert_allclose(picture.blade_forces, whole, rtol=1e-12)
@@ -196,6 +198,13 @@ class TestFiles:
             stage = image[:, : 3 * image.shape[1] // 4]
             vermilion = np.abs(stage - [0xD5, 0x5E, 0x00]).sum(axis=-1) < 40
             assert (vermilion.sum() > 50) == touches
+
+    def test_a_mark_moves_along_the_time_line(self, single: xr.Dataset) -> None:
+        with stage_view(single, Drawing(single, RECORDS), (640, 480)) as picture:
+            strips = [picture(index)[463:475, 490:630] for index in range(3)]
+        dark = [np.flatnonzero((strip.max(axis=2) < 90).sum(axis=0) > 6).mean() for strip in strips]
+        share = np.diff(RECORDS) / np.ptp(RECORDS)
+        assert np.diff(dark) / np.ptp(dark) == pytest.approx(share, abs=0.02)
 
     def test_every_picture_is_drawn_once(self, single: xr.Dataset) -> None:
         drawn: list[str] = []
