@@ -146,17 +146,17 @@ class Triangles:
         self._axes = _axes(
             towards, np.array([0.0, 1.0, 0.0] if view != "side" else [0.0, 0.0, 1.0])
         )
-        self._arc: Array | None = None
-        if not around:
-            self._axes, self._focus = _view_of_blade(stage.rest, stage.size, view)
-            self._arc = np.linspace(angle.min() - ARC, angle.max() + ARC, ARC_STATIONS)
         across = float(np.hypot(*unit(towards)[:2]))
         gap = np.arccos(OPEN / across) if across > OPEN else 0.0
         ahead = np.arctan2(towards[1], towards[0])
-        self._seen = np.linspace(ahead + gap, ahead + 2 * np.pi - gap, WALL_STATIONS)
+        #: angles at which the wall is drawn, in the axes of the picture [rad]
+        self._arc = np.linspace(ahead + gap, ahead + 2 * np.pi - gap, WALL_STATIONS)
+        if not around:
+            self._axes, self._focus = _view_of_blade(stage.rest, stage.size, view)
+            self._arc = np.linspace(angle.min() - ARC, angle.max() + ARC, ARC_STATIONS)
         self._coated = float(dataset.attrs.get("coating_thickness", 0.0))
         self._hub = hub_of(dataset, stage.rest, 0.5 * stage.tip_radius) if around else None
-        wall = Solid(triangles=tube_triangles(WALL_STATIONS if around else ARC_STATIONS))
+        wall = Solid(triangles=tube_triangles(len(self._arc)))
         self.solids = (
             wall,
             *([Solid(triangles=wall.triangles, colour=COATING)] if self._coated else []),
@@ -167,25 +167,14 @@ class Triangles:
     def shape(self, index: int, rotor: float, casing: float) -> Shape:
         """Return the drawn positions, see `Body`."""
         stage = self.stage
-        wall = stage.wall(index)[:, 0]
-        stations = np.append(np.arange(len(wall)), 0)
-        inner = wall[stations]
-        if self._arc is not None:
-            at = self._arc + float(stage.turns[index])
-            radius = np.interp(
-                at, np.arctan2(wall[:, 1], wall[:, 0]), np.hypot(*wall.T), period=2 * np.pi
-            )
-            inner = radius[:, None] * directions(at)
-            stations = np.round(at * len(wall) / (2 * np.pi)).astype(np.int64) % len(wall)
-        edges = np.stack([stage.wall_edge(inner, axial) for axial in self._edges], axis=1)
-        solids = self._walls(index, wall, casing)
+        edges, stations, solids = self._walls(index, casing)
         if self._hub is not None:
             solids += (Placed(self._placed(self._hub, rotor), np.full(len(self._hub), -1)),)
         points = self._placed(stage.points(index), rotor)
         return Shape(
             ribbons=np.zeros((0, BEAM_STATIONS + 1, 2, 2)),
             surface=points,
-            wall=self._placed(edges, casing)[..., :2],
+            wall=edges[..., :2],
             stations=stations,
             tips=self._placed(stage.contact_nodes(index), rotor)[..., :2],
             centre=self._placed(np.append(stage.factor * stage.centre[index], 0.0), rotor)[:2],
@@ -194,36 +183,36 @@ class Triangles:
             solids=solids,
         )
 
-    def _walls(self, index: int, wall: Array, casing: float) -> tuple[Placed, ...]:
-        """Return the drawn wall, and its coating, at the index-th record; `wall` is the inner
-        surface of the wall (station, 2) [m], which is turned by an angle [rad]."""
-        stage = self.stage
-        at = self._seen - casing if self._arc is None else self._arc + float(stage.turns[index])
+    def _walls(self, index: int, casing: float) -> tuple[Array, IntArray, tuple[Placed, ...]]:
+        """Return the drawn wall at the index-th record, turned by an angle [rad].
+
+        Returns:
+            edges of its inner face (station, edge, 3) [m]; numbers of its stations; the wall, and
+            its coating if there is one.
+        """
+        stage, at = self.stage, self._arc - casing
+        wall = stage.wall(index)[:, 0]
         number = np.round(at * len(wall) / (2 * np.pi)).astype(np.int64) % len(wall)
         around = np.arctan2(wall[:, 1], wall[:, 0])
         inner = np.interp(at, around, np.hypot(*wall.T), period=2 * np.pi)
         metal = inner
         if self._coated:  # the layer has its thickness at rest, enlarged as the clearance
             metal = stage.inner_radius[number] + stage.factor * self._coated
-        outer = metal + stage.wall_thickness[number]
-        layers = [(metal, outer), *([(inner, metal)] if self._coated else [])]
-        return tuple(
+        layers = [(metal, metal + stage.wall_thickness[number])]
+        layers += [(inner, metal)] if self._coated else []
+
+        def line(radius: Array, axial: float) -> Array:
+            return self._placed(stage.wall_edge(radius[:, None] * directions(at), axial), casing)
+
+        first, last = self._edges
+        solids = tuple(
             Placed(
-                self._placed(
-                    tube(
-                        *(
-                            stage.wall_edge(radius[:, None] * directions(at), axial)
-                            for radius, axial in zip(
-                                (low, low, high, high), self._edges + self._edges[::-1], strict=True
-                            )
-                        )
-                    ),
-                    casing,
-                ),
+                tube(line(low, first), line(low, last), line(high, last), line(high, first)),
                 np.repeat(number, 4),
             )
             for low, high in layers
         )
+        return np.stack([line(inner, first), line(inner, last)], axis=1), number, solids
 
     def seen(self, vectors: Array) -> Array:
         """Return the projections of vectors in the plane or in space."""
