@@ -23,10 +23,10 @@ Build the model
     `import_superelement` from the matrices of another finite element code; `write_superelement`
     and `read_superelement` store it.
 Analyse modes, before a march
-    `modes` returns frequencies by family and nodal diameter, `campbell` coincidence speeds,
-    `veering` frequencies and `critical_speeds` critical speeds against the stiffness of the shaft,
-    `stability` growth rates, `response` amplitudes under engine-order forces, `amplification` that
-    by mistuning, as Datasets.
+    `modes` returns frequencies by family and nodal diameter, `contact_modes` what modes do in
+    contact, `campbell` coincidence speeds, `veering` frequencies and `critical_speeds` critical
+    speeds against the stiffness of the shaft, `stability` growth rates, `response` amplitudes under
+    engine-order forces, `amplification` that by mistuning, as Datasets.
 March in time
     `run` marches one case, `run_sweep` a case over ranges of its keys (`resume_sweep` finishes an
     interrupted sweep, `drawn_case` repeats one of its random draws), `convergence` varies time step

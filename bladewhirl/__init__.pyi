@@ -44,6 +44,7 @@ from .postprocess.sweep.probability import probability as probability
 from .studies.convergence.study import convergence as convergence
 from .studies.modal.amplification import amplification as amplification
 from .studies.modal.campbell import campbell as campbell
+from .studies.modal.contact_modes import contact_modes as contact_modes
 from .studies.modal.critical_speeds import critical_speeds as critical_speeds
 from .studies.modal.modes import modes as modes
 from .studies.modal.response import response as response

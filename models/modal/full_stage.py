@@ -184,13 +184,16 @@ class ModalStage(ModalModel):
 
     @property
     def tips(self) -> dict[int, Tips]:
-        layout, first = self.disk.structure.layout, self.disk.tip_radial[:1]
-        if layout is None or not self.disk.structure.is_cyclic:
+        disk, layout = self.disk, self.disk.structure.layout
+        if layout is None or not disk.structure.is_cyclic:
             raise UserError(UNEQUAL_SECTORS)
-        return {
-            k: Tips(rows=np.asarray(layout.basis(k)[first].toarray()), flexibility=None)
-            for k in nodal_diameters(layout.sectors)
-        }
+        tip = np.array([disk.tip_radial[0], disk.tip_tangential[0]])
+        radius, found = disk.model.tip_radius - disk.model.tip_recess[:1], {}
+        for k in nodal_diameters(layout.sectors):
+            in_plane = np.asarray(layout.basis(k)[tip].toarray())
+            contact = np.vstack([in_plane, np.zeros_like(in_plane[:1])])
+            found[k] = Tips(contact=contact, radius=radius, flexibility=None)
+        return found
 
     @property
     def shaft_waves(self) -> Waves:

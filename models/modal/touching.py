@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import ComplexArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.rotation.waves import Waves
 
 STIFFEST = 1e-7
@@ -22,10 +22,18 @@ out; frequencies change by a smaller fraction."""
 class Tips:
     """Contact nodes of one nodal diameter."""
 
-    rows: ComplexArray  #: displacement of the nodes normal to the wall [kg^-1/2], (nodes, n)
+    contact: ComplexArray
+    """Displacements of the nodes normal to the wall, tangential, and along the wall [kg^-1/2],
+    (3 * nodes, n)."""
+    radius: FloatArray  #: radius of the nodes [m], (nodes,)
     flexibility: ComplexArray | None
     """Static flexibility of the nodes at rest by all modes [m/N], (nodes, nodes); None if the n
     coordinates are all there are."""
+
+    @property
+    def rows(self) -> ComplexArray:
+        """Displacement of the nodes normal to the wall [kg^-1/2], (nodes, n)."""
+        return self.contact[::3]
 
 
 def held(wave: Waves, tips: Tips) -> Waves:

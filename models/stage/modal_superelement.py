@@ -189,10 +189,11 @@ class ModalSuperelement(ModalModel):
         for k, block in self.blocks.items():
             phases = np.exp(-2j * np.pi * k * np.arange(copies) / copies)
             flexibility = np.tensordot(phases, distance, 1)
-            rows = in_wall_axes(block.contact, slope)[::3]
+            contact = in_wall_axes(block.contact, slope)[: 3 * own]
             if self._table.kind == "wheel":  # the fields are those of the whole wheel
-                rows = np.sqrt(copies) * rows[:own]
-            found[k] = Tips(rows=rows, flexibility=flexibility)
+                contact = np.sqrt(copies) * contact
+            radius = stage.part.contact_radius[:own]
+            found[k] = Tips(contact=contact, radius=radius, flexibility=flexibility)
         return found
 
     @property

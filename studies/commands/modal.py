@@ -32,6 +32,7 @@ def modes(
     animate: Annotated[str | None, typer.Option(metavar="NAMES")] = None,
     wave: str | None = None,
     films: bool = True,
+    contact: Annotated[bool, typer.Option("--contact")] = False,
     overwrite: options.Replace = False,
     overrides: options.Changes = None,
 ) -> None:
@@ -59,8 +60,26 @@ def modes(
         wave: Wave of films: standing, forward or backward. By default the wave that contact
             amplifies: backward on the bladed disk, forward on the casing.
         films: Write films, as GIF and as VTK series.
+        contact: List in place of all this, for three families of equal blades: frequencies with
+            free tips and with tips held by the wall, the clearance that a mode consumes divided by
+            its largest displacement of a tip, and the friction coefficient above which it locks.
     """
     from bladewhirl.studies.modal import modes as study
+
+    if contact:
+        from bladewhirl.studies.modal.contact_modes import contact_modes
+        from bladewhirl.studies.modal.contact_modes import report as of_contact
+
+        if output is not None:
+            raise UserError("--contact: expected no -o: it draws nothing")
+        _present(
+            of_contact(contact_modes(_model(case, overrides))),
+            case,
+            None,
+            overwrite=False,
+            json=json,
+        )
+        return
 
     for name, value in {"--shapes": shapes, "--animate": animate, "--wave": wave}.items():
         if output is None and value is not None:
