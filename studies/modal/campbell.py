@@ -262,9 +262,10 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
     document = coincidence_list(diagram)
     first, last = diagram.attrs["speeds"]
     rows = [row for row in document["coincidences"] if first <= row["speed"] <= last]
-    tables = [
-        table(rows, _coincidences(diagram), f"Coincidence speeds from {first:g} to {last:g} ω₁")
-    ]
+    tables = []
+    if "casing" in diagram["mode_body"].values:
+        title = f"Coincidence speeds from {first:g} to {last:g} ω₁"
+        tables.append(table(rows, _coincidences(diagram), title))
     if document.get("resonances"):
         title = "Resonances with waves of the wall and engine orders"
         if operating_range(diagram) is not None:
