@@ -187,6 +187,8 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     speed_axis(axes, reference)
     frequency_axis(axes, reference, f"frequency / ω₁, {frame} frame [–]")
     note = f"{np.count_nonzero(shown)} of {count} coincidences at these speeds are shown."
+    if (data["mode_body"].values == "bladed-disk").all():
+        note = ""  # a rigid wall has no waves
     complete(figure, data, f"Campbell diagram, {frame} frame", note)
     labels = Labels(axes)
     labels.keep_free(speeds[shown], meets[shown])
@@ -261,14 +263,19 @@ def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLin
 
 
 def _draw_engine_orders(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
-    """Draw the lines of engine orders; in the static frame draw only order 1. Yield end points,
-    name and colour of each line."""
+    """Draw the lines of engine orders: of those that excite a mode most, and of resonances; in the
+    static frame only order 1. Yield end points, name and colour of each line."""
     k, (first, last) = data["mode_nodal_diameter"].values, data.attrs["speeds"]
     speed = np.linspace(first, last, 201)
-    for order in np.unique(k[k > 0]).tolist() if frame == "rotating" else [1]:
+    orders = k[k > 0]
+    if "resonance" in data.dims:
+        orders = np.concatenate([orders, data["resonance_order"].values])
+    for order in np.unique(orders).tolist() if frame == "rotating" else [1]:
         y = order * speed
         axes.plot(speed, y, ":", color="#777777", linewidth=0.6, zorder=1, label="engine orders")
-        end = y > ENDS * axes.get_ylim()[1] if frame == "rotating" else speed > ENDS * last
+        end = speed > ENDS * last
+        if frame == "rotating" and y[-1] > ENDS * axes.get_ylim()[1]:
+            end = y > ENDS * axes.get_ylim()[1]
         yield speed[end], y[end], f"{order}Ω" if order > 1 else "Ω", "#555555"
 
 
