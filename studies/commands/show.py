@@ -93,6 +93,7 @@ OF_SUPERELEMENT = (
     Column("speed.rpm", "speed [rpm]", ".6g"),
     Column("speed.normalised", "speed / lowest frequency", ".5g"),
     Column("modes", "modes of each copy", "d"),
+    Column("frequency_error", "error of the lowest frequencies at this speed", ".1g"),
     Column("stress_points", "points with stress of each copy", "d"),
     Column("smallest_clearance", "smallest clearance [mm]", ".4g", 1e3),
     Column("coating.tracks", "tracks of the coating", "d"),

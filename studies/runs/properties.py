@@ -11,6 +11,7 @@ from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.modal.modes import Modes
+from bladewhirl.models.stage.basis_error import basis_error
 from bladewhirl.models.stage.build import marched_bodies
 from bladewhirl.models.stage.coating import wall_coating
 from bladewhirl.models.stage.contact_problem import WallCoating, critical_time_step
@@ -204,6 +205,7 @@ def superelement_properties(stage: SuperelementStage) -> dict[str, Any]:
         "reference_frequency": {"hz": reference / (2.0 * np.pi), "rad_per_s": reference},
         "speed": {"rad_per_s": speed, "rpm": speed * 30.0 / np.pi, "normalised": speed / reference},
         "modes": problem.rotor.tip_radial.shape[1],
+        "frequency_error": basis_error(stage),
         "smallest_clearance": float(problem.casing.clearance[:, 0].min() + stage.recess.min()),
         **({"coating": coating} if coating else {}),
         **({} if stage.reduced.stress is None else {"stress_points": stage.part.point_count}),

@@ -1,17 +1,20 @@
 """One file of a blade or a sector at every speed of rotation."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy.io as sio
+from command_line import answer
 from solid_meshes import CALCULIX, STEEL, TIE, bladed_sector, cantilever, deck
 
 import bladewhirl as bw
 from bladewhirl.models.case.plausibility import stiffness_hints
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage import superelement_stage as stage_of_superelement
+from bladewhirl.models.stage.basis_error import basis_error
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.at_speed import fixed_at_speed
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
@@ -134,3 +137,20 @@ def test_a_large_blade_is_condensed_for_all_speeds(
             matrices = found.gyroscopic, exact.gyroscopic
             forces = [np.linalg.eigvals(each).imag for each in matrices if each is not None]
             assert np.sort(forces[0]) == pytest.approx(np.sort(forces[1]), abs=1e-6)
+
+
+def test_the_error_of_a_condensed_sector_is_known(tmp_path: Path) -> None:
+    """It is that of modes at other speeds: with rotation, and large if one of them is changed."""
+    part = mesh3d(bladed_sector("hexahedron"), **STEEL, **TIE)
+    small = {"reduction": {"free_interface_modes": 5}}
+    turning = case(tmp_path, part, "sector", rotation={"effects": "centrifugal"}, **small)
+    stage = superelement_stage(turning)
+    found = basis_error(stage)
+    assert found is not None
+    assert found < 1e-9
+    shifted = replace(stage.reduced, frequency=1.001 * stage.reduced.frequency)
+    assert basis_error(replace(stage, reduced=shifted)) == pytest.approx(1e-3, rel=1e-4)
+    assert basis_error(superelement_stage(case(tmp_path, part, "sector", **small))) is None
+    file = tmp_path / "case.toml"
+    file.write_text(bw.dumps_case(turning), encoding="utf-8")
+    assert "error of the lowest frequencies at this speed" in answer("show", file).output

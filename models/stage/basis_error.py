@@ -1,0 +1,52 @@
+"""Error of a superelement that was condensed for a range of speeds."""
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.superelement_stage import (
+    LARGE,
+    SuperelementStage,
+    on_springs,
+    structure_of,
+)
+from bladewhirl.models.superelements.at_speed import at_speed
+from bladewhirl.models.superelements.reduction import lowest_modes
+from bladewhirl.models.superelements.sector import Sector, Wave
+from bladewhirl.models.superelements.superelement import Superelement
+
+COMPARED = 10  #: number of the lowest frequencies that are compared
+
+
+def basis_error(stage: SuperelementStage) -> float | None:
+    """Return the largest relative error of the lowest frequencies at the speed of the case, which
+    come from modes at other speeds, against those of the file at this speed.
+
+    None if the superelement is not condensed, because the rotation has no effect or because it is
+    small, or if blades differ.
+    """
+    case, table = stage.case, stage.table
+    effects, massless = case.rotation.effects, case.reduction.boundary == "massless"
+    if effects == "none" or not massless or case.bladed_disk.mistuning.is_given(table.copies):
+        return None
+    part = structure_of(case)
+    if table.kind != "sector" and part.size < LARGE:
+        return None
+    part = at_speed(part, stage.speed, coriolis=False)
+    if table.kind == "sector":
+        exact = _of_sector(part, table.copies)
+    else:
+        held = part if part.centre_dofs is None else on_springs(case, part)
+        exact = lowest_modes(held, COMPARED)[0]
+    count = min(len(exact), len(stage.reduced.frequency), COMPARED)
+    return float(np.abs(stage.reduced.frequency[:count] / np.sqrt(exact[:count]) - 1.0).max())
+
+
+def _of_sector(part: Superelement, sectors: int) -> FloatArray:
+    """Return the lowest squared frequencies of a wheel of sectors, ascending."""
+
+    def lowest(wave: Wave) -> FloatArray:
+        pair = 0 < 2 * wave.diameter < sectors
+        return np.repeat(wave.lowest(min(COMPARED, wave.size))[0], 1 + pair)
+
+    sector = Sector(part, sectors, modes=COMPARED, loads=0, rigid=False)
+    return np.sort(np.concatenate([*sector.each_wave(lowest)]))[:COMPARED]
