@@ -16,8 +16,9 @@ successive timings.
 * all blades: the casing has closed by 1.3 mm on all blades, which are strongly damped;
 * all blades, coating: the same with a coating of 4,000 rods, which the blades compress.
 
-A second table has the times of a step of 22 blades with 7 contact nodes each in the ring, with true
-slip and without, for several numbers of nodes in contact.
+A second table has the times of a step with more and more blades, and the ratio to half as many; a
+third one those of 22 blades with 7 contact nodes each in the ring, with true slip and without, for
+several numbers of nodes in contact.
 """
 
 import argparse
@@ -155,6 +156,36 @@ def pressed(blades: int, sliding: Literal["permanent", "full"]) -> Setting:
     return Setting(name=f"{blades} blades", problem=problem, scheme=scheme, state=state)
 
 
+STAGES = (22, 44, 88, 176)  # numbers of blades
+
+
+def blade_table(repeat: int) -> Table:
+    """Return the times of a step of stages with more and more blades, without contact."""
+    table = Table(title=f"Blades, no contact, best of {repeat} interleaved timings")
+    for column in ("blades", "kernel [µs]", "ratio to half as many"):
+        table.add_column(column, justify="right")
+    schemes = []
+    for blades in STAGES:
+        kept = f"reduction.fixed_interface_modes={5 * blades}"
+        changes = [f"bladed_disk.blades={blades}", kept]
+        problem = contact_problem(build_stage(read_case(EXAMPLES / "imbalance.toml", changes)))
+        scheme = CentralDifference(problem, TIME_STEP, RECORD_EVERY)
+        schemes.append((scheme, scheme.advance(scheme.init(), 100)[0]))
+    times = np.array(
+        [
+            [
+                microseconds(partial(scheme.advance, state), KERNEL_STEPS)
+                for scheme, state in schemes
+            ]
+            for _ in range(repeat)
+        ]
+    )
+    ratios = np.median(times[:, 1:] / times[:, :-1], axis=0)
+    for blades, best, ratio in zip(STAGES, times.min(axis=0), [np.nan, *ratios], strict=True):
+        table.add_row(str(blades), f"{best:.2f}", "" if np.isnan(ratio) else f"{ratio:.2f}")
+    return table
+
+
 def node_table(repeat: int) -> Table:
     """Return the times of a step of many contact nodes."""
     table = Table(title=f"{BLADES} blades x {NODES} contact nodes in a ring, best of {repeat}")
@@ -213,6 +244,7 @@ def main() -> None:
             f"{difference:.0e}",
         )  # fmt: skip
     Console(width=180).print(table)
+    Console(width=180).print(blade_table(repeat))
     Console(width=180).print(node_table(repeat))
 
 
