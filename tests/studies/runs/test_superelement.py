@@ -144,7 +144,8 @@ def test_numbers_that_are_not_finite_end_before_the_march(file: Path, key: str) 
     stage = superelement_stage(bw.case_from(tables(file)))
     wrong = getattr(stage.reduced, key).copy()
     wrong.flat[0] = np.nan
-    stage = replace(stage, reduced=replace(stage.reduced, **{key: wrong}))
+    changed: dict[str, Any] = {"of_points": lambda: wrong} if key == "points" else {key: wrong}
+    stage = replace(stage, reduced=replace(stage.reduced, **changed))
     with pytest.raises(bw.UserError, match="of the stage: expected finite numbers"):
         prepare(stage)
 
@@ -395,7 +396,7 @@ def test_a_series_of_blades_has_a_view_and_the_names_of_beams(
     blades = meshio.read(folder / "frames" / "blades_00000.vtu")
     assert np.bincount(blades.point_data["blade"]).tolist() == [18, 18, 18]
     nodes = meshio.read(folder / "frames" / "contact_00000.vtu").point_data
-    assert {"displacement", "warp", "contact_force", "blade"} == set(nodes)
+    assert {"displacement", "warp", "contact_force", "blade", "gap"} == set(nodes)
     simple = MagicMock()
     simple.GetParaViewVersion.return_value = (5, 11)
     monkeypatch.setitem(sys.modules, "paraview", MagicMock(simple=simple))
