@@ -330,7 +330,11 @@ def test_a_result_of_sectors_has_the_stress_of_the_whole_wheel(tmp_path: Path) -
 
 @pytest.mark.parametrize(
     ("velocity", "end", "hint"),
-    [(5.0, "completed", ""), (20.0, "completed", "draw back"), (600.0, "divergent", "a tenth or")],
+    [
+        pytest.param(5.0, "completed", "", marks=pytest.mark.slow),
+        pytest.param(20.0, "completed", "draw back", marks=pytest.mark.slow),
+        (600.0, "divergent", "a tenth or"),
+    ],
 )
 def test_a_blade_that_bends_far_gets_a_hint_and_ends_at_its_length(
     velocity: float, end: str, hint: str, tmp_path: Path
