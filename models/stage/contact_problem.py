@@ -546,21 +546,13 @@ class ContactProblem:
             time: time, which determines the angle of the rotor and the clearance [s].
         """
         casing, rotor, start = self.casing, self.rotor, self.start
-        nodes = len(casing.nodal)
         angle = rotor.tip_angle + self.speed * time
         if self.tip_rotation:
             around = rotor.at_tips(rotor.tip_tangential, start.rotor)
             radius = rotor.tip_radius if rotor.nodes is None else rotor.nodes.radius
             angle = angle + (around.reshape(rotor.copies, -1) / radius).ravel()
-        position = np.mod(angle * nodes / (2.0 * np.pi), nodes)
-        element = position.astype(np.int64) % nodes
-        xi = position - np.floor(position)
         field = casing.nodal[:, :2] @ start.casing + self.clearance(time)
-        first, second = field[element], field[(element + 1) % nodes]
-        at = cubic_weights(xi, casing.element_length)
-        surface = (
-            at[0] * first[:, 0] + at[1] * first[:, 1] + at[2] * second[:, 0] + at[3] * second[:, 1]
-        )
+        surface = around_wall(field, casing.element_length, angle)
         gap = surface + self.metal_recess - rotor.at_tips(rotor.tip_radial, start.rotor)
         if self.foreshortening is not None:
             gap = gap + self.foreshortening.opening(start.rotor)
@@ -595,6 +587,27 @@ class ContactProblem:
             place = self.springs.places
             stiffness[..., place[:, None], place] += self.springs.stiffness(angle=angle)
         return stiffness
+
+
+def around_wall(field: FloatArray, length: float, angle: FloatArray) -> FloatArray:
+    """Return a field on the wall at angles by Hermite interpolation, in the shape of the angles.
+
+    Args:
+        field: value and derivative by the arc length at equally spaced angles, (nodes, 2).
+        length: arc length between two of these angles [m].
+        angle: angles from +x [rad], any shape.
+    """
+    nodes = len(field)
+    position = np.mod(angle * nodes / (2.0 * np.pi), nodes)
+    element = position.astype(np.int64) % nodes
+    first, second = field[element], field[(element + 1) % nodes]
+    at = cubic_weights(position - np.floor(position), length)
+    return np.asarray(
+        at[0] * first[..., 0]
+        + at[1] * first[..., 1]
+        + at[2] * second[..., 0]
+        + at[3] * second[..., 1]
+    )
 
 
 def critical_time_step(

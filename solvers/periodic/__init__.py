@@ -1,0 +1,1 @@
+"""Periodic motions of a rub without time integration, their stability, and branches of them."""

@@ -1,0 +1,290 @@
+"""A structure with massless contact nodes in a rigid wall, and its responses on a grid of instants.
+
+The displacements u of the contact nodes and the forces f on them satisfy u = P q + C f and
+q'' + D q' + W^2 q = P^T f + loads. All that drives the motion, the wall and the loads, has the
+period T = 2 pi / (p Omega), and each harmonic h with the frequency w = h p Omega responds by
+
+    u_h = H(w) f_h,   H(w) = C + P (W^2 - w^2 + i w D)^-1 P^T.
+
+On a grid of n instants in a period, responses to forces are cyclic convolutions, which the FFT
+computes. Forces are linear between instants, and the modes respond exactly: with the transition
+matrix E of a step and the responses G0, G1 to forces that fall or rise linearly in a step, the
+state y of the modes satisfies y_{i+1} = E y_i + G0 f_i + G1 f_{i+1}, and its harmonics are
+(z - E)^-1 (G0 + z G1) f_h with z = exp(2 pi i h / n), which replace those of H. In contrast to a
+trigonometric interpolation, forces have no effect on instants before them, and a Newton method
+finds motions with many contact nodes more often.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import gcd
+
+import numpy as np
+import scipy.linalg as la
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.coupling.equations import companion
+from bladewhirl.models.stage.contact_problem import NEVER, ContactProblem, Load, around_wall
+
+DIRECTIONS = 3  #: radial, tangential, axial
+SEEN = 1e-9  #: harmonics of the clearance below this fraction of the largest are rounding errors
+WHOLE = 1e-9  #: largest distance of the order of a load from a whole number
+
+
+@dataclass(frozen=True, kw_only=True)
+class Blade:
+    """A structure in a rigid wall, both driven with the period of a turn divided by `lobes`."""
+
+    stiffness: FloatArray  #: squared frequencies W^2 [rad2/s2], (modes,)
+    damping: FloatArray  #: matrix D of the forces due to velocities [1/s], (modes, modes)
+    contact: FloatArray  #: rows P of the contact nodes [kg^-1/2], (3 * nodes, modes)
+    compliance: FloatArray  #: residual flexibility C [m/N], (3 * nodes, 3 * nodes)
+    angle: FloatArray  #: angle of each contact node from +x at t = 0 [rad], (nodes,)
+    radius: FloatArray  #: radius of each contact node [m], (nodes,)
+    recess: FloatArray  #: see `ReducedRotor.tip_recess` [m], (nodes,)
+    clearance: FloatArray  #: clearance and its derivative by the arc length [m, 1], (angles, 2)
+    wall_step: float  #: arc length between two of these angles [m]
+    loads: Mapping[int, ComplexArray]
+    """Complex modal forces of each engine order r for the time factor exp(i r |Omega| t)
+    [kg^1/2 m/s2], (modes,)."""
+    speed: float  #: speed of rotation Omega [rad/s]
+    friction: float  #: Coulomb friction coefficient
+    full: bool  #: whether friction opposes the slip velocity; otherwise the rotation
+    lobes: int  #: number of periods in a turn
+
+    @classmethod
+    def of_problem(cls, problem: ContactProblem, copy: int = 0) -> "Blade":
+        """Return a copy of the structure of a contact problem. Ramps of loads, loads that end, and
+        the course of the closure are over; the closure has its final value.
+
+        Raises:
+            ValueError: the method does not apply; the message names the reason.
+        """
+        rotor, nodes = problem.rotor, problem.rotor.nodes
+        for reason in _obstacles(problem):
+            raise ValueError(reason)
+        assert nodes is not None
+        assert nodes.compliance is not None
+        loads: dict[int, ComplexArray] = {}
+        for load in problem.loads:
+            if load.end == NEVER:
+                order, force = _of_order(load, problem.speed)
+                loads[order] = loads.get(order, 0.0) + force.reshape(rotor.copies, -1)[copy]
+        loads = {order: force for order, force in loads.items() if np.any(force)}
+        clearance = problem.clearance(NEVER)
+        lobes = _common([*_harmonics(clearance[:, 0]), *loads])
+        if not lobes:
+            raise ValueError(
+                "the wall is round and no load varies with time, so that the motion has no period"
+            )
+        return cls(
+            stiffness=rotor.by_copy(rotor.stiffness)[copy],
+            damping=rotor.velocity_forces[copy],
+            contact=rotor.contact,
+            compliance=nodes.compliance[copy],
+            angle=rotor.by_copy(rotor.tip_angle)[copy],
+            radius=nodes.radius,
+            recess=rotor.by_copy(rotor.tip_recess)[copy],
+            clearance=clearance,
+            wall_step=problem.casing.element_length,
+            loads=loads,
+            speed=problem.speed,
+            friction=problem.friction,
+            full=problem.sliding == "full",
+            lobes=lobes,
+        )
+
+    @property
+    def nodes(self) -> int:
+        """Number of contact nodes."""
+        return len(self.angle)
+
+    @property
+    def period(self) -> float:
+        """Period of the wall and the loads [s]."""
+        return 2.0 * np.pi / (self.lobes * abs(self.speed))
+
+    @property
+    def turns(self) -> bool:
+        """True if the direction of friction is unknown."""
+        return self.full and self.friction > 0.0
+
+    @property
+    def stiffness_scale(self) -> float:
+        """A stiffness of the contact nodes, with which gaps and forces are compared [N/m]."""
+        return float(1.0 / np.diag(self.compliance)[::DIRECTIONS].mean())
+
+    def admittance(self, w: float) -> ComplexArray:
+        """Return (W^2 - w^2 + i w D)^-1 for a frequency w [rad/s], (modes, modes)."""
+        return np.asarray(np.linalg.inv(np.diag(self.stiffness - w**2) + 1j * w * self.damping))
+
+
+def _obstacles(problem: ContactProblem) -> Iterable[str]:
+    """Yield reasons why the method does not apply to a problem."""
+    rotor = problem.rotor
+    if rotor.nodes is None or rotor.nodes.compliance is None:
+        yield 'contact nodes have mass; expected reduction.boundary = "massless"'
+    if problem.casing.is_flexible:
+        yield 'the casing is flexible; expected casing.type = "rigid"'
+    if problem.coating is not None:
+        yield "the coating wears, so that no motion is periodic; remove casing.coating"
+    if problem.tip_rotation:
+        yield "contact.tip_rotation = true is not included"
+    if problem.foreshortening is not None:
+        yield "contact.foreshortening = true is not included"
+    if problem.springs is not None or rotor.anisotropy or rotor.circulation:
+        yield "springs or dampers in the static frame couple harmonics"
+    if problem.speed == 0.0:
+        yield "the speed is 0, so that the motion has no period"
+
+
+def _of_order(load: Load, speed: float) -> tuple[int, ComplexArray]:
+    """Return the engine order of a load and its complex modal forces on all copies."""
+    order = load.frequency / abs(speed)
+    whole = round(abs(order))
+    if abs(abs(order) - whole) > WHOLE:
+        raise ValueError(
+            f"a load has {abs(order):.6g} times the frequency of rotation; expected a whole number"
+        )
+    force = load.rotor * np.exp(1j * load.phase)
+    return whole, np.asarray(force if order >= 0.0 else force.conj())
+
+
+def _harmonics(clearance: FloatArray) -> list[int]:
+    """Return the numbers of the harmonics that a clearance around the wall contains."""
+    amplitude = np.abs(np.fft.rfft(clearance))[1:]
+    return (
+        np.flatnonzero(amplitude > SEEN * np.abs(clearance).max() * len(clearance)) + 1
+    ).tolist()
+
+
+def _common(orders: Iterable[int]) -> int:
+    return gcd(*orders)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A blade with its responses at equally spaced instants of a period.
+
+    Forces and displacements of the contact nodes have the shape (instants, 3 * nodes).
+    """
+
+    blade: Blade
+    instants: int  #: number of instants, even
+
+    @property
+    def step(self) -> float:
+        """Time between two instants [s]."""
+        return self.blade.period / self.instants
+
+    @cached_property
+    def time(self) -> FloatArray:
+        """Instants [s], (instants,)."""
+        return self.step * np.arange(float(self.instants))
+
+    @cached_property
+    def unit(self) -> float:
+        """Frequency that multiplies modal coordinates in the state (unit q, q') [rad/s]."""
+        return float(np.sqrt(np.abs(self.blade.stiffness).max()))
+
+    @cached_property
+    def transition(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Matrices E, G0, G1 of a step of the state (unit q, q'), (2 * modes, 2 * modes) and twice
+        (2 * modes, 3 * nodes)."""
+        blade, modes = self.blade, len(self.blade.stiffness)
+        state = companion(-np.diag(blade.stiffness), -blade.damping, self.unit)
+        wide = np.zeros((4 * modes, 4 * modes))
+        wide[: 2 * modes, : 2 * modes] = self.step * state
+        wide[modes : 2 * modes, 2 * modes : 3 * modes] = self.step * np.eye(modes)
+        wide[2 * modes : 3 * modes, 3 * modes :] = np.eye(modes)
+        carried, held, ramp = np.split(la.expm(wide)[: 2 * modes], [2 * modes, 3 * modes], axis=1)
+        return carried, (held - ramp) @ blade.contact.T, ramp @ blade.contact.T
+
+    @cached_property
+    def to_nodes(self) -> tuple[FloatArray, FloatArray]:
+        """Matrices from the state (unit q, q') to displacements and velocities of the contact nodes
+        by the modes, (3 * nodes, 2 * modes) each."""
+        rest = np.zeros_like(self.blade.contact)
+        return np.hstack([self.blade.contact / self.unit, rest]), np.hstack(
+            [rest, self.blade.contact]
+        )
+
+    @cached_property
+    def _modal(self) -> ComplexArray:
+        """Modal coordinates and velocities for unit harmonics of the contact forces,
+        (harmonics, 2, modes, 3 * nodes)."""
+        carried, early, late = self.transition
+        z = np.exp(2j * np.pi / self.instants * np.arange(self.instants // 2 + 1))[:, None, None]
+        answer = np.linalg.solve(z * np.eye(len(carried)) - carried, early + z * late)
+        answer = answer.reshape(len(z), 2, -1, early.shape[1])
+        return np.asarray(answer / np.array([self.unit, 1.0])[:, None, None])
+
+    @cached_property
+    def by_force(self) -> FloatArray:
+        """Displacements for a unit force at the first instant [m/N], (instants, 3n, 3n)."""
+        elastic = self.blade.contact @ self._modal[:, 0]
+        return np.fft.irfft(elastic + self.blade.compliance, self.instants, axis=0)
+
+    @cached_property
+    def rate_by_force(self) -> FloatArray:
+        """Velocities for a unit force at the first instant [m/(N s)], (instants, 3n, 3n). C f is
+        differentiated by backward differences, as in the march."""
+        rate = np.fft.irfft(self.blade.contact @ self._modal[:, 1], self.instants, axis=0)
+        rate[0] += self.blade.compliance / self.step
+        rate[1] -= self.blade.compliance / self.step
+        return rate
+
+    @cached_property
+    def _free(self) -> FloatArray:
+        """Modal coordinates and velocities without contact forces, (2, instants, modes)."""
+        blade = self.blade
+        moved = np.zeros((2, self.instants, len(blade.stiffness)))
+        for order, force in blade.loads.items():
+            w = order * abs(blade.speed)
+            turning = np.exp(1j * w * self.time)[:, None] * (blade.admittance(w) @ force)
+            moved += np.stack([turning.real, (1j * w * turning).real])
+        return moved
+
+    def modes(self, force: FloatArray | None) -> FloatArray:
+        """Return modal coordinates [kg^1/2 m] and velocities [kg^1/2 m/s] under contact forces,
+        (2, instants, modes); None: without contact forces."""
+        if force is None:
+            return self._free
+        pushed = np.einsum("hdmk,hk->dhm", self._modal, np.fft.rfft(force, axis=0))
+        return np.asarray(self._free + np.fft.irfft(pushed, self.instants, axis=1))
+
+    def displacement(self, force: FloatArray) -> FloatArray:
+        """Return the displacements of the contact nodes under forces [m], (instants, 3 * nodes)."""
+        blade = self.blade
+        return np.asarray(self.modes(force)[0] @ blade.contact.T + force @ blade.compliance.T)
+
+    @cached_property
+    def wall(self) -> FloatArray:
+        """Gaps of the contact nodes at rest [m], (instants, nodes)."""
+        blade = self.blade
+        angle = blade.angle + blade.speed * self.time[:, None]
+        return np.asarray(around_wall(blade.clearance, blade.wall_step, angle) + blade.recess)
+
+    @cached_property
+    def free_gap(self) -> FloatArray:
+        """Gaps without contact forces [m], (instants, nodes)."""
+        return np.asarray(self.wall - self._free[0] @ self.blade.contact[::DIRECTIONS].T)
+
+    def gap(self, force: FloatArray) -> FloatArray:
+        """Return the gaps under contact forces [m], (instants, nodes)."""
+        return np.asarray(self.wall - self.displacement(force)[:, ::DIRECTIONS])
+
+    def slip(self, force: FloatArray) -> FloatArray:
+        """Return tangential and axial slip velocities under contact forces [m/s],
+        (instants, nodes, 2)."""
+        blade = self.blade
+        change = (force - np.roll(force, 1, axis=0)) / self.step
+        velocity = self.modes(force)[1] @ blade.contact.T + change @ blade.compliance.T
+        slip = velocity.reshape(self.instants, -1, DIRECTIONS)[..., 1:].copy()
+        slip[..., 0] += blade.speed * blade.radius
+        return np.asarray(slip)
+
+    def finer(self) -> "Grid":
+        """Return the grid of twice as many instants."""
+        return replace(self, instants=2 * self.instants)

@@ -1,0 +1,215 @@
+"""Periodic motions against closed forms and against marches with small steps."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.optimize as so
+from boundary_cases import bladed
+from places import ROOT
+
+import bladewhirl as bw
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.marched import marched_stage
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.solvers.periodic.blade import Blade, Grid
+from bladewhirl.solvers.periodic.contact import (
+    Motion,
+    NotConverged,
+    active,
+    equations,
+    moved,
+    periodic_motion,
+    solve,
+)
+from bladewhirl.solvers.periodic.stability import monodromy
+
+KAPPA = 25.0
+
+
+def oscillator(speed: float, force: float) -> Blade:
+    """A mass on a spring, of unit frequency, with an elastic massless stop at the distance 1."""
+    return Blade(
+        stiffness=np.ones(1),
+        damping=np.zeros((1, 1)),
+        contact=np.array([[1.0], [0.0], [0.0]]),
+        compliance=np.eye(3) / KAPPA,
+        angle=np.zeros(1),
+        radius=np.ones(1),
+        recess=np.zeros(1),
+        clearance=np.tile([1.0, 0.0], (8, 1)),
+        wall_step=1.0,
+        loads={1: np.array([force + 0j])},
+        speed=speed,
+        friction=0.0,
+        full=False,
+        lobes=1,
+    )
+
+
+@pytest.mark.parametrize(("ratio", "expected"), [(1.2, 1.118965), (2.0, 1.319807), (5.0, 1.515945)])
+def test_the_backbone_of_an_oscillator_with_an_elastic_stop(ratio: float, expected: float) -> None:
+    """Frequency of free vibration at the amplitude a, from the closed form of its two parts; a
+    small force moves it to both sides by the same amount, to first order."""
+    stiff, instants, force = 1.0 + KAPPA, 1024, 1e-3
+    rest = KAPPA / stiff  # of the mass in contact
+    farthest = rest + np.sqrt((ratio**2 - 1.0) / stiff + (1.0 - rest) ** 2)
+
+    def beyond(speed: float, push: float) -> float:
+        grid = Grid(oscillator(speed, push), instants)
+        time = (grid.time + 0.5 * grid.blade.period) % grid.blade.period - 0.5 * grid.blade.period
+        phase = np.clip(np.sqrt(stiff) * time, -np.pi, np.pi)
+        normal = np.maximum(0.0, KAPPA * (rest + (farthest - rest) * np.cos(phase) - 1.0))
+        motion = solve(Motion(grid, normal[:, None], np.zeros((instants, 1))))
+        return float(-grid.modes(motion.force)[0].min()) - ratio
+
+    near = expected * (1.0 - 4e-3), expected * (1.0 + 4e-3)
+    found = [so.brentq(beyond, *near, args=(push,), xtol=1e-12) for push in (force, -force)]
+    assert np.mean(found) == pytest.approx(expected, rel=1e-5)
+
+
+def twisted_blade(speed: str, sliding: str, friction: float, closure: str) -> ContactProblem:
+    case = bw.case_from(
+        {
+            "bladed_disk": {"superelement": {"file": str(ROOT / "examples" / "twisted_blade.npz")}},
+            "reduction": {"free_interface_modes": 20},
+            "damping": {"ratio": 0.01},
+            "casing": {
+                "type": "rigid",
+                "clearance": "0.35 mm",
+                "closure": {"amount": closure, "time_constant": "1 ms"},
+                "profile": {"harmonics": [{"lobes": 2, "amplitude": "0.27 mm"}]},
+            },
+            "contact": {"friction": friction, "sliding": sliding},
+            "march": {"speed": speed, "time_step": "1 us"},
+        }
+    )
+    return marched_stage(case).contact_problem()
+
+
+def marched(problem: ContactProblem, motion: Motion, step: float, periods: int) -> Any:
+    """Records once a period of a march that starts on a periodic motion."""
+    blade = motion.grid.blade
+    displacement, velocity = motion.grid.modes(motion.force)
+    steps = round(blade.period / step)
+    closed = replace(
+        problem,
+        closure=None,
+        casing=replace(problem.casing, clearance=blade.clearance),
+        start=replace(problem.start, rotor=displacement[0], rotor_velocity=velocity[0]),
+    )
+    scheme = CentralDifference(closed, blade.period / steps, steps)
+    _, chunk, end = scheme.advance(scheme.init(), steps * periods + 1)
+    assert end is None
+    return chunk
+
+
+def slowest(state: FloatArray) -> ComplexArray:
+    """The two multipliers of a sequence of states that decays, by linear prediction."""
+    decay = 0.8 ** -np.arange(len(state) - 1.0)[:, None]  # late states count as much as early ones
+    early, middle, late = (
+        ((state[:-1] - state[-1]) * decay)[k : k + 26].ravel() for k in (12, 13, 14)
+    )
+    ahead = np.linalg.lstsq(np.stack([middle, early], axis=1), late, rcond=None)[0]
+    return np.asarray(0.8 * np.roots([1.0, *-ahead]))
+
+
+@pytest.mark.parametrize(
+    ("speed", "sliding", "friction", "closure"),
+    [
+        ("4500 rpm", "full", 0.1, "0.09 mm"),
+        ("6000 rpm", "full", 0.05, "0.1 mm"),
+        ("7000 rpm", "full", 0.05, "0.1 mm"),
+        ("5000 rpm", "permanent", 0.1, "0.085 mm"),
+    ],
+)
+def test_a_blade_in_an_oval_wall_moves_as_in_a_march(
+    speed: str, sliding: str, friction: float, closure: str
+) -> None:
+    problem = twisted_blade(speed, sliding, friction, closure)
+    motion = periodic_motion(Blade.of_problem(problem))
+    assert motion.grid.blade.lobes == 2
+    assert motion.residual < 1e-9
+    chunk = marched(problem, motion, 5e-7, 80)
+    impulse = 2.0 * chunk.contact_impulse[-1].sum()
+    assert motion.impulse == pytest.approx(impulse, rel=2e-3)
+    leading = monodromy(motion)
+    assert leading.stable
+    state = np.hstack([chunk.rotor_displacement * problem.rotor.frequency, chunk.rotor_velocity])
+    decay = np.abs(slowest(state)).max()
+    assert np.abs(leading.multipliers[0]) == pytest.approx(decay, abs=5e-3)
+
+
+def test_newton_has_the_derivatives_of_its_equations() -> None:
+    problem = twisted_blade("7000 rpm", "full", 0.1, "0.1 mm")
+    random = np.random.default_rng(1)
+    motion = Motion.free(Grid(Blade.of_problem(problem), 16))
+    chosen = random.random(motion.normal.shape) < 0.4
+    motion = replace(
+        motion,
+        normal=np.where(chosen, 50.0 * random.random(chosen.shape), 0.0),
+        angle=0.3 * random.standard_normal(chosen.shape),
+    )
+    change = 1e-4 * random.standard_normal(2 * np.count_nonzero(chosen))
+    change[len(change) // 2 :] *= 0.01
+    up, down = (equations(moved(motion, chosen, sign * change), chosen).value for sign in (1, -1))
+    expected = equations(motion, chosen).matrix @ change
+    half = len(change) // 2
+    for part in (slice(half), slice(half, None)):
+        largest = np.abs(expected[part]).max()
+        assert 0.5 * (up - down)[part] == pytest.approx(expected[part], abs=1e-6 * largest)
+
+
+def test_responses_are_those_of_the_frequency_response() -> None:
+    """Of a smooth force on a blade with Coriolis forces; and of a load without contact."""
+    skew = np.zeros((8, 8))
+    skew[0, 1], skew[1, 0] = 30.0, -30.0
+    problem = bladed(1, 2, by_velocity=skew)
+    push = np.arange(1.0, 9.0)
+    load = Load(rotor=push, frequency=4.0 * problem.speed, phase=0.3, ramp=1.0)
+    blade = Blade.of_problem(replace(problem, loads=(load,)))
+    assert blade.lobes == 2
+    grid, w = Grid(blade, 4096), 4.0 * problem.speed
+    pattern = np.cos(np.arange(6.0))
+    force = np.cos(w * grid.time)[:, None] * pattern
+    unloaded = Grid(replace(blade, loads={}), 4096)
+    answer = blade.compliance @ pattern + blade.contact @ blade.admittance(w) @ (
+        blade.contact.T @ pattern
+    )
+    expected = (np.exp(1j * w * grid.time)[:, None] * answer).real
+    largest = np.abs(expected).max()
+    assert unloaded.displacement(force) == pytest.approx(expected, abs=1e-5 * largest)
+    drive = np.exp(0.3j) * blade.contact[::3] @ blade.admittance(w) @ push
+    moving = (np.exp(1j * w * grid.time)[:, None] * drive).real
+    assert grid.wall - grid.free_gap == pytest.approx(moving, abs=1e-12)
+
+
+def test_motions_without_contact_and_what_is_refused() -> None:
+    problem = bladed(1, 2)
+    free = periodic_motion(Blade.of_problem(problem))
+    assert not free.touches
+    assert not active(free).any()
+    round_wall = replace(
+        problem.casing, clearance=np.tile([2e-4, 0.0], (len(problem.casing.clearance), 1))
+    )
+    for changes, reason in (
+        ({"tip_rotation": True}, "tip_rotation"),
+        ({"casing": round_wall}, "no period"),
+        ({"speed": 0.0}, "no period"),
+        ({"loads": (Load(rotor=np.ones(8), frequency=101.0),)}, "whole number"),
+    ):
+        with pytest.raises(ValueError, match=reason):
+            Blade.of_problem(replace(problem, **changes))
+    with pytest.raises(ValueError, match="massless"):
+        Blade.of_problem(bladed(1, 2, massless=False))
+
+
+def test_a_blade_that_jams_has_no_periodic_motion() -> None:
+    """Friction that moves the nodes outward by more than the normal force moves them inward."""
+    blade = oscillator(0.5, 2.0)
+    outward = np.array([[1.0], [-30.0], [0.0]])
+    stuck = replace(blade, contact=outward, friction=1.0, stiffness=np.array([1e-4]))
+    with pytest.raises(NotConverged):
+        periodic_motion(stuck)
