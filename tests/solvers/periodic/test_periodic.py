@@ -119,7 +119,7 @@ def slowest(state: FloatArray) -> ComplexArray:
 @pytest.mark.parametrize(
     ("speed", "sliding", "friction", "closure"),
     [
-        ("4500 rpm", "full", 0.1, "0.09 mm"),
+        pytest.param("4500 rpm", "full", 0.1, "0.09 mm", marks=pytest.mark.slow),
         ("6000 rpm", "full", 0.05, "0.1 mm"),
         ("7000 rpm", "full", 0.05, "0.1 mm"),
         ("5000 rpm", "permanent", 0.1, "0.085 mm"),
