@@ -120,7 +120,7 @@ def slowest(state: FloatArray) -> ComplexArray:
     ("speed", "sliding", "friction", "closure"),
     [
         pytest.param("4500 rpm", "full", 0.1, "0.09 mm", marks=pytest.mark.slow),
-        ("6000 rpm", "full", 0.05, "0.1 mm"),
+        pytest.param("6000 rpm", "full", 0.05, "0.1 mm", marks=pytest.mark.slow),
         ("7000 rpm", "full", 0.05, "0.1 mm"),
         ("5000 rpm", "permanent", 0.1, "0.085 mm"),
     ],
