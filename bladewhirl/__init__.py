@@ -27,6 +27,9 @@ Analyse modes, before a march
     contact, `campbell` coincidence speeds, `veering` frequencies and `critical_speeds` critical
     speeds against the stiffness of the shaft, `stability` growth rates, `response` amplitudes under
     engine-order forces, `amplification` that by mistuning, as Datasets.
+Compute periodic rubs
+    `periodic` returns periodic motions of a 3D blade in a rigid wall, and their stability, without
+    time integration.
 March in time
     `run` marches one case, `run_sweep` a case over ranges of its keys (`resume_sweep` finishes an
     interrupted sweep, `drawn_case` repeats one of its random draws), `convergence` varies time step

@@ -28,6 +28,7 @@ from bladewhirl.studies.commands.modal import (
     stability,
     veering,
 )
+from bladewhirl.studies.commands.periodic import periodic
 from bladewhirl.studies.commands.render import render
 from bladewhirl.studies.commands.results import export, plot, report
 from bladewhirl.studies.commands.show import show
@@ -59,7 +60,21 @@ class DocumentedCommand(TyperCommand):
 
 for command in (
     *(campbell, compare, convergence, critical_speeds, export, import_, mesh, modes),
-    *(new, plot, render, report, reproduce, response, run, show, stability, sweep, veering, verify),
+    *(
+        new,
+        periodic,
+        plot,
+        render,
+        report,
+        reproduce,
+        response,
+        run,
+        show,
+        stability,
+        sweep,
+        veering,
+        verify,
+    ),
 ):
     name = command.__name__.strip("_").replace("_", "-")
     app.command(name, cls=DocumentedCommand)(command)

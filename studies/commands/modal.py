@@ -72,7 +72,7 @@ def modes(
 
         if output is not None:
             raise UserError("--contact: expected no -o: it draws nothing")
-        _present(
+        present(
             of_contact(contact_modes(_model(case, overrides))),
             case,
             None,
@@ -147,7 +147,7 @@ def campbell(
         orders=_whole_numbers("--orders", orders),
     )
     computed = study.report(diagram, page=html, overwrite=overwrite)
-    _present(computed, case, output, overwrite=overwrite, json=json)
+    present(computed, case, output, overwrite=overwrite, json=json)
 
 
 def veering(
@@ -176,7 +176,7 @@ def veering(
     stage = _model(case, overrides, families=families)
     springs = study.spring_stiffnesses(stage.case, interval)
     computed = study.report(study.veering(stage, families=families, stiffnesses=springs))
-    _present(computed, case, output, overwrite=overwrite, json=json)
+    present(computed, case, output, overwrite=overwrite, json=json)
 
 
 def critical_speeds(
@@ -202,7 +202,7 @@ def critical_speeds(
 
     interval = None if stiffnesses is None else stiffnesses.values()
     computed = study.report(_model(case, overrides), branches, interval)
-    _present(computed, case, output, overwrite=overwrite, json=json)
+    present(computed, case, output, overwrite=overwrite, json=json)
 
 
 def response(
@@ -241,7 +241,7 @@ def response(
             from bladewhirl.studies.modal.amplification import amplification, report
 
             found = report(amplification(stage, draws=draws, speeds=multiples, progress=progress))
-    _present(found, case, output, overwrite=overwrite, json=json)
+    present(found, case, output, overwrite=overwrite, json=json)
 
 
 def stability(
@@ -319,7 +319,7 @@ def stability(
         omegas = speeds.values(system.reference) * system.reference
         with progress_bar("growth rates") as update:
             computed = study.chart_report(system, omegas, stiffnesses, line=line, progress=update)
-    _present(computed, case, output, overwrite=overwrite, json=json)
+    present(computed, case, output, overwrite=overwrite, json=json)
 
 
 def _whole_numbers(name: str, given: str | None) -> tuple[int, ...]:
@@ -339,7 +339,7 @@ def _model(case: Path, overrides: list[str] | None, **numbers: int) -> ModalMode
         return modal_model(read, **numbers)
 
 
-def _present(study: Study, case: Path, output: Path | None, *, overwrite: bool, json: bool) -> None:
+def present(study: Study, case: Path, output: Path | None, *, overwrite: bool, json: bool) -> None:
     """Draw the figures of a study into the folder that the user named, or into CASE-COMMAND if
     nothing else is written; print the tables or the JSON document."""
     unnamed = json or study.figures is None or study.page is not None

@@ -76,6 +76,14 @@ def speed(name: str) -> Any:
     return option(name, "SPEED", _speed, expected)
 
 
+def speeds(name: str) -> Any:
+    """Return the typer option of one or more speeds, see `speed`, separated by commas."""
+    expected = 'multiples of the reference frequency, or text such as "5000 rpm,5200 rpm"'
+    return option(
+        name, "SPEED,...", lambda text: [_speed(word) for word in text.split(",")], expected
+    )
+
+
 def several(name: str, metavar: str, read: Callable[[str], Any], noun: str) -> Any:
     """Return the typer option of two or more different positive values, separated by commas; the
     parser sorts them."""

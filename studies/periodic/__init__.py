@@ -1,0 +1,1 @@
+"""Periodic motions of a rub at given speeds: Dataset, table, figure."""

@@ -1,0 +1,243 @@
+"""Periodic motions of a 3D blade that rubs, without time integration: Dataset, rows, document."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.units import speed_of
+from bladewhirl.models.stage.cone import in_wall_axes
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.marched import Marchable, MarchedNodes, marched_stage
+from bladewhirl.solvers.periodic.blade import Blade
+from bladewhirl.solvers.periodic.contact import (
+    LEAST_INSTANTS,
+    Motion,
+    NotConverged,
+    periodic_motion,
+)
+from bladewhirl.solvers.periodic.stability import monodromy
+from bladewhirl.studies.modal.study import Study
+from bladewhirl.studies.periodic.figures import drawn, plot_periodic
+from bladewhirl.studies.runs.columns import Column, quantity, table
+
+HARMONICS = 32  #: number of harmonics in the Dataset, with the mean
+
+COLUMNS = (
+    Column("speed", "Ω / ω₁ [–]", ".4f"),
+    Column("speed_rpm", "[rpm]", ".1f"),
+    Column("impulse_per_revolution", "impulse per revolution [N s]", ".5g"),
+    Column("largest_multiplier", "largest multiplier [–]", ".4f"),
+    Column("stable", "stable"),
+    Column("instants", "instants", "d"),
+    Column("residual", "residual", ".1e"),
+)
+"""Columns of the solutions."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A periodic motion at a speed."""
+
+    problem: ContactProblem
+    motion: Motion
+    multipliers: Any  #: complex, the largest first, (2 * modes,)
+
+    @property
+    def every(self) -> int:
+        """Instants of the motion for one of the Dataset."""
+        return self.motion.grid.instants // LEAST_INSTANTS
+
+    def components(self, values: FloatArray) -> FloatArray:
+        """Return radial, tangential and axial components of displacements or forces in the axes of
+        the wall, (instants of the Dataset, nodes, 3)."""
+        cylindrical = in_wall_axes(values.T, -self.problem.slope).T
+        return np.asarray(cylindrical[:: self.every].reshape(LEAST_INSTANTS, -1, 3))
+
+
+def periodic(
+    case_or_stage: Marchable,
+    *,
+    speeds: Sequence[float | str] | None = None,
+    blade: int = 0,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Compute the periodic motion of a 3D blade that rubs on a rigid wall, without time
+    integration, and its stability.
+
+    The equations are those of the time integration with massless contact nodes. The motion has the
+    period of the wall and of the engine orders, a turn divided by their common number of lobes.
+    Ramps of loads are over, and the closure of the casing has its final value. There can be more
+    than one periodic motion; this function finds one, stable or not, and not always the one that a
+    march from rest finds.
+
+    Args:
+        case_or_stage: a case with a superelement of the kind "blade" in a rigid wall, or its stage.
+        speeds: speeds of rotation, each a multiple of the reference frequency or text such as "2500
+            rpm"; by default the speed of the case.
+        blade: number of the blade; blades do not influence each other.
+        progress: called with the numbers of speeds done and in total.
+
+    Returns:
+        over speed: `impulse_per_revolution` [N s] of the normal forces on the blade, `stable`,
+        `residual`, `instants` of the grid and `period` [s]; over (speed, multiplier): complex
+        `multipliers`, the largest first; over (speed, instant, node) and `direction` (radial,
+        tangential, axial): `contact_displacement` [m], `contact_force` [N] and `gap` [m], which is
+        normal to the wall; over (speed, order, node, direction): `amplitude` [m] of the harmonics,
+        whose engine orders are the coordinate `order`. `speed` is in multiples of the reference
+        frequency, with the coordinate `rpm`; `instant` is the share of the period.
+
+    Raises:
+        CaseError: the case cannot be built at one of the speeds.
+        UserError: the method does not apply to the case, the blade does not touch the wall, or no
+            motion was found.
+    """
+    stage = case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case
+    given = [stage.march.speed.given] if speeds is None else list(speeds)
+    if not given:
+        raise UserError("periodic: speeds []: expected at least one speed")
+    solutions, reference = [], 1.0
+    for done, each in enumerate(given, 1):
+        speed = speed_of(each, f"periodic: speeds {each!r}")
+        at_speed = marched_stage(with_values(stage, {"march.speed": speed.given}))
+        reference = at_speed.reference_frequency
+        solutions.append(
+            solution(at_speed.contact_problem(), blade_of(at_speed, blade), str(speed))
+        )
+        if progress is not None:
+            progress(done, len(given))
+    return _dataset(stage, solutions, reference)
+
+
+def blade_of(stage: Any, blade: int) -> Blade:
+    """Return a blade of a stage for the method.
+
+    Raises:
+        UserError: the method does not apply.
+    """
+    if not isinstance(stage, MarchedNodes):
+        raise UserError("periodic: tips of beams have mass; expected a superelement")
+    table = stage.model.table
+    if table.kind != "blade":
+        raise UserError(
+            f'periodic: bladed_disk.superelement.kind = "{table.kind}": expected "blade"; blades'
+            " that are coupled through the disk are not included"
+        )
+    if not 0 <= blade < table.copies:
+        raise UserError(f"periodic: blade {blade}: expected 0 to {table.copies - 1}")
+    try:
+        return Blade.of_problem(stage.contact_problem(), blade)
+    except ValueError as reason:
+        raise UserError(f"periodic: {reason}") from None
+
+
+def solution(problem: ContactProblem, blade: Blade, speed: str) -> Solution:
+    """Return the periodic motion of a blade at a speed, whose text is in messages.
+
+    Raises:
+        UserError: the blade does not touch the wall, or no motion was found.
+    """
+    try:
+        motion = periodic_motion(blade)
+    except NotConverged as reason:
+        raise UserError(
+            f"periodic: no periodic motion was found at {speed}: {reason}; other speeds or a march"
+            " can show whether there is one"
+        ) from None
+    if not motion.touches:
+        smallest = motion.gap.min()
+        raise UserError(
+            f"periodic: no contact at {speed}: the smallest gap is {1e3 * smallest:.4g} mm"
+        )
+    largest = np.abs(motion.grid.displacement(motion.force)).max()
+    if largest > problem.displacement_limit:
+        raise UserError(
+            f"periodic: at {speed} contact nodes move by {largest:.4g} m, beyond"
+            f" march.displacement_limit = {problem.displacement_limit:.4g} m"
+        )
+    return Solution(problem, motion, monodromy(motion).multipliers)
+
+
+def _dataset(case: Case, solutions: Sequence[Solution], reference: float) -> xr.Dataset:
+    """Return the Dataset of solutions at speeds, for a reference frequency [rad/s]."""
+    motions = [each.motion for each in solutions]
+    speeds = np.array([each.problem.speed for each in solutions])
+    moved = np.stack(
+        [each.components(each.motion.grid.displacement(each.motion.force)) for each in solutions]
+    )
+    force = np.stack([each.components(each.motion.force) for each in solutions])
+    gap = np.stack([each.motion.gap[:: each.every] for each in solutions])
+    spectrum = np.abs(np.fft.rfft(moved, axis=1)) / LEAST_INSTANTS
+    spectrum[:, 1:] *= 2.0
+    over, nodes = "speed", ("speed", "instant", "node")
+    return xr.Dataset(
+        {
+            "impulse_per_revolution": quantity(
+                over, [each.impulse for each in motions], "N s", "normal impulse per revolution"
+            ),
+            "multipliers": (
+                ("speed", "multiplier"),
+                np.stack([each.multipliers for each in solutions]),
+            ),
+            "stable": (over, [bool(abs(each.multipliers[0]) < 1.0) for each in solutions]),
+            "residual": (over, [each.residual for each in motions]),
+            "instants": (over, [each.grid.instants for each in motions]),
+            "period": quantity(over, [each.grid.blade.period for each in motions], "s"),
+            "contact_displacement": quantity((*nodes, "direction"), moved, "m"),
+            "contact_force": quantity((*nodes, "direction"), force, "N"),
+            "gap": quantity(nodes, gap, "m", "gap"),
+            "amplitude": quantity(
+                ("speed", "order", "node", "direction"), spectrum[:, :HARMONICS], "m"
+            ),
+        },
+        coords={
+            "speed": quantity(over, speeds / reference, "1", "normalised speed"),
+            "rpm": quantity(over, speeds * 30.0 / np.pi, "rpm", "speed"),
+            "instant": np.arange(LEAST_INSTANTS) / LEAST_INSTANTS,
+            "direction": ["radial", "tangential", "axial"],
+            "order": motions[0].grid.blade.lobes * np.arange(HARMONICS),
+        },
+        attrs={
+            "title": "periodic motion of a rub",
+            "case": case.title,
+            "reference_frequency_hz": reference / (2.0 * np.pi),
+        },
+    )
+
+
+def report(data: xr.Dataset) -> Study:
+    """Return the document, table and figure of `periodic`; multipliers in the document are pairs of
+    real and imaginary part, the largest first."""
+    rows = []
+    for n in range(data.sizes["speed"]):
+        one = data.isel(speed=n)
+        multipliers = one["multipliers"].values
+        rows.append(
+            {
+                "speed": float(one["speed"]),
+                "speed_rad_s": float(one["rpm"]) * np.pi / 30.0,
+                "speed_rpm": float(one["rpm"]),
+                "impulse_per_revolution": float(one["impulse_per_revolution"]),
+                "largest_multiplier": float(np.abs(multipliers[0])),
+                "multipliers": np.stack([multipliers.real, multipliers.imag], axis=-1).tolist(),
+                "stable": bool(one["stable"]),
+                "residual": float(one["residual"]),
+                "instants": int(one["instants"]),
+            }
+        )
+    document = {
+        "reference_frequency_hz": data.attrs["reference_frequency_hz"],
+        "solutions": rows,
+    }
+    return Study(
+        name="periodic",
+        document=document,
+        tables=[table(rows, COLUMNS, "Periodic motions")],
+        figures=lambda: {"periodic": (plot_periodic(data), drawn(data))},
+    )

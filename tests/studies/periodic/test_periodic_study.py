@@ -1,0 +1,109 @@
+"""Dataset and command of periodic motions."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from command_line import answer, refusal
+from places import ROOT
+
+import bladewhirl as bw
+
+BLADE = {"superelement": {"file": str(ROOT / "examples" / "twisted_blade.npz")}}
+
+
+def case(**changes: Any) -> bw.Case:
+    """A closing oval wall that a twisted blade touches twice a turn."""
+    tables: dict[str, Any] = {
+        "bladed_disk": BLADE,
+        "reduction": {"free_interface_modes": 20},
+        "damping": {"ratio": 0.01},
+        "casing": {
+            "type": "rigid",
+            "clearance": "0.35 mm",
+            "closure": {"amount": "0.1 mm", "time_constant": "1 ms"},
+            "profile": {"harmonics": [{"lobes": 2, "amplitude": "0.27 mm"}]},
+        },
+        "contact": {"friction": 0.05, "sliding": "full"},
+        "march": {
+            "speed": "7000 rpm",
+            "time_step": "1 us",
+            "duration": "0.4 s",
+            "record_step": "20 us",
+        },
+    }
+    return bw.with_values(bw.case_from(tables), changes)
+
+
+@pytest.mark.parametrize(("speed", "slope"), [(7000.0, 0.0), (5000.0, "3 deg")])
+def test_a_motion_is_that_of_a_long_run(tmp_path: Path, speed: float, slope: Any) -> None:
+    """Also in a conical wall, in which displacements and forces have other axes."""
+    own = case(**{"casing.slope": slope, "march.speed": f"{speed} rpm"})
+    data = bw.periodic(own).isel(speed=0)
+    assert data["stable"]
+    bw.run(own, tmp_path / "run", frames=0)
+    turn = 60.0 / speed
+    with bw.open_result(tmp_path / "run") as result:
+        last = result["contact_impulse"].sel(time=slice(0.4 - 20.0 * turn, None)).sum()
+        moved = result["contact_displacement"].sel(time=slice(0.3, None)).load()
+    assert data["impulse_per_revolution"] == pytest.approx(float(last) / 20.0, rel=1e-2)
+    for number, direction in enumerate(("radial", "tangential", "axial")):
+        periodic = data["contact_displacement"].sel(direction=direction)
+        marched = moved[..., number]
+        for one, other in ((periodic.min(), marched.min()), (periodic.max(), marched.max())):
+            assert float(one) == pytest.approx(float(other), abs=1e-2 * float(abs(marched).max()))
+
+
+def test_a_dataset_describes_motions_at_speeds() -> None:
+    data = bw.periodic(case(), speeds=["7000 rpm", "11000 rpm"])
+    assert data["rpm"].values == pytest.approx([7000.0, 11000.0])
+    assert data["period"].values == pytest.approx([30.0 / 7000.0, 30.0 / 11000.0])
+    assert data["order"].values[:3].tolist() == [0, 2, 4]
+    pushed = -data["contact_force"].sel(direction="radial").sum("node").mean("instant")
+    turns = 2.0 * data["period"]
+    assert (pushed * turns).values == pytest.approx(data["impulse_per_revolution"].values, rel=5e-3)
+    touching = data["contact_force"].sel(direction="radial") < 0.0
+    assert float(abs(data["gap"].where(touching)).max()) < 1e-12
+    assert float(data["gap"].min()) > -1e-12
+    assert (data["residual"] < 1e-9).all()
+    sizes = np.abs(data["multipliers"].values)
+    assert (np.diff(sizes, axis=1) <= 1e-9).all()
+
+
+def test_the_command_prints_and_draws(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(bw.dumps_case(case()))
+    document = json.loads(
+        answer("periodic", str(file), "--speeds", "6000 rpm,7000 rpm", "--json").stdout
+    )
+    first, second = document["solutions"]
+    assert first["speed_rad_s"] == pytest.approx(6000.0 * np.pi / 30.0)
+    assert second["stable"] is True
+    assert second["residual"] < 1e-9
+    assert np.hypot(*second["multipliers"][0]) == pytest.approx(second["largest_multiplier"])
+    printed = answer("periodic", str(file), "-o", str(tmp_path / "out")).stdout
+    assert "7000.0" in printed
+    assert (tmp_path / "out" / "periodic.png").exists()
+    with xr.open_dataset(tmp_path / "out" / "periodic.nc") as data:
+        assert float(data["impulse_per_revolution"][0]) == pytest.approx(
+            second["impulse_per_revolution"]
+        )
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"casing.closure.amount": "0.05 mm"}, "no contact at 7000 rpm: the smallest gap is 0.03"),
+        ({"casing.profile": None, "casing.clearance": "0.2 mm"}, "no period"),
+        ({"contact.tip_rotation": True}, "tip_rotation"),
+        ({"bladed_disk.superelement.copies": 2}, "blade 2: expected 0 to 1"),
+    ],
+)
+def test_refusals_are_one_sentence(tmp_path: Path, changes: Any, message: str) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(bw.dumps_case(case(**changes)))
+    number = 2 if message.startswith("blade 2") else 0
+    assert message in refusal("periodic", file, "--blade", number)
