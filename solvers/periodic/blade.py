@@ -73,7 +73,7 @@ class Blade:
                 loads[order] = loads.get(order, 0.0) + force.reshape(rotor.copies, -1)[copy]
         loads = {order: force for order, force in loads.items() if np.any(force)}
         clearance = problem.clearance(NEVER)
-        lobes = _common([*_harmonics(clearance[:, 0]), *loads])
+        lobes = gcd(*_harmonics(clearance[:, 0]), *loads)
         if not lobes:
             raise ValueError(
                 "the wall is round and no load varies with time, so that the motion has no period"
@@ -157,10 +157,6 @@ def _harmonics(clearance: FloatArray) -> list[int]:
     return (
         np.flatnonzero(amplitude > SEEN * np.abs(clearance).max() * len(clearance)) + 1
     ).tolist()
-
-
-def _common(orders: Iterable[int]) -> int:
-    return gcd(*orders)
 
 
 @dataclass(frozen=True)

@@ -25,13 +25,13 @@ def plot_periodic(data: xr.Dataset) -> Figure:
         pushed = -one["contact_force"].sel(direction="radial").sum("node").values
         (line,) = gap.plot(share, 1e6 * one["gap"].min("node").values)
         colour = line.get_color()
-        label = f"{float(one['rpm']):.4g} rpm{'' if bool(one['stable']) else ', unstable'}"
+        label = f"{float(one['rpm']):.6g} rpm{'' if bool(one['stable']) else ', unstable'}"
         force.plot(share, pushed, color=colour, label=label)
         values = one["multipliers"].values
         circle.plot(values.real, values.imag, ".", color=colour)
     gap.set(xlabel="share of the period", ylabel="smallest gap [µm]")
     force.set(xlabel="share of the period", ylabel="radial force [N]")
-    force.legend()
+    force.legend(loc="upper left")
     circle.set(xlabel="real part", ylabel="imaginary part", aspect="equal")
     set_title(figure, data.attrs["case"], "periodic motions")
     return figure
