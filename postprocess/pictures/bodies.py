@@ -153,7 +153,9 @@ class Triangles:
         self._arc = np.linspace(ahead + gap, ahead + 2 * np.pi - gap, WALL_STATIONS)
         if not around:
             self._axes, self._focus = _view_of_blade(stage.rest, stage.size, view)
-            self._arc = np.linspace(angle.min() - ARC, angle.max() + ARC, ARC_STATIONS)
+            # From the side, the wall in front of the tip is left out.
+            start = angle.max() if view == "side" else angle.min() - ARC
+            self._arc = np.linspace(start, angle.max() + ARC, ARC_STATIONS)
         self._coated = float(dataset.attrs.get("coating_thickness", 0.0))
         self._hub = hub_of(dataset, stage.rest, 0.5 * stage.tip_radius) if around else None
         wall = Solid(triangles=tube_triangles(len(self._arc)))
