@@ -60,6 +60,12 @@ def scene_colours(colouring: Colouring, levels: int) -> Array:
     return np.array([to_rgb(colour) for colour in [*fixed, *colouring.colours(levels)]])
 
 
+def time_text(time: float, step: float) -> str:
+    """Return a time [s] as text, with the decimals that distinguish records a `step` [s] apart."""
+    decimals = max(1, int(np.ceil(-np.log10(1e3 * step) - 1e-9)))
+    return f"t = {1e3 * time:.{decimals}f} ms"
+
+
 def contact_text(forces: Array) -> str:
     """Return a text with the number of blades in contact and the largest of the sizes of the
     contact `forces` on the blades (blade,) [N]."""
@@ -67,8 +73,8 @@ def contact_text(forces: Array) -> str:
     if not touching:
         return "no contact"
     largest = f"largest force now {handy(float(forces.max()), 'N', 3)},\nwith friction"
-    blades = "blades" if len(forces) > 1 else "blade"
-    return f"{touching} of {len(forces)} {blades} in contact\n{largest}"
+    blades = f"{touching} of {len(forces)} blades" if len(forces) > 1 else "blade"
+    return f"{blades} in contact\n{largest}"
 
 
 def speed_text(dataset: xr.Dataset) -> str:

@@ -34,6 +34,7 @@ from bladewhirl.postprocess.pictures.choices import Field
 from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL
 
 DIVERGING = "RdBu_r"  #: colour map of signed values, distinct for colour-blind readers
+LIT = "YlGnBu"  #: colour map of magnitudes on surfaces, light at 0 so that light and edges are seen
 PART_COLOURS = tuple(
     COLOURS[name] for name in ("k = 0", "other k", "suspension", "k = 1", "contact", "rest")
 )
@@ -72,7 +73,9 @@ class Colouring:
         """Colour map of a field, or the colours of the parts."""
         if self.parts is not None:
             return ListedColormap([*self.parts.values()])
-        return matplotlib.colormaps[DIVERGING if self.signed else SEQUENTIAL]
+        if self.signed:
+            return matplotlib.colormaps[DIVERGING]
+        return matplotlib.colormaps[LIT if self.surface.size else SEQUENTIAL]
 
     def colours(self, levels: int) -> list[str]:
         """Return `levels` colours of the colour map, or the colours of the parts, as #rrggbb."""
@@ -130,7 +133,7 @@ def colouring(
     surfaces = "rotor_line" not in dataset
     names = {
         "stress": "von Mises stress" if surfaces else "surface stress",
-        "gap": "gap at the tip",
+        "gap": "gap to metal" if dataset.attrs.get("coating_thickness") else "gap at the tip",
     }
     return Colouring(
         name=names.get(field, field.replace("-", " ")),

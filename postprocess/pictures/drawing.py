@@ -103,6 +103,7 @@ class Drawing:
         self.exaggeration = stage.factor
         self.largest_displacement = stage.largest_displacement
         self.times = dataset["time"].values[records]
+        self.record_step = float(dataset.attrs["record_step"])  #: time between records [s]
         self._blade_length = blade_length(dataset)
         angle = stage.turns
         self._rotor_turn, self._casing_turn = (

@@ -26,7 +26,7 @@ LINE = (0.77, 0.98, 0.01, 0.036)  #: left, right, lower, upper edge of the time 
 BAR_SHARE = 0.11  #: longest scale bar, relative to the width of the window
 #: radius and sideways offset of a blade number, relative to the tip radius
 NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045
-LETTERS = 3.6  #: size of blade numbers in a sheet, relative to their size in a single picture
+LETTERS = 2.4  #: size of blade numbers in a sheet, relative to their size in a single picture
 KEY_STEP = 0.034
 KEY_LETTERS, TITLE_LETTERS = 27, 22
 ON_PLANE = ((0, 0), (0, 1))  #: padding of points (point, 2) with a zero third coordinate
@@ -93,7 +93,7 @@ class Panel:
 
     def show(self, picture: Picture) -> None:
         """Update time, contact text, blade numbers and orbit."""
-        self._time.input = f"t = {1e3 * picture.time:.1f} ms"
+        self._time.input = look.time_text(picture.time, self._drawing.record_step)
         if self._touches:
             self._contact.input = look.contact_text(picture.blade_forces)
         self._numbers.show(picture)
@@ -107,7 +107,7 @@ class Panel:
         largest = self._drawing.largest_force
         self._time.input = f"{first:.4g} to {last:.4g} ms"
         arrows = f"arrows: contact forces,\nlargest {handy(largest, 'N', 3)}"
-        self._contact.input = arrows if largest else "no contact"
+        self._contact.input = arrows if largest else "no contact at these times"
 
 
 class Orbit:
@@ -157,7 +157,8 @@ class TimeLine:
         across = self._start + self._length * share
         up = foot + (top - foot) * force / (force.max() or 1.0)
         add_line(scene.plotter, np.array([[self._start, foot], [end, foot]]), look.FAINT, 1.0)
-        add_line(scene.plotter, np.column_stack([across, up]), look.FORCE_COLOUR, 1.5)
+        if force.any():
+            add_line(scene.plotter, np.column_stack([across, up]), look.FORCE_COLOUR, 1.5)
         ends = np.array([[self._start, foot], [self._start, top]])
         self._mark = add_line(scene.plotter, ends, look.INK, 3.0)
 
@@ -178,12 +179,12 @@ def add_line(plotter: pyvista.Plotter, line: Array, colour: str, width: float) -
 
 
 class BladeNumbers:
-    """Numbers next to the blades; with many blades only every second, fifth or tenth number."""
+    """Numbers next to several blades; with many blades only every second, fifth or tenth number."""
 
     def __init__(self, scene: StageScene, tips: IntArray, letters: float = 1.0) -> None:
         steps = (1, 2, 5, 10, 20, 50, 100, 200, 500)
         stride = next(step for step in steps if letters * len(tips) <= 25 * step)
-        blades = np.arange(0, len(tips), stride)
+        blades = np.arange(0, len(tips), stride) if len(tips) > 1 else np.zeros(0, np.int64)
         self._tips, self._size = tips[blades], scene.size
         self._corner, far = scene.place(0.0, 0.0), scene.place(1.0, 1.0)
         self._pixels = np.array(scene.plotter.window_size) / (far - self._corner)
@@ -201,7 +202,7 @@ class BladeNumbers:
         """Move the numbers to their blades."""
         span = picture.tips[self._tips] - picture.shaft
         aside = rotate(unit(span), np.pi / 2)
-        apart = NUMBER_ASIDE * min(np.abs(span).max(), self._size) * aside
+        apart = NUMBER_ASIDE * min(np.abs(span).max(initial=0.0), self._size) * aside
         beside = picture.shaft + NUMBER_PLACE * span + apart
         for actor, place in zip(self._actors, self._pixels * (beside - self._corner), strict=True):
             actor.SetPosition(*place)

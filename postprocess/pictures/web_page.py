@@ -158,7 +158,7 @@ def _instants(drawing: Drawing) -> dict[str, Any]:
     contact, else 0."""
     pictures = [drawing.picture(index) for index in range(len(drawing))]
     return {
-        "times": [f"t = {1e3 * time:.1f} ms" for time in drawing.times],
+        "times": [look.time_text(time, drawing.record_step) for time in drawing.times],
         "contact": [look.contact_text(picture.blade_forces) for picture in pictures],
         "touching": [np.any(picture.forces, axis=1).astype(int).tolist() for picture in pictures],
     }

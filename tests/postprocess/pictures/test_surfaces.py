@@ -16,6 +16,7 @@ import bladewhirl as bw
 from bladewhirl.meshes.plane import unit
 from bladewhirl.postprocess.fields.kinematics import contact_forces
 from bladewhirl.postprocess.fields.nodes import frame_meshes, point_blades
+from bladewhirl.postprocess.pictures.appearance import time_text
 from bladewhirl.postprocess.pictures.bodies import COATING, TOWARDS, WALL_STATIONS
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import stage_view
@@ -130,6 +131,31 @@ def test_the_wall_is_open_in_front_of_the_tips(three: xr.Dataset, view: Any) -> 
         assert pdist(drawn) == pytest.approx(pdist(points))
     with pytest.raises(bw.ViewError, match="view must be one of oblique, axial, side"):
         Drawing(three, RECORDS, view=cast(Any, "top"))
+
+
+def test_from_the_side_no_wall_is_in_front_of_the_tip_of_a_blade(single: xr.Dataset) -> None:
+    drawing = Drawing(single, np.array([0]), exaggeration=1.0, view="side")
+    picture, body = drawing.picture(0), cast(Any, drawing._body)
+    tips = body._placed(body.stage.contact_nodes(0), 0.0)
+    assert picture.solids[0].points[:, 2].max() < tips[:, 2].min() + 1e-3 * RADIUS
+
+
+def test_the_gap_below_a_coating_is_named_after_the_metal(single: xr.Dataset) -> None:
+    coated = single.assign_attrs(coating_thickness=1e-3)
+    names = [Drawing(each, RECORDS, colour="gap").colouring.name for each in (single, coated)]
+    assert names == ["gap at the tip", "gap to metal"]
+
+
+def test_surfaces_without_motion_are_light(three: xr.Dataset) -> None:
+    shade = Drawing(three, RECORDS).colouring.colour_map(0.0)
+    assert min(shade[:3]) > 0.7
+
+
+@pytest.mark.parametrize(
+    ("step", "text"), [(1e-3, "t = 0.7 ms"), (1e-4, "t = 0.7 ms"), (2e-5, "t = 0.72 ms")]
+)
+def test_times_have_the_decimals_of_the_records(step: float, text: str) -> None:
+    assert time_text(0.72e-3 if step < 1e-4 else 0.7e-3, step) == text
 
 
 def test_a_coating_is_as_thick_as_its_layer_less_its_wear(single: xr.Dataset) -> None:
