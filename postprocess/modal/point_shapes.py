@@ -90,6 +90,10 @@ def point_arrays(model: ModalModel, body: Body, numbers: IntArray) -> StageArray
     return replace(
         stage,
         **{name: getattr(stage, name)[first] for name in names},
+        stress_shape=np.zeros(0),
+        stress_by_force=np.zeros(0),
+        steady_stress=np.zeros(0),
+        copy_stiffness=np.zeros(0),
         **walls,
         rotor_frequency=np.resize(modes.frequency[disk], len(fields)),
         rotor_nodal_diameter=np.resize(modes.nodal_diameter[disk], len(fields)),

@@ -10,6 +10,7 @@ from exported_stages import BLADES, beams, exported
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from PIL import Image, ImageSequence
 from rod_blade import blade, tables
+from solid_meshes import STEEL, cantilever
 
 import bladewhirl as bw
 from bladewhirl.meshes.plane import rotate
@@ -108,3 +109,16 @@ def test_films_of_a_blade_move(tmp_path: Path, can_draw: None) -> None:
         )
     soon, later = (np.count_nonzero(np.abs(each - first) > 50) for each in others)
     assert later > 300 + soon
+
+
+def test_modes_of_a_file_with_stresses_move(tmp_path: Path) -> None:
+    """Stresses are those of the modes of a march, and left out."""
+    part = bw.mesh3d(cantilever("hexahedron", (2, 1, 1)), **STEEL, stress=True)
+    bw.write_superelement(tmp_path / "blade.npz", part)
+    table = {"file": str(tmp_path / "blade.npz"), "copies": 3}
+    given = {"bladed_disk": {"superelement": table}, "casing": {"type": "rigid"}}
+    case = bw.case_from(given | {"reduction": {"free_interface_modes": 5}})
+    model = modal_model(case, count=4)
+    motion = mode_motion(model, "bladed-disk", np.array([0]), wave="standing", title="1F")
+    assert "stress_shape" not in motion
+    assert np.ptp(motion["rotor_displacement"].values) > 0.0
