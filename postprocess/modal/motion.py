@@ -84,8 +84,7 @@ def mode_motion(
             motion |= {f"{name}_displacement": position, f"{name}_velocity": velocity}
     if "contact_shape" in fixed:
         motion["contact_displacement"] = _contact_displacement(fixed, displaced[0])
-    given = {"title": title, "wave": wave, "speed": 0.0, "record_step": float(time[1] - time[0])}
-    return stage_dataset(arrays, motion).assign_attrs(attributes, **given)
+    return stage_dataset(arrays, motion).assign_attrs(attributes, title=title, wave=wave, speed=0.0)
 
 
 @singledispatch

@@ -103,7 +103,9 @@ class Drawing:
         self.exaggeration = stage.factor
         self.largest_displacement = stage.largest_displacement
         self.times = dataset["time"].values[records]
-        self.record_step = float(dataset.attrs["record_step"])  #: time between records [s]
+        every = dataset["time"].values
+        self.record_step = float(every[1] - every[0]) if len(every) > 1 else 1.0
+        """Time between records [s]; 1 for a single record, which any text of its time shows."""
         self._blade_length = blade_length(dataset)
         angle = stage.turns
         self._rotor_turn, self._casing_turn = (
