@@ -3,12 +3,8 @@
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.superelement_stage import (
-    LARGE,
-    SuperelementStage,
-    on_springs,
-    structure_of,
-)
+from bladewhirl.models.stage.superelement_stage import SuperelementStage
+from bladewhirl.models.stage.superelement_structure import LARGE, on_springs, structure_of
 from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.reduction import lowest_modes
 from bladewhirl.models.superelements.sector import Sector, Wave

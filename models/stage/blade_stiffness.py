@@ -1,6 +1,6 @@
 """Stiffness of each blade on the modes of a tuned bladed disk, for many patterns of mistuning."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -19,7 +19,8 @@ from bladewhirl.models.stage.forced import (
     forced_stage,
 )
 from bladewhirl.models.stage.stage import Stage, rotor_at
-from bladewhirl.models.stage.superelement_stage import SuperelementStage, with_blades
+from bladewhirl.models.stage.superelement_stage import SuperelementStage
+from bladewhirl.models.stage.superelement_structure import wheel_over_speeds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,11 +47,11 @@ def tuned_beams(stage: Stage, loads: EngineOrders, omega: float) -> TunedRotor:
             for factor in (2.0, 1.0)
         )
         by_speed = np.asarray(shapes.T @ ((twice - once) @ shapes)) / (3.0 * omega**2)
-    blades = np.array([shapes.T @ (own @ shapes) for own in _blades_of_beams(stage.disk)])
+    blades = np.array([shapes.T @ (own @ shapes) for own in stiffness_of_blades(stage.disk)])
     return TunedRotor(omega=omega, disk=disk, blades=blades, by_speed=by_speed)
 
 
-def _blades_of_beams(disk: BladedDiskModel) -> list[sp.csr_array]:
+def stiffness_of_blades(disk: BladedDiskModel) -> list[sp.csr_array]:
     """Return the stiffness of the beams of each blade on the free degrees of freedom."""
     mesh, model = disk.mesh, disk.model
     among = np.zeros(len(mesh.lines), dtype=np.bool_)
@@ -86,7 +87,7 @@ def tuned_sectors(stage: SuperelementStage, loads: EngineOrders, omega: float) -
             'response: draws: expected beams, or bladed_disk.superelement.kind = "sector" and a'
             " file with blade_stiffness (bw.mesh3d with blade = GROUP)"
         )
-    own, blades = with_blades(stage, omega)
+    own, blades = _with_blades(stage, omega)
     count, reduced = len(own.reduced.frequency), own.reduced
     by_speed = np.zeros((count, count))
     if own.case.rotation.effects != "none" and reduced.stiffness_speed is not None:
@@ -95,6 +96,17 @@ def tuned_sectors(stage: SuperelementStage, loads: EngineOrders, omega: float) -
             by_speed = by_speed + 2.0 * omega**2 * reduced.stiffness_speed4
     disk = forced_stage(own, loads, omega)
     return TunedRotor(omega=omega, disk=disk, blades=blades, by_speed=by_speed)
+
+
+def _with_blades(stage: SuperelementStage, omega: float) -> tuple[SuperelementStage, FloatArray]:
+    """Return a stage of tuned sectors, with a file with blade_stiffness, reduced at a speed
+    [rad/s], and the stiffness of each blade on its modes [1/s2], (sectors, modes, modes)."""
+    wheel = wheel_over_speeds(stage.case, stage.table.part, omega)
+    at = omega if stage.case.rotation.effects != "none" else 0.0
+    part, reduced = wheel.at(at)
+    points = np.arange(part.point_count // stage.table.copies)
+    own = replace(stage, part=part, reduced=reduced, shown=points)
+    return own, wheel.blades_at(at)
 
 
 def without_mistuning(case: Case) -> Case:

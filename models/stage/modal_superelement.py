@@ -39,11 +39,10 @@ from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
 from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.rotation.whirl_modes import joined_modes, wave_modes
 from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes
-from bladewhirl.models.stage.superelement_stage import (
-    SuperelementStage,
+from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
+from bladewhirl.models.stage.superelement_structure import (
     on_springs,
     structure_of,
-    superelement_stage,
     without_rotation,
 )
 from bladewhirl.models.superelements.nodal_blocks import (

@@ -13,7 +13,6 @@ from bladewhirl.models.case.analysis import MODES
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder, Imbalance
 from bladewhirl.models.case.file import case_fault
-from bladewhirl.models.case.shaft import Rotation
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.imports.inspection import NEGATIVE
@@ -40,9 +39,18 @@ from bladewhirl.models.stage.superelement_loads import (
     static_shapes,
 )
 from bladewhirl.models.stage.superelement_springs import coupling_springs
+from bladewhirl.models.stage.superelement_structure import (
+    assembled,
+    damping_root,
+    over_speeds,
+    remembered,
+    structure_key,
+    structure_of,
+    wheel_of_sectors,
+    without_rotation,
+)
 from bladewhirl.models.superelements.at_speed import at_speed
-from bladewhirl.models.superelements.condensed import FURTHER_MODES, condensed
-from bladewhirl.models.superelements.mistuned import mistuned_wheel
+from bladewhirl.models.superelements.condensed import FURTHER_MODES
 from bladewhirl.models.superelements.points import with_fewer_points
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
@@ -56,7 +64,6 @@ from bladewhirl.models.superelements.superelement import (
     Superelement,
     SuperelementError,
 )
-from bladewhirl.models.superelements.wheel import WheelOverSpeeds, massless_wheel, whole_wheel
 
 LENGTH = 0.2
 """Length of a blade, divided by the largest radius of a contact node, if the file does not show
@@ -65,11 +72,6 @@ it."""
 POINT_NUMBERS, FEWEST_POINTS = 50_000_000, 200
 """Largest number of displacements and stresses of points in all modes of a wheel from a sector; and
 number of points of a sector that are always kept."""
-
-LARGE = 2000
-"""Number of coordinates from which a blade or a wheel is condensed for a range of speeds."""
-
-REMEMBERED = 4  #: number of the last structures of which results are kept in memory
 
 HIGHEST = 1e5  #: highest plausible first natural frequency [Hz]
 
@@ -440,28 +442,27 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
     if case.rotation.effects != "none":
         at_rest = _reference_at_rest(case)
         omega = case.march.speed.rad_per_s(at_rest)
+    turning, still = at_rest is not None, part
     of_waves = table.kind == "sector" and case.reduction.boundary == "massless"
-    turning, still = at_rest is not None, None
     if turning and not of_waves:
-        still = _over_speeds(case, part, omega)
+        still = over_speeds(case, part, omega)
         part = at_speed(still, omega, coriolis=case.rotation.effects == "full")
     given = part
     try:
         if of_waves:
-            part, reduced = _wheel_of_sectors(case, part, omega, factor, turning=turning)
+            part, reduced = wheel_of_sectors(case, part, omega, factor, turning=turning)
         else:
-            part = _assembled(case, part)
-            if still is not None:
-                still = _assembled(case, still)
+            part = assembled(case, part)
+            root = damping_root(case, still, omega) if turning else None
             if case.reduction.boundary == "massless":
                 key = "reduction.free_interface_modes"
-                reduced = massless(part, case.reduction.free_interface_modes, still)
+                reduced = massless(part, case.reduction.free_interface_modes, root)
             else:
                 key = "reduction.fixed_interface_modes"
                 kept = case.reduction.fixed_interface_modes
                 if kept == MODES:  # the default: all modes of a small superelement
                     kept = min(kept, part.size - boundary_size(part))
-                reduced = consistent(part, kept, kept, still)
+                reduced = consistent(part, kept, kept, root)
     except SuperelementError as error:
         if at_rest is not None:
             expected = "a speed below the lowest critical speed, at which the stiffness is lost"
@@ -500,155 +501,13 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
     return replace(stage, case=case.in_seconds(stage.reference_frequency))
 
 
-def _assembled(case: Case, part: Superelement) -> Superelement:
-    """Return a superelement on the springs of the shaft; a sector as a wheel."""
-    table = case.bladed_disk.superelement
-    assert table is not None
-    if part.centre_dofs is not None:
-        part = on_springs(case, part)
-    if table.kind != "sector":
-        return part
-    part, mistuning = whole_wheel(part, table.copies), case.bladed_disk.mistuning
-    if not mistuning.is_given(table.copies):
-        return part
-    return mistuned_wheel(part, mistuning.factors("stiffness", table.copies))
-
-
-def structure_of(case: Case) -> Superelement:
-    """Return the superelement of a case; a wheel has the stiffness of its mistuned blades.
-
-    Raises:
-        CaseError: the file does not give the stiffness of each blade.
-    """
-    table = case.bladed_disk.superelement
-    assert table is not None
-    part = table.part
-    if table.kind == "sector" or part.blade_stiffness is None:
-        return part
-    mistuning = case.bladed_disk.mistuning
-    if table.kind == "blade" or not mistuning.is_given(table.copies):
-        return replace(part, blade_stiffness=None)
-    try:
-        return mistuned_wheel(part, mistuning.factors("stiffness", table.copies))
-    except SuperelementError as error:
-        raise CaseError([case_fault(case, f"{SOURCE}.file", str(error))]) from None
-
-
 _at_rest: dict[str, float] = {}
-_small: dict[str, Superelement] = {}
-"""Reference frequencies and condensed superelements of the last cases, by all they depend on."""
+"""Reference frequencies of the last cases, by all they depend on."""
 
 
 def _reference_at_rest(case: Case) -> float:
     """Return the reference frequency of the structure at rest [rad/s], computed once for all points
     of a sweep."""
-    key = _structure(case)
-    if key not in _at_rest:
-        _forget(_at_rest)
-        _at_rest[key] = superelement_stage(without_rotation(case)).reference_frequency
-    return _at_rest[key]
-
-
-def _over_speeds(case: Case, part: Superelement, omega: float) -> Superelement:
-    """Return a large blade or wheel condensed for the `_range_of` a speed [rad/s]; other
-    superelements as they are."""
-    table, modes = case.bladed_disk.superelement, case.reduction.free_interface_modes
-    assert table is not None
-    massless_ends = case.reduction.boundary == "massless"
-    if part.size < LARGE or table.kind == "sector" or not massless_ends or omega == 0.0:
-        return part
-    highest = _range_of(omega)
-    key = f"{_structure(case)} {highest}"
-    if key not in _small:
-        _forget(_small)
-        _small[key] = _condensed(case, part, highest, modes)
-    return _small[key]
-
-
-def _wheel_of_sectors(
-    case: Case, part: Superelement, omega: float, factor: FloatArray, *, turning: bool
-) -> tuple[Superelement, ReducedSuperelement]:
-    """Return a wheel of sectors with a massless boundary, and its reduction.
-
-    Args:
-        case: the case.
-        part: the sector.
-        omega: speed [rad/s].
-        factor: factor on the stiffness of each blade, (sectors,).
-        turning: whether the rotation acts on the structure.
-    """
-    table, modes = case.bladed_disk.superelement, case.reduction.free_interface_modes
-    assert table is not None
-    mistuned = case.bladed_disk.mistuning.is_given(table.copies)
-    if not mistuned:
-        part = replace(part, blade_stiffness=None)
-        if not turning:
-            return massless_wheel(part, table.copies, modes, table.file)
-    return _over_all_speeds(case, part, omega).at(omega, factor if mistuned else None)
-
-
-def _over_all_speeds(case: Case, part: Superelement, omega: float) -> WheelOverSpeeds:
-    """Return a wheel of sectors for the `_range_of` a speed [rad/s]."""
-    table, effects = case.bladed_disk.superelement, case.rotation.effects
-    assert table is not None
-    if effects == "centrifugal":
-        part = replace(part, gyroscopic=None)
-    modes, highest = case.reduction.free_interface_modes, _range_of(omega)
-    return WheelOverSpeeds(
-        part, table.copies, modes, 0.0 if effects == "none" else highest, table.file
-    )
-
-
-def with_blades(stage: SuperelementStage, omega: float) -> tuple[SuperelementStage, FloatArray]:
-    """Return a stage of tuned sectors, with a file with blade_stiffness, reduced at a speed
-    [rad/s], and the stiffness of each blade on its modes [1/s2], (sectors, modes, modes)."""
-    wheel = _over_all_speeds(stage.case, stage.table.part, omega)
-    at = omega if stage.case.rotation.effects != "none" else 0.0
-    part, reduced = wheel.at(at)
-    points = np.arange(part.point_count // stage.table.copies)
-    own = replace(stage, part=part, reduced=reduced, shown=points)
-    return own, wheel.blades_at(at)
-
-
-def _range_of(omega: float) -> float:
-    """Return the next power of two above a speed [rad/s], up to which structures are condensed, so
-    that points of a sweep and single runs have the same numbers; 0 at rest."""
-    return 2.0 ** float(np.ceil(np.log2(abs(omega)))) if omega else 0.0
-
-
-def _condensed(case: Case, part: Superelement, highest: float, modes: int) -> Superelement:
-    held = part if part.centre_dofs is None else on_springs(case, part)
-    try:
-        small = condensed(held, highest, modes)
-    except SuperelementError:  # indefinite at the highest speed: reduced at each speed by itself
-        return part
-    return small if part.centre_dofs is None else on_springs(case, small, -1.0)
-
-
-def _structure(case: Case) -> str:
-    """Return text that is the same for cases with the same structure."""
-    table = case.bladed_disk.superelement
-    assert table is not None
-    return repr((table, table.stamp, case.shaft, case.reduction, case.bladed_disk.mistuning))
-
-
-def _forget(kept: dict[str, Any]) -> None:
-    while len(kept) >= REMEMBERED:
-        del kept[next(iter(kept))]
-
-
-def without_rotation(case: Case) -> Case:
-    """Return a case whose bladed disk has no effects of the rotation."""
-    return case.model_copy(update={"rotation": Rotation()})
-
-
-def on_springs(case: Case, part: Superelement, sign: float = 1.0) -> Superelement:
-    """Return a wheel with the springs of the shaft at its centre, or without them for a sign -1."""
-    if case.shaft.clamped:
-        raise SuperelementError("a wheel without centre_dofs for shaft.clamped = true")
-    assert part.centre_dofs is not None
-    springs = sp.csr_array(
-        (case.shaft.stiffnesses, (part.centre_dofs, part.centre_dofs)), shape=(part.size, part.size)
-    )
-    added = springs if sp.issparse(part.stiffness) else springs.toarray()
-    return replace(part, stiffness=part.stiffness + sign * added)
+    key = structure_key(case)
+    still = without_rotation(case)
+    return remembered(_at_rest, key, lambda: superelement_stage(still).reference_frequency)

@@ -139,7 +139,8 @@ def _on_real(matrix: ComplexArray, sectors: int) -> FloatArray:
 def stiffened(
     reduced: ReducedSuperelement, change: FloatArray, modes: int, factor: FloatArray
 ) -> ReducedSuperelement:
-    """Return a reduction with another stiffness.
+    """Return a reduction with another stiffness. Stresses by contact forces without their part in
+    the modes, and by steady rotation, remain those of equal blades.
 
     Args:
         reduced: reduction of the tuned wheel with more modes than are kept.

@@ -112,15 +112,13 @@ class ReducedSuperelement:
         return self.of_points()
 
 
-def massless(
-    part: Superelement, modes: int, at_rest: Superelement | None = None
-) -> ReducedSuperelement:
+def massless(part: Superelement, modes: int, root: "Root | None" = None) -> ReducedSuperelement:
     """Return the lowest free-interface modes with the residual flexibility of the contact nodes.
 
     Args:
         part: superelement; every motion except rigid ones must have stiffness (no mechanisms).
         modes: number of modes.
-        at_rest: the superelement at rest; None if it is the same.
+        root: function from shapes to `ReducedSuperelement.root`, if it is needed.
 
     Raises:
         SuperelementError: `modes` is not below the number of coordinates, or is so large that a
@@ -140,7 +138,6 @@ def massless(
             " give all contact nodes a radial flexibility"
         )
     stress = reduced_stress(part, squares, shapes, moved, elastic)
-    root = None if at_rest is None else _root(at_rest, shapes)
     return _reduced(part, squares, shapes, compliance, modes, stress, root)
 
 
@@ -162,7 +159,7 @@ def boundary_size(part: Superelement) -> int:
 
 
 def consistent(
-    part: Superelement, fixed_interface_modes: int, kept: int, at_rest: Superelement | None = None
+    part: Superelement, fixed_interface_modes: int, kept: int, root: "Root | None" = None
 ) -> ReducedSuperelement:
     """Return all modes of the Craig-Bampton model whose boundary are contact nodes and centre.
 
@@ -170,7 +167,7 @@ def consistent(
         part: superelement without rigid modes.
         fixed_interface_modes: number of fixed-interface modes.
         kept: number of the lowest modes, which have the damping ratio of the structure.
-        at_rest: the superelement at rest; None if it is the same.
+        root: function from shapes to `ReducedSuperelement.root`, if it is needed.
 
     Raises:
         SuperelementError: `fixed_interface_modes` is larger than the number of coordinates that are
@@ -204,7 +201,6 @@ def consistent(
         load = part.centrifugal_load
         still[:, -1] = _static_rest(part, load, shapes[:, elastic], squares[elastic])
     stress = reduced_stress(part, squares, shapes, still, elastic)
-    root = None if at_rest is None else root_of(shapes.T @ (at_rest.stiffness @ shapes))
     return _reduced(part, squares, shapes, compliance, kept, stress, root)
 
 
@@ -224,7 +220,7 @@ def _reduced(
     compliance: FloatArray,
     kept: int,
     stress: ReducedStress | None,
-    root: FloatArray | None,
+    root: "Root | None",
 ) -> ReducedSuperelement:
     centre = np.zeros((2, shapes.shape[1]))
     if part.centre_dofs is not None:
@@ -252,7 +248,7 @@ def _reduced(
         of_points=points,
         strains=strains,
         stress=stress,
-        root=root,
+        root=None if root is None else root(shapes),
         kept=kept,
     )
 
@@ -263,14 +259,29 @@ def root_of(stiffness: Any) -> Any:
     return (vectors * np.sqrt(np.maximum(squares, 0.0))) @ vectors.conj().T
 
 
-def _root(at_rest: Superelement, shapes: FloatArray) -> FloatArray:
-    """Return `ReducedSuperelement.root` from all modes at rest; for more than `ALL_MODES`
-    coordinates, from the stiffness at rest on the shapes."""
-    if at_rest.size > ALL_MODES:
-        return np.asarray(root_of(shapes.T @ (at_rest.stiffness @ shapes)))
-    squares, modes = la.eigh(dense(at_rest.stiffness), dense(at_rest.mass))
-    inside = modes.T @ (at_rest.mass @ shapes)
-    return np.asarray((inside.T * np.sqrt(np.maximum(squares, 0.0))) @ inside)
+Root = Callable[[FloatArray], FloatArray]
+"""Function from mass-normalised shapes, (n, m), to the square root of a stiffness on them, (m, m).
+"""
+
+
+def root_on_shapes(part: Superelement) -> Root:
+    """Return the root of the stiffness on the shapes."""
+    return lambda shapes: np.asarray(root_of(shapes.T @ (part.stiffness @ shapes)))
+
+
+def root_at_rest(part: Superelement) -> Root:
+    """Return the root of the whole stiffness, from all modes; of more than `ALL_MODES` coordinates
+    that of the stiffness on the shapes."""
+    if part.size > ALL_MODES:
+        return root_on_shapes(part)
+    squares, modes = la.eigh(dense(part.stiffness), dense(part.mass))
+    rows = np.maximum(squares, 0.0)[:, None] ** 0.25 * (part.mass @ modes).T
+
+    def root(shapes: FloatArray) -> FloatArray:
+        inside = rows @ shapes
+        return np.asarray(inside.T @ inside)
+
+    return root
 
 
 def lowest_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArray]:

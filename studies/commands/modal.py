@@ -66,6 +66,9 @@ def modes(
     """
     from bladewhirl.studies.modal import modes as study
 
+    for name, value in {"--shapes": shapes, "--animate": animate, "--wave": wave}.items():
+        if output is None and value is not None:
+            raise UserError(f"{name}: needs a folder for the pictures, -o DIR")
     if contact:
         from bladewhirl.studies.modal.contact_modes import contact_modes
         from bladewhirl.studies.modal.contact_modes import report as of_contact
@@ -81,9 +84,6 @@ def modes(
         )
         return
 
-    for name, value in {"--shapes": shapes, "--animate": animate, "--wave": wave}.items():
-        if output is None and value is not None:
-            raise UserError(f"{name}: needs a folder for the pictures, -o DIR")
     stage = _model(case, overrides, count=count)
     if output is not None:
         from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures

@@ -89,6 +89,8 @@ def amplification(
     factors = drawn_factors(given.case, draws)
     stage = marched_stage(without_mistuning(given.case))
     reference, loads = stage.reference_frequency, engine_orders(stage.case)
+    if any(0 in load.order for load in loads):
+        raise UserError("response: draws: expected engine orders of 1 or more; order 0 is static")
     equal = response(stage, speeds=speeds)
     rows = [peaks[0] for peaks in peak_rows(equal).values()]
     ends = float(equal["speed"][0]) * reference, float(equal["speed"][-1]) * reference

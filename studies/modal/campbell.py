@@ -86,7 +86,8 @@ def campbell(
 
     Raises:
         CaseError: finite elements cannot be computed with the numbers of the case.
-        UserError: a range does not consist of two speeds in ascending order.
+        UserError: a range does not consist of two speeds in ascending order, or orders are given
+            and blades differ.
     """
     stage = modal_model(case_or_stage, families=families)
     refuse_unequal_bearings("campbell", stage.case, allowed="full")
@@ -166,13 +167,19 @@ def _excited(
     operating: tuple[float, float],
 ) -> xr.Dataset | None:
     """Return the resonances of the wall and of engine orders; None without orders, or if blades
-    differ, so that every order excites all nodal diameters."""
+    differ, so that every order excites all nodal diameters.
+
+    Raises:
+        UserError: blades differ, and orders were given.
+    """
     sources = orders_of_case(stage.case) | dict.fromkeys(orders, "given")
     if not sources:
         return None
     try:
         waves = stage.waves
-    except UserError:
+    except UserError as error:
+        if orders:
+            raise UserError(f"campbell: orders: {error}") from None
         return None
     reference, names = stage.reference_frequency, names_of(stage.disk_modes)
     ends = shown[0] * reference, shown[1] * reference

@@ -13,7 +13,7 @@ from solid_meshes import CALCULIX, STEEL, TIE, bladed_sector, cantilever, deck
 import bladewhirl as bw
 from bladewhirl.models.case.plausibility import stiffness_hints
 from bladewhirl.models.solids.blade import mesh3d
-from bladewhirl.models.stage import superelement_stage as stage_of_superelement
+from bladewhirl.models.stage import superelement_structure as stage_of_superelement
 from bladewhirl.models.stage.basis_error import basis_error
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.at_speed import fixed_at_speed

@@ -7,7 +7,7 @@ import pytest
 from exported_stages import beams, exported
 
 import bladewhirl as bw
-from bladewhirl.models.stage import superelement_stage as stages
+from bladewhirl.models.stage import superelement_structure as stages
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 
 

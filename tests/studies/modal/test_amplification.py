@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from command_line import answer
 from exported_stages import beams, exported
+from places import EXAMPLES
 from solid_meshes import SECTORS, STEEL, TIE, bladed_sector
 
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.blade_stiffness import stiffness_of_blades
 from bladewhirl.studies.modal.amplification import amplification_rows
 from bladewhirl.studies.modal.response import largest
 
@@ -65,6 +67,19 @@ def test_patterns_of_sectors_have_the_amplification_of_their_responses(tmp_path:
         assert data["amplification"].values[0, draw] == pytest.approx(expected, rel=0.02)
 
 
+@pytest.mark.parametrize("name", ["curved_blades", "shrouded_blades", "rim_disk"])
+def test_stiffnesses_of_blades_add_up_to_that_of_mistuning(name: str) -> None:
+    """On curved blades, on blades with shrouds, and on a disk with springs to its rim."""
+    case = bw.read_case(EXAMPLES / f"{name}.toml", ["rotation.effects=none"])
+    factors = 1.0 + 0.05 * np.random.default_rng(1).standard_normal(case.bladed_disk.count)
+    mistuned = bw.with_values(case, {"bladed_disk.mistuning": {"stiffness": factors.tolist()}})
+    equal, unequal = (bw.build_stage(each).disk for each in (case, mistuned))
+    change = unequal.structure.stiffness - equal.structure.stiffness
+    pairs = zip(factors, stiffness_of_blades(equal), strict=True)
+    found = sum((factor - 1.0) * own for factor, own in pairs)
+    assert abs(change - found).max() < 1e-11 * abs(change).max()
+
+
 def test_percentiles_have_bands() -> None:
     case = bw.with_values(beams("sector", excitation=LOAD, damping={"ratio": 5e-3}), spread())
     data = bw.amplification(case, draws=200, speeds=np.linspace(0.4, 0.7, 31).tolist())
@@ -90,6 +105,7 @@ def test_the_command_prints_percentiles(tmp_path: Path) -> None:
     [
         ({}, "expected bladed_disk.mistuning.stiffness_spread"),
         (spread() | {"rotation.effects": "full"}, "expected modal damping only"),
+        (spread() | {"excitation.order": [0, 2]}, "expected engine orders of 1 or more"),
     ],
 )
 def test_refusals(changes: dict[str, Any], message: str) -> None:

@@ -10,6 +10,7 @@ from command_line import answer
 from exported_stages import BLADES, beams, exported
 
 import bladewhirl as bw
+from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.studies.modal.resonances import margin, met_wave, orders_of_case
 
@@ -98,3 +99,5 @@ def test_unequal_blades_have_no_bands() -> None:
     case = bw.with_values(curved(), {"bladed_disk.mistuning": {"stiffness_spread": 0.02}})
     assert modal_model(case).disk_modes.count
     assert "resonance" not in bw.campbell(case).dims
+    with pytest.raises(UserError, match="campbell: orders: expected equal sectors"):
+        bw.campbell(case, orders=[3])

@@ -1,0 +1,188 @@
+"""The structure of a superelement in its case, and what is kept of it for many speeds.
+
+Points of a sweep share what does not depend on the speed: superelements that are condensed for a
+range of speeds, and the modes at rest of the damping.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.shaft import Rotation
+from bladewhirl.models.case.superelement import SOURCE
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.superelements.condensed import condensed
+from bladewhirl.models.superelements.mistuned import mistuned_wheel
+from bladewhirl.models.superelements.reduction import (
+    ReducedSuperelement,
+    Root,
+    root_at_rest,
+    root_on_shapes,
+)
+from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
+from bladewhirl.models.superelements.wheel import WheelOverSpeeds, massless_wheel, whole_wheel
+
+LARGE = 2000
+"""Number of coordinates from which a blade or a wheel is condensed for a range of speeds."""
+
+REMEMBERED = 4  #: number of the last structures of which results are kept in memory
+
+Kept = TypeVar("Kept")
+
+
+def assembled(case: Case, part: Superelement) -> Superelement:
+    """Return a superelement on the springs of the shaft; a sector as a wheel."""
+    table = case.bladed_disk.superelement
+    assert table is not None
+    if part.centre_dofs is not None:
+        part = on_springs(case, part)
+    if table.kind != "sector":
+        return part
+    part, mistuning = whole_wheel(part, table.copies), case.bladed_disk.mistuning
+    if not mistuning.is_given(table.copies):
+        return part
+    return mistuned_wheel(part, mistuning.factors("stiffness", table.copies))
+
+
+def structure_of(case: Case) -> Superelement:
+    """Return the superelement of a case; a wheel has the stiffness of its mistuned blades.
+
+    Raises:
+        CaseError: the file does not give the stiffness of each blade.
+    """
+    table = case.bladed_disk.superelement
+    assert table is not None
+    part = table.part
+    if table.kind == "sector" or part.blade_stiffness is None:
+        return part
+    mistuning = case.bladed_disk.mistuning
+    if table.kind == "blade" or not mistuning.is_given(table.copies):
+        return replace(part, blade_stiffness=None)
+    try:
+        return mistuned_wheel(part, mistuning.factors("stiffness", table.copies))
+    except SuperelementError as error:
+        raise CaseError([case_fault(case, f"{SOURCE}.file", str(error))]) from None
+
+
+_small: dict[str, Superelement] = {}
+_roots: dict[str, Root] = {}
+"""Condensed superelements and damping at rest of the last cases, by all they depend on."""
+
+
+def remembered(kept: dict[str, Kept], key: str, compute: Callable[[], Kept]) -> Kept:
+    """Return what is kept under a key, computed if it is not; the oldest of `REMEMBERED` goes."""
+    if key not in kept:
+        made = compute()
+        while len(kept) >= REMEMBERED:
+            del kept[next(iter(kept))]
+        kept[key] = made
+    return kept[key]
+
+
+def over_speeds(case: Case, part: Superelement, omega: float) -> Superelement:
+    """Return a large blade or wheel condensed for the `range_of` a speed [rad/s]; other
+    superelements as they are."""
+    table, modes = case.bladed_disk.superelement, case.reduction.free_interface_modes
+    assert table is not None
+    massless_ends = case.reduction.boundary == "massless"
+    if part.size < LARGE or table.kind == "sector" or not massless_ends or omega == 0.0:
+        return part
+    highest = range_of(omega)
+    key = f"{structure_key(case)} {highest}"
+    return remembered(_small, key, lambda: _condensed(case, part, highest, modes))
+
+
+def damping_root(case: Case, at_rest: Superelement, omega: float) -> Root | None:
+    """Return the function from shapes to `ReducedSuperelement.root`; None if the damping is not
+    that of the structure at rest.
+
+    Args:
+        case: the case.
+        at_rest: what `over_speeds` returns.
+        omega: speed [rad/s].
+    """
+    if case.rotation.effects != "full":
+        return None
+    if case.reduction.boundary != "massless":
+        return root_on_shapes(assembled(case, at_rest))
+    key = f"{structure_key(case)} {range_of(omega)} {at_rest.size}"
+    return remembered(_roots, key, lambda: root_at_rest(assembled(case, at_rest)))
+
+
+def wheel_of_sectors(
+    case: Case, part: Superelement, omega: float, factor: FloatArray, *, turning: bool
+) -> tuple[Superelement, ReducedSuperelement]:
+    """Return a wheel of sectors with a massless boundary, and its reduction.
+
+    Args:
+        case: the case.
+        part: the sector.
+        omega: speed [rad/s].
+        factor: factor on the stiffness of each blade, (sectors,).
+        turning: whether the rotation acts on the structure.
+    """
+    table, modes = case.bladed_disk.superelement, case.reduction.free_interface_modes
+    assert table is not None
+    mistuned = case.bladed_disk.mistuning.is_given(table.copies)
+    if not mistuned:
+        part = replace(part, blade_stiffness=None)
+        if not turning:
+            return massless_wheel(part, table.copies, modes, table.file)
+    return wheel_over_speeds(case, part, omega).at(omega, factor if mistuned else None)
+
+
+def wheel_over_speeds(case: Case, part: Superelement, omega: float) -> WheelOverSpeeds:
+    """Return a wheel of sectors for the `range_of` a speed [rad/s]."""
+    table, effects = case.bladed_disk.superelement, case.rotation.effects
+    assert table is not None
+    if effects == "centrifugal":
+        part = replace(part, gyroscopic=None)
+    modes, highest = case.reduction.free_interface_modes, range_of(omega)
+    return WheelOverSpeeds(
+        part, table.copies, modes, 0.0 if effects == "none" else highest, table.file
+    )
+
+
+def range_of(omega: float) -> float:
+    """Return the next power of two above a speed [rad/s], up to which structures are condensed, so
+    that points of a sweep and single runs have the same numbers; 0 at rest."""
+    return 2.0 ** float(np.ceil(np.log2(abs(omega)))) if omega else 0.0
+
+
+def _condensed(case: Case, part: Superelement, highest: float, modes: int) -> Superelement:
+    held = part if part.centre_dofs is None else on_springs(case, part)
+    try:
+        small = condensed(held, highest, modes)
+    except SuperelementError:  # indefinite at the highest speed: reduced at each speed by itself
+        return part
+    return small if part.centre_dofs is None else on_springs(case, small, -1.0)
+
+
+def structure_key(case: Case) -> str:
+    """Return text that is the same for cases with the same structure."""
+    table = case.bladed_disk.superelement
+    assert table is not None
+    return repr((table, table.stamp, case.shaft, case.reduction, case.bladed_disk.mistuning))
+
+
+def without_rotation(case: Case) -> Case:
+    """Return a case whose bladed disk has no effects of the rotation."""
+    return case.model_copy(update={"rotation": Rotation()})
+
+
+def on_springs(case: Case, part: Superelement, sign: float = 1.0) -> Superelement:
+    """Return a wheel with the springs of the shaft at its centre, or without them for a sign -1."""
+    if case.shaft.clamped:
+        raise SuperelementError("a wheel without centre_dofs for shaft.clamped = true")
+    assert part.centre_dofs is not None
+    springs = sp.csr_array(
+        (case.shaft.stiffnesses, (part.centre_dofs, part.centre_dofs)), shape=(part.size, part.size)
+    )
+    added = springs if sp.issparse(part.stiffness) else springs.toarray()
+    return replace(part, stiffness=part.stiffness + sign * added)
