@@ -7,6 +7,7 @@ itself. Keywords that would change the mesh without being evaluated are an error
 """
 
 import re
+from collections.abc import Sequence
 from copy import deepcopy
 from itertools import chain
 from pathlib import Path
@@ -269,10 +270,12 @@ def _read_surface(card: Card, content: AbaqusMesh) -> None:
 
 def _read_coupling(card: Card, content: AbaqusMesh) -> None:
     """Read the nodes that move with a reference node as a rigid body."""
-    if card.keyword == "DISTRIBUTING":  # of the coupling before; its nodes move independently
-        content.couplings.pop()
-        return
-    if card.keyword == "KINEMATIC":
+    if card.keyword in ("DISTRIBUTING", "KINEMATIC"):  # of the coupling before
+        if card.keyword == "DISTRIBUTING":  # its nodes move independently
+            content.couplings.pop()
+        elif not _displacements(card.rows):
+            content.couplings.pop()
+            content.constraints.add("*KINEMATIC of some displacements")
         return
     reference = _named(card.needs("REF NODE"), content, NODES)
     keys = ("SURFACE", "NSET", "ELSET", "TIE NSET", "PIN NSET")
@@ -283,5 +286,17 @@ def _read_coupling(card: Card, content: AbaqusMesh) -> None:
         elif key == "ELSET":
             nodes += content.nodes_of(_named(value, content, ELEMENTS))
     if card.keyword == "KINEMATIC COUPLING":
+        if not _displacements([row[1:] for row in card.rows]):
+            content.constraints.add("*KINEMATIC COUPLING of some displacements")
+            return
         nodes += chain.from_iterable(_named(row[0], content, NODES) for row in card.rows)
     content.couplings.append((f"*{card.keyword}", reference, nodes))
+
+
+def _displacements(rows: Sequence[Sequence[str]]) -> bool:
+    """Return whether rows of first and last degrees of freedom contain all three displacements.
+    Without a row they do."""
+    ranges = [[int(value) for value in row[:2] if value] for row in rows]
+    return not any(ranges) or all(
+        any(min(row) <= one <= max(row) for row in ranges if row) for one in (1, 2, 3)
+    )

@@ -42,8 +42,8 @@ class SolidMesh(NamedTuple):
     mesh: meshio.Mesh
     elements: tuple[str, ...] = ()  #: element of each block of cells; empty if the source has none
     sections: tuple[Section, ...] = ()  #: materials of groups of cells; later ones replace earlier
-    ignored: tuple[tuple[str, IntArray], ...] = ()
-    """What connects or loads nodes and is not read, and these nodes; no nodes if unknown."""
+    ignored: tuple[str, ...] = ()  #: what connects or loads nodes and is not read
+    rigid: tuple[tuple[str, IntArray], ...] = ()  #: keyword and nodes of each rigid body
 
 
 OTHERS = re.compile("(MASS|ROTARYI|SPRING|DASHPOT|CONN|S[3-9]|SC|STRI|B3|PIPE|M3D|GAP)")
@@ -94,18 +94,28 @@ def abaqus_mesh(path: Path, *, outside: bool = False) -> SolidMesh:
             if chosen
         },
     )
-    return SolidMesh(mesh, tuple(solids), tuple(_sections(content)), (*_ignored(content, place),))
+    return SolidMesh(
+        *(mesh, tuple(solids), tuple(_sections(content))),
+        ignored=(*_ignored(content),),
+        rigid=(*_rigid_bodies(content, place),),
+    )
 
 
-def _ignored(content: AbaqusMesh, place: Mapping[int, int]) -> Iterator[tuple[str, IntArray]]:
-    none = np.zeros(0, dtype=np.int64)
-    for keyword in sorted(content.constraints):
-        yield keyword, none
-    for keyword, _, nodes in content.couplings:
-        yield keyword, by_place({"": nodes}, place)[""]
+def _ignored(content: AbaqusMesh) -> Iterator[str]:
+    yield from sorted(content.constraints)
     for kind, count in Counter(content.types.values()).items():
         if OTHERS.match(kind):
-            yield f"{count} elements {kind}", none
+            yield f"{count} elements {kind}"
+
+
+def _rigid_bodies(content: AbaqusMesh, place: Mapping[int, int]) -> Iterator[tuple[str, IntArray]]:
+    """Yield the keyword and the nodes of each rigid body. Couplings with one reference node are one
+    body, and the reference node belongs to it."""
+    bodies: dict[tuple[int, ...], tuple[str, list[int]]] = {}
+    for keyword, reference, nodes in content.couplings:
+        bodies.setdefault((*reference,), (keyword, [*reference]))[1].extend(nodes)
+    for keyword, nodes in bodies.values():
+        yield keyword, by_place({"": nodes}, place)[""]
 
 
 def _sections(content: AbaqusMesh) -> Iterator[Section]:

@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import meshio
-import numpy as np
 
 from bladewhirl.files import open_text
 from bladewhirl.meshes.files.abaqus_solids import Section, SolidMesh
@@ -98,7 +97,7 @@ def ansys_mesh(path: Path) -> SolidMesh:
             converted,
             tuple(_element(block.type, kinds) for block in mesh.cells),
             tuple(_materials(lines, sets)),
-            tuple((text, np.zeros(0, dtype=np.int64)) for text in _ignored(lines, used, types)),
+            (*_ignored(lines, used, types),),
         )
 
 

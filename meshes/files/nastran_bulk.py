@@ -91,9 +91,7 @@ def nastran_mesh(path: Path) -> SolidMesh:
         if others := [name for name in OTHER_SOLIDS if name in cards]:
             raise MeshFileError(f"elements CTETRA, CPENTA and CHEXA; found {others[0]}")
         ignored = (name for name in IGNORED if name in cards)
-        return _mesh(cards, text)._replace(
-            ignored=tuple((name, np.zeros(0, dtype=np.int64)) for name in ignored)
-        )
+        return _mesh(cards, text)._replace(ignored=(*ignored,))
 
 
 def _mesh(cards: Cards, text: str) -> SolidMesh:

@@ -52,9 +52,8 @@ class VolumeMesh:
     cell_groups: Mapping[str, IntArray] = field(default_factory=dict)
     """Name -> numbers of cells, counted through all blocks."""
     sections: tuple[Section, ...] = ()  #: materials of groups of cells in the file
-    ignored: tuple[tuple[str, IntArray], ...] = ()
-    """What connects or loads nodes in the file and is not read, and these nodes, see `SolidMesh`.
-    """
+    ignored: tuple[str, ...] = ()  #: what connects or loads nodes in the file and is not read
+    rigid: tuple[tuple[str, IntArray], ...] = ()  #: keyword and nodes of each rigid body
     name: str = ""  #: name of the file, without its folder
     rows: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     """Place of each node among the points of the source, (nodes,)."""
@@ -122,7 +121,7 @@ def merged(mesh: VolumeMesh, distance: float) -> VolumeMesh:
         points=mesh.points[kept],
         blocks=blocks,
         groups={name: np.unique(place[nodes]) for name, nodes in mesh.groups.items()},
-        ignored=tuple((text, place[nodes[nodes >= 0]]) for text, nodes in mesh.ignored),
+        rigid=tuple((text, np.unique(place[nodes])) for text, nodes in mesh.rigid),
         rows=mesh.rows[kept],
     )
 
@@ -187,13 +186,19 @@ def _volumes(source: SolidMesh, name: str) -> VolumeMesh:
     return VolumeMesh(
         points=points[used],
         blocks=tuple((element, place[one]) for element, one in blocks.items()),
-        groups={key: nodes[nodes >= 0] for key, nodes in members.items()},
+        groups={key: _used(nodes) for key, nodes in members.items()},
         cell_groups={key: np.unique(np.concatenate(one)) for key, one in cell_groups.items()},
         sections=source.sections,
-        ignored=tuple((text, place[nodes]) for text, nodes in source.ignored),
+        ignored=source.ignored,
+        rigid=tuple((text, _used(place[nodes])) for text, nodes in source.rigid),
         name=name,
         rows=used,
     )
+
+
+def _used(places: IntArray) -> IntArray:
+    """Return places of nodes in ascending order, each once, without -1 for unused nodes."""
+    return np.unique(places[places >= 0])
 
 
 def _once(cells: IntArray) -> tuple[IntArray, IntArray]:

@@ -29,11 +29,12 @@ from bladewhirl.models.solids.groups import (
     sector_faces,
 )
 from bladewhirl.models.solids.materials import Given, materials_of
+from bladewhirl.models.solids.rigid import free_bodies, free_displacements
 from bladewhirl.models.solids.stress import nodal_stress
 from bladewhirl.models.solids.surface import surface_triangles
 from bladewhirl.models.superelements.at_speed import fixed_at_speed
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
-from bladewhirl.models.superelements.superelement import FIXED, Superelement
+from bladewhirl.models.superelements.superelement import Superelement
 
 MOST_NODES = 100_000
 """Largest number of nodes. A factor of the stiffness of a larger mesh takes too much memory."""
@@ -72,14 +73,17 @@ def mesh3d(
 ) -> Superelement:
     """Make a superelement of a blade or a sector from a mesh of tetrahedra, wedges or hexahedra.
 
-    The material is isotropic and linearly elastic, the mass is consistent. Elements have the shape
-    that all their nodes describe. Those of an .inp file are C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10,
-    C3D15, C3D20 and C3D20R, with the functions and the quadrature of CalculiX; other files name no
-    elements and have the fully integrated one of their cells, such as C3D20 for hexahedra of 20
-    nodes. `source` of the superelement lists them. A hint tells that elements of first order are
-    too stiff in bending. C3D8I has incompatible modes, which are further coordinates. C3D8R has the
-    stiffness against hourglass modes of Flanagan and Belytschko (1981); cells must be
-    parallelepipeds, because programs differ for other shapes.
+    The material is isotropic and linearly elastic, the mass is consistent. The nodes of a
+    ``*COUPLING`` with ``*KINEMATIC``, a ``*KINEMATIC COUPLING`` or a ``*RIGID BODY`` of an .inp
+    file move as a rigid body, or are clamped if their reference node belongs to `clamped`.
+
+    Elements have the shape that all their nodes describe. Those of an .inp file are C3D4, C3D6,
+    C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20 and C3D20R, with the functions and the quadrature of
+    CalculiX; other files name no elements and have the fully integrated one of their cells, such as
+    C3D20 for hexahedra of 20 nodes. `source` of the superelement lists them. A hint tells that
+    elements of first order are too stiff in bending. C3D8I has incompatible modes, which are
+    further coordinates. C3D8R has the stiffness against hourglass modes of Flanagan and Belytschko
+    (1981); cells must be parallelepipeds, because programs differ for other shapes.
 
     The stiffness for small motions about the structure that rotates with a speed Omega, in a
     rotating frame, is K_u + K_s - Omega^2 M_xy = K + Omega^2 K1 + Omega^4 K2. K_u is the elastic
@@ -144,8 +148,8 @@ def mesh3d(
 
     Returns:
         the superelement, with sparse matrices on the displacements of the nodes that are not
-        clamped, in ascending order of the nodes of the mesh, and incompatible modes, and with its
-        surface for pictures.
+        clamped, in ascending order of the nodes of the mesh, incompatible modes and motions of
+        rigid bodies, and with its surface for pictures.
 
     Raises:
         CaseError: an argument is invalid, the file cannot be read, a group is missing, nodes of the
@@ -165,6 +169,7 @@ def mesh3d(
     fixed = np.zeros(0, int) if clamped is None else group_nodes(volumes, "clamped", clamped, axis)
     group = group_nodes(volumes, "contact", contact, axis)
     faces: dict[str, IntArray] = {}
+    first = second = fixed[:0]
     if (sides := sector_faces(left, right, copies)) is not None:
         first = group_nodes(volumes, "left", sides[0], axis)
         second = group_nodes(volumes, "right", sides[1], axis)
@@ -175,10 +180,9 @@ def mesh3d(
         notes += note
         faces = free_faces(first, second, fixed)
     touching = contact_nodes(volumes.points, group, contacts, fixed, sides)
-    if ignored := dict.fromkeys(
-        text for text, nodes in volumes.ignored if not len(nodes) or not np.isin(nodes, fixed).all()
-    ):
-        text = f"{', '.join(ignored)} of {volumes.name} are not read: expected solids only"
+    bodies = free_bodies(volumes, fixed, {"contact": touching, "left": first, "right": second})
+    if volumes.ignored:
+        text = f"{', '.join(volumes.ignored)} of {volumes.name} are not read: expected solids only"
         text += "; bladewhirl import reads the matrices of CalculiX, which contain them"
         warnings.warn(text, Hint, stacklevel=2)
     given = {"young_modulus": young_modulus, "poisson_ratio": poisson_ratio, "density": density}
@@ -187,8 +191,7 @@ def mesh3d(
         solid = Solid(volumes, materials)
     except MeshFileError as error:
         raise invalid("mesh", volumes.name, str(error)) from None
-    dofs = _numbers(solid.size, fixed)
-    select = sp.eye_array(dofs.size, format="csr")[:, np.flatnonzero(dofs.ravel() != FIXED)]
+    dofs, select = free_displacements(solid.size, solid.points, fixed, bodies)
     mass = solid.mass(reduced=QUADRATURES[mass_quadrature])
     shown, triangles = surface_triangles(volumes)
     recovered: dict[str, Any] = {}
@@ -226,10 +229,15 @@ def mesh3d(
             raise invalid("blade", blade, "all nodes of at least one element")
         content["blade_stiffness"] = sp.csr_array(select.T @ solid.stiffness(chosen) @ select)
     part = Superelement(stiffness=sp.csr_array(select.T @ stiffness @ select), speed=0.0, **content)
-    if omega != 0.0 and not (len(fixed) and stiffening):
+    if omega != 0.0 and not (len(fixed) and stiffening and not bodies):
         expected = "0, or clamped nodes (a free part does not resist rotation) and a stiffening"
+        expected += ", without rigid bodies" if bodies else ""
         raise invalid("speed", speed, expected)
     if stiffening is None or not len(fixed):
+        return part
+    if bodies:
+        text = "the stiffness at speed is left out: it is not computed for solids with rigid bodies"
+        warnings.warn(text, Hint, stacklevel=2)
         return part
     tie = select if copies is None else select @ cyclic_reduction(part, copies, 0).transformation
     try:
@@ -300,11 +308,3 @@ def _scaled(mesh: Any, unit: str, axis: str, outside: bool) -> VolumeMesh:
         expected = f"at most {MOST_NODES} nodes; the mesh has {len(volumes.points)}"
         raise invalid("mesh", volumes.name, expected)
     return replace(volumes, points=scale * volumes.points[:, AXES[axis]])
-
-
-def _numbers(nodes: int, fixed: IntArray) -> IntArray:
-    """Return the index of each displacement among the free ones, (nodes, 3); `FIXED` for those that
-    are fixed."""
-    free = np.ones((nodes, 3), dtype=np.bool_)
-    free[fixed] = False
-    return np.where(free, np.cumsum(free).reshape(-1, 3) - 1, FIXED)

@@ -79,6 +79,14 @@ def cantilever(cell_type: str, boxes: tuple[int, int, int] = (6, 2, 1)) -> meshi
     return _cantilever(cell_type, boxes, lambda centre: True)
 
 
+RIGID_TIP = """*NODE
+1000, 0.3, 0, 0
+1001, 0.3, 0, 0
+*RIGID BODY, NSET=tip, REF NODE=1000, ROT NODE=1001
+"""
+"""Part of a deck after which the nodes of the tip of `cantilever` move as a rigid body."""
+
+
 def _cantilever(
     cell_type: str, boxes: tuple[int, int, int], inside: Callable[[Array], Any]
 ) -> meshio.Mesh:

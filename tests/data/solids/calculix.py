@@ -11,6 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from solid_meshes import (
+    RIGID_TIP,
     SECTORS,
     bladed_sector,
     cantilever,
@@ -111,6 +112,10 @@ content["wedges and hexahedra"] = [value for _, value in frequencies(model, "10\
 here = Path(__file__).parent
 model = (here / "two_materials.inp").read_text() + "*BOUNDARY\nroot, 1, 3\n"
 content["two materials"] = frequencies(model, "3\n", 0.0)[0][1]
+model = deck_text(cantilever("hexahedron20"), "C3D20") + RIGID_TIP + STEEL
+content["rigid tip"] = [
+    value for _, value in frequencies(f"{model}*BOUNDARY\nroot, 1, 3\n", "8\n", 0.0)
+]
 for kind, shape in SOLIDS.items():
     if kind == "C3D8R":
         continue  # only parallelepipeds are read

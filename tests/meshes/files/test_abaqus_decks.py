@@ -249,7 +249,10 @@ def test_to_a_reference_node_belong_the_nodes_coupled_to_it(tmp_path: Path, coup
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        (f"{COUPLED}*RIGID BODY, NSET=tip, REF NODE=1000\n", "\\*RIGID BODY of deck.inp are not"),
+        (
+            f"{COUPLED}*KINEMATIC COUPLING, REF NODE=1000\ntip, 1, 1\n",
+            "\\*KINEMATIC COUPLING of some displacements of deck.inp are not",
+        ),
         (
             "*EQUATION\n2\n1, 1, 1., 2, 1, -1.\n*MPC\nBEAM, 1, 2\n",
             "\\*EQUATION, \\*MPC of deck.inp",
