@@ -18,7 +18,9 @@ successive timings.
 
 A second table has the times of a step with more and more blades, and the ratio to half as many; a
 third one those of 22 blades with 7 contact nodes each in the ring, with true slip and without, for
-several numbers of nodes in contact.
+several numbers of nodes in contact; a fourth one those of a wheel with massless contact nodes
+with its stiffness at speed, and with Coriolis forces as well, without contact and with contact of
+all blades.
 """
 
 import argparse
@@ -28,6 +30,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Literal
 
 import numpy as np
@@ -38,8 +41,10 @@ from bladewhirl.models.case.file import read_case
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load, Start
 from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.superelements.file import write_superelement
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import KernelState
+from bladewhirl.studies.runs.prepare import prepare
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "support"))
 from boundary_cases import bladed, casing
@@ -94,6 +99,15 @@ class Setting:
         return float(np.abs(ours - theirs).max() / np.abs(theirs).max())
 
 
+CLOSING = [
+    *("excitation.type=none", "damping.ratio=0.3"),
+    "casing.closure={table=[[0,0],['20 ms','1.3 mm']]}",
+]
+"""Changes of a case that press all blades to the wall."""
+
+CLOSED = 25_000
+"""Number of steps after which the casing has closed."""
+
 OPTIONS = ("rotation.effects=none", "rotation.effects=full", "contact.foreshortening=true")
 
 
@@ -115,10 +129,6 @@ def settings() -> list[list[Setting]]:
             made.append(Setting(name=name, problem=problem, scheme=scheme, state=state))
         return made
 
-    closing = [
-        *("excitation.type=none", "damping.ratio=0.3"),
-        "casing.closure={table=[[0,0],['20 ms','1.3 mm']]}",
-    ]
     coating = (
         "casing.coating={thickness='5 mm',young_modulus='1 GPa',yield_stress='10 kPa',"
         "hardening='50 MPa',elements=4000}"
@@ -128,8 +138,8 @@ def settings() -> list[list[Setting]]:
         reached("no contact", "imbalance", [], 100),
         reached("few contacts", "imbalance", [], 300_000),
         reached("half of the blades", "casing_distortion", push, 200_000),
-        reached("all blades", "casing_distortion", closing, 25_000),
-        reached("all blades, coating", "casing_distortion", [*closing, coating], 25_000),
+        reached("all blades", "casing_distortion", CLOSING, CLOSED),
+        reached("all blades, coating", "casing_distortion", [*CLOSING, coating], CLOSED),
     ]
 
 
@@ -200,6 +210,40 @@ def node_table(repeat: int) -> Table:
     return table
 
 
+def wheels(changes: list[str], steps: int) -> list[Setting]:
+    """Return a wheel with massless contact nodes, without and with Coriolis forces."""
+    made = []
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "wheel.npz"
+        beams = read_case(EXAMPLES / "imbalance.toml", ["rotation.effects=full"])
+        write_superelement(file, build_stage(beams).to_superelement())
+        wheel = f'bladed_disk={{superelement={{file="{file}",kind="wheel"}}}}'
+        for effects in ("centrifugal", "full"):
+            given = [*changes, wheel, f"rotation.effects={effects}"]
+            problem = prepare(read_case(EXAMPLES / "imbalance.toml", given)).problem
+            scheme = CentralDifference(problem, TIME_STEP, RECORD_EVERY)
+            state, _, _ = scheme.advance(scheme.init(), steps)
+            made.append(Setting(name=effects, problem=problem, scheme=scheme, state=state))
+    return made
+
+
+def turning_table(repeat: int) -> Table:
+    """Return the times of a step of a wheel with rotation effects."""
+    table = Table(title=f"Wheel with massless contact nodes, best of {repeat}")
+    for column in ("contacts per step", "effects", "kernel [µs]", "ratio"):
+        table.add_column(column, justify="left" if column == "effects" else "right")
+    for changes, steps in (["excitation.type=none"], 100), (CLOSING, CLOSED):
+        every = wheels(changes, steps)
+        times = np.array(
+            [[microseconds(one.kernel, KERNEL_STEPS) for one in every] for _ in range(repeat)]
+        )
+        ratios = np.median(times / times[:, :1], axis=0)
+        for one, best, ratio in zip(every, times.min(axis=0), ratios, strict=True):
+            contacts = f"{one.kernel(KERNEL_STEPS):.2f}"
+            table.add_row(contacts, one.name, f"{best:.2f}", f"{ratio:.2f}")
+    return table
+
+
 def microseconds(work: Callable[[int], object], steps: int) -> float:
     """Return the processor time per step [µs] of a function that marches a number of steps."""
     start = time.thread_time()
@@ -246,6 +290,7 @@ def main() -> None:
     Console(width=180).print(table)
     Console(width=180).print(blade_table(repeat))
     Console(width=180).print(node_table(repeat))
+    Console(width=180).print(turning_table(repeat))
 
 
 if __name__ == "__main__":

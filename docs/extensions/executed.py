@@ -138,12 +138,13 @@ def _with_output(text: str, outputs: list[str]) -> str:
 def write(app: Sphinx) -> None:
     """Write pages of the gallery, then run all pages."""
     source = Path(app.srcdir)
-    gallery.write(source / "gallery")
+    gallery.write(source / "gallery", app.config.gallery_examples)
     run_pages(source)
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register `write`, to be called before pages are read, and `fill`, called for each page."""
+    app.add_config_value("gallery_examples", [], "env", list)
     app.connect("builder-inited", write)
     app.connect("source-read", fill)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -3,7 +3,7 @@
 Like other pages, the pages of the gallery contain code blocks that are executed.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import takewhile
 from pathlib import Path
 
@@ -16,11 +16,14 @@ LONGEST, FRAMES = 0.5, 10
 """Longest duration of a march under a load [s], and number of pictures of a film of beams."""
 
 
-def write(pages: Path) -> None:
-    """Write a page for each example, and an index page that shows what each example does."""
+def write(pages: Path, chosen: Sequence[str] = ()) -> None:
+    """Write a page for each example, or for the chosen ones if there are some, and an index page
+    that shows what each example does."""
     pages.mkdir(exist_ok=True)
     rows, names = [], []
-    for example in sorted((ROOT / "examples").glob("*.toml")):
+    every = sorted(path.stem for path in (ROOT / "examples").glob("*.toml"))
+    for stem in chosen or every:
+        example = ROOT / "examples" / f"{stem}.toml"
         case, name = bw.read_case(example), example.stem
         _keep(pages / f"{name}.md", "\n\n".join(_page(example, case)) + "\n")
         picture = f"[![{name}](../built/gallery/{name}/{_sign(name, case)})]({name}.md)"
