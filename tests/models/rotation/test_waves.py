@@ -72,6 +72,7 @@ def test_where_waves_meet_one_keeps_pace_with_the_casing_s(waves: Waves, casing:
         assert distance(waves, speed, waves.nodal_diameter * speed - casing) < 1e-9
 
 
+@pytest.mark.slow
 def test_no_speed_is_left_out(waves: Waves) -> None:
     speeds = np.linspace(1e-3, 5.0, 1601)
     for casing in (0.5, 2.0):

@@ -37,6 +37,7 @@ def page(folder: Path) -> Parsed:
     return reported(folder)
 
 
+@pytest.mark.slow
 def test_it_has_its_figures(page: Parsed) -> None:
     of_beams = {
         name for name, kind in SWEEP_FIGURES.items() if "contact_spectrum" not in kind.needs

@@ -8,6 +8,7 @@ from boundary_cases import advanced, bladed, casing, ledger
 
 
 @pytest.mark.parametrize("massless", [True, False])
+@pytest.mark.slow
 def test_blades_in_a_ring_keep_energy_momentum_and_symmetries(massless: bool) -> None:
     copies, nodes, dt, steps = 22, 9, 4e-6, 250
     ring = casing(44, support=0.0)

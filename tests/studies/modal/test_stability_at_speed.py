@@ -131,6 +131,7 @@ def test_zones_begin_at_coincidences_at_speed() -> None:
     assert speed > 1.2 * at_rest[pair]  # Coriolis forces raise the backward wave
 
 
+@pytest.mark.slow
 def test_a_zone_of_waves_that_never_meet_has_no_start() -> None:
     """Static divergence past the critical speed, without Coriolis forces."""
     system = coupled("curved_blades", effects="centrifugal", damped=True)

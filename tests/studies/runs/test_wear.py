@@ -47,6 +47,7 @@ def test_a_run_broken_off_goes_on_to_the_same_profiles(whole: Path, tmp_path: Pa
         assert result["coating_strain"].values[-1].max() > 0.0
 
 
+@pytest.mark.slow
 def test_the_predicted_size_includes_the_coating(whole: Path) -> None:
     predicted = stage_properties(bw.build_stage(coated()))["result_bytes"]
     actual = (whole / "result.nc").stat().st_size

@@ -73,6 +73,7 @@ def test_a_point_is_the_run_of_its_case(case: bw.Case, swept: Path, tmp_path: Pa
 
 
 @pytest.mark.usefixtures("process")
+@pytest.mark.slow
 def test_lost_points_are_marched_again_with_the_same_bits(swept: Path) -> None:
     before = (swept / SWEEP_NAME).read_bytes()
     (swept / SWEEP_NAME).unlink()

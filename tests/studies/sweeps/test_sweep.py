@@ -41,6 +41,7 @@ pytestmark = pytest.mark.usefixtures("pictures_unsaved")
 TOO_MANY_MODES = 50_000
 
 
+@pytest.mark.slow
 def test_a_point_is_what_a_run_of_its_case_says(swept: Path) -> None:
     case = bw.with_values(CASE, {"march.speed": 1.05})
     result, report = march_in_memory(prepare(case))

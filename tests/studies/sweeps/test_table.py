@@ -120,6 +120,7 @@ def test_changed_values_of_a_table_are_noticed(swept: Path, tmp_path: Path) -> N
             bw.open_sweep(copy)
 
 
+@pytest.mark.slow
 def test_the_report_lists_the_values_of_the_keys(swept: Path) -> None:
     words = reported(swept).words
     assert "Swept: march.speed, casing.clearance." in words
