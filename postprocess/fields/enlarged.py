@@ -72,8 +72,8 @@ class EnlargedWall:
         self.tip_radius = float(dataset.attrs["tip_radius"])
         #: angle from the casing's to the rotor's axes (record,) [rad]
         self.turns = kinematics.turn(dataset, records)
+        self.angle = kinematics.wall_angles(dataset, per_element)
         if "casing_shape" in dataset:
-            self.angle = kinematics.ring_angles(dataset, per_element)
             ring = kinematics.combine(
                 history(dataset, "casing_displacement", records),
                 kinematics.casing_rows(dataset, self.angle),
@@ -81,7 +81,6 @@ class EnlargedWall:
             self.ring_displacement = rotate(ring, self.angle)
             self.wall_thickness = np.repeat(dataset["casing_thickness"].values, per_element)
         else:
-            self.angle = np.linspace(0.0, 2 * np.pi, per_element, endpoint=False)
             self.ring_displacement = np.zeros((len(records), per_element, 2))
             self.wall_thickness = np.full(per_element, RIGID * self.tip_radius)
         self._change = kinematics.clearance_change(dataset, records, self.angle)

@@ -180,6 +180,13 @@ def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:
     return station_angles(dataset, per_element)[:, :-1].ravel()
 
 
+def wall_angles(dataset: xr.Dataset, per_element: int) -> Array:
+    """Return the angles of `ring_angles`; on a rigid wall `per_element` equal steps [rad]."""
+    if "casing_shape" in dataset:
+        return ring_angles(dataset, per_element)
+    return np.linspace(0.0, 2 * np.pi, per_element, endpoint=False)
+
+
 def station_angles(dataset: xr.Dataset, per_element: int) -> Array:
     """Return the angles that divide each casing element into `per_element` equal arcs, both ends of
     the element included, (casing_node, per_element + 1) [rad]."""

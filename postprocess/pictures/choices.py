@@ -11,6 +11,7 @@ Field = Literal[
     "bending-strain",
     "stress",
     "gap",
+    "wear",
     "part",
 ]
 

@@ -32,6 +32,7 @@ from bladewhirl.postprocess.fields.strains import (
 )
 from bladewhirl.postprocess.pictures.choices import Field
 from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL
+from bladewhirl.postprocess.run.wear import coating_of
 
 DIVERGING = "RdBu_r"  #: colour map of signed values, distinct for colour-blind readers
 LIT = "YlGnBu"  #: colour map of magnitudes on surfaces, light at 0 so that light and edges are seen
@@ -116,6 +117,10 @@ def colouring(
         surface = np.zeros((len(records), 0))
         if field == "gap":
             rotor = _gap(dataset, records, stations)
+        elif field == "wear":
+            rotor = np.full(
+                (len(records), len(dataset["rotor_line"]), stations.per_line + 1, 2), np.nan
+            )
         elif field in MAGNITUDES:
             rotor = _beam_magnitude(dataset, field, records, stations, rotating)
         else:
@@ -134,6 +139,7 @@ def colouring(
     names = {
         "stress": "von Mises stress" if surfaces else "surface stress",
         "gap": "gap to metal" if dataset.attrs.get("coating_thickness") else "gap at the tip",
+        "wear": "removed depth",
     }
     return Colouring(
         name=names.get(field, field.replace("-", " ")),
@@ -182,6 +188,8 @@ def _magnitude(
 
 def _surface(dataset: xr.Dataset, field: str, records: IntArray, rotating: bool) -> Array:
     """Return the values at all points of a surface, (record, point)."""
+    if field == "wear":
+        return np.full((len(records), len(point_blades(dataset))), np.nan)
     if field == "gap":
         gap = of_blades(dataset, history(dataset, "gap", records), np.minimum)
         return np.asarray(gap[:, point_blades(dataset)])
@@ -189,7 +197,7 @@ def _surface(dataset: xr.Dataset, field: str, records: IntArray, rotating: bool)
         stresses = PointStresses(dataset)
         return np.concatenate([stresses.at(np.array([record])) for record in records])
     if field not in MAGNITUDES:
-        shown = ", ".join((*MAGNITUDES, "gap", "part"))
+        shown = ", ".join((*MAGNITUDES, "gap", "wear", "part"))
         raise ViewError(
             f'colour = "{field}": a superelement has no strains of its surface, and stress only if'
             f" its file has stress_recovery; expected {shown}"
@@ -213,7 +221,12 @@ def _surface(dataset: xr.Dataset, field: str, records: IntArray, rotating: bool)
 def _casing(
     dataset: xr.Dataset, field: str, records: IntArray, stations: Stations, rotating: bool
 ) -> Array:
-    """Return the values on both sides of the wall; NaN for gaps, and on a rigid wall."""
+    """Return the values on both sides of the wall; NaN for gaps, and, but for wear, on a rigid
+    wall."""
+    if field == "wear":
+        thickness = coating_of(dataset).thickness
+        angle = kinematics.wall_angles(dataset, stations.per_element)
+        return _on_both_sides(thickness * kinematics.coating_strain_at(dataset, records, angle))
     wall = (len(records), stations.per_element * dataset.sizes.get("casing_node", 1), 2)
     if field == "gap" or "casing_shape" not in dataset:
         return np.full(wall, np.nan)

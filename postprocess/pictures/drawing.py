@@ -4,7 +4,7 @@ contact as arrows.
 Points are taken from a body of `bodies` and transformed to the axes of the picture.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -19,9 +19,10 @@ from bladewhirl.postprocess.fields.by_blade import (
 )
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
-from bladewhirl.postprocess.pictures.bodies import BEAM_STATIONS, body_of
+from bladewhirl.postprocess.pictures.bodies import BEAM_STATIONS, COATING, body_of
 from bladewhirl.postprocess.pictures.choices import Field, Frame, View
 from bladewhirl.postprocess.pictures.colouring import Stations, colouring
+from bladewhirl.postprocess.pictures.solids import METAL
 from bladewhirl.postprocess.pictures.symbols import Symbols
 
 
@@ -97,6 +98,11 @@ class Drawing:
         self._body = body = body_of(dataset, records, exaggeration, around=self.around, view=view)
         self.triangles = body.triangles  #: points of each triangle of the surface (triangle, 3)
         self.solids = body.solids  #: triangles and colours of the solids
+        if colour == "wear":  # of the coating, not of the wall behind it
+            swapped: dict[str | None, str | None] = {None: METAL, COATING: None}
+            self.solids = tuple(
+                replace(one, colour=swapped.get(one.colour, one.colour)) for one in body.solids
+            )
         self.nodes = body.nodes  #: nodes of beams, or contact nodes, at rest (node, 2) [m]
         self._stage = stage = body.stage
         self.records = records

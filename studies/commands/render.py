@@ -53,7 +53,7 @@ def render(
         exaggeration: Factor on displacements and clearance; 1: true to scale; automatic by default.
         frame: Frame of reference of the picture: by default static, rotating for a single blade.
         colour: Field that colours rotor and wall; strains are those of beams, the stress of a
-            superelement is the von Mises stress.
+            superelement is the von Mises stress; wear is the removed depth of a coating.
         view: Direction of the view of a superelement: by default oblique, with the wall cut open in
             front of the tips.
         orbit: Show the shaft's orbit in an inset.

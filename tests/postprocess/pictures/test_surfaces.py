@@ -14,7 +14,7 @@ from web_pages import page, part
 
 import bladewhirl as bw
 from bladewhirl.meshes.plane import unit
-from bladewhirl.postprocess.fields.kinematics import contact_forces
+from bladewhirl.postprocess.fields.kinematics import ViewError, contact_forces
 from bladewhirl.postprocess.fields.nodes import frame_meshes, point_blades
 from bladewhirl.postprocess.pictures.appearance import time_text
 from bladewhirl.postprocess.pictures.bodies import COATING, TOWARDS, WALL_STATIONS
@@ -144,6 +144,11 @@ def test_the_gap_below_a_coating_is_named_after_the_metal(single: xr.Dataset) ->
     coated = single.assign_attrs(coating_thickness=1e-3)
     names = [Drawing(each, RECORDS, colour="gap").colouring.name for each in (single, coated)]
     assert names == ["gap at the tip", "gap to metal"]
+
+
+def test_without_a_coating_there_is_no_wear(single: xr.Dataset) -> None:
+    with pytest.raises(ViewError, match="so nothing can be worn"):
+        Drawing(single, RECORDS, colour="wear")
 
 
 def test_surfaces_without_motion_are_light(three: xr.Dataset) -> None:

@@ -25,6 +25,8 @@ from bladewhirl.models.stage.coating import axial_tracks, spacing
 from bladewhirl.models.stage.hints import superelement_hints
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.postprocess.fields.nodes import displacement, wall_at
+from bladewhirl.postprocess.pictures.drawing import Drawing
+from bladewhirl.postprocess.pictures.solids import METAL
 from bladewhirl.postprocess.run.contact_nodes import ring_motion, tip_orbits
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.studies.runs.outputs import Run
@@ -277,6 +279,12 @@ def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
         area = 0.02 * 2.0 * np.pi * 0.3 / worn.sizes["rod"]  # of a rod
         removed = float(worn["recess"].sum()) * area
         assert removed == pytest.approx(summary["wear_volume"], rel=1e-2)  # the last record
+        drawing = Drawing(result, np.array([result.sizes["time"] - 1]), colour="wear")
+        _, coating, *_ = drawing.picture(0).solids
+        assert [solid.colour for solid in drawing.solids[:2]] == [METAL, None]
+        deepest = float(worn["recess"].max())
+        assert np.nanmax(drawing.colouring.casing) == pytest.approx(deepest, rel=1e-12)
+        assert 0.0 < coating.values.max() <= deepest
 
 
 @pytest.mark.slow
