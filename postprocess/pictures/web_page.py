@@ -20,7 +20,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.nodes import point_blades
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.colouring import Colouring
-from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows
+from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, Ribbon, arrows
 from bladewhirl.postprocess.pictures.films import Progress
 from bladewhirl.postprocess.pictures.symbols import MASS
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
@@ -60,7 +60,8 @@ def render_page(
         **(_orbit(dataset, drawing) if "centre_shape" in dataset else {}),
         "layout": layout,
         "casingShades": drawing.colouring.rotor[0].size,
-        "surfaceShades": shades.shape[1] - drawing.colouring.surface.shape[1],
+        "surfaceShades": shades.shape[1] - layout["surface"][1],
+        "solidColours": [solid.colour for solid in drawing.solids if solid.colour],
         "marks": drawing.around,
         **_members(dataset),
     }
@@ -78,7 +79,7 @@ def render_page(
         faint=look.FAINT,
         force=look.FORCE_COLOUR,
         about=about,
-        triangles=_packed(drawing.triangles.astype("<i4")),
+        triangles=_packed(_triangles(drawing).astype("<i4")),
         places=_packed(places),
         shades=_packed(shades),
     )
@@ -102,13 +103,44 @@ def _pack(
                 layout[name] = [first, *values.shape]
                 first += values.size
         places.append(np.concatenate([values.ravel() for values in shapes.values()]))
-        bodies = picture.rotor, picture.casing, picture.surface
-        values = np.concatenate([body.values.ravel() for body in bodies])
-        shades.append(_shades(drawing.colouring, values))
+        shades.append(_picture_shades(drawing, picture))
         if progress is not None:
             progress(index + 1, len(drawing))
     scaled = np.clip(np.round(FULL / size * np.array(places)), -FULL, FULL)  # depth may be larger
     return scaled.astype("<i2"), np.array(shades), layout
+
+
+def _triangles(drawing: Drawing) -> IntArray:
+    """Return the points of each triangle of the surface and of the solids (triangle, 3)."""
+    picture, faces = drawing.picture(0), [drawing.triangles]
+    first = len(picture.surface.points)
+    for solid, placed in zip(drawing.solids, picture.solids, strict=True):
+        faces.append(first + solid.triangles)
+        first += len(placed.points)
+    return np.concatenate(faces)
+
+
+def _picture_shades(drawing: Drawing, picture: Picture) -> NDArray[np.uint8]:
+    """Return the shades of rotor, casing, surface and solids; those of solids with a colour of
+    their own follow the colours of the scale."""
+    colouring = drawing.colouring
+    bodies = picture.rotor.values, _wall(picture).values, picture.surface.values
+    shades = [_shades(colouring, values.ravel()) for values in bodies]
+    following = len(colouring.colours(SHADES))
+    for solid, placed in zip(drawing.solids, picture.solids, strict=True):
+        if solid.colour is None:
+            shades.append(_shades(colouring, placed.values))
+        else:
+            shades.append(np.full(len(placed.points), following, dtype=np.uint8))
+            following += 1
+    return np.concatenate(shades)
+
+
+def _wall(picture: Picture) -> Ribbon:
+    """Return the wall as a ribbon, without lines if the picture has it as a solid."""
+    if not picture.solids:
+        return picture.casing
+    return Ribbon(sides=picture.casing.sides[:0], values=picture.casing.values[:0])
 
 
 def _packed(values: NDArray[Any]) -> str:
@@ -130,8 +162,10 @@ def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Arr
     length = look.LONGEST_ARROW * size / look.MARGIN / force if force else 0.0
     return {
         "rotor": picture.rotor.sides,
-        "casing": picture.casing.sides,
-        "surface": picture.surface.points,
+        "casing": _wall(picture).sides,
+        "surface": np.concatenate(
+            [picture.surface.points, *(solid.points for solid in picture.solids)]
+        ),
         **{name: strokes for name, _, _, strokes in look.strokes_of(picture.symbols)},
         "masses": picture.symbols.masses,
         "arrows": arrows(picture.tips, picture.forces, length, look.ARROW_WIDTH * size),

@@ -21,6 +21,7 @@ from bladewhirl.postprocess.pictures.bodies import COATING, TOWARDS, WALL_STATIO
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import stage_view
 from bladewhirl.postprocess.pictures.render import strongest_contact
+from bladewhirl.postprocess.pictures.solids import METAL
 from bladewhirl.postprocess.pictures.web_page import FULL, render_page
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
@@ -201,12 +202,17 @@ def test_the_page_has_the_surface_and_its_depth(three: xr.Dataset, tmp_path: Pat
     about, places, shades = page(path)
     drawing = Drawing(three, RECORDS)
     for index, drawn in enumerate(part(about, places, "surface")):
-        points = drawing.picture(index).surface.points
+        picture = drawing.picture(index)
+        points = np.concatenate([picture.surface.points, *(s.points for s in picture.solids)])
         scale = drawn[:, 0] @ points[:, 0] / (points[:, 0] @ points[:, 0])
         np.testing.assert_allclose(drawn, scale * points, atol=1.0 / FULL)
         assert scale * drawing.reach()[0] < 1.0
     assert about["ofPoints"] == [f"blade {n}" for n in point_blades(three)]
     assert about["surfaceShades"] + len(points) == shades.shape[1]
+    assert about["layout"]["casing"][1] == 0  # the wall is a solid
+    with_colour = [solid.colour for solid in drawing.solids if solid.colour]
+    assert about["solidColours"] == with_colour == [METAL]
+    assert shades[0, -1] == len(about["colours"])  # the first colour after those of the scale
     assert "orbit" not in about  # blades without a common centre
     assert about["marks"]
 
