@@ -98,7 +98,7 @@ COMMANDS = {
 }
 """Commands by the kind of input."""
 
-SOLIDS = ("inp", "msh", "vtu", "calculix", "matrices")
+SOLIDS = ("inp", "msh", "vtu", "cdb", "bdf", "med", "calculix", "matrices")
 """Kinds of decks and matrices of solids, see `solid_decks`."""
 
 FILES = {

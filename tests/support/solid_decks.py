@@ -18,6 +18,7 @@ import scipy.io as sio
 import scipy.sparse as sp
 from places import DATA
 from solid_meshes import cantilever, deck_text
+from written_decks import GROUPS, WRITERS, rounded
 
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import Hint, UserError
@@ -99,6 +100,9 @@ class SolidMakers:
             grid.field_data["note"] = ["a", "b"]
             for name, binary in (("text", False), ("binary", True)):
                 grid.save(good / f"{name}.vtu", binary=binary)
+        elif f".{kind}" in WRITERS:
+            for name, cell in (("first", "hexahedron"), ("second", "tetra10")):
+                WRITERS[f".{kind}"](good / name, rounded(cell, (2, 1, 1)))
         elif kind == "calculix":
             for file in (DATA / "solids").glob("matrices.*"):
                 shutil.copy(file, good)
@@ -121,6 +125,18 @@ class SolidMakers:
     def vtu(self, chance: random.Random, folder: Path, good: Path | None = None) -> list[str]:
         """A mesh of VTK with other bytes."""
         return self._mesh3d(self._spoiled(chance, folder, ".vtu", good), chance)
+
+    def cdb(self, chance: random.Random, folder: Path, good: Path | None = None) -> list[str]:
+        """A deck of Ansys with other bytes."""
+        return self._mesh3d(self._spoiled(chance, folder, ".cdb", good), chance)
+
+    def bdf(self, chance: random.Random, folder: Path, good: Path | None = None) -> list[str]:
+        """Bulk data of Nastran with other bytes."""
+        return self._mesh3d(self._spoiled(chance, folder, ".bdf", good), chance)
+
+    def med(self, chance: random.Random, folder: Path, good: Path | None = None) -> list[str]:
+        """A mesh of Code_Aster with other bytes."""
+        return self._mesh3d(self._spoiled(chance, folder, ".med", good), chance)
 
     def calculix(self, chance: random.Random, folder: Path, good: Path | None = None) -> list[str]:
         """Input and matrices of CalculiX, of which one file has other bytes."""
@@ -158,8 +174,9 @@ class SolidMakers:
         if chance.random() < 0.2:
             return ["mesh", str(deck)]
         given: dict[str, Any] = {"unit": "mm", **STEEL} if deck.name == "blade.msh" else {}
-        if deck.name not in ("deck.inp", "parts.inp"):
+        if deck.name not in ("deck.inp", "parts.inp") and deck.suffix not in (".cdb", ".bdf"):
             given |= STEEL
+        given |= GROUPS.get(deck.suffix, {})
         return ["mesh3d", str(deck), json.dumps(given)]
 
 
