@@ -11,7 +11,7 @@ import meshlane
 import numpy as np
 import pytest
 from pyyeti.nastran import bulk
-from written_decks import GROUPS, WRITERS, rounded
+from written_decks import GROUPS, WRITERS, ansys, nastran, rounded
 
 import bladewhirl as bw
 from bladewhirl.meshes.files.groups import MeshFileError
