@@ -2,10 +2,12 @@
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
-from pydantic import BeforeValidator, Field, StrictBool, StrictStr
+from pydantic import BeforeValidator, Field, StrictBool, StrictStr, model_validator
 
+from bladewhirl.models.case.speed_course import SpeedCourse
+from bladewhirl.models.case.speed_keys import RunUp, SpeedRows, course_faults, course_of, speeds_of
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.mode_names import mode_choice
 from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys, Table
@@ -156,13 +158,37 @@ class Coupling(Table):
 class March(ReplacedKeys):
     """The march, that is, the time integration."""
 
-    replacements: ClassVar = {"steps_per_revolution": ("time_step",), "revolutions": ("duration",)}
+    replacements: ClassVar = {
+        "steps_per_revolution": ("time_step",),
+        "revolutions": ("duration",),
+        "speed_table": ("speed",),
+        "run_up": ("speed",),
+    }
 
     speed: fields.RotationSpeed = Speed(1.05)
     """Speed of rotation. A number is a multiple of the reference frequency, the lowest natural
     frequency of the bladed disk, before modal reduction and with a free centre (even if this case
     clamps it). Text is an absolute speed: "2500 rpm", "42 Hz" (revolutions per second) or "262
     rad/s". Zero and negative speeds are allowed (1.05 in the paper, Section 4.3)."""
+    speed_table: SpeedRows | None = Field(
+        default=None, examples=['[["0 s", "3000 rpm"], ["10 s", "9000 rpm"]]']
+    )
+    """Speed over time in place of march.speed, rows of [time, speed] in ascending order of time:
+    time [s] and speed as for march.speed, all as numbers or all as text. The speed is linear
+    between rows, and constant before the first and after the last row. Needs march.scheme =
+    "central-difference" and rotation.effects "none" or "full". Studies at one speed, such as
+    bladewhirl modes, use the fastest speed of the table."""
+    speed_blend: fields.TimeOrZero | None = Field(default=None, examples=['"0.1 s"'])
+    """Time in which the acceleration changes at a row of march.speed_table [s], so that no step of
+    the acceleration excites vibration: at the first row this time begins, at the last one it ends,
+    and on other rows it is centred. The speeds at the rows remain those of the table. By default a
+    tenth of the shortest time between rows; 0 keeps the corners."""
+    run_up: RunUp | None = Field(
+        default=None,
+        examples=['{ from = "1000 rpm", to = "9000 rpm", start = "0 s", end = "2 s" }'],
+    )
+    """Speed over time in place of march.speed: from one speed to another as 3 s^2 - 2 s^3, where s
+    rises from 0 to 1 between start and end; constant before and after."""
     time_step: fields.Time = 1e-6
     """Time step [s] (paper, Section 4.2). The error is of second order for free motion and of first
     order in contact: halve the step to see its effect."""
@@ -207,6 +233,24 @@ class March(ReplacedKeys):
             changed["duration"] = 2.0 * math.pi / abs(omega) * self.revolutions
         return self.model_copy(update=changed) if changed else self
 
+    @model_validator(mode="after")
+    def _fastest(self) -> Self:
+        """Set `speed` to the fastest speed of a table of speeds, of which it is the replacement."""
+        if speeds := speeds_of(self.speed_table, self.run_up):
+            self.__dict__["speed"] = max(speeds, key=lambda speed: abs(speed.value))
+        return self
+
+    @property
+    def varies(self) -> bool:
+        """True if the speed of rotation is given over time."""
+        return self.speed_table is not None or self.run_up is not None
+
+    def course(self, reference: float) -> SpeedCourse | None:
+        """Return the speed over time for a reference frequency [rad/s]; None if it is constant."""
+        if not self.varies:
+            return None
+        return course_of(self.speed_table, self.speed_blend, self.run_up, reference)
+
     @property
     def steps(self) -> int:
         """Number of time steps in ``duration``."""
@@ -222,7 +266,8 @@ class March(ReplacedKeys):
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield errors for records that are not at time steps, for too many steps, and for
         numbers of a revolution at speed 0."""
-        for key in self.replacements:
+        yield from self._speed_faults()
+        for key in ("steps_per_revolution", "revolutions"):
             if getattr(self, key) is not None and self.speed.value == 0.0:
                 yield Inconsistency("speed", f"a speed other than 0 for march.{key}", (key,))
         if self.steps_per_revolution is not None:
@@ -247,3 +292,17 @@ class March(ReplacedKeys):
             if getattr(self, key) / self.time_step > MOST_STEPS:
                 expected = f"at most {MOST_STEPS:g} steps of march.time_step = {self.time_step!r}"
                 yield Inconsistency(key, expected, ("time_step",))
+
+    def _speed_faults(self) -> Iterator[Inconsistency]:
+        """Yield errors of a speed that varies over time."""
+        if self.varies and "speed" in self.model_fields_set:
+            key = "speed_table" if self.speed_table is not None else "run_up"
+            expected = f"not allowed together with march.{key}; remove one of them"
+            yield Inconsistency("speed", expected, (key,))
+        yield from course_faults(self.speed_table, self.speed_blend, self.run_up, self.record_step)
+        if self.varies and self.revolutions is not None:
+            expected = "not allowed with a speed that varies; give march.duration"
+            yield Inconsistency("revolutions", expected, ("speed_table", "run_up"))
+        if self.varies and self.scheme != "central-difference":
+            expected = '"central-difference" with a speed that varies'
+            yield Inconsistency("scheme", expected, ("speed_table", "run_up"))

@@ -82,6 +82,9 @@ class Case(Tables):
         if self.contact.foreshortening and self.march.scheme != "central-difference":
             expected = '"central-difference" with contact.foreshortening = true'
             yield Inconsistency("march.scheme", expected, ("contact.foreshortening",))
+        if self.march.varies and self.rotation.effects == "centrifugal":
+            expected = '"none" or "full" with a speed that varies'
+            yield Inconsistency("rotation.effects", expected, ("march.speed_table", "march.run_up"))
         if self.casing.coating is not None:
             if self.march.scheme != "central-difference":
                 expected = '"central-difference" with casing.coating'

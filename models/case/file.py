@@ -32,8 +32,11 @@ LOAD_TYPE = re.compile(r"excitation(\.[0-9]+)?\.type")
 FILES = ("bladed_disk.mesh", "bladed_disk.superelement", "casing.profile", "casing.coating.profile")
 """Tables with the path of a file."""
 
-SPRINGS = ("shaft.stiffness", "shaft.suspension_frequency")
-"""Two keys that exclude each other: setting one of them removes the other."""
+EXCLUSIVE = (
+    ("shaft.stiffness", "shaft.suspension_frequency"),
+    ("march.speed", "march.speed_table", "march.run_up"),
+)
+"""Keys that exclude each other: setting one of them removes the others."""
 
 
 def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
@@ -130,8 +133,8 @@ def with_values(case: Case, values: Mapping[str, Any]) -> Case:
 
     None resets a key to its default: ``{"damping.ratio": None}``. For a key that has rows, a list
     replaces all rows: ``{"bladed_disk.point_masses": [{"radius": "10 cm", "mass": "2 kg"}]}``.
-    Setting shaft.stiffness removes shaft.suspension_frequency, and vice versa. A new
-    excitation.type removes the keys of other types.
+    Setting one of the keys of a row of `EXCLUSIVE` removes the others: march.speed removes
+    march.speed_table. A new excitation.type removes the keys of other types.
 
     Raises:
         CaseError: the new case is invalid; the error lists all faults.
@@ -211,9 +214,10 @@ def _replace(tables: dict[str, Any], values: Mapping[str, Any]) -> None:
     """Set values in tables by dotted key; excitation.type first, because it removes other keys."""
     for key in sorted(values, key=lambda key: LOAD_TYPE.fullmatch(key) is None):
         _set(tables, key, values[key])
-    for key, other in (SPRINGS, SPRINGS[::-1]):
-        if key in values and other not in values:
-            _set(tables, other, None)
+    for keys in EXCLUSIVE:
+        for other in keys if any(key in values for key in keys) else ():
+            if other not in values:
+                _set(tables, other, None)
 
 
 def _set(tables: dict[str, Any], key: str, value: Any) -> None:

@@ -88,7 +88,7 @@ def _value(value: object) -> str:
         rows = (
             row.model_dump(exclude_none=True, exclude_defaults=True)
             if isinstance(row, Table)
-            else row
+            else tuple(item.given if isinstance(item, Speed) else item for item in row)
             for row in value
         )
         return "".join(["[\n", *(f"    {toml_value(row)},\n" for row in rows), "]"])

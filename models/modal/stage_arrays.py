@@ -132,6 +132,8 @@ class StageArrays:
     """Radial damping at the foot [N s/m], (supports,)."""
     support_tangential_damping: FloatArray = absent()
     """Damping along the wall [N s/m], (supports,)."""
+    modes_speed: float | None = None
+    """Speed to which the modes belong [rad/s]; None at constant speed."""
     wall_angle: FloatArray  #: angle of each value of `clearance` from +x [rad], (angles,)
     clearance: FloatArray  #: clearance at rest [m], (angles,)
 

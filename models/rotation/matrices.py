@@ -89,6 +89,9 @@ class RotationMatrices:
     geometric: sp.csr_array  #: geometric stiffness K_G1 [N s2/m, N s2, N m s2], (size, size)
     coriolis: sp.csr_array  #: skew Coriolis matrix G [kg, kg m, kg m2], (size, size)
     load: FloatArray  #: centrifugal load M_t X [kg m, kg m2], (size,)
+    euler: FloatArray
+    """Inertia load of the undeformed bladed disk for Omega' = -1 rad/s2: G X, and the rotary
+    inertia of point masses [kg m, kg m2], (size,)."""
     growth: FloatArray  #: static displacement K^-1 M_t X [m s2, s2], (size,)
 
     def stiffness(self, omega: float) -> sp.csr_array:
@@ -140,13 +143,17 @@ def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:
         carried = full_load - elastic_stiffness(model, assembler, transform) @ field
         stiffened = sp.csr_array(stiffened + _arm_stiffness(model, carried))
     geometric, translated = (unknowns.T @ each @ unknowns for each in (stiffened, inertial))
-    turned = unknowns.T @ (turning + _point_coriolis(weights)) @ unknowns
+    turning = sp.csr_array(turning + _point_coriolis(weights))
+    turned = unknowns.T @ turning @ unknowns
+    rotary = np.zeros((len(mesh.points), COMPONENTS))
+    np.add.at(rotary[:, ROTATION], model.masses.node, model.masses.inertia)
     return RotationMatrices(
         structure=structure,
         mass=sp.csr_array((translated + translated.T) / 2.0),
         geometric=sp.csr_array((geometric + geometric.T) / 2.0),
         coriolis=sp.csr_array((turned - turned.T) / 2.0),
         load=load,
+        euler=np.asarray(unknowns.T @ (turning @ places + rotary.ravel())),
         growth=growth,
     )
 

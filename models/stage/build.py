@@ -21,6 +21,7 @@ from bladewhirl.models.stage.contact_problem import (
     critical_time_step,
 )
 from bladewhirl.models.stage.loads import excitation_loads, initial_state
+from bladewhirl.models.stage.speed_change import with_speed_change
 from bladewhirl.models.stage.stage import Stage
 
 
@@ -39,7 +40,7 @@ def contact_problem(stage: Stage) -> ContactProblem:
         rotor, casing = marched_bodies(stage)
         if case.contact.sliding == "full":
             rotor = with_contact_nodes(rotor)
-        return ContactProblem(
+        problem = ContactProblem(
             rotor=rotor,
             casing=casing,
             speed=stage.speed,
@@ -57,6 +58,7 @@ def contact_problem(stage: Stage) -> ContactProblem:
             foreshortening=foreshortening(stage),
             law=case.contact.law,
         )
+        return with_speed_change(stage, problem)
 
 
 def with_contact_nodes(rotor: ReducedRotor) -> ReducedRotor:

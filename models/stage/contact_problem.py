@@ -19,6 +19,7 @@ from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.case.closure import Closure
+from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.coupling.equations import difference_of_axes
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.elements.cyclic import evenly_spaced
@@ -442,6 +443,19 @@ class Load:
     ramp: float = 0.0  #: length of the half-cosine ramp from zero [s]
     frequency: float = 0.0  #: frequency of the cosine [rad/s]
     phase: float = 0.0  #: phase of the cosine [rad]
+    order: float = 0.0
+    """Multiple of the angle of the rotor that is added to the argument of the cosine. This and the
+    parts due to the speed need `SpeedChange`."""
+    constant: float = 1.0
+    """The pattern is multiplied by the sum of this number and of the next two parts."""
+    by_square: float = 0.0
+    """Factor of Omega^2 less the square of the speed of the contact problem [s2]."""
+    by_acceleration: float = 0.0  #: factor of Omega' [s2]
+
+    def scale_at(self, square: float, acceleration: float) -> float:
+        """Return the factor of the pattern for a difference of squared speeds [rad2/s2] and an
+        acceleration [rad/s2]."""
+        return self.constant + self.by_square * square + self.by_acceleration * acceleration
 
     def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> "Load":
         """Return the load on the chosen modes, that is, its projection on these modes."""
@@ -479,12 +493,44 @@ class Start:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SpeedChange:
+    """Speed of rotation that varies over time, and matrices of the rotor that depend on it.
+
+    The arrays of the rotor are those at the speed of the contact problem. At the speed Omega, its
+    stiffness is larger by Omega^2 - speed^2 times `stiffening`, and its Coriolis matrix by
+    2 (Omega - speed) times `coriolis`; Omega' times `coriolis` acts on displacements.
+    """
+
+    course: SpeedCourse
+    stiffening: FloatArray | None = None
+    """Geometric stiffness less mass of translations for 1 rad/s [1], (modes, modes); None without
+    rotation effects."""
+    coriolis: FloatArray | None = None
+    """Skew Coriolis matrix G of the Coriolis forces -2 Omega G x' [1], (modes, modes); None without
+    rotation effects."""
+
+    def change_of_force(
+        self, base: float, displacement: FloatArray, velocity: FloatArray
+    ) -> FloatArray:
+        """Return the modal forces on the rotor at t = 0 that the rotor at the speed `base` [rad/s]
+        lacks, (modes,)."""
+        if self.stiffening is None or self.coriolis is None:
+            return np.zeros(len(displacement))
+        speed, rate = float(self.course.speed(0.0)), float(self.course.acceleration(0.0))
+        return np.asarray(
+            -(speed**2 - base**2) * (self.stiffening @ displacement)
+            - self.coriolis @ (rate * displacement + 2.0 * (speed - base) * velocity)
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
 class ContactProblem:
     """All data of a march except its time steps and its scheme."""
 
     rotor: ReducedRotor
     casing: ReducedCasing
-    speed: float  #: speed of rotation Omega, counter-clockwise [rad/s]
+    speed: float
+    """Speed of rotation Omega, counter-clockwise [rad/s]; if it varies, the speed of the arrays."""
     friction: float  #: Coulomb friction coefficient
     sliding: Literal["permanent", "signed", "full"]
     """See `contact.sliding` of a case; "full" needs `ContactNodes`."""
@@ -501,6 +547,27 @@ class ContactProblem:
     """Slope of a conical wall [rad], in whose axes contact nodes move, see `cone`."""
     law: dict[str, float] = field(default_factory=lambda: Contact().law)
     """Numbers of the contact law of the scheme, by their key in the table `contact` of a case."""
+    change: SpeedChange | None = None  #: None for a constant speed
+
+    def speed_at(self, time: float) -> float:
+        """Return the speed of rotation at a time [rad/s]."""
+        return self.speed if self.change is None else float(self.change.course.speed(time))
+
+    def angle_at(self, time: float) -> float:
+        """Return the angle of the rotor at a time [rad]."""
+        return self.speed * time if self.change is None else float(self.change.course.angle(time))
+
+    def turning_force(self) -> FloatArray:
+        """Return the modal forces of the rotation on the rotor at t = 0, (modes,); see
+        `ReducedRotor.turning_force`."""
+        rotor, start, change = self.rotor, self.start, self.change
+        if change is None:
+            return rotor.turning_force(start.rotor, start.rotor_velocity)
+        if rotor.circulation != 0.0:
+            share = self.speed_at(0.0) / self.speed
+            rotor = replace(rotor, circulation=share * rotor.circulation)
+        force = rotor.turning_force(start.rotor, start.rotor_velocity)
+        return force + change.change_of_force(self.speed, start.rotor, start.rotor_velocity)
 
     def clearance(self, time: float) -> FloatArray:
         """Return the clearance and its derivative by s at each node [m, 1], (nodes, 2)."""
@@ -546,7 +613,7 @@ class ContactProblem:
             time: time, which determines the angle of the rotor and the clearance [s].
         """
         casing, rotor, start = self.casing, self.rotor, self.start
-        angle = rotor.tip_angle + self.speed * time
+        angle = rotor.tip_angle + self.angle_at(time)
         if self.tip_rotation:
             around = rotor.at_tips(rotor.tip_tangential, start.rotor)
             radius = rotor.tip_radius if rotor.nodes is None else rotor.nodes.radius

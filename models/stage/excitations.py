@@ -6,7 +6,7 @@ here, which is registered for this class.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import singledispatch
 
 import numpy as np
@@ -27,6 +27,9 @@ from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.models.stage.ring import Ring
 
+ROUNDING = 1e-12
+"""A modal force up to this fraction of the largest counts as zero."""
+
 X, Y = range(2)
 """Positions of x and y in the motion of the centre."""
 
@@ -37,6 +40,7 @@ class LoadedStage:
 
     case: Case
     speed: float  #: speed of rotation [rad/s]
+    varies: bool = False  #: whether the speed varies; loads then follow speed and angle
     centre: FloatArray  #: x and y of the centre for unit modal coordinates [kg^-1/2], (2, modes)
     rest: FloatArray  #: modal forces of zero on the bladed disk, (modes,)
     ring: Ring | None  #: flexible casing; None for a rigid wall
@@ -88,9 +92,19 @@ def _(load: CasingDistortion, stage: LoadedStage) -> tuple[Load, ...]:
 
 @modal_loads.register
 def _(load: Imbalance, stage: LoadedStage) -> tuple[Load, ...]:
-    """Return the load of an imbalance at the centre, which is fixed in rotating axes."""
+    """Return the loads of an imbalance at the centre, which is fixed in rotating axes: the inertia
+    force of a mass at +x. If the speed varies, it has a part along y due to the acceleration."""
     force = stage.unbalance(load) * stage.speed**2
-    return (Load(rotor=force * stage.centre[X], casing=stage.casing_rest, ramp=load.ramp),)
+    steady = Load(rotor=force * stage.centre[X], casing=stage.casing_rest, ramp=load.ramp)
+    if not stage.varies or force == 0.0:
+        return (steady,)
+    across = replace(
+        steady,
+        rotor=felt(stage.unbalance(load) * stage.centre[Y]),
+        constant=0.0,
+        by_acceleration=-1.0,
+    )
+    return replace(steady, by_square=1.0 / stage.speed**2), across
 
 
 @modal_loads.register
@@ -108,7 +122,8 @@ def _(load: Harmonic, stage: LoadedStage) -> tuple[Load, ...]:
         Load(
             rotor=0.5 * load.force * stage.centre[axis],
             casing=still,
-            frequency=stage.speed + beat,
+            frequency=beat if stage.varies else stage.speed + beat,
+            order=float(stage.varies),
             phase=phase,
         )
         for beat in (omega, -omega)
@@ -125,13 +140,19 @@ def _(load: EngineOrder, stage: LoadedStage) -> tuple[Load, ...]:
             rotor=pattern,
             casing=stage.casing_rest,
             ramp=load.ramp,
-            frequency=order * stage.speed,
+            frequency=0.0 if stage.varies else order * stage.speed,
+            order=float(order * stage.varies),
             phase=phase,
         )
         for order, force in stage.forces_of_order(load)
         for pattern, phase in ((force.real, 0.0), (force.imag, 0.5 * np.pi))
     ]
     return tuple(loads[:1] if load.order == (0,) else loads)
+
+
+def felt(force: FloatArray) -> FloatArray:
+    """Return modal forces without those on modes that feel the load only by rounding."""
+    return np.where(np.abs(force) > ROUNDING * np.abs(force).max(initial=0.0), force, 0.0)
 
 
 def closing_unbalance(outward: FloatArray, gap: FloatArray, speed: float) -> float:

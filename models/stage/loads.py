@@ -28,6 +28,7 @@ def excitation_loads(stage: Stage) -> tuple[Load, ...]:
         LoadedStage(
             case=stage.case,
             speed=stage.speed,
+            varies=stage.case.march.varies,
             centre=stage.rotor.centre,
             rest=np.zeros(len(stage.rotor.frequency)),
             ring=stage,

@@ -62,7 +62,8 @@ class MarchedStage(ABC):
     @cached_property
     def arrays(self) -> StageArrays:
         """Arrays of the stage in a result."""
-        return self.model.arrays
+        arrays = self.model.arrays
+        return replace(arrays, modes_speed=self.speed) if self.case.march.varies else arrays
 
     @property
     @abstractmethod

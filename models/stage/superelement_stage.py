@@ -26,6 +26,7 @@ from bladewhirl.models.stage.contact_problem import (
     NodeCoating,
     ReducedCasing,
     ReducedRotor,
+    SpeedChange,
     Start,
     WallClosure,
 )
@@ -182,6 +183,7 @@ class SuperelementStage:
                 LoadedStage(
                     case=case,
                     speed=speed,
+                    varies=case.march.varies,
                     centre=rotor.centre,
                     rest=np.zeros(len(rotor.frequency)),
                     ring=self.ring,
@@ -190,6 +192,9 @@ class SuperelementStage:
                 )
             ),
         )
+        course = case.march.course(self.reference_frequency)
+        if course is not None:
+            cylinder = replace(cylinder, change=SpeedChange(course=course))
         problem = in_cone(cylinder, case.casing.slope)
         self._check_start(problem)
         return problem

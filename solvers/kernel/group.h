@@ -120,7 +120,7 @@ static double turn_directions(const March *m, int64_t size, double *share, int r
                 slip[k] = s->slide.at[component]
                           + dot(s->compliance.at + component * width, force, DIRECTIONS * size);
             }
-            slip[0] += numbers->speed * s->radius.at[i] * numbers->time_step;
+            slip[0] += m->rotation.speed * s->radius.at[i] * numbers->time_step;
             double length = sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
             for (int k = 0; k < 2 && length > 0.0; k++) /* 0: the node sticks to the wall */
                 miss[k] = slip[k] / length - d[k];

@@ -87,19 +87,24 @@ typedef struct {
     Vector recess;      /* (wide) gap of each tip at rest minus the clearance [m] */
 } Rotor;
 
-/* Inverse of the matrix A = M / dt^2 + (D + 2 Omega G) / (2 dt) of the rotor, with its dampers
- * [s2]. On a cyclic rotor it consists of blocks R and X. With forces f_c and f_s in a cosine column
- * and its sine column, the cosine modes respond by R f_c + X f_s, the sine modes by R f_s - X
- * f_c. */
+/* A matrix over the modes of the rotor. On a cyclic rotor it consists of blocks R and X: from the
+ * values f_c and f_s of a cosine column and its sine column, the cosine modes get R f_c + X f_s, the
+ * sine modes R f_s - X f_c. */
 typedef struct {
-    Vector blocks;        /* (blocks) for HALF cosine columns, ROWS rows at a time, and each row of
-                           * forces: R, then X */
-    Vector rest;          /* (rest) entries outside the blocks, such as those of harmonics without
-                           * a partner */
-    IntVector to;         /* (rest) position of the mode that responds to each entry of `rest` */
-    IntVector by;         /* (rest) position of the force of each entry of `rest` */
-    Matrix full;          /* (modes, columns) response of the modes of a copy to a force on each mode,
-                           * without symmetry; otherwise empty */
+    Vector blocks; /* (blocks) for HALF cosine columns, ROWS rows at a time, and each row of
+                    * values: R, then X */
+    Vector rest;   /* (rest) entries outside the blocks, such as those of harmonics without a
+                    * partner */
+    IntVector to;  /* (rest) row of each entry of `rest` */
+    IntVector by;  /* (rest) column of each entry of `rest` */
+    Matrix full;   /* (modes, columns) columns of the matrix of each copy, without symmetry; otherwise
+                    * empty */
+} ModalMatrix;
+
+/* Inverse of the matrix A = M / dt^2 + (D + 2 Omega G) / (2 dt) of the rotor, with its dampers
+ * [s2]. */
+typedef struct {
+    ModalMatrix inverse;  /* response of the modes to forces on the modes */
     Vector loss;          /* (loss) damping if equal for cosine and sine: the upper triangle, with
                            * twice the entries off the diagonal; for HALF columns, groups of ROWS
                            * rows, and rows from the first row of the group on */
@@ -158,7 +163,6 @@ typedef struct {
     Vector factor;         /* (waves) stiffness f_k kappa of each wave [N/m] */
     SpringEnds rotor;
     SpringEnds casing;
-    double angle_per_step; /* rotation of the rotor in a step [rad] */
 } Springs;
 
 typedef struct {
@@ -174,12 +178,14 @@ typedef struct {
 
 typedef struct {
     double time_step;          /* time step [s] */
+    double angle_per_step;     /* rotation of the rotor in a step [rad] */
     double elements_per_step;  /* rotation of the rotor in a step, in casing elements */
     double friction;           /* friction coefficient mu */
     double sliding;            /* sign of permanent sliding */
     double is_signed;          /* 1 if the direction of sliding follows from velocities */
     double speed;              /* Omega [rad/s] */
     double wheel_speed;        /* R Omega [m/s] */
+    double radius;             /* R [m] */
     double elements_per_metre; /* casing elements per metre of u_t; 0 if u_t does not move tips */
     double displacement_limit; /* limit of tip displacements, and of w of the casing [m] */
     double gap_scale;          /* smallest reference length of the complementarity residual [m] */
@@ -264,6 +270,31 @@ typedef struct {
     double limit;         /* largest plastic strain */
 } NodeCoating;
 
+/* Numbers of a piece of the speed over time: start [s], and what is added by the change of the speed:
+ * angle at the start [rad], and speed as a polynomial in the time since the start. */
+enum { PIECE_START, PIECE_ANGLE, PIECE_SPEED, PIECE_DEGREE = 3, PIECE_NUMBERS = 6 };
+/* A load pattern is multiplied by cos(order psi + ...) and by a sum of three terms: a constant, a
+ * factor of Omega^2 - base^2, and a factor of Omega'. */
+enum { BY_ANGLE, CONSTANT, BY_SQUARE, BY_ACCELERATION, SPEED_FACTORS };
+/* Recorded numbers of the rotation: angle [rad] and speed [rad/s]. */
+enum { ANGLE, SPEED, ROTATION_NUMBERS };
+enum { MOST_POINTS = 8 }; /* largest number of speeds at which arrays are known */
+
+/* Speed that varies over time, see `speed.h`. All arrays of the stage are those at the speed `base`;
+ * those that depend on the speed are parts of `current`. */
+typedef struct {
+    double base;            /* [rad/s] */
+    Matrix pieces;          /* (pieces, 6) PIECE_START ... of each piece, relative to rotation at the
+                             * speed `base`, in order of time */
+    Matrix factors;         /* (patterns, 4) BY_ANGLE ... of each load pattern [1, 1, s2, s2] */
+    Vector points;          /* (points) speeds at which `samples` are known [rad/s] */
+    Matrix samples;         /* (points, depending) values of `current` at these speeds */
+    Vector current;         /* (depending) values at the present speed */
+    ModalMatrix stiffening; /* K_1, increase of the stiffness by Omega^2 [1] */
+    ModalMatrix coriolis;   /* G, of the Coriolis force -2 Omega G x' [1] */
+    int64_t direct;         /* 1 if the blocks X of `stiffening` are zero and left out */
+} Speed;
+
 /* State of a march, which is advanced in place. */
 typedef struct {
     Matrix rotor;    /* (3, rotor_entries) x_{n-1}, x_n and scratch of the rotor */
@@ -308,6 +339,7 @@ typedef struct {
     Matrix work;            /* (records, 6) works since the start */
     Matrix coating;         /* (records, coating_sums) sums of the coating */
     Matrix coating_impulse; /* (records, coated_tips) normal impulse on the coating */
+    Matrix rotation;        /* (records, rotation_numbers) ANGLE ... if the speed varies */
 } Records;
 
 typedef struct {
@@ -434,6 +466,13 @@ typedef struct {
     Matrix system;    /* (coated_group, augmented) equations of an iteration */
 } RodScratch;
 
+/* Working arrays of a speed that varies. */
+typedef struct {
+    Vector stiffened; /* (spun) product of `stiffening` and x_n */
+    Vector force;     /* (spun) force due to the change of the speed */
+    Vector input;     /* (spun) scratch */
+} SpeedScratch;
+
 typedef struct {
     FieldScratch fields;
     ContactScratch contact;
@@ -442,6 +481,7 @@ typedef struct {
     BendScratch bending;
     NodeScratch nodes;
     RodScratch rods;
+    SpeedScratch speed;
     Vector turned;          /* (rotor_entries) modal forces on the rotor */
     Vector amplitude;       /* (patterns) factor of each load pattern */
     Vector stroke;          /* (dampers) displacement of each damper in two steps */
@@ -460,6 +500,7 @@ typedef struct {
     const Foreshortening *foreshortening; /* or NULL */
     const Nodes *nodes;           /* or NULL */
     const NodeCoating *node_coating; /* or NULL */
+    const Speed *speed;           /* or NULL */
     const Numbers *numbers;
 } Stage;
 

@@ -34,6 +34,7 @@
  * `solvers.march.reference` is the same scheme in NumPy, which follows the definitions directly.
  */
 #include "nodes.h"
+#include "speed.h"
 
 /* Compute x_p of both bodies. */
 static inline void predict(const March *m)
@@ -66,8 +67,9 @@ static inline void predict(const March *m)
     if (m->stage.nodes && m->stage.nodes->massless > 0.0)
         add_node_forces(m);
     if (m->stage.gyroscopic) {
-        add_circulation(m->stage.gyroscopic, x);
-        turn(m->stage.rotor, m->stage.gyroscopic, x, s->turned.at);
+        add_circulation(m->stage.gyroscopic, m->rotation.circulation, x);
+        turn(m->stage.rotor, m->stage.gyroscopic, x, m->stage.speed ? s->speed.force.at : NULL,
+             s->turned.at);
     }
 }
 
@@ -101,7 +103,7 @@ static inline int find_gaps(const March *m, int64_t step, const double **recess)
     const Numbers *numbers = m->stage.numbers;
     FieldScratch *f = &m->scratch->fields;
     place_tips(m->stage.rotor, m->stage.casing, numbers->elements_per_metre,
-               numbers->elements_per_step * (double)(step + 1), m->x.new, f);
+               m->rotation.elements, m->x.new, f);
     *recess = recess_at(m->stage.rotor, m->stage.closure, (double)(step + 1) * numbers->time_step, f);
     sum_radial(m->stage.rotor, m->stage.casing, m->x.new, m->y.new, f);
     return close_gaps(m->stage.rotor, m->stage.casing, *recess, numbers->displacement_limit, f,
@@ -120,12 +122,12 @@ static int press_coating(const March *m, int64_t step)
     const double *places = numbers->elements_per_metre == 0.0 ? m->stage.rotor->position.at : f->at.at;
     double nodes = (double)m->stage.casing->nodes, rate, closed = 0.0;
     double removable = coating->limit * coating->thickness;
-    double turned = numbers->elements_per_step * (double)(step + 1);
+    double turned = m->rotation.elements;
     int64_t size = 0, wide = c->factor.columns;
     if (m->stage.closure)
         closed = closure_at(m->stage.closure, (double)(step + 1) * numbers->time_step, &rate);
     if (m->stage.numbers->is_signed != 0.0) {
-        sliding_signs(m->stage.rotor, m->stage.casing, numbers->wheel_speed, numbers->time_step, m->x, m->y, f,
+        sliding_signs(m->stage.rotor, m->stage.casing, m->rotation.wheel_speed, numbers->time_step, m->x, m->y, f,
                       c->sign.at);
         sum_radial(m->stage.rotor, m->stage.casing, m->x.new, m->y.new, f);
         nodal_field(m->stage.casing, &m->stage.casing->radial, f);
@@ -202,7 +204,7 @@ static inline int solve_step(March *m, int64_t step, int64_t *penetrating)
     if (*penetrating == 0)
         return within;
     if (m->stage.numbers->is_signed != 0.0)
-        sliding_signs(rotor, casing, numbers->wheel_speed, numbers->time_step, m->x, m->y, f,
+        sliding_signs(rotor, casing, m->rotation.wheel_speed, numbers->time_step, m->x, m->y, f,
                       c->sign.at);
     Candidates tips = {c->multiplier.size, f->free_gap.at, state->held.at, c->multiplier.at, NULL};
     int solved = 1;
@@ -257,10 +259,12 @@ static inline void account(const March *m, int64_t step, int touching)
     double lost = damping_loss(&m->stage.casing->body, y);
     if (m->stage.gyroscopic) {
         lost += turning_loss(m->stage.rotor, m->stage.gyroscopic, x, s->turned.at);
-        work[PARAMETRIC] += circulation_work(m->stage.gyroscopic, x);
+        work[PARAMETRIC] += circulation_work(m->stage.gyroscopic, m->rotation.circulation, x);
     } else
         lost += damping_loss(&m->stage.rotor->body, x);
     work[DAMPING] += lost / m->stage.numbers->time_step;
+    if (m->stage.speed)
+        account_speed(m);
     if (m->stage.dampers) {
         const double *force = s->damper_force.at;
         work[DAMPING] += damper_loss(&m->stage.dampers->rotor, x, s->stroke.at, force);
@@ -294,16 +298,18 @@ int march(const Stage *stage, State *state, Records *records, Scratch *scratch, 
     const Springs *springs = stage->springs;
     const Rotor *rotor = stage->rotor;
     const Casing *casing = stage->casing;
-    March m = {*stage, state, scratch, motion_of(&state->rotor), motion_of(&state->casing),
-               0, 0};
+    March m = {.stage = *stage, .state = state, .scratch = scratch,
+               .x = motion_of(&state->rotor), .y = motion_of(&state->casing)};
     double energy[2] = {0.0, 0.0}, dt = numbers->time_step;
     int64_t end = step + steps, written = 0, penetrating;
     int status = RUNNING;
     begin(&m, step);
     for (; step < end; step++) {
-        m.loaded = load_amplitudes(&numbers->loads, (double)step * dt, scratch->amplitude.at);
+        prepare_speed(&m, step, step == end - steps);
+        m.loaded = load_amplitudes(&numbers->loads, stage->speed ? &stage->speed->factors : NULL,
+                                   &m.rotation, (double)step * dt, scratch->amplitude.at);
         if (springs)
-            turn_springs(springs, m.x, m.y, &scratch->springs, step, energy);
+            turn_springs(springs, m.rotation.angle, m.x, m.y, &scratch->springs, step, energy);
         int within = solve_step(&m, step, &penetrating);
         if (within && (step + 1) % CHECK_EVERY == 0)
             within = keeps_limit(rotor, casing, numbers->displacement_limit, m.x.new,
@@ -311,6 +317,8 @@ int march(const Stage *stage, State *state, Records *records, Scratch *scratch, 
                      (!stage->nodes || nodes_keep_limit(&m));
         if (step % record_every == 0 || !within) {
             double stored = energy[0] + (stage->nodes ? flexible_energy(&m) : 0.0);
+            if (stage->speed)
+                stored += record_speed(&m, records, written);
             write_record(records, written++, state, rotor, casing, m.x, m.y, dt, stored, step,
                          within);
         }

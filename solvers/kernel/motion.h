@@ -22,12 +22,28 @@ typedef struct {
     int64_t entries;
 } Motion;
 
+/* Rotation of the rotor in a step from n to n + 1. */
+typedef struct {
+    double angle[2];     /* psi at n - 1 and at n [rad] */
+    double elements;     /* psi at n + 1, in casing elements */
+    double speed;        /* Omega at n + 1 [rad/s] */
+    double wheel_speed;  /* R Omega at n + 1 [m/s] */
+    double circulation;  /* Omega at n divided by the speed of the arrays of `Gyroscopic` */
+    double square[2];    /* Omega^2 at n - 1 and at n, less that of the stiffness [rad2/s2] */
+    double acceleration; /* Omega' at n [rad/s2] */
+    double now;          /* Omega at n [rad/s] */
+    double next;         /* psi at n + 1 [rad] */
+    double later;        /* Omega' at n + 1 [rad/s2] */
+    double centre;       /* speed of the arrays that depend on the speed [rad/s] */
+} Rotation;
+
 /* The stage and the working data of a march. */
 typedef struct {
     Stage stage;
     State *state;
     Scratch *scratch;
     Motion x, y; /* motion of rotor and of casing */
+    Rotation rotation;
     int loaded;  /* whether any load acts at this step */
     int coated;  /* whether any tip touches the coating at this step */
 } March;
@@ -51,15 +67,25 @@ static inline void predict_body(const Body *body, Motion x)
     }
 }
 
-/* Compute the factor of each load pattern. Returns whether any factor is not zero. */
-static inline int load_amplitudes(const Matrix *loads, double time, double *out)
+/* Compute the factor of each load pattern; `factors` are those of `Speed`, or NULL. Returns whether
+ * any factor is not zero. */
+static inline int load_amplitudes(const Matrix *loads, const Matrix *factors, const Rotation *turn,
+                                  double time, double *out)
 {
     int loaded = 0;
     for (int64_t p = 0; p < loads->rows; p++) {
         const double *load = loads->at + p * LOAD_NUMBERS;
         double factor = 0.0;
         if (time < load[LOAD_END]) {
-            factor = cos(load[LOAD_FREQUENCY] * time + load[LOAD_PHASE]);
+            double phase = load[LOAD_PHASE], scale = 1.0;
+            if (factors) {
+                const double *by = factors->at + p * SPEED_FACTORS;
+                phase += by[BY_ANGLE] * turn->angle[1];
+                scale = by[CONSTANT] + by[BY_SQUARE] * turn->square[1]
+                        + by[BY_ACCELERATION] * turn->acceleration;
+            }
+            double angle = load[LOAD_FREQUENCY] * time + phase;
+            factor = angle == 0.0 ? scale : scale * cos(angle);
             if (time < load[LOAD_RAMP])
                 factor *= 0.5 - 0.5 * cos(PI * time / load[LOAD_RAMP]);
         }
@@ -134,15 +160,15 @@ static inline void spring_waves(const SpringEnds *ends, const double *x, double 
 }
 
 /* Compute the stretch of the springs, which is the displacement of the casing minus that of the
- * rotor. Rows 0 and 1 are at the previous angle for the previous and the present displacement, rows
+ * rotor, at the angles of the rotor at the previous and the present step. Rows 0 and 1 are at the previous angle for the previous and the present displacement, rows
  * 2 and 3 are at the present angle for both displacements. */
-static void stretch_springs(const Springs *springs, SpringScratch *s, int64_t step)
+static void stretch_springs(const Springs *springs, const double *angles, SpringScratch *s,
+                            int64_t step)
 {
     int64_t waves = springs->factor.size;
     for (int turned = 0; turned < 2; turned++)
         for (int64_t h = 0; h < springs->nodal_diameter.size; h++) {
-            double angle = springs->angle_per_step * (double)(step - 1 + turned);
-            double phase = springs->nodal_diameter.at[h] * angle;
+            double phase = springs->nodal_diameter.at[h] * angles[turned];
             double c = cos(phase), sine = sin(phase);
             for (int moved = 0; moved < 2; moved++) {
                 int64_t row = (step + 1 + moved) % 2 * waves + 2 * h;
@@ -167,16 +193,16 @@ static inline double spring_energy(const Springs *springs, const double *stretch
 /* Compute the forces -C^T f kappa C x_n of the springs on the waves of rotor and casing. `energy`
  * gets the energy of the springs at step n - 1/2, and the work of the rotation of the springs to
  * step n. */
-static inline void turn_springs(const Springs *springs, Motion x, Motion y, SpringScratch *s,
-                                int64_t step, double energy[2])
+static inline void turn_springs(const Springs *springs, const double *angles, Motion x, Motion y,
+                                SpringScratch *s, int64_t step, double energy[2])
 {
     int64_t waves = springs->factor.size, row = step % 2 * waves;
     spring_waves(&springs->rotor, x.now, s->rotor.at + row, waves);
     spring_waves(&springs->casing, y.now, s->casing.at + row, waves);
-    stretch_springs(springs, s, step);
+    stretch_springs(springs, angles, s, step);
     double *on_rotor = s->force.at, *on_casing = s->force.at + waves;
     for (int64_t h = 0; h < springs->nodal_diameter.size; h++) {
-        double phase = springs->nodal_diameter.at[h] * (springs->angle_per_step * (double)step);
+        double phase = springs->nodal_diameter.at[h] * angles[1];
         double c = cos(phase), sine = sin(phase);
         int64_t i = 2 * h;
         double pull_c = springs->factor.at[i] * s->stretch.at[3 * waves + i];

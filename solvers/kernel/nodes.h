@@ -80,7 +80,7 @@ static void push_copy(const March *m, int64_t copy)
     double *new = m->x.new + first;
     modal_forces(m, copy, m->scratch->nodes.force.at);
     if (g)
-        add_full(&g->full, copy, modes, modal, new, new);
+        add_full(&g->inverse.full, copy, modes, modal, new, new);
     else
         for (int64_t i = 0; i < modes; i++)
             new[i] += c[first + i] * modal[i];
@@ -415,7 +415,7 @@ static int solve_nodes(March *m, int64_t step, int64_t *touching)
     NodeScratch *s = &m->scratch->nodes;
     FieldScratch *f = &m->scratch->fields;
     int64_t copies = nodes->compliance.layers, together = casing->modes > 0 ? copies : 1;
-    double turned = numbers->elements_per_step * (double)(step + 1), rate, closed = 0.0;
+    double turned = m->rotation.elements, rate, closed = 0.0;
     double later = (double)(step + 1) * numbers->time_step;
     *touching = 0;
     place_nodes(m, turned);

@@ -76,7 +76,7 @@ class Struct:
         expected = _fields(name)
         if fields.keys() != expected.keys():
             raise TypeError(f"{name}: expected the fields {', '.join(expected)}")
-        self.pointer = ffi.new(f"{name} *")
+        self.name, self.pointer = name, ffi.new(f"{name} *")
         sizes: dict[str, int] = {}
         for field, value in fields.items():
             kind, shape = expected[field]
@@ -88,11 +88,20 @@ class Struct:
                 setattr(self.pointer, field, value.pointer[0])
             else:
                 setattr(self.pointer, field, value.pointer[0] if kind[0].isupper() else value)
-        self._fields = fields
+            if isinstance(value, Struct):
+                value.pointer = ffi.addressof(self.pointer, field)  # the copy that is read
+        self.contents = fields  #: arrays, numbers and nested structs by name
 
     def __getattr__(self, name: str) -> Any:
         """Return a field: an array, a number or a nested struct."""
-        return self._fields[name]
+        return self.contents[name]
+
+    def point_to(self, field: str, array: np.ndarray[Any, Any]) -> None:
+        """Let a field point to another array of the same shape."""
+        kind, shape = _fields(self.name)[field]
+        target = getattr(self.pointer, field)
+        _point(target, f"{self.name}.{field}", _ARRAYS[kind], shape, array, {})
+        self.contents[field] = array
 
 
 def _point(

@@ -16,11 +16,11 @@ static inline double product(const Matrix *rows, int64_t row, const double *x)
     return dot(rows->at + row * rows->columns, x, rows->columns);
 }
 
-/* Add the force of static dampers due to x_n. */
-static inline void add_circulation(const Gyroscopic *g, Motion x)
+/* Add the force of static dampers due to x_n; `share` is the speed divided by that of `g`. */
+static inline void add_circulation(const Gyroscopic *g, double share, Motion x)
 {
     for (int64_t m = 0; m < g->centre.rows; m++) {
-        Lanes moved = splat(product(&g->centre, m, x.now));
+        Lanes moved = splat(share * product(&g->centre, m, x.now));
         const double *row = g->circulation.at + m * x.entries;
         for (int64_t i = 0; i < x.entries; i += LANES)
             store(x.new + i, muladd(load(row + i), moved, load(x.new + i)));
@@ -28,14 +28,14 @@ static inline void add_circulation(const Gyroscopic *g, Motion x)
 }
 
 /* Return the work d^T f of this force with d = (x_{n+1} - x_{n-1}) / 2. */
-static inline double circulation_work(const Gyroscopic *g, Motion x)
+static inline double circulation_work(const Gyroscopic *g, double share, Motion x)
 {
     double work = 0.0;
     for (int64_t m = 0; m < g->centre.rows; m++) {
         double moved = product(&g->circulation, m, x.new) - product(&g->circulation, m, x.old);
         work += 0.5 * moved * product(&g->centre, m, x.now);
     }
-    return work;
+    return share * work;
 }
 
 /* Return d^T D d from the upper triangle for all modes. */
@@ -106,9 +106,10 @@ static void add_full(const Matrix *full, int64_t copy, int64_t modes, const doub
     }
 }
 
-/* Compute x_{n+1} = x_{n-1} + A^-1 f of a cyclic rotor, ROWS rows of cosine and sine modes at a
- * time. */
-static void add_blocks(const Rotor *rotor, const Gyroscopic *g, const double *f, Motion x)
+/* Store `from` plus the product of a matrix and f of a cyclic rotor in `out`, ROWS rows of cosine
+ * and sine modes at a time. */
+static void add_blocks(const Rotor *rotor, const ModalMatrix *g, const double *f,
+                       const double *from, double *out)
 {
     int64_t rows = rotor->radial.rows, columns = rotor->radial.columns, half = rotor->half;
     const double *at = g->blocks.at;
@@ -132,28 +133,37 @@ static void add_blocks(const Rotor *rotor, const Gyroscopic *g, const double *f,
             for (int k = 0; k < ROWS; k++)
                 if (m + k < rows) {
                     int64_t i = (m + k) * columns + h;
-                    half_store(x.new + i, half_add(half_load(x.old + i), to_cosine[k]));
-                    half_store(x.new + i + half, half_add(half_load(x.old + i + half), to_sine[k]));
+                    half_store(out + i, half_add(half_load(from + i), to_cosine[k]));
+                    half_store(out + i + half, half_add(half_load(from + i + half), to_sine[k]));
                 }
         }
     for (int64_t k = 0; k < g->rest.size; k++)
-        x.new[g->to.at[k]] += g->rest.at[k] * f[g->by.at[k]];
+        out[g->to.at[k]] += g->rest.at[k] * f[g->by.at[k]];
 }
 
-/* Replace the forces in the place of x_{n+1} by x_{n+1} = x_{n-1} + A^-1 f; `f` is scratch. */
-static inline void turn(const Rotor *rotor, const Gyroscopic *g, Motion x, double *f)
+/* Store `from` plus the product of a matrix and f in `out`. */
+static void add_product(const Rotor *rotor, const ModalMatrix *matrix, int64_t entries,
+                        const double *f, const double *from, double *out)
 {
-    for (int64_t i = 0; i < x.entries; i += LANES)
-        store(f + i, load(x.new + i));
     if (rotor->half > 0) {
-        add_blocks(rotor, g, f, x);
+        add_blocks(rotor, matrix, f, from, out);
         return;
     }
-    int64_t columns = g->full.columns, copies = x.entries / columns;
+    int64_t columns = matrix->full.columns, copies = entries / columns;
     for (int64_t copy = 0; copy < copies; copy++) {
         int64_t at = copy * columns;
-        add_full(&g->full, copy, g->full.rows / copies, f + at, x.old + at, x.new + at);
+        add_full(&matrix->full, copy, matrix->full.rows / copies, f + at, from + at, out + at);
     }
+}
+
+/* Replace the forces in the place of x_{n+1} by x_{n+1} = x_{n-1} + A^-1 f, where f includes a
+ * further force unless it is NULL; `f` is scratch. */
+static inline void turn(const Rotor *rotor, const Gyroscopic *g, Motion x, const double *further,
+                        double *f)
+{
+    for (int64_t i = 0; i < x.entries; i += LANES)
+        store(f + i, further ? add(load(x.new + i), load(further + i)) : load(x.new + i));
+    add_product(rotor, &g->inverse, x.entries, f, x.old, x.new);
 }
 
 /* Do the same as `correct_rotor` for coupled modes; x_{n+1} contains the response to `along`, and
@@ -170,7 +180,7 @@ static void correct_turning_rotor(const Rotor *rotor, const Gyroscopic *g, int64
     if (half == 0) {
         for (int64_t i = 0; i < columns; i += LANES)
             store(forces + i, muladd(slides, load(drag_at + i), load(push_at + i)));
-        add_full(&g->full, 0, g->full.rows, forces, x.new, x.new);
+        add_full(&g->inverse.full, 0, g->inverse.full.rows, forces, x.new, x.new);
     }
     for (int64_t h = 0; h < columns; h += LANES) {
         Lanes push = load(push_at + h), pull = load(push_at + half + h), column = splat(0.0);

@@ -32,6 +32,7 @@ from bladewhirl.solvers.packing.nodes import (
     pack_nodes,
 )
 from bladewhirl.solvers.packing.rotor import pack_gyroscopic, pack_rotor
+from bladewhirl.solvers.packing.speed import pack_speed
 from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs
 
 
@@ -73,12 +74,13 @@ class CentralDifference:
             cyclic=self.cyclic[1],
             friction=problem.friction if problem.rotor.nodes is None else None,
         )
+        self._spins = problem.change is not None and problem.change.coriolis is not None
         self._arrangements, self._nodes = (rotor, casing), pack_nodes(problem, time_step)
         bodies = self._rotor.body, self._casing.body
         self._stage = {
             "rotor": self._rotor,
             "casing": self._casing,
-            "springs": pack_springs(problem, self._arrangements, time_step),
+            "springs": pack_springs(problem, self._arrangements),
             "dampers": pack_dampers(problem, bodies, self._arrangements, time_step),
             "gyroscopic": pack_gyroscopic(problem, self._rotor, rotor, time_step),
             "closure": pack_closure(problem.closure),
@@ -88,6 +90,7 @@ class CentralDifference:
             "node_coating": pack_node_coating(problem),
             "numbers": _numbers(problem, time_step),
         }
+        self._stage["speed"] = pack_speed(problem, rotor, self._stage, self._pack_coupled)
         self._scratch = Struct("Scratch", **self._working_arrays())
         # State and records are copied to and from arrays that are used again, as making and
         # checking new ones takes longer.
@@ -96,15 +99,37 @@ class CentralDifference:
         #: whether records contain the motion of the casing; if not, its arrays have no columns
         self.records_casing = True
 
+    def _pack_coupled(self, problem: ContactProblem) -> dict[str, Struct | None]:
+        """Return the structs that depend on Coriolis forces, for the same problem at another
+        speed."""
+        dt, cyclic = self._time_step, self.cyclic[0]
+        arrangement, packed = pack_rotor(problem, dt, cyclic=cyclic)
+        like = self._stage["gyroscopic"]
+        return {
+            "rotor": packed,
+            "gyroscopic": pack_gyroscopic(problem, packed, arrangement, dt, like),
+            "foreshortening": pack_foreshortening(problem, arrangement, dt, cyclic=cyclic),
+            "nodes": pack_nodes(problem, dt),
+        }
+
     def init(self) -> KernelState:
         """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
         problem, start, dt = self._problem, self._problem.start, self._time_step
+        speed, rate = problem.speed, 0.0
+        if problem.change is not None:
+            speed, rate = problem.speed_at(0.0), float(problem.change.course.acceleration(0.0))
         amplitudes = np.array(
-            [np.cos(load.phase) * (load.ramp <= 0.0) * (load.end > 0.0) for load in problem.loads]
+            [
+                np.cos(load.phase)
+                * (load.ramp <= 0.0)
+                * (load.end > 0.0)
+                * load.scale_at(speed**2 - problem.speed**2, rate)
+                for load in problem.loads
+            ]
         )
         springs = problem.spring_force(0.0, np.concatenate([start.rotor, start.casing]))
         pulls = np.split(springs, [len(start.rotor)])
-        pulls[0] = pulls[0] + problem.rotor.turning_force(start.rotor, start.rotor_velocity)
+        pulls[0] = pulls[0] + problem.turning_force()
         slots = []
         for name, arrangement, pull in zip(
             ("rotor", "casing"), self._arrangements, pulls, strict=True
@@ -121,7 +146,7 @@ class CentralDifference:
         arrays = zeros("State", self._sizes())
         arrays |= {"rotor": slots[0], "casing": slots[1], "gap": problem.initial_gap()}
         arrays["until"] -= 1.0
-        arrays["direction"][:, 0::2] = np.sign(problem.speed)
+        arrays["direction"][:, 0::2] = np.sign(speed)
         if problem.coating is not None:
             strain = np.atleast_2d(problem.coating.strain)
             arrays["strain"][:, : strain.shape[1]] = strain
@@ -167,6 +192,8 @@ class CentralDifference:
         tracks, rods = (0, 0) if coating is None else np.atleast_2d(coating.strain).shape
         return {
             **node_sizes(self._problem),
+            "spun": rotor.entries if self._spins else 0,
+            "rotation_numbers": lib.ROTATION_NUMBERS if self._problem.change is not None else 0,
             "rotor_entries": rotor.entries,
             "casing_entries": casing.entries,
             "tips": tips,
@@ -223,6 +250,7 @@ class CentralDifference:
         """Return a copy of the records written."""
         records, (rotor, casing) = self._records, self._arrangements
         step, work = records.step[:written].copy(), records.work[:written].copy()
+        varies = self._problem.change is not None
         wall = [records.casing[:written], records.casing_velocity[:written]]
         if self.records_casing:
             wall = [casing.unpack(each) for each in wall]
@@ -246,6 +274,8 @@ class CentralDifference:
             coupling_work=work[:, lib.PARAMETRIC],
             coating=self._coating_records(written, after),
             closing_work=work[:, lib.CLOSING],
+            rotation_angle=records.rotation[:written, lib.ANGLE].copy() if varies else np.zeros(0),
+            rotation_speed=records.rotation[:written, lib.SPEED].copy() if varies else np.zeros(0),
             **self._node_records(written),
         )
 
@@ -296,12 +326,14 @@ def _numbers(problem: ContactProblem, dt: float) -> Struct:
     return Struct(
         "Numbers",
         time_step=dt,
+        angle_per_step=problem.speed * dt,
         elements_per_step=problem.speed * dt * per_radian,
         friction=problem.friction,
         sliding=float(np.sign(problem.speed)),
         is_signed=float(problem.sliding == "signed"),
         speed=problem.speed,
         wheel_speed=rotor.tip_radius * problem.speed,
+        radius=rotor.tip_radius,
         elements_per_metre=per_radian / rotor.tip_radius if problem.tip_rotation else 0.0,
         displacement_limit=problem.displacement_limit,
         gap_scale=float(np.abs(casing.clearance[:, 0]).min()),

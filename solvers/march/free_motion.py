@@ -54,6 +54,8 @@ class FreeMotion:
         since = max((load.end for load in problem.loads), default=0.0)
         if math.isinf(since):
             raise ValueError("a load never ends")
+        if problem.change is not None:
+            raise ValueError("the speed varies")
         clearance, bodies = problem.free_bodies()
         lost = 0.0 if problem.closure is None else problem.closure.course.largest_loss
         gap = CLOSING * (clearance - lost)

@@ -95,6 +95,10 @@ class Chunk:
     coupling_work: FloatArray = absent()
     """Work on the rotor due to its rotation relative to springs and dampers in the static frame
     [J], (records,)."""
+    rotation_angle: FloatArray = absent()
+    """Angle of the rotor [rad], (records,); empty at constant speed."""
+    rotation_speed: FloatArray = absent()
+    """Speed of rotation [rad/s], (records,); empty at constant speed."""
     coating: CoatingRecords | None = None  #: None without a coating
 
     @property

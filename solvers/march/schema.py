@@ -15,7 +15,7 @@ from bladewhirl.files import packaged_rows
 RESULT_NAME = "result.nc"
 """Name of the result file in the folder of a run."""
 
-RESULT_FORMAT = 11
+RESULT_FORMAT = 12
 """Current format of result.nc. Files of formats 1 and 2 contain no format number. A file of an
 older format lacks variables with a higher number in the column "since", most of which are added
 when such a file is opened. Before format 10 contact nodes were named "blade" along their dimension,
@@ -48,7 +48,8 @@ class Variable(NamedTuple):
     part: str
     """Part of a stage that has the variable: "families" of modes, "lines" of a mesh of beams,
     motion of the "centre", contact "nodes" whose motion is recorded, "points" for pictures,
-    "gauges", "stress" at points, or a flexible "casing"; "" for every stage."""
+    "gauges", "stress" at points, a flexible "casing", or a "speed" that varies; "" for every
+    stage."""
     values: str
     """Allowed values: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any."""
     labels: tuple[str, ...]

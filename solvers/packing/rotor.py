@@ -25,7 +25,7 @@ FOLDED = 96
 `arrangement.folded`. With fewer blades this saves less than a tenth of a step."""
 
 ROUNDING = 1e-14
-"""An entry of A^-1 up to this fraction of the largest counts as zero."""
+"""An entry of a matrix up to this fraction of the largest counts as zero."""
 
 ALIKE = 1e-12
 """Cosine and sine modes are equally damped if their damping differs by at most this fraction of the
@@ -132,7 +132,11 @@ def rotor_inverses(rotor: ReducedRotor, dt: float) -> FloatArray:
 
 
 def pack_gyroscopic(
-    problem: ContactProblem, packed: Struct, arrangement: Arrangement, dt: float
+    problem: ContactProblem,
+    packed: Struct,
+    arrangement: Arrangement,
+    dt: float,
+    like: Struct | None = None,
 ) -> Struct | None:
     """Return the coupling of the rotor modes by Coriolis forces; None without Coriolis forces.
 
@@ -141,29 +145,23 @@ def pack_gyroscopic(
         packed: arrays of the rotor.
         arrangement: arrangement of the rotor modes.
         dt: time step [s].
+        like: the coupling at another speed, whose places of entries outside the blocks are kept.
     """
     rotor = problem.rotor
     if rotor.by_velocity is None:
         return None
     inverses = rotor_inverses(rotor, dt)
-    cyclic, none = arrangement.half > 0, np.zeros(0, dtype=np.int64)
+    cyclic = arrangement.half > 0
     damping = rotor.velocity_forces
     loss, full_loss = _losses((damping + damping.swapaxes(1, 2)) / 2.0, arrangement)
     stands_still = [0, 1] if rotor.circulation != 0.0 else []
     pull = rotor.circulation * rotor.centre * np.array([[1.0], [-1.0]])
-    blocks, rest, to, by = (
-        _blocks(inverses[0], arrangement) if cyclic else (aligned(0), aligned(0), none, none)
-    )
     normal, normal_across, shear, shear_across = (
         _answers(inverses[0], arrangement, packed) if cyclic else 4 * [aligned((0, lib.LANES))]
     )
     return Struct(
         "Gyroscopic",
-        blocks=blocks,
-        rest=rest,
-        to=to,
-        by=by,
-        full=aligned((0, lib.LANES)) if cyclic else _rows_by_copy(inverses, arrangement),
+        inverse=modal_matrix(inverses, arrangement, None if like is None else like.inverse),
         loss=loss,
         full_loss=full_loss,
         normal=normal,
@@ -175,6 +173,29 @@ def pack_gyroscopic(
     )
 
 
+def modal_matrix(
+    matrices: FloatArray,
+    arrangement: Arrangement,
+    like: Struct | None = None,
+) -> Struct:
+    """Return a matrix over the modes of the rotor.
+
+    Args:
+        matrices: matrix of each copy, (copies, modes, modes).
+        arrangement: arrangement of the rotor modes.
+        like: a matrix whose places of entries outside the blocks are kept.
+    """
+    none = np.zeros(0, dtype=np.int64)
+    blocks, rest, to, by = aligned(0), aligned(0), none, none
+    full = aligned((0, lib.LANES))
+    if arrangement.half > 0:
+        places = None if like is None else (like.to, like.by)
+        blocks, rest, to, by = _blocks(matrices[0], arrangement, places)
+    else:
+        full = _rows_by_copy(matrices, arrangement)
+    return Struct("ModalMatrix", blocks=blocks, rest=rest, to=to, by=by, full=full)
+
+
 def _rows_by_copy(inverses: FloatArray, arrangement: Arrangement) -> FloatArray:
     """Return the response of the modes of a copy to a force on each mode, (modes, columns)."""
     copies, modes, _ = inverses.shape
@@ -184,9 +205,12 @@ def _rows_by_copy(inverses: FloatArray, arrangement: Arrangement) -> FloatArray:
 
 
 def _blocks(
-    inverse: FloatArray, arrangement: Arrangement
+    inverse: FloatArray,
+    arrangement: Arrangement,
+    places: tuple[IntArray, IntArray] | None,
 ) -> tuple[FloatArray, FloatArray, IntArray, IntArray]:
-    """Split A^-1 (modes, modes) of a cyclic rotor into a block for each nodal diameter and a rest.
+    """Split a matrix (modes, modes) of a cyclic rotor into a block for each nodal diameter and a
+    rest, at given places or where it is not zero.
 
     Returns:
         the blocks in the order of the kernel; the nonzero entries outside the blocks; the row and
@@ -199,24 +223,26 @@ def _blocks(
     grid = full.reshape(rows, columns, rows, columns)
     cosine = np.arange(half)
     sine = half + cosine
-    direct, across = grid[:, cosine, :, cosine].copy(), grid[:, cosine, :, sine].copy()
+    own, across = grid[:, cosine, :, cosine].copy(), grid[:, cosine, :, sine].copy()
     for to, by, block in (
-        (cosine, cosine, direct),
-        (sine, sine, direct),
+        (cosine, cosine, own),
+        (sine, sine, own),
         (cosine, sine, across),
         (sine, cosine, -across),
     ):
         grid[:, to, :, by] -= block
     empty = np.setdiff1d(np.arange(entries), arrangement.entry)  # positions without a mode
     full[empty], full[:, empty] = 0.0, 0.0
-    to, by = np.nonzero(np.abs(full) > ROUNDING * np.abs(inverse).max())
-    order = np.argsort(by, kind="stable")
+    if places is None:
+        to, by = np.nonzero(np.abs(full) > ROUNDING * np.abs(inverse).max(initial=0.0))
+        order = np.argsort(by, kind="stable")
+        places = to[order], by[order]
     blocks = np.zeros((2, half, padded(rows, lib.ROWS), rows))
-    blocks[:, :, :rows] = direct, across
+    blocks[:, :, :rows] = own, across
     registers = blocks.reshape(2, half // lib.HALF, lib.HALF, -1, lib.ROWS, rows).transpose(
         1, 3, 5, 0, 4, 2
     )
-    return aligned_copy(registers.reshape(-1)), full[to, by][order], to[order], by[order]
+    return aligned_copy(registers.reshape(-1)), full[places], *places
 
 
 def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, FloatArray]:

@@ -48,14 +48,13 @@ def damper_ends(rows: FloatArray, body: Struct, arrangement: Arrangement, dt: fl
 
 
 def pack_springs(
-    problem: ContactProblem, arrangements: tuple[Arrangement, Arrangement], dt: float
+    problem: ContactProblem, arrangements: tuple[Arrangement, Arrangement]
 ) -> Struct | None:
     """Return the springs between the bodies and unequal static shaft springs, by harmonic.
 
     Args:
         problem: contact problem.
         arrangements: arrangements of the modes of rotor and casing.
-        dt: time step [s].
 
     Returns:
         the springs, None if there are none.
@@ -74,7 +73,7 @@ def pack_springs(
         springs["nodal_diameter"] = np.append(springs["nodal_diameter"], 1.0)
         springs["factor"] = np.append(springs["factor"], [anisotropy, -anisotropy])
         springs["rotor"] = {name: np.append(ends[name], centre[name]) for name in ends}
-    return Struct("Springs", **springs, angle_per_step=problem.speed * dt)
+    return Struct("Springs", **springs)
 
 
 def _springs_between(

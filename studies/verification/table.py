@@ -19,6 +19,7 @@ SUBJECTS = {
     "stability": "Parametric stability",
     "rotation": "Effects of rotation",
     "whirl": "Marches with Coriolis forces",
+    "speed": "Speed that varies",
     "forced": "Engine-order forces",
     "sensors": "Sensors",
     "coating": "Abradable coating",

@@ -1,0 +1,216 @@
+/* Speed of rotation that varies over time.
+ *
+ * In rotating axes the displacements x of the rotor from the state of steady rotation at the speed
+ * `base` follow
+ *
+ *     x'' + (D + 2 Omega G) x' + (K + (Omega^2 - base^2) K_1 + Omega' G) x = f
+ *
+ * in modal coordinates at that speed. The centrifugal and the Euler force on the undeformed rotor
+ * are load patterns. The step differs from that at constant speed by
+ *
+ *     - the inverse of A at a speed near Omega, which is interpolated every REFRESH steps between
+ *       the inverses at a few speeds. It is a polynomial but for (dt Omega)^points;
+ *     - the force of the rest of the speed, -2 (Omega - centre) G (x_n - x_{n-1}) / dt, whose
+ *       velocity is half a step late: an error of dt (Omega - centre) in the acceleration;
+ *     - the forces -(Omega^2 - base^2) K_1 x_n and -Omega' G x_n.
+ *
+ * The stored energy includes x_{n-1}^T K_1 x_n / 2 times the difference of the squares at n - 1. The
+ * work of the drive on the rotating axes is PARAMETRIC.
+ */
+#ifndef SPEED_H
+#define SPEED_H
+
+#include "turning.h"
+
+enum { REFRESH = 256 }; /* steps for which arrays that depend on the speed are kept */
+
+/* Return the last piece that begins at or before a time, or the first one. */
+static const double *piece_at(const Matrix *pieces, double time)
+{
+    int64_t below = 0, above = pieces->rows;
+    while (above - below > 1) {
+        int64_t middle = (below + above) / 2;
+        if (pieces->at[middle * PIECE_NUMBERS] <= time)
+            below = middle;
+        else
+            above = middle;
+    }
+    return pieces->at + below * PIECE_NUMBERS;
+}
+
+/* Compute angle, speed and acceleration at a step. Returns the angle that the change of the speed
+ * adds to that of rotation at the speed `base`. */
+static double course_at(const Speed *s, const Numbers *n, double step, double *angle, double *speed,
+                        double *acceleration)
+{
+    double time = step * n->time_step;
+    const double *piece = piece_at(&s->pieces, time), *c = piece + PIECE_SPEED;
+    double t = time - piece[PIECE_START];
+    double added = piece[PIECE_ANGLE]
+                   + t * (c[0] + t * (c[1] / 2.0 + t * (c[2] / 3.0 + t * c[3] / 4.0)));
+    *acceleration = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3]);
+    *speed = s->base + (c[0] + t * (c[1] + t * (c[2] + t * c[3])));
+    *angle = n->angle_per_step * step + added;
+    return added;
+}
+
+/* Interpolate the arrays that depend on the speed. */
+static void set_speed(const Speed *s, double speed)
+{
+    double weight[MOST_POINTS];
+    int64_t size = s->current.size; /* a whole number of registers */
+    for (int64_t k = 0; k < s->points.size; k++) {
+        weight[k] = 1.0;
+        for (int64_t j = 0; j < s->points.size; j++)
+            if (j != k)
+                weight[k] *= (speed - s->points.at[j]) / (s->points.at[k] - s->points.at[j]);
+    }
+    for (int64_t i = 0; i < size; i += LANES) {
+        Lanes sum = splat(0.0);
+        for (int64_t k = 0; k < s->points.size; k++)
+            sum = muladd(splat(weight[k]), load(s->samples.at + k * size + i), sum);
+        store(s->current.at + i, sum);
+    }
+}
+
+/* Compute the rotation in a step at constant speed. */
+static void rotate_steadily(March *m, int64_t step)
+{
+    const Numbers *n = m->stage.numbers;
+    m->rotation = (Rotation){.angle = {n->angle_per_step * (double)(step - 1),
+                                       n->angle_per_step * (double)step},
+                             .elements = n->elements_per_step * (double)(step + 1),
+                             .speed = n->speed,
+                             .wheel_speed = n->wheel_speed,
+                             .circulation = 1.0,
+                             .now = n->speed};
+}
+
+/* Store K_1 x in `stiffened` for a cyclic rotor whose blocks X are zero and left out. */
+static void direct_product(const Rotor *rotor, const ModalMatrix *matrix, const double *x,
+                           double *stiffened)
+{
+    int64_t rows = rotor->radial.rows, columns = rotor->radial.columns, half = rotor->half;
+    const double *at = matrix->blocks.at;
+    for (int64_t h = 0; h < half; h += HALF)
+        for (int64_t m = 0; m < rows; m += ROWS) {
+            Half to_cosine[ROWS], to_sine[ROWS];
+            for (int k = 0; k < ROWS; k++)
+                to_cosine[k] = to_sine[k] = half_splat(0.0);
+            for (int64_t n = 0; n < rows; n++, at += ROWS * HALF) {
+                Half cosine = half_load(x + n * columns + h);
+                Half sine = half_load(x + n * columns + half + h);
+                for (int k = 0; k < ROWS; k++) {
+                    Half own = half_load(at + k * HALF);
+                    to_cosine[k] = half_muladd(own, cosine, to_cosine[k]);
+                    to_sine[k] = half_muladd(own, sine, to_sine[k]);
+                }
+            }
+            for (int k = 0; k < ROWS; k++)
+                if (m + k < rows) {
+                    half_store(stiffened + (m + k) * columns + h, to_cosine[k]);
+                    half_store(stiffened + (m + k) * columns + half + h, to_sine[k]);
+                }
+        }
+    for (int64_t k = 0; k < matrix->rest.size; k++)
+        stiffened[matrix->to.at[k]] += matrix->rest.at[k] * x[matrix->by.at[k]];
+}
+
+/* Compute K_1 x_n, and the force due to the change of the speed: that of K_1 and that of G, which
+ * acts on the acceleration and on the part of the speed that the inverse of A lacks. */
+static void speed_forces(March *m)
+{
+    const Speed *speed = m->stage.speed;
+    const Rotation *r = &m->rotation;
+    Motion x = m->x;
+    double *stiffened = m->scratch->speed.stiffened.at, *force = m->scratch->speed.force.at;
+    double *input = m->scratch->speed.input.at;
+    double late = 2.0 * (r->now - r->centre) / m->stage.numbers->time_step;
+    int steady = late == 0.0 && r->acceleration == 0.0;
+    if (!speed->direct || (r->square[0] == 0.0 && r->square[1] == 0.0))
+        for (int64_t i = 0; i < x.entries; i += LANES)
+            store(stiffened + i, splat(0.0));
+    if (speed->direct && (r->square[0] != 0.0 || r->square[1] != 0.0))
+        direct_product(m->stage.rotor, &speed->stiffening, x.now, stiffened);
+    else if (r->square[0] != 0.0 || r->square[1] != 0.0)
+        add_product(m->stage.rotor, &speed->stiffening, x.entries, x.now, stiffened, stiffened);
+    Lanes by_old = splat(late), by_now = splat(-r->acceleration - late), by = splat(-r->square[1]);
+    for (int64_t i = 0; i < x.entries; i += LANES) {
+        store(input + i, muladd(by_now, load(x.now + i), mul(by_old, load(x.old + i))));
+        store(force + i, mul(by, load(stiffened + i)));
+    }
+    if (!steady)
+        add_product(m->stage.rotor, &speed->coriolis, x.entries, input, force, force);
+}
+
+/* Compute the rotation in a step, and the forces due to its change. */
+static void prepare_speed(March *m, int64_t step, int first)
+{
+    const Speed *speed = m->stage.speed;
+    if (!speed) {
+        rotate_steadily(m, step);
+        return;
+    }
+    const Numbers *n = m->stage.numbers;
+    Rotation *r = &m->rotation;
+    ContactScratch *c = &m->scratch->contact;
+    double square = speed->base * speed->base, ignored;
+    if (first) {
+        course_at(speed, n, (double)(step - 1), &r->angle[1], &r->now, &ignored);
+        course_at(speed, n, (double)step, &r->next, &r->speed, &r->later);
+    }
+    r->angle[0] = r->angle[1];
+    r->angle[1] = r->next;
+    r->square[0] = r->now * r->now - square;
+    r->now = r->speed;
+    r->acceleration = r->later;
+    double added = course_at(speed, n, (double)(step + 1), &r->next, &r->speed, &r->later);
+    r->elements = n->elements_per_step * (double)(step + 1)
+                  + added * (double)m->stage.casing->nodes / (2.0 * PI);
+    r->wheel_speed = n->radius * r->speed;
+    r->circulation = speed->base != 0.0 ? r->now / speed->base : 0.0;
+    r->square[1] = r->now * r->now - square;
+    for (int64_t j = 0; j < c->sign.size && n->is_signed == 0.0; j++)
+        c->sign.at[j] = (r->speed > 0.0) - (r->speed < 0.0);
+    if (m->scratch->speed.force.size == 0)
+        return;
+    if (first || step % REFRESH == 0) {
+        double middle = (double)(step - step % REFRESH) + 0.5 * REFRESH, centre, angle;
+        course_at(speed, n, middle, &angle, &centre, &ignored);
+        if (first || centre != r->centre) {
+            r->centre = centre;
+            set_speed(speed, centre);
+            for (int64_t j = 0; j < c->known.columns; j++)
+                c->known.at[j] = -1;
+        }
+    }
+    speed_forces(m);
+}
+
+/* Record angle and speed. Returns the energy x_{n-1}^T (K - K_base) x_n / 2. */
+static double record_speed(const March *m, Records *records, int64_t row)
+{
+    const SpeedScratch *s = &m->scratch->speed;
+    double *to = records->rotation.at + row * ROTATION_NUMBERS;
+    to[ANGLE] = m->rotation.angle[1];
+    to[SPEED] = m->rotation.now;
+    return 0.5 * m->rotation.square[0] * dot(m->x.old, s->stiffened.at, s->stiffened.size);
+}
+
+/* Add the work of the drive on the rotating axes in a step: that of the force, and the increase of
+ * the energy of `record_speed`. */
+static void account_speed(const March *m)
+{
+    const SpeedScratch *s = &m->scratch->speed;
+    const double *force = s->force.at, *stiffened = s->stiffened.at;
+    Motion x = m->x;
+    Lanes work = splat(0.0), after = splat(m->rotation.square[1]), before = splat(m->rotation.square[0]);
+    for (int64_t i = 0; i < s->force.size; i += LANES) {
+        Lanes old = load(x.old + i), new = load(x.new + i);
+        work = muladd(sub(new, old), load(force + i), work);
+        work = muladd(sub(mul(after, new), mul(before, old)), load(stiffened + i), work);
+    }
+    m->state->work.at[PARAMETRIC] += 0.5 * total(work);
+}
+
+#endif
