@@ -6,13 +6,13 @@ period T = 2 pi / (p Omega), and each harmonic h with the frequency w = h p Omeg
 
     u_h = H(w) f_h,   H(w) = C + P (W^2 - w^2 + i w D)^-1 P^T.
 
-On a grid of n instants in a period, responses to forces are cyclic convolutions, which the FFT
-computes. Forces are linear between instants, and the modes respond exactly: with the transition
-matrix E of a step and the responses G0, G1 to forces that fall or rise linearly in a step, the
-state y of the modes satisfies y_{i+1} = E y_i + G0 f_i + G1 f_{i+1}, and its harmonics are
-(z - E)^-1 (G0 + z G1) f_h with z = exp(2 pi i h / n), which replace those of H. In contrast to a
-trigonometric interpolation, forces have no effect on instants before them, and a Newton method
-finds motions with many contact nodes more often.
+On a grid of n instants in a period, responses to forces are cyclic convolutions. Forces are linear
+between instants, and the modes respond exactly: with the transition matrix E of a step and the
+responses G0, G1 to forces that fall or rise linearly in a step, the state y of the modes satisfies
+y_{i+1} = E y_i + G0 f_i + G1 f_{i+1}. Because motions are periodic, y_i is (1 - E^n)^-1 times the
+sum of E^j (G0 f_{i-j-1} + G1 f_{i-j}) for 0 <= j < n, to which sums of 1, 2, 4, ... terms lead. In
+contrast to a trigonometric interpolation, forces have no effect on instants before them, and a
+Newton method finds motions with many contact nodes more often.
 """
 
 from collections.abc import Iterable, Mapping
@@ -167,7 +167,7 @@ class Grid:
     """
 
     blade: Blade
-    instants: int  #: number of instants, even
+    instants: int  #: number of instants, a power of two
 
     @property
     def step(self) -> float:
@@ -207,29 +207,57 @@ class Grid:
         )
 
     @cached_property
-    def _modal(self) -> ComplexArray:
-        """Modal coordinates and velocities for unit harmonics of the contact forces,
-        (harmonics, 2, modes, 3 * nodes)."""
+    def _powers(self) -> list[FloatArray]:
+        """Powers 1, 2, 4, ... of E up to half the number of instants; at last (1 - E^n)^-1."""
+        powers = [self.transition[0]]
+        while 2 ** len(powers) <= self.instants:
+            powers.append(powers[-1] @ powers[-1])
+        powers[-1] = np.asarray(np.linalg.inv(np.eye(len(powers[-1])) - powers[-1]))
+        return powers
+
+    def carry(self, states: FloatArray, steps: int) -> FloatArray:
+        """Return states (2 * modes, columns) after steps without forces, less than the instants."""
+        for doubled, power in enumerate(self._powers[:-1]):
+            if steps >> doubled & 1:
+                states = power @ states
+        return states
+
+    @cached_property
+    def _pulse(self) -> FloatArray:
+        """States after a unit force at the first instant of each period,
+        (instants, 2 * modes, 3 * nodes)."""
         carried, early, late = self.transition
-        z = np.exp(2j * np.pi / self.instants * np.arange(self.instants // 2 + 1))[:, None, None]
-        answer = np.linalg.solve(z * np.eye(len(carried)) - carried, early + z * late)
-        answer = answer.reshape(len(z), 2, -1, early.shape[1])
-        return np.asarray(answer / np.array([self.unit, 1.0])[:, None, None])
+        *powers, repeated = self._powers
+        states = (carried @ late + early)[None]
+        for power in powers:
+            states = np.concatenate([states, power @ states])
+        states = np.roll(repeated @ states, 1, axis=0)
+        states[0] += late
+        return states
 
     @cached_property
     def by_force(self) -> FloatArray:
         """Displacements for a unit force at the first instant [m/N], (instants, 3n, 3n)."""
-        elastic = self.blade.contact @ self._modal[:, 0]
-        return np.fft.irfft(elastic + self.blade.compliance, self.instants, axis=0)
+        moved = self.to_nodes[0] @ self._pulse
+        moved[0] += self.blade.compliance
+        return np.asarray(moved)
 
     @cached_property
     def rate_by_force(self) -> FloatArray:
         """Velocities for a unit force at the first instant [m/(N s)], (instants, 3n, 3n). C f is
         differentiated by backward differences, as in the march."""
-        rate = np.fft.irfft(self.blade.contact @ self._modal[:, 1], self.instants, axis=0)
+        rate = self.to_nodes[1] @ self._pulse
         rate[0] += self.blade.compliance / self.step
         rate[1] -= self.blade.compliance / self.step
-        return rate
+        return np.asarray(rate)
+
+    @cached_property
+    def lagged(self) -> FloatArray:
+        """`by_force` and `rate_by_force` by component, (2, 3, 3, nodes * nodes * instants)."""
+        both = np.stack([self.by_force, self.rate_by_force])
+        nodes = self.blade.nodes
+        apart = both.reshape(2, self.instants, nodes, DIRECTIONS, nodes, DIRECTIONS)
+        return apart.transpose(0, 3, 5, 2, 4, 1).reshape(2, DIRECTIONS, DIRECTIONS, -1)
 
     @cached_property
     def _free(self) -> FloatArray:
@@ -245,15 +273,21 @@ class Grid:
     def modes(self, force: FloatArray | None) -> FloatArray:
         """Return modal coordinates [kg^1/2 m] and velocities [kg^1/2 m/s] under contact forces,
         (2, instants, modes); None: without contact forces."""
-        if force is None:
+        if force is None or not force.any():
             return self._free
-        pushed = np.einsum("hdmk,hk->dhm", self._modal, np.fft.rfft(force, axis=0))
-        return np.asarray(self._free + np.fft.irfft(pushed, self.instants, axis=1))
+        _, early, late = self.transition
+        *powers, repeated = self._powers
+        states = np.roll(force, 1, axis=0) @ early.T + force @ late.T
+        for doubled, power in enumerate(powers):
+            states = np.asarray(states + np.roll(states @ power.T, 2**doubled, axis=0))
+        own = (states @ repeated.T).reshape(self.instants, 2, -1).transpose(1, 0, 2)
+        return np.asarray(self._free + own / np.array([self.unit, 1.0])[:, None, None])
 
-    def displacement(self, force: FloatArray) -> FloatArray:
-        """Return the displacements of the contact nodes under forces [m], (instants, 3 * nodes)."""
+    def displacement(self, force: FloatArray, modes: FloatArray) -> FloatArray:
+        """Return the displacements of the contact nodes under forces, with the motion of the modes
+        of `modes` [m], (instants, 3 * nodes)."""
         blade = self.blade
-        return np.asarray(self.modes(force)[0] @ blade.contact.T + force @ blade.compliance.T)
+        return np.asarray(modes[0] @ blade.contact.T + force @ blade.compliance.T)
 
     @cached_property
     def wall(self) -> FloatArray:
@@ -267,16 +301,12 @@ class Grid:
         """Gaps without contact forces [m], (instants, nodes)."""
         return np.asarray(self.wall - self._free[0] @ self.blade.contact[::DIRECTIONS].T)
 
-    def gap(self, force: FloatArray) -> FloatArray:
-        """Return the gaps under contact forces [m], (instants, nodes)."""
-        return np.asarray(self.wall - self.displacement(force)[:, ::DIRECTIONS])
-
-    def slip(self, force: FloatArray) -> FloatArray:
-        """Return tangential and axial slip velocities under contact forces [m/s],
-        (instants, nodes, 2)."""
+    def slip(self, force: FloatArray, modes: FloatArray) -> FloatArray:
+        """Return tangential and axial slip velocities under contact forces, with the motion of the
+        modes of `modes` [m/s], (instants, nodes, 2)."""
         blade = self.blade
         change = (force - np.roll(force, 1, axis=0)) / self.step
-        velocity = self.modes(force)[1] @ blade.contact.T + change @ blade.compliance.T
+        velocity = modes[1] @ blade.contact.T + change @ blade.compliance.T
         slip = velocity.reshape(self.instants, -1, DIRECTIONS)[..., 1:].copy()
         slip[..., 0] += blade.speed * blade.radius
         return np.asarray(slip)

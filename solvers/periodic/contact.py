@@ -10,11 +10,12 @@ with the gap g and the slip velocity v; outside it lambda = 0. All of them have 
 """
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
-from bladewhirl.solvers.periodic.blade import DIRECTIONS, Blade, Grid
+from bladewhirl.solvers.periodic.blade import DIRECTIONS, Grid
 
 TOGETHER = 15  #: Newton steps with changes of all wrong members of the active set
 MEMORY = 8  #: periods divided by the time in which a wrong member causes others
@@ -25,10 +26,7 @@ SAME, SAME_ANGLE = 1e-11, 1e-8
 """Relative change of the forces, and change of the directions of sliding [rad], at which Newton's
 method ends."""
 STRAIGHT = 0.5  #: largest change of a direction of sliding in a Newton step [rad]
-FIRST_INSTANTS, LEAST_INSTANTS, MOST_INSTANTS = 64, 512, 2048
-"""Instants of the first grid, of the coarsest grid of a result, and of the finest grid."""
-IMPULSE_ERROR = 1e-3
-"""Change of the impulse with the last refinement; the error of the finer grid is smaller."""
+PATIENT_INSTANTS = 256  #: most instants for which few wrong members change at once
 SMALLEST_SHARE = 1e-3  #: smallest step of the distance by which the wall moves in
 
 
@@ -43,10 +41,11 @@ class Motion:
     grid: Grid
     normal: FloatArray  #: normal forces lambda [N]
     angle: FloatArray  #: angles psi of the directions of sliding [rad]
-    offset: float = field(default=0.0, kw_only=True)  #: distance by which the wall is moved out [m]
+    offset: float | FloatArray = field(default=0.0, kw_only=True)
+    """Distance by which the wall is moved out [m], also one for each instant and node."""
 
     @classmethod
-    def free(cls, grid: Grid, offset: float = 0.0) -> "Motion":
+    def free(cls, grid: Grid, offset: float | FloatArray = 0.0) -> "Motion":
         """Return the motion without contact forces; sliding is along the rotation."""
         rest = np.zeros(grid.free_gap.shape)
         return cls(grid, rest, rest + (0.0 if grid.blade.speed > 0.0 else np.pi), offset=offset)
@@ -59,16 +58,47 @@ class Motion:
             [np.ones_like(self.angle), mu * np.cos(self.angle), mu * np.sin(self.angle)], axis=-1
         )
 
-    @property
+    @cached_property
     def force(self) -> FloatArray:
         """Contact forces [N], (instants, 3 * nodes)."""
         force = -self.normal[..., None] * self.ways
         return np.asarray(force.reshape(self.grid.instants, -1))
 
-    @property
+    @cached_property
+    def modes(self) -> FloatArray:
+        """Modal coordinates [kg^1/2 m] and velocities [kg^1/2 m/s], (2, instants, modes)."""
+        return self.grid.modes(self.force)
+
+    @cached_property
+    def displacement(self) -> FloatArray:
+        """Displacements of the contact nodes [m], (instants, 3 * nodes)."""
+        return self.grid.displacement(self.force, self.modes)
+
+    @cached_property
     def gap(self) -> FloatArray:
         """Gaps [m]."""
-        return self.grid.gap(self.force) + self.offset
+        return np.asarray(self.grid.wall - self.displacement[:, ::DIRECTIONS] + self.offset)
+
+    @cached_property
+    def slip(self) -> FloatArray:
+        """Tangential and axial slip velocities [m/s], (instants, nodes, 2)."""
+        return self.grid.slip(self.force, self.modes)
+
+    @cached_property
+    def across(self) -> FloatArray:
+        """Slip velocities across the directions of sliding, relative to the rotation."""
+        cosine, sine = np.cos(self.angle), np.sin(self.angle)
+        across = self.slip[..., 1] * cosine - self.slip[..., 0] * sine
+        return np.asarray(across / np.abs(self.grid.blade.speed * self.grid.blade.radius))
+
+    @property
+    def sliding(self) -> FloatArray:
+        """Angles of the slip velocities [rad]; those of the rotation if they are known."""
+        ahead = self.grid.blade.speed > 0.0
+        if not self.grid.blade.turns:
+            return np.full(self.normal.shape, 0.0 if ahead else np.pi)
+        along, axial = (1.0 if ahead else -1.0) * np.moveaxis(self.slip, -1, 0)
+        return np.asarray(np.arctan2(axial, along) + (0.0 if ahead else np.pi))
 
     @property
     def touches(self) -> bool:
@@ -89,22 +119,16 @@ class Motion:
         worst = float(np.abs(np.minimum(self.gap, flexible)).max() / scale)
         if not self.grid.blade.turns or not self.touches:
             return worst
-        slip = self.grid.slip(self.force)
-        across = slip[..., 1] * np.cos(self.angle) - slip[..., 0] * np.sin(self.angle)
-        along = slip[..., 0] * np.cos(self.angle) + slip[..., 1] * np.sin(self.angle)
-        turned = np.abs(np.arctan2(across, along))[self.normal > 0.0]
+        along = self.slip[..., 0] * np.cos(self.angle) + self.slip[..., 1] * np.sin(self.angle)
+        along = along / np.abs(self.grid.blade.speed * self.grid.blade.radius)
+        turned = np.abs(np.arctan2(self.across, along))[self.normal > 0.0]
         return max(worst, float(np.sin(np.minimum(turned, 0.5 * np.pi)).max()))
 
     def on(self, grid: Grid) -> "Motion":
-        """Return the motion on another grid, between its instants by linear interpolation."""
-        place = np.arange(grid.instants) * (self.grid.instants / grid.instants)
-        low = place.astype(int)
-        share = (place - low)[:, None]
-        high = (low + 1) % self.grid.instants
-        normal, angle = (
-            (1.0 - share) * each[low] + share * each[high] for each in (self.normal, self.angle)
-        )
-        return Motion(grid, normal, angle, offset=self.offset)
+        """Return the motion on another grid, between its instants by linear interpolation; the wall
+        has its own place."""
+        normal, angle = (resampled(each, grid.instants) for each in (self.normal, self.angle))
+        return Motion(grid, normal, angle)
 
 
 @dataclass(frozen=True)
@@ -114,6 +138,14 @@ class Equations:
 
     value: FloatArray  #: residuals, (rows,)
     matrix: FloatArray  #: derivatives, (rows, rows)
+
+
+def resampled(values: FloatArray, instants: int) -> FloatArray:
+    """Return values over a period on another number of instants by linear interpolation."""
+    place = np.arange(instants) * (len(values) / instants)
+    low = place.astype(int)
+    share = (place - low)[:, None]
+    return np.asarray((1.0 - share) * values[low] + share * values[(low + 1) % len(values)])
 
 
 def active(motion: Motion) -> BoolArray:
@@ -126,39 +158,40 @@ def equations(motion: Motion, chosen: BoolArray) -> Equations:
     forces are zero."""
     grid, blade = motion.grid, motion.grid.blade
     instant, node = np.nonzero(chosen)
-    apart = (instant[:, None] - instant) % grid.instants
+    lag = (instant[:, None] - instant) % grid.instants
+    place = (node[:, None] * blade.nodes + node) * grid.instants + lag
     ways = motion.ways[chosen]
-    gap = motion.gap[chosen]
 
-    def answer(kernel: FloatArray, row: int, by: FloatArray) -> FloatArray:
-        """Return how component `row` at each member answers to forces `by` on each member."""
-        total = np.zeros(apart.shape)
+    def answer(rate: int, row: int, by: FloatArray) -> FloatArray:
+        """Return how component `row` of displacement or velocity at each member answers to forces
+        `by` on each member."""
+        total = np.zeros(place.shape)
         for column in range(DIRECTIONS):
             if by[:, column].any():
-                total += (
-                    kernel[apart, DIRECTIONS * node[:, None] + row, DIRECTIONS * node + column]
-                    * by[:, column]
-                )
+                total += np.take(grid.lagged[rate, row, column], place) * by[:, column]
         return total
 
-    by_normal = answer(grid.by_force, 0, ways)  # gap: -u_r, and forces are -lambda ways
+    by_normal = answer(0, 0, ways)  # gap: -u_r, and forces are -lambda ways
     if not blade.turns:
-        return Equations(gap, by_normal)
+        return Equations(values(motion, chosen), by_normal)
     cosine, sine = np.cos(motion.angle[chosen]), np.sin(motion.angle[chosen])
     pressed = blade.friction * motion.normal[chosen]
     turned = np.stack([0.0 * sine, -pressed * sine, pressed * cosine], axis=-1)
-    tangential, axial = grid.slip(motion.force)[chosen].T
-    # Slip across the direction of sliding, relative to that of the rotation.
+    tangential, axial = motion.slip[chosen].T
     unit = 1.0 / abs(blade.speed * blade.radius[node])
-    across = unit * (axial * cosine - tangential * sine)
     blocks = [
-        -(unit * cosine)[:, None] * answer(grid.rate_by_force, 2, by)
-        + (unit * sine)[:, None] * answer(grid.rate_by_force, 1, by)
+        -(unit * cosine)[:, None] * answer(1, 2, by) + (unit * sine)[:, None] * answer(1, 1, by)
         for by in (ways, turned)
     ]
     blocks[1] -= np.diag(unit * (axial * sine + tangential * cosine))
-    matrix = np.block([[by_normal, answer(grid.by_force, 0, turned)], blocks])
-    return Equations(np.concatenate([gap, across]), matrix)
+    matrix = np.block([[by_normal, answer(0, 0, turned)], blocks])
+    return Equations(values(motion, chosen), matrix)
+
+
+def values(motion: Motion, chosen: BoolArray) -> FloatArray:
+    """Return the residuals of the equations of an active set, see `Equations`."""
+    across = motion.across[chosen] if motion.grid.blade.turns else ()
+    return np.concatenate([motion.gap[chosen], across])
 
 
 def moved(motion: Motion, chosen: BoolArray, change: FloatArray) -> Motion:
@@ -180,8 +213,9 @@ def released(motion: Motion, chosen: BoolArray) -> Motion:
 def solve(start: Motion) -> Motion:
     """Return the periodic motion to which Newton's method leads.
 
-    All wrong members of the active set change at once. If this fails, only those change that follow
-    no other wrong member within a part of the period: errors propagate forward in time.
+    All wrong members of the active set change at once. If this fails on a coarse grid, only those
+    change that follow no other wrong member within a part of the period: errors propagate forward
+    in time.
 
     Raises:
         NotConverged: no motion was found.
@@ -189,6 +223,8 @@ def solve(start: Motion) -> Motion:
     try:
         return _newton(start, 0, TOGETHER)
     except NotConverged:
+        if start.grid.instants > PATIENT_INSTANTS:
+            raise
         return _newton(start, start.grid.instants // MEMORY, start.grid.instants)
 
 
@@ -263,49 +299,3 @@ def relaxed(start: Motion) -> Motion:
                 break
         tau *= 0.1
     return motion
-
-
-def solve_from(start: Motion) -> Motion:
-    """Return the periodic motion that `solve` finds from a motion, if necessary by `relaxed`.
-
-    Raises:
-        NotConverged: no motion was found.
-    """
-    try:
-        return solve(start)
-    except NotConverged:
-        return solve(relaxed(start))
-
-
-def periodic_motion(blade: Blade, start: Motion | None = None) -> Motion:
-    """Return a periodic motion on so many instants that the impulse has converged.
-
-    Coarse grids can have motions that finer grids do not have, and Newton's method can fail on one
-    grid only. The grid is therefore refined until two in turn agree.
-
-    Args:
-        blade: the structure in its wall.
-        start: where Newton's method begins; None: the motion without contact.
-
-    Raises:
-        NotConverged: no motion was found.
-    """
-    grid = Grid(blade, FIRST_INSTANTS)
-    motion = solve_from(Motion.free(grid) if start is None else start.on(grid))
-    if not motion.touches:
-        return motion
-    missed = "on finer grids Newton's method does not converge"
-    while (grid := grid.finer()).instants <= MOST_INSTANTS:
-        try:
-            finer = solve(motion.on(grid))
-        except NotConverged:
-            continue
-        error = abs(finer.impulse - motion.impulse)
-        motion = finer
-        if grid.instants >= LEAST_INSTANTS and error <= IMPULSE_ERROR * motion.impulse:
-            return motion
-        missed = (
-            f"with {grid.instants} instants the impulse still changes by"
-            f" {error / motion.impulse:.2%}"
-        )
-    raise NotConverged(missed)

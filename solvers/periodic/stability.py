@@ -18,7 +18,9 @@ from bladewhirl.solvers.periodic.contact import Motion
 class Monodromy:
     """Change of small deviations over one period."""
 
-    matrix: FloatArray  #: of the state (unit q, q', f) of modes and forces, (states, states)
+    matrix: FloatArray
+    """Matrix of the state (unit q, q') of the modes, with f if there is always contact,
+    (states, states)."""
     modes: int  #: number of modes
 
     @property
@@ -36,19 +38,30 @@ class Monodromy:
 
 
 def monodromy(motion: Motion) -> Monodromy:
-    """Return the monodromy matrix of a periodic motion."""
+    """Return the monodromy matrix of a periodic motion.
+
+    The period begins at an instant without contact, if there is one, so that the forces follow from
+    the modes. Without contact, powers of the matrix of a step carry the state to the next contact.
+    """
     grid, modes = motion.grid, len(motion.grid.blade.stiffness)
     carried, early, late = grid.transition
-    slip = grid.slip(motion.force)
-    matrix = np.eye(len(carried) + early.shape[1])
-    split = len(carried)
-    for i in [*range(1, grid.instants), 0]:
-        state = carried @ matrix[:split] + early @ matrix[split:]  # without new forces
-        force = np.zeros_like(matrix[split:])
-        nodes = np.flatnonzero(motion.normal[i] > 0.0)
+    split, held = len(carried), motion.normal > 0.0
+    first = int(np.argmin(held.any(axis=1)))
+    matrix = np.eye(split + (early.shape[1] if held[first].any() else 0))
+    state, force = matrix[:split], np.zeros((early.shape[1], len(matrix)))
+    force[: len(matrix) - split] = matrix[split:]
+    waiting = 0
+    for i in [*range(first + 1, grid.instants), *range(first + 1)]:
+        nodes = np.flatnonzero(held[i])
+        if not len(nodes) and not force.any():
+            waiting += 1
+            continue
+        state = carried @ grid.carry(state, waiting) + early @ force  # without new forces
+        waiting, before, force = 0, force, np.zeros_like(force)
         if len(nodes):
-            force = _forces(motion, slip[i], i, nodes, state, matrix[split:])
-        matrix = np.concatenate([state + late @ force, force])
+            force = _forces(motion, motion.slip[i], i, nodes, state, before)
+            state = state + late @ force
+    matrix = np.concatenate([grid.carry(state, waiting), force[: len(matrix) - split]])
     return Monodromy(matrix, modes)
 
 

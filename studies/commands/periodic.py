@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
+from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.modal import present
 from bladewhirl.studies.commands.terminal import progress_bar
@@ -26,8 +27,9 @@ def periodic(
     number of lobes. The table lists its stability: a multiplier is the factor by which a small
     deviation grows in a period; the motion is stable if all are less than 1 in magnitude. There can
     be more than one periodic motion, and the one that is found is not always that of a march from
-    rest. The case needs a superelement of the kind "blade" with massless contact nodes in a rigid
-    wall. With --json and no -o nothing is written.
+    rest. A speed without contact, or at which no motion is found, is reported after the others, and
+    the exit code is 2. The case needs a superelement of the kind "blade" with massless contact
+    nodes in a rigid wall. With --json and no -o nothing is written.
 
     Args:
         speeds: Speeds of rotation: multiples of ω₁, or such as "5000 rpm,5200 rpm"; by default the
@@ -40,3 +42,5 @@ def periodic(
         given = None if speeds is None else [each.given for each in speeds]
         data = study.periodic(read, speeds=given, blade=blade, progress=progress)
     present(study.report(data), case, output, overwrite=overwrite, json=json)
+    if failures := study.failures(data):
+        raise UserError(*failures)

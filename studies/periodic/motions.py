@@ -16,12 +16,8 @@ from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.marched import Marchable, MarchedNodes, marched_stage
 from bladewhirl.solvers.periodic.blade import Blade
-from bladewhirl.solvers.periodic.contact import (
-    LEAST_INSTANTS,
-    Motion,
-    NotConverged,
-    periodic_motion,
-)
+from bladewhirl.solvers.periodic.contact import Motion, NotConverged
+from bladewhirl.solvers.periodic.search import LEAST_INSTANTS, periodic_motion
 from bladewhirl.solvers.periodic.stability import monodromy
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.periodic.figures import drawn, plot_periodic
@@ -91,28 +87,34 @@ def periodic(
         tangential, axial): `contact_displacement` [m], `contact_force` [N] and `gap` [m], which is
         normal to the wall; over (speed, order, node, direction): `amplitude` [m] of the harmonics,
         whose engine orders are the coordinate `order`. `speed` is in multiples of the reference
-        frequency, with the coordinate `rpm`; `instant` is the share of the period.
+        frequency, with the coordinate `rpm`; `instant` is the share of the period. Speeds without
+        contact or with no motion that was found are left out; the attribute `failures` has a line
+        for each.
 
     Raises:
         CaseError: the case cannot be built at one of the speeds.
-        UserError: the method does not apply to the case, the blade does not touch the wall, or no
-            motion was found.
+        UserError: the method does not apply to the case, or at no speed a motion with contact was
+            found.
     """
     stage = case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case
     given = [stage.march.speed.given] if speeds is None else list(speeds)
     if not given:
         raise UserError("periodic: speeds []: expected at least one speed")
-    solutions, reference = [], 1.0
+    solutions, failures, reference = [], [], 1.0
     for done, each in enumerate(given, 1):
         speed = speed_of(each, f"periodic: speeds {each!r}")
         at_speed = marched_stage(with_values(stage, {"march.speed": speed.given}))
         reference = at_speed.reference_frequency
-        solutions.append(
-            solution(at_speed.contact_problem(), blade_of(at_speed, blade), str(speed))
-        )
+        problem, structure = at_speed.contact_problem(), blade_of(at_speed, blade)
+        try:
+            solutions.append(solution(problem, structure, str(speed)))
+        except UserError as failure:
+            failures += failure.lines
         if progress is not None:
             progress(done, len(given))
-    return _dataset(stage, solutions, reference)
+    if not solutions:
+        raise UserError(*failures)
+    return _dataset(stage, solutions, reference).assign_attrs(failures="\n".join(failures))
 
 
 def blade_of(stage: Any, blade: int) -> Blade:
@@ -155,7 +157,7 @@ def solution(problem: ContactProblem, blade: Blade, speed: str) -> Solution:
         raise UserError(
             f"periodic: no contact at {speed}: the smallest gap is {1e3 * smallest:.4g} mm"
         )
-    largest = np.abs(motion.grid.displacement(motion.force)).max()
+    largest = np.abs(motion.displacement).max()
     if largest > problem.displacement_limit:
         raise UserError(
             f"periodic: at {speed} contact nodes move by {largest:.4g} m, beyond"
@@ -168,9 +170,7 @@ def _dataset(case: Case, solutions: Sequence[Solution], reference: float) -> xr.
     """Return the Dataset of solutions at speeds, for a reference frequency [rad/s]."""
     motions = [each.motion for each in solutions]
     speeds = np.array([each.problem.speed for each in solutions])
-    moved = np.stack(
-        [each.components(each.motion.grid.displacement(each.motion.force)) for each in solutions]
-    )
+    moved = np.stack([each.components(each.motion.displacement) for each in solutions])
     force = np.stack([each.components(each.motion.force) for each in solutions])
     gap = np.stack([each.motion.gap[:: each.every] for each in solutions])
     spectrum = np.abs(np.fft.rfft(moved, axis=1)) / LEAST_INSTANTS
@@ -211,6 +211,11 @@ def _dataset(case: Case, solutions: Sequence[Solution], reference: float) -> xr.
     )
 
 
+def failures(data: xr.Dataset) -> list[str]:
+    """Return a sentence for each speed at which `periodic` found no motion with contact."""
+    return str(data.attrs["failures"]).splitlines()
+
+
 def report(data: xr.Dataset) -> Study:
     """Return the document, table and figure of `periodic`; multipliers in the document are pairs of
     real and imaginary part, the largest first."""
@@ -234,6 +239,7 @@ def report(data: xr.Dataset) -> Study:
     document = {
         "reference_frequency_hz": data.attrs["reference_frequency_hz"],
         "solutions": rows,
+        "failures": failures(data),
     }
     return Study(
         name="periodic",

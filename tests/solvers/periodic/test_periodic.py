@@ -21,9 +21,9 @@ from bladewhirl.solvers.periodic.contact import (
     active,
     equations,
     moved,
-    periodic_motion,
     solve,
 )
+from bladewhirl.solvers.periodic.search import periodic_motion
 from bladewhirl.solvers.periodic.stability import monodromy
 
 KAPPA = 25.0
@@ -92,7 +92,7 @@ def twisted_blade(speed: str, sliding: str, friction: float, closure: str) -> Co
 def marched(problem: ContactProblem, motion: Motion, step: float, periods: int) -> Any:
     """Records once a period of a march that starts on a periodic motion."""
     blade = motion.grid.blade
-    displacement, velocity = motion.grid.modes(motion.force)
+    displacement, velocity = motion.modes
     steps = round(blade.period / step)
     closed = replace(
         problem,
@@ -142,6 +142,19 @@ def test_a_blade_in_an_oval_wall_moves_as_in_a_march(
     assert np.abs(leading.multipliers[0]) == pytest.approx(decay, abs=5e-3)
 
 
+def test_a_large_rub_that_only_a_branch_finds_is_that_of_a_march() -> None:
+    """Newton's method from the motion without contact finds nothing here."""
+    problem = twisted_blade("7000 rpm", "full", 0.1, "0.1 mm")
+    blade = Blade.of_problem(problem)
+    with pytest.raises(NotConverged):
+        solve(Motion.free(Grid(blade, 64)))
+    motion = periodic_motion(blade)
+    chunk = marched(problem, motion, 1e-6, 30)
+    impulse = 2.0 * chunk.contact_impulse[-1].sum()
+    assert motion.impulse == pytest.approx(impulse, rel=1e-3)
+    assert monodromy(motion).stable
+
+
 def test_newton_has_the_derivatives_of_its_equations() -> None:
     problem = twisted_blade("7000 rpm", "full", 0.1, "0.1 mm")
     random = np.random.default_rng(1)
@@ -180,7 +193,9 @@ def test_responses_are_those_of_the_frequency_response() -> None:
     )
     expected = (np.exp(1j * w * grid.time)[:, None] * answer).real
     largest = np.abs(expected).max()
-    assert unloaded.displacement(force) == pytest.approx(expected, abs=1e-5 * largest)
+    assert unloaded.displacement(force, unloaded.modes(force)) == pytest.approx(
+        expected, abs=1e-5 * largest
+    )
     drive = np.exp(0.3j) * blade.contact[::3] @ blade.admittance(w) @ push
     moving = (np.exp(1j * w * grid.time)[:, None] * drive).real
     assert grid.wall - grid.free_gap == pytest.approx(moving, abs=1e-12)

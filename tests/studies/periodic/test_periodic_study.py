@@ -9,8 +9,10 @@ import pytest
 import xarray as xr
 from command_line import answer, refusal
 from places import ROOT
+from typer.testing import CliRunner
 
 import bladewhirl as bw
+from bladewhirl.studies.commands.cli import app
 
 BLADE = {"superelement": {"file": str(ROOT / "examples" / "twisted_blade.npz")}}
 
@@ -91,6 +93,20 @@ def test_the_command_prints_and_draws(tmp_path: Path) -> None:
         assert float(data["impulse_per_revolution"][0]) == pytest.approx(
             second["impulse_per_revolution"]
         )
+
+
+def test_a_failed_speed_leaves_the_others(tmp_path: Path) -> None:
+    """The rub at 7000 rpm is large, the others are small."""
+    file = tmp_path / "case.toml"
+    file.write_text(bw.dumps_case(case(**{"march.displacement_limit": "2 mm"})))
+    speeds = "7500 rpm,7000 rpm,8000 rpm"
+    done = CliRunner().invoke(app, ["periodic", str(file), "--speeds", speeds, "--json"])
+    assert done.exit_code == 2
+    document = json.loads(done.stdout)
+    assert [round(each["speed_rpm"]) for each in document["solutions"]] == [7500, 8000]
+    (reason,) = document["failures"]
+    assert reason in done.stderr
+    assert "at 7000 rpm contact nodes move by 0.005" in reason
 
 
 @pytest.mark.parametrize(
