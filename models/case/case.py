@@ -67,7 +67,7 @@ class Case(Tables):
             if self.shaft.clamped and isinstance(load, Imbalance | Harmonic):
                 expected = "a load that is not at the centre, or shaft.clamped = false"
                 yield Inconsistency(f"{key}.type", expected, ("shaft.clamped",))
-            if isinstance(load, EngineOrder):
+            if isinstance(load, EngineOrder | Imbalance):
                 yield from load.faults(key, self.blades)
         for key in ("centre_velocity", "centre_displacement"):
             if self.shaft.clamped and any(getattr(self.initial, key)):

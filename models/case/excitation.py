@@ -111,18 +111,35 @@ class CasingDistortion(Table):
     """Force as a function of time, "rectangular" or "half-sine"."""
 
 
-class Imbalance(Table):
-    """A force along +x at the centre, constant in the rotating frame (scenario B).
+def _grade(value: Any) -> float:
+    if isinstance(value, str) and (digits := value.strip()[1:]) and value.strip()[0] in "Gg":
+        value = f"{digits} mm/s"
+    return float(converted(quantity("m/s", "not negative"), value))
 
-    The unbalance m e is given, or follows from ``clearance_speed``; exactly one of them is None.
+
+class BalanceGrade(Table):
+    """Residual unbalance by the grade G of ISO 21940-11: G times mass divided by speed."""
+
+    grade: Annotated[float, BeforeValidator(_grade)] = Field(examples=["G 6.3"])
+    """Balance quality grade, "G 6.3", or its velocity e Omega [m/s]: G 6.3 is 6.3 mm/s."""
+    mass: Annotated[float, quantity("kg")] = Field(examples=["120 kg"])
+    """Mass of the rotor [kg]."""
+    speed: PositiveSpeed = Field(examples=["3000 rpm"])
+    """Service speed of the grade, see march.speed."""
+
+
+class Imbalance(Table):
+    """A force at the centre, constant in the rotating frame (scenario B).
+
+    The unbalance m e is given, or follows from ``grade`` or ``clearance_speed``; one of them.
     """
 
     acts_on: ClassVar[ActsOn] = "centre"
 
     type: Literal["imbalance"] = "imbalance"
-    """Force m e Omega^2 at the centre, constant along +x of the rotating frame. Blade 0 is on this
-    axis unless a mesh or a sketch places it elsewhere. Give clearance_speed or unbalance, not both.
-    """
+    """Force m e Omega^2 at the centre, constant in the rotating frame, along +x unless phase or
+    blade are given. Blade 0 is on this axis unless a mesh or a sketch places it elsewhere. Give one
+    of clearance_speed, unbalance and balance."""
     clearance_speed: PositiveSpeed | None = None
     """Speed at which the static response just closes the clearance: a number is in multiples of the
     reference frequency (see march.speed), text such as "2500 rpm" is absolute. If unbalance is not
@@ -130,7 +147,15 @@ class Imbalance(Table):
     unbalance: Annotated[float, quantity("kg m", "not negative")] | None = Field(
         default=None, examples=[0.59]
     )
-    """Unbalance m e [kg m], instead of clearance_speed."""
+    """Unbalance m e [kg m], or text such as "590 g mm", instead of clearance_speed."""
+    balance: BalanceGrade | None = None
+    """Unbalance by a balance quality grade, { grade = "G 6.3", mass = "120 kg", speed = "3000 rpm"
+    }, instead of clearance_speed."""
+    phase: Annotated[float, quantity("rad", "any")] = 0.0
+    """Angle of the force from +x, or from the blade, counter-clockwise [rad]."""
+    blade: Annotated[int, count(0)] | None = None
+    """Number of the blade to which the force points, such as the one with additional mass. The
+    force acts at the centre."""
     ramp: TimeOrZero = 0.2
     """Duration of the half-cosine ramp of the force [s], 0 for a step (not in the paper; a step
     overshoots to twice the static answer)."""
@@ -138,15 +163,35 @@ class Imbalance(Table):
     @model_validator(mode="before")
     @classmethod
     def _default_speed(cls, values: Any) -> Any:
-        if isinstance(values, dict) and not {"clearance_speed", "unbalance"} & values.keys():
+        if isinstance(values, dict) and not {*_SIZES} & values.keys():
             return {**values, "clearance_speed": LOWEST_SPEED}
         return values
 
+    def size(self, reference: float) -> float | None:
+        """Return the unbalance m e [kg m] for a reference frequency [rad/s]; None if it follows
+        from clearance_speed."""
+        if self.balance is None:
+            return self.unbalance
+        return self.balance.grade * self.balance.mass / self.balance.speed.rad_per_s(reference)
+
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error unless exactly one of unbalance and clearance_speed is given."""
-        if (self.clearance_speed is None) == (self.unbalance is None):
+        """Yield an error unless exactly one of the keys that determine the unbalance is given."""
+        given = [name for name in _SIZES if getattr(self, name) is not None]
+        if len(given) != 1:
             expected = "either unbalance or clearance_speed, not both"
+            if "balance" in given:
+                expected = f"balance without {' and '.join({*given} - {'balance'})}"
             yield Inconsistency("unbalance", expected, ("clearance_speed",))
+
+    def faults(self, key: str, blades: int) -> Iterator[Inconsistency]:
+        """Yield an error if there is no such blade; `key` is the dotted key of the excitation."""
+        if self.blade is not None and self.blade >= blades:
+            expected = f"a blade from 0 to {blades - 1}"
+            yield Inconsistency(f"{key}.blade", expected, ("bladed_disk.blades",))
+
+
+_SIZES = ("clearance_speed", "unbalance", "balance")
+"""Keys that determine the unbalance."""
 
 
 class Harmonic(Table):

@@ -44,6 +44,7 @@ class LoadedStage:
     centre: FloatArray  #: x and y of the centre for unit modal coordinates [kg^-1/2], (2, modes)
     rest: FloatArray  #: modal forces of zero on the bladed disk, (modes,)
     ring: Ring | None  #: flexible casing; None for a rigid wall
+    blade_angle: FloatArray  #: angle of each blade at t = 0 [rad], (blades,)
     unbalance: Callable[[Imbalance], float]  #: function that returns m e of an imbalance [kg m]
     forces_of_order: Callable[[EngineOrder], Iterable[tuple[int, ComplexArray]]]
     """Function that returns for each engine order r the complex modal forces on the bladed disk for
@@ -53,6 +54,17 @@ class LoadedStage:
     def casing_rest(self) -> FloatArray:
         """Modal forces of zero on the casing, (casing modes,)."""
         return np.zeros(0 if self.ring is None else len(self.ring.reduced_casing.frequency))
+
+
+def direction(load: Imbalance, blade_angle: FloatArray) -> FloatArray:
+    """Return the direction of an imbalance in rotating axes (2,).
+
+    Args:
+        load: the imbalance.
+        blade_angle: angle of each blade at t = 0 [rad], (blades,).
+    """
+    angle = load.phase + (0.0 if load.blade is None else blade_angle[load.blade])
+    return np.array([np.cos(angle), np.sin(angle)])
 
 
 def loads_on(stage: LoadedStage) -> tuple[Load, ...]:
@@ -93,14 +105,17 @@ def _(load: CasingDistortion, stage: LoadedStage) -> tuple[Load, ...]:
 @modal_loads.register
 def _(load: Imbalance, stage: LoadedStage) -> tuple[Load, ...]:
     """Return the loads of an imbalance at the centre, which is fixed in rotating axes: the inertia
-    force of a mass at +x. If the speed varies, it has a part along y due to the acceleration."""
+    force of a mass. If the speed varies, it has a part across its direction due to the
+    acceleration."""
     force = stage.unbalance(load) * stage.speed**2
-    steady = Load(rotor=force * stage.centre[X], casing=stage.casing_rest, ramp=load.ramp)
+    along = direction(load, stage.blade_angle)
+    aside = np.array([-along[Y], along[X]])
+    steady = Load(rotor=force * (along @ stage.centre), casing=stage.casing_rest, ramp=load.ramp)
     if not stage.varies or force == 0.0:
         return (steady,)
     across = replace(
         steady,
-        rotor=felt(stage.unbalance(load) * stage.centre[Y]),
+        rotor=felt(stage.unbalance(load) * (aside @ stage.centre)),
         constant=0.0,
         by_acceleration=-1.0,
     )

@@ -4,16 +4,25 @@ Loads on the rotor are in rotating axes, which coincide with the static axes at 
 casing are in static axes.
 """
 
+from collections.abc import Iterable
 from functools import partial
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.plane import unit
 from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.rotation.at_speed import tip_recess
 from bladewhirl.models.stage.contact_problem import Load, ReducedRotor, Start
 from bladewhirl.models.stage.engine_order import engine_order_forces
-from bladewhirl.models.stage.excitations import LoadedStage, X, closing_unbalance, loads_on
+from bladewhirl.models.stage.excitations import (
+    LoadedStage,
+    X,
+    Y,
+    closing_unbalance,
+    direction,
+    loads_on,
+)
 from bladewhirl.models.stage.stage import Stage
 
 
@@ -32,6 +41,7 @@ def excitation_loads(stage: Stage) -> tuple[Load, ...]:
             centre=stage.rotor.centre,
             rest=np.zeros(len(stage.rotor.frequency)),
             ring=stage,
+            blade_angle=stage.rotor.tip_angle,
             unbalance=partial(_unbalance, stage),
             forces_of_order=partial(engine_order_forces, stage),
         )
@@ -39,7 +49,8 @@ def excitation_loads(stage: Stage) -> tuple[Load, ...]:
 
 
 def unbalance(stage: Stage) -> float:
-    """Return the unbalance m e of an imbalance [kg m], or the sum if there are several.
+    """Return the unbalance m e of an imbalance [kg m], or that of the sum of their forces if there
+    are several.
 
     If ``clearance_speed`` is given, the unbalance is such that the static response to m e Omega^2
     at that speed just brings a tip to the casing where the clearance is smallest. With two equal
@@ -52,31 +63,44 @@ def unbalance(stage: Stage) -> float:
     loads = [load for load in stage.case.excitations.values() if isinstance(load, Imbalance)]
     if not loads:
         raise ValueError('expected excitation.type = "imbalance"')
-    return sum(_unbalance(stage, load) for load in loads)
+    return float(np.hypot(*_unbalance_vector(stage, loads)))
+
+
+def _unbalance_vector(stage: Stage, loads: Iterable[Imbalance]) -> FloatArray:
+    """Return the sum of unbalances in rotating axes [kg m], (2,)."""
+    angle = stage.rotor.tip_angle
+    vectors = [_unbalance(stage, load) * direction(load, angle) for load in loads]
+    return np.asarray(np.sum(vectors, axis=0))
 
 
 def _unbalance(stage: Stage, load: Imbalance) -> float:
-    if load.unbalance is not None:
-        return load.unbalance
-    assert load.clearance_speed is not None  # a case has unbalance or clearance_speed
-    return unbalance_to_touch(stage, load.clearance_speed.rad_per_s(stage.reference_frequency))
+    size = load.size(stage.reference_frequency)
+    if size is not None:
+        return size
+    assert load.clearance_speed is not None  # a case has one key for the unbalance
+    speed = load.clearance_speed.rad_per_s(stage.reference_frequency)
+    return unbalance_to_touch(stage, speed, direction(load, stage.rotor.tip_angle))
 
 
-def unbalance_to_touch(stage: Stage, speed: float) -> float:
+def unbalance_to_touch(stage: Stage, speed: float, along: FloatArray | None = None) -> float:
     """Return the unbalance whose static response at a speed [rad/s] just brings a tip to the casing
-    [kg m], see `closing_unbalance`."""
+    [kg m], see `closing_unbalance`. Its direction (2,) is by default that of the imbalances of the
+    case."""
     rotor = stage.rotor
+    if along is None:
+        loads = [load for load in stage.case.excitations.values() if isinstance(load, Imbalance)]
+        along = unit(_unbalance_vector(stage, loads))
     if stage.turning is None:
-        outward = rotor.tip_radial @ (rotor.centre[X] / rotor.frequency**2)
+        outward = rotor.tip_radial @ ((along @ rotor.centre) / rotor.frequency**2)
     else:
-        outward = stage.turning.tip_answer(X, speed)
+        outward = sum(along[axis] * stage.turning.tip_answer(axis, speed) for axis in (X, Y))
     recess = tip_recess(stage.case, stage.disk, stage.turning, speed)
     gap = stage.reduced_casing.clearance[:, 0].min() + recess
     return closing_unbalance(outward, gap, speed)
 
 
 def imbalance_force(stage: Stage) -> float:
-    """Return the force m e Omega^2 of an imbalance, along x of the rotating frame [N]."""
+    """Return the force m e Omega^2 of the imbalances [N]."""
     return unbalance(stage) * stage.speed**2
 
 

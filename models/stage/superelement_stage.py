@@ -30,7 +30,7 @@ from bladewhirl.models.stage.contact_problem import (
     Start,
     WallClosure,
 )
-from bladewhirl.models.stage.excitations import LoadedStage, X, closing_unbalance, loads_on
+from bladewhirl.models.stage.excitations import LoadedStage, closing_unbalance, direction, loads_on
 from bladewhirl.models.stage.ring import Ring, flexible_ring, rigid_wall
 from bladewhirl.models.stage.superelement_loads import (
     blade_angles,
@@ -187,6 +187,7 @@ class SuperelementStage:
                     centre=rotor.centre,
                     rest=np.zeros(len(rotor.frequency)),
                     ring=self.ring,
+                    blade_angle=self.blade_angle,
                     unbalance=partial(self._unbalance, rotor),
                     forces_of_order=self.forces_of_order,
                 )
@@ -235,14 +236,21 @@ class SuperelementStage:
         radial = self.reduced.contact.reshape(len(self.blade), 3, -1)[:, 0]
         moved = sp.block_diag([blade_means(self.blade) @ radial] * self.copies)
         outward = np.asarray(moved.toarray(), dtype=np.float64)
-        middle = blade_angles(self.angle, self.blade).ravel()
-        return coupling_springs(self.case, outward, middle, rotor.frequency, self.ring)
+        return coupling_springs(self.case, outward, self.blade_angle, rotor.frequency, self.ring)
+
+    @cached_property
+    def blade_angle(self) -> FloatArray:
+        """Angle of the middle of the contact nodes of each blade [rad], (blades,)."""
+        return blade_angles(self.angle, self.blade).ravel()
 
     def _unbalance(self, rotor: ReducedRotor, load: Imbalance) -> float:
         """Return the unbalance m e of an imbalance [kg m]."""
-        if load.clearance_speed is None:
-            return load.unbalance or 0.0
-        outward = rotor.at_tips(rotor.tip_radial, rotor.centre[X] / rotor.frequency**2)
+        size = load.size(self.reference_frequency)
+        if size is not None:
+            return size
+        assert load.clearance_speed is not None  # a case has one key for the unbalance
+        force = direction(load, self.blade_angle) @ rotor.centre
+        outward = rotor.at_tips(rotor.tip_radial, force / rotor.frequency**2)
         gap = self.wall.clearance[:, 0].min() + rotor.tip_recess
         speed = load.clearance_speed.rad_per_s(self.reference_frequency)
         return closing_unbalance(outward, gap, speed)

@@ -276,6 +276,11 @@ def test_initial_rows_of_a_wrong_shape(key: str, value: object, place: str) -> N
             "either unbalance or clearance_speed",
         ),
         (
+            {"excitation": {"type": "imbalance", "unbalance": 1.0, "blade": 22}},
+            "excitation.blade = 22",
+            "a blade from 0 to 21",
+        ),
+        (
             {"excitation": {"type": "imbalance"}, "shaft": {"clamped": True}},
             'excitation.type = "imbalance"',
             "shaft.clamped = false",

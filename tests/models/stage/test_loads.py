@@ -64,6 +64,38 @@ def test_a_given_unbalance_is_taken_as_it_is() -> None:
     np.testing.assert_allclose(force, [2500.0, 0.0], atol=1e-6)
 
 
+BALANCED = 'balance={grade="G 6.3", mass="100 kg", speed="3000 rpm"}'
+
+
+@pytest.mark.parametrize(
+    ("given", "size", "degrees"),
+    [
+        ('unbalance="590 g mm", phase="30 deg"', 5.9e-4, 30.0),
+        (f"{BALANCED}, blade=3", 6.3e-3 * 100.0 / (100.0 * np.pi), 3 * 360.0 / 22),
+        ('unbalance="1 g m", blade=3, phase="-20 deg"', 1e-3, 3 * 360.0 / 22 - 20.0),
+    ],
+)
+def test_an_imbalance_points_where_it_is_said_to(given: str, size: float, degrees: float) -> None:
+    made = on_support(f'excitation={{type="imbalance", {given}}}', "march.speed=1.1")
+    (load,) = excitation_loads(made)
+    angle = np.radians(degrees)
+    force = size * made.speed**2 * np.array([np.cos(angle), np.sin(angle)])
+    np.testing.assert_allclose(centre_force(made, load.rotor), force, atol=1e-9 * abs(force).max())
+    assert unbalance(made) == pytest.approx(size, rel=1e-12)
+
+
+def test_the_clearance_closes_at_the_blade_of_an_imbalance_and_opposite_ones_cancel() -> None:
+    one = '{type="imbalance", clearance_speed=0.95, blade=5}'
+    given = on_support(f"excitation={one}", "march.speed=0.95")
+    outward = given.rotor.tip_radial @ (excitation_loads(given)[0].rotor / given.rotor.frequency**2)
+    assert int(outward.argmax()) == 5
+    assert outward.max() == pytest.approx(1e-3, rel=1e-9)
+    two = ", ".join(f'{{type="imbalance", unbalance=0.1, phase={phase}}}' for phase in (1.0, -1.0))
+    assert unbalance(on_support(f"excitation=[{two}]")) == pytest.approx(
+        0.2 * np.cos(1.0), rel=1e-12
+    )
+
+
 def test_a_distortion_moves_the_ring_as_a_rigid_body_on_its_support() -> None:
     """k = 1 of an exact ring is a translation: omega^2 = support / (rho A), mass 2 pi R rho A."""
     given = on_support("excitation.type=casing-distortion")
