@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.models.case.casing import Casing
+from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, table_of_result
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
@@ -140,8 +141,13 @@ def drive_work(dataset: xr.Dataset) -> Array:
 def friction_supply(dataset: xr.Dataset) -> Array:
     """Return the work of the drive against the torque of friction since the start [J], (time,): it
     moves the bodies or becomes heat."""
-    dragged = np.cumsum(dataset.variables["friction_impulse"].values.sum(axis=1))
-    return np.asarray(float(dataset.attrs["speed"]) * float(dataset.attrs["tip_radius"]) * dragged)
+    dragged = dataset.variables["friction_impulse"].values.sum(axis=1)
+    if not rotation.varies(dataset):
+        rim = float(dataset.attrs["speed"]) * float(dataset.attrs["tip_radius"])
+        return np.asarray(rim * np.cumsum(dragged))
+    turning = rotation.speeds(dataset).copy()
+    turning[1:] = 0.5 * (turning[1:] + turning[:-1])  # impulses are since the last record
+    return np.asarray(float(dataset.attrs["tip_radius"]) * np.cumsum(turning * dragged))
 
 
 def _closure_work(dataset: xr.Dataset) -> Array:
@@ -151,7 +157,7 @@ def _closure_work(dataset: xr.Dataset) -> Array:
     if closure is not None:
         time, impulse = dataset["time"].values, dataset["contact_impulse"].values[1:]
         middle = 0.5 * (time[1:] + time[:-1])
-        angle = dataset["tip_angle"].values + float(dataset.attrs["speed"]) * middle[:, None]
+        angle = dataset["tip_angle"].values + rotation.angle_at(dataset, middle)[:, None]
         rate = np.diff(closure.value(time)) / np.diff(time)
         work[1:] = np.cumsum(rate * np.sum(impulse * closure.around.value(angle), axis=1))
     return work

@@ -2,7 +2,7 @@
 
 A result contains modal coordinates. The functions of this module turn them into displacements and
 velocities of points, for many records at once. The axes of the rotor turn counter-clockwise by the
-angle `speed` times time; the axes of the casing are static. The velocity of a point of the rotor is
+angle of `rotation`; the axes of the casing are static. The velocity of a point of the rotor is
 the rate of its displacement in rotating axes, without the velocity Omega x r of the turning disk.
 """
 
@@ -15,6 +15,7 @@ from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.file import TableT, table_of
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.fields import rotation
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -30,7 +31,7 @@ class ViewError(UserError, ValueError):
 
 def turn(dataset: xr.Dataset, records: IntArray) -> Array:
     """Return the angle of the rotor axes at the records (record,) [rad]."""
-    return np.asarray(dataset.attrs["speed"] * dataset["time"].values[records])
+    return rotation.angles(dataset)[records]
 
 
 MOST_FRAMES = 100_000  #: largest number of pictures of a film or instants of a series

@@ -7,6 +7,8 @@ import xarray as xr
 
 #: attributes of a result that are copied to every Dataset derived from the result, both [rad/s]
 ABOUT = ("speed", "reference_frequency")
+SPEED_RANGE = ("lowest_speed", "highest_speed")
+"""Further attributes of a result if the speed varies [rad/s]."""
 COORDINATE_UNITS = {"time": "s", "edge": "s", "frequency": "rad/s", "angle": "rad"}
 
 
@@ -34,6 +36,7 @@ def labelled(
             "title": title,
             "case_title": source.attrs.get("case_title", source.attrs.get("title", "")),
             **{name: source.attrs[name] for name in ABOUT},
+            **{name: source.attrs[name] for name in SPEED_RANGE if name in source.attrs},
             **attributes,
         },
     )

@@ -11,6 +11,7 @@ from scipy.spatial import KDTree
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.plane import directions, rotate, unit
+from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.netcdf import need
@@ -162,8 +163,7 @@ def ring_mesh(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
 def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, meshio.Mesh]:
     """Return the meshes of blades, contact nodes and a flexible casing at a record; points are at
     undeformed positions, and displacements are arrays."""
-    speed = float(dataset.attrs["speed"])
-    ahead = speed * float(dataset["time"][record])
+    speed, ahead = rotation.speeds(dataset)[record], rotation.angles(dataset)[record]
     turn, spin = (0.0, 0.0) if rotating else (ahead, speed)
     coordinates, rates = (
         copy_coordinates(dataset, f"rotor_{name}", np.array([record]))[0]

@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.plane import rotate
-from bladewhirl.postprocess.fields import kinematics
+from bladewhirl.postprocess.fields import kinematics, rotation
 from bladewhirl.postprocess.fields.blades import line_blades
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
@@ -164,7 +164,8 @@ class StageParts:
         dataset, count = self._dataset, len(records)
         moved = boxes.vectors(dataset, "displacement", records)
         turning = (boxes.body == "rotor") != self._rotating
-        spin = float(dataset.attrs["speed"]) * (1 if boxes.body == "rotor" else -1) * turning
+        sense = (1.0 if boxes.body == "rotor" else -1.0) * turning
+        spin = sense * rotation.speeds(dataset)[records][:, None, None]
         rate = boxes.vectors(dataset, "velocity", records) + spin * rotate(moved, np.pi / 2)
         strains, modulus = boxes.strains(dataset, records), boxes.modulus
         bend = strains.bending[..., None] * np.where(SIDES == 0, 1.0, -1.0)
@@ -237,8 +238,8 @@ class StageParts:
             kinematics.combine(history(dataset, f"rotor_{quantity}", records), rows)
             for quantity in ("displacement", "velocity")
         )
-        spin = 0.0 if self._rotating else float(dataset.attrs["speed"])
-        rate += spin * rotate(moved, np.pi / 2)
+        spin = (0.0 if self._rotating else 1.0) * rotation.speeds(dataset)[records]
+        rate += spin[:, None, None] * rotate(moved, np.pi / 2)
         return {
             "displacement": _in_space(rotate(moved, angle[:, None])),
             "velocity": _in_space(rotate(rate, angle[:, None])),

@@ -17,7 +17,7 @@ from matplotlib.colors import Colormap, ListedColormap, to_hex
 
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.units import handy_unit
-from bladewhirl.postprocess.fields import kinematics
+from bladewhirl.postprocess.fields import kinematics, rotation
 from bladewhirl.postprocess.fields.blades import line_blades
 from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.enlarged import rounded_up
@@ -161,7 +161,7 @@ def _beam_magnitude(
     _, rows = kinematics.line_rows(dataset, stations.per_line)
     centre = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
     beams = rows.reshape(-1, 2, rows.shape[-1])
-    spin = 0.0 if rotating else float(dataset.attrs["speed"])
+    spin = (0.0 if rotating else 1.0) * rotation.speeds(dataset)[records]
     values = _magnitude(dataset, "rotor", field, records, beams, centre, spin)
     return _on_both_sides(values.reshape(len(records), *rows.shape[:2]))
 
@@ -173,16 +173,16 @@ def _magnitude(
     records: IntArray,
     shape: Array,
     mean: Array,
-    spin: float,
+    spin: Array,
 ) -> Array:
     """Return the magnitude of a vector field of a body (record, point), whose axes turn at the
-    speed `spin` [rad/s] in the axes of the picture. `shape` and `mean` are its displacements
-    (point, 2, mode) and mean motion (2, mode) for unit modal coordinates."""
+    speed `spin` (record,) [rad/s] in the axes of the picture. `shape` and `mean` are its
+    displacements (point, 2, mode) and mean motion (2, mode) for unit modal coordinates."""
     shown = shape - mean if field == "deformation" else shape
     values = kinematics.combine(history(dataset, f"{body}_displacement", records), shown)
     if field == "velocity":
         rate = kinematics.combine(history(dataset, f"{body}_velocity", records), shown)
-        values = rate + spin * rotate(values, np.pi / 2)
+        values = rate + spin[:, None, None] * rotate(values, np.pi / 2)
     return np.asarray(np.linalg.norm(values, axis=-1))
 
 
@@ -202,9 +202,9 @@ def _surface(dataset: xr.Dataset, field: str, records: IntArray, rotating: bool)
             f'colour = "{field}": a superelement has no strains of its surface, and stress only if'
             f" its file has stress_recovery; expected {shown}"
         )
-    spin = 0.0 if rotating else float(dataset.attrs["speed"])
     values = []
     for record in records:
+        spin = 0.0 if rotating else rotation.speeds(dataset)[record]
         at = np.array([record])
         motion = copy_coordinates(dataset, "rotor_displacement", at)[0]
         vectors = point_vectors(dataset, motion)
@@ -237,7 +237,7 @@ def _casing(
         return _at_surfaces(strains, field, modulus)[:, :, :-1].reshape(wall)
     angle = kinematics.ring_angles(dataset, stations.per_element)
     rows = rotate(kinematics.casing_rows(dataset, angle), angle[:, None], axis=1)
-    spin = -float(dataset.attrs["speed"]) if rotating else 0.0
+    spin = (-1.0 if rotating else 0.0) * rotation.speeds(dataset)[records]
     return _on_both_sides(
         _magnitude(dataset, "casing", field, records, rows, rows.mean(axis=0), spin)
     )

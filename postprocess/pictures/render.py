@@ -12,7 +12,7 @@ import xarray as xr
 from PIL import Image, ImageDraw, ImageFont
 
 from bladewhirl.files import replacing
-from bladewhirl.postprocess.fields import kinematics
+from bladewhirl.postprocess.fields import kinematics, rotation
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import films
 from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE, scene_colours
@@ -203,10 +203,8 @@ def _labelled(pixels: Pixels, time: float) -> Pixels:
 
 def _revolution_before(dataset: xr.Dataset, record: int) -> IntArray:
     """Return the records of the revolution before a record; at zero speed all earlier records."""
-    speed = abs(float(dataset.attrs["speed"]))
-    time = dataset["time"].values
-    begin = time[record] - 2 * np.pi / speed if speed else time[0]
-    return np.arange(int(np.searchsorted(time, begin)), record + 1)
+    turned = rotation.turns(dataset)
+    return np.arange(int(np.searchsorted(turned, turned[record] - 1.0)), record + 1)
 
 
 def _stride(dataset: xr.Dataset) -> int:

@@ -8,6 +8,7 @@ from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.textpath import TextPath
 from matplotlib.ticker import LogFormatter, NullFormatter
 
+from bladewhirl.postprocess.fields.labelled import SPEED_RANGE
 from bladewhirl.postprocess.plotting.style import styled
 
 MOST_LETTERS = 40  #: largest number of characters of a title per inch of the figure's width
@@ -16,10 +17,13 @@ WIDEST = 0.97
 
 
 def speed_label(dataset: xr.Dataset) -> str:
-    """Return the speed in multiples of the reference frequency ω₁ and in rpm."""
-    speed = float(dataset.attrs["speed"])
-    normalised = speed / float(dataset.attrs["reference_frequency"])
-    return f"Ω/ω₁ = {normalised:.4g} ({speed * 30 / np.pi:.0f} rpm)"
+    """Return the speed, or its range, in multiples of the reference frequency ω₁ and in rpm."""
+    names = SPEED_RANGE if SPEED_RANGE[0] in dataset.attrs else ("speed",)
+    speeds = [float(dataset.attrs[name]) for name in names]
+    reference = float(dataset.attrs["reference_frequency"])
+    normalised = " to ".join(f"{speed / reference:.4g}" for speed in speeds)
+    rpm = " to ".join(f"{speed * 30 / np.pi:.0f}" for speed in speeds)
+    return f"Ω/ω₁ = {normalised} ({rpm} rpm)"
 
 
 def head(figure: Figure, data: xr.Dataset, *words: str) -> None:

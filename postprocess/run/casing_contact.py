@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
@@ -56,7 +57,7 @@ def casing_contact(
     origin = 0.0 if speed else -np.pi / sectors  # tips at rest are in the middle of their sectors
     edges = np.linspace(time[0], time[-1], spans + 1)
     middle = time[1:] - steps / 2
-    turned = float(dataset.attrs["speed"]) * middle[:, None]
+    turned = rotation.angle_at(dataset, middle)[:, None]
     angle = np.mod(tips + turned - origin, 2 * np.pi)
     sector = np.minimum((angle * sectors / (2 * np.pi)).astype(np.int64), sectors - 1)
     span = np.minimum(np.searchsorted(edges, middle, side="right") - 1, spans - 1)

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bladewhirl.models.inputs.units import handy, handy_unit
+from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.netcdf import need
@@ -65,8 +66,8 @@ def tip_orbits(result: xr.Dataset, *, turns: float = 5.0, copy: int = 0) -> xr.D
         Dataset over (time, node): `radial`, `tangential` and `axial` [m], in rotating axes.
     """
     need(result, "contact_displacement")
-    time, speed = result["time"].values, abs(float(result.attrs["speed"]))
-    last = time >= time[-1] - (2.0 * np.pi * turns / speed if speed else np.inf)
+    time, turned = result["time"].values, rotation.turns(result)
+    last = turned >= turned[-1] - turns
     nodes = result.sizes["contact_node"] // result.sizes["copy"]
     moved = result["contact_displacement"][last, copy * nodes : (copy + 1) * nodes].values
     return labelled(

@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import in_window, span_starts, window_label
@@ -64,7 +65,7 @@ def contact_phase(
     time = dataset["time"].values
     judged = slice(0 if since is None else int(np.searchsorted(time, since)), None)
     kind, mean, steadiness = _scenario(shaft[judged], clearance[judged], total[judged])
-    turned = dataset.attrs["speed"] * time
+    turned = rotation.angles(dataset)
     at = np.where(np.isnan(lead), np.nan, np.arctan2(shaft[:, 1], shaft[:, 0]))
     return labelled(
         dataset,
@@ -74,6 +75,7 @@ def contact_phase(
             "smallest_clearance_phase": ("time", _wrapped(clearance + turned), "rad"),
             "shaft_lead": ("time", lead, "rad"),
             "impulse": ("time", total, "N s"),
+            **rotation.histories(dataset),
         },
         {"time": time},
         window=window_label(dataset.isel(time=judged)),
@@ -125,7 +127,7 @@ def plot_contact_phase(phases: xr.Dataset) -> Figure:
     shown = drawn.isel(time=span_starts(drawn["time"].values, POINTS))
     figure = new_figure(height=0.1)
     upper, lower = figure.subplots(2, sharex=True)
-    carried = shown["time"].values * (phases.attrs["speed"] if frame == "rotating" else 0.0)
+    carried = rotation.angles(shown) if frame == "rotating" else 0.0
     for name, key, size in (("smallest clearance", "contact", 3.6), ("shaft", "rotor", 1.4)):
         phase = np.degrees(_wrapped(shown[f"{name.replace(' ', '_')}_phase"].values - carried))
         upper.plot(shown["time"], phase, ".", color=COLOURS[key], markersize=size, label=name)
@@ -159,9 +161,10 @@ def _followed(phases: xr.Dataset) -> tuple[Frame, float]:
     """
     moving = phases["shaft_phase"].dropna("time")
     time, angle = moving["time"].values, np.unwrap(moving.values)
+    turned_by = rotation.angles(phases.sel(time=time))
     if not len(time):
         return "static", float(phases["time"][0])
-    turned = {"rotating": np.unwrap(moving.values - phases.attrs["speed"] * time), "static": angle}
+    turned = {"rotating": np.unwrap(moving.values - turned_by), "static": angle}
     frame = min(FRAMES, key=lambda name: np.ptp(turned[name]))
     ahead = np.abs(turned[frame] - turned[frame][-1]) <= MOST_TURNS * 2 * np.pi
     return frame, float(time[np.argmax(np.logical_and.accumulate(ahead[::-1])[::-1])])

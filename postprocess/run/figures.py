@@ -12,6 +12,7 @@ from bladewhirl.postprocess.plotting.figures import Figures
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.run.blade_contact import contact_classes, contact_maps
 from bladewhirl.postprocess.run.contact_side import contact_phase
+from bladewhirl.postprocess.run.run_up import amplitude_over_speed
 from bladewhirl.postprocess.run.sensor_figures import sensor_spectra
 from bladewhirl.postprocess.run.sensors import sensors_of, signals
 from bladewhirl.postprocess.run.stresses import stress_history
@@ -60,6 +61,11 @@ class RunFigures(Figures):
     def orbit(self) -> xr.Dataset:
         """Orbit of the shaft."""
         return shaft_orbit(self.result)
+
+    @property
+    def run_up(self) -> xr.Dataset:
+        """Displacement of the shaft over the speed."""
+        return amplitude_over_speed(self.orbit)
 
     @property
     def whirl(self) -> xr.Dataset:

@@ -27,6 +27,7 @@ from bladewhirl.models.case.sensors import (
     WallSensor,
 )
 from bladewhirl.models.inputs.errors import CaseError, Fault, Hint
+from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.blades import blade_chain
 from bladewhirl.postprocess.fields.by_blade import blade_angles, blade_count, blade_radii
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, casing_rows
@@ -291,11 +292,12 @@ def _timing(result: xr.Dataset, sensor: TipTiming, number: int) -> xr.Dataset:
     """Return arrivals and deflections from tip timing, with noise and with the sampling of the
     clock."""
     exact = tip_timing(result, np.array(sensor.probes))
-    speed, name = float(result.attrs["speed"]), sensor.label
+    name = sensor.label
     radius = blade_radii(result)[:, None]
     angle = blade_angles(result)[:, None] - exact["probe"].values[:, None, None]
     arrival = exact["arrival"].values
-    turned = angle + speed * arrival + exact["deflection"].values / radius
+    speed = rotation.speed_at(result, arrival)
+    turned = angle + rotation.angle_at(result, arrival) + exact["deflection"].values / radius
     turn = np.nan_to_num(np.sign(speed) * np.round(turned / (2.0 * np.pi))).astype(np.int64) + 2
     shape = (int(turn.max(initial=0)) + 1, len(sensor.probes), len(radius))
     probe, blade = np.ogrid[: shape[1], : shape[2]]
@@ -364,15 +366,24 @@ def _centre(result: xr.Dataset, angle: float, at: Array, derivative: int) -> Arr
     """Return the displacement of the shaft's centre along a static angle [rad], or its derivatives,
     (at,).
 
-    With z = x + i y in rotating axes, the displacement in static axes is exp(i Omega t) z; its
-    derivative is exp(i Omega t) (z' + i Omega z).
+    With z = x + i y in rotating axes, the displacement in static axes is exp(i psi) z; its
+    derivative is exp(i psi) (z' + i Omega z).
     """
     rows = result["centre_shape"].values
-    turning = 1j * float(result.attrs["speed"])
+    turning, rate = 1j * rotation.speed_at(result, at), rotation.acceleration_at(result, at)
     x, y = np.stack([_between(result, "rotor", rows, at, d) for d in range(derivative + 1)]).T
     z = x + 1j * y  # (at, derivative)
-    binomial = {0: [1.0], 1: [turning, 1.0], 2: [turning**2, 2.0 * turning, 1.0]}[derivative]
-    return np.asarray(np.real(np.exp(turning * at - 1j * angle) * (z @ binomial)))
+    one = np.ones_like(turning)
+    binomial = np.stack(
+        {
+            0: [one],
+            1: [turning, one],
+            2: [turning**2 + 1j * rate, 2.0 * turning, one],
+        }[derivative],
+        axis=-1,
+    )
+    turned = np.exp(1j * (rotation.angle_at(result, at) - angle))
+    return np.asarray(np.real(turned * (z * binomial).sum(axis=-1)))
 
 
 def _motion(quantity: str) -> tuple[str, int]:

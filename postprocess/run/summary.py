@@ -11,6 +11,7 @@ from bladewhirl.files import json_text
 from bladewhirl.postprocess.energy import strain
 from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, RegimeName, classify
 from bladewhirl.postprocess.energy.works import Works, late_drive_power, works
+from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.point_stresses import has_stresses
@@ -175,7 +176,7 @@ def summarise(
         ripple_growth_rate_error=regime.ripple.error if regime.ripple else None,
         end_reason=str(dataset.attrs["end_reason"]),
         end_time=float(time[-1]),
-        revolutions=abs(speed) * float(time[-1]) / (2.0 * np.pi),
+        revolutions=float(rotation.turns(dataset)[-1]),
         **_shaft_figures(dataset, orbit, tips),
         tip_displacement_max=tips,
         contact_displacement_max=_contact_displacements(dataset),
@@ -226,13 +227,12 @@ def energy_residual(dataset: xr.Dataset) -> float:
 def late_impulse(dataset: xr.Dataset) -> float | None:
     """Return the normal impulse on all contact nodes per revolution [N s], averaged over at most
     `LATE` complete revolutions at the end; None without a complete revolution."""
-    time, speed = dataset["time"].values, abs(float(dataset.attrs["speed"]))
-    turn = 2.0 * np.pi / speed if speed else np.inf
-    whole = int(min(LATE, np.floor(time[-1] / turn + 1e-9)))
+    turned = rotation.turns(dataset)
+    whole = int(min(LATE, np.floor(turned[-1] + 1e-9)))
     if whole < 1:
         return None
     total = np.cumsum(dataset["contact_impulse"].values.sum(axis=1))
-    sums = np.interp([time[-1] - whole * turn, time[-1]], time, total)
+    sums = np.interp([turned[-1] - whole, turned[-1]], turned, total)
     return float((sums[1] - sums[0]) / whole)
 
 

@@ -7,6 +7,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.by_blade import blade_angles, blade_means, blade_radii
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, tip_rows
 from bladewhirl.postprocess.fields.labelled import labelled
@@ -63,12 +64,16 @@ def tip_timing(
     across = blade_means(result, tip_rows(result)[1].T).T
     moved = reduce_modes(result, "rotor_displacement", across)
     rate = reduce_modes(result, "rotor_velocity", across)
-    turned = np.sign(speed) * (tips + speed * time[:, None] + moved / radius)
+    turning = rotation.speeds(result)
+    sense, angle = np.sign(speed), rotation.angles(result)
+    if rotation.varies(result):
+        sense = np.sign(angle[-1] - angle[0])
+    turned = sense * (tips + angle[:, None] + moved / radius)
     if not np.all(np.diff(turned, axis=0) > 0.0):
         raise ViewError("tip timing: expected tips that turn forward between all records")
     arrivals = [
         [
-            _arrivals(time, moved[:, n], rate[:, n], tips[n] - probe, speed, radius[n])
+            _arrivals(time, moved[:, n], rate[:, n], tips[n] - probe, (angle, turning), radius[n])
             for n in range(len(tips))
         ]
         for probe in angles
@@ -97,7 +102,12 @@ def too_slow(speed: float, step: float) -> str:
 
 
 def _arrivals(
-    time: Array, moved: Array, rate: Array, angle: float, speed: float, radius: float
+    time: Array,
+    moved: Array,
+    rate: Array,
+    angle: float,
+    turned: tuple[Array, Array],
+    radius: float,
 ) -> tuple[Array, Array]:
     """Return arrival times of a tip at a probe [s], and the tangential displacement of the tip at
     these times [m].
@@ -107,18 +117,20 @@ def _arrivals(
         moved: tangential displacement of the tip at the records [m], (time,).
         rate: rate of this displacement [m/s], (time,).
         angle: angle of the tip at rest from the probe [rad].
-        speed: speed of rotation [rad/s].
+        turned: angle [rad] and speed [rad/s] of the rotor at the records, (time,) each.
         radius: radius of the tip [m].
     """
-    turns = np.sign(speed) * (angle + speed * time + moved / radius) / (2.0 * np.pi)
+    sense = np.sign(turned[0][-1] - turned[0][0])
+    turns = sense * (angle + turned[0] + moved / radius) / (2.0 * np.pi)
     passed = np.floor(turns)
     record: IntArray = np.flatnonzero(np.diff(passed) > 0.0)
-    target = np.sign(speed) * 2.0 * np.pi * passed[record + 1]
+    target = sense * 2.0 * np.pi * passed[record + 1]
     length = time[record + 1] - time[record]
     share = (passed[record + 1] - turns[record]) / (turns[record + 1] - turns[record])
     for _ in range(STEPS):
         v, slope = _cubic(share, length, moved, rate, record)
-        excess = angle + speed * (time[record] + share * length) + v / radius - target
+        along, speed = _cubic(share, length, *turned, record)
+        excess = angle + along + v / radius - target
         share = np.clip(share - excess / (length * (speed + slope / radius)), 0.0, 1.0)
     return time[record] + share * length, _cubic(share, length, moved, rate, record)[0]
 

@@ -9,6 +9,7 @@ from matplotlib.patches import Circle
 
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.units import handy, handy_unit
+from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, smallest_clearance
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.netcdf import need
@@ -60,9 +61,10 @@ def shaft_orbit(
         return result
     rotating = centre_displacement(result)
     velocity = reduce_modes(result, "rotor_velocity", _centre_rows(result))
-    speed, time = float(result.attrs["speed"]), result.variables["time"].values
-    carried = speed * np.column_stack([-rotating[:, 1], rotating[:, 0]])
-    static, static_velocity = rotate(np.stack([rotating, velocity + carried]), speed * time)
+    time, speed = result.variables["time"].values, rotation.speeds(result)
+    carried = speed[:, None] * np.column_stack([-rotating[:, 1], rotating[:, 0]])
+    angle = rotation.angles(result)
+    static, static_velocity = rotate(np.stack([rotating, velocity + carried]), angle)
     plane = ("time", "axis")
     return labelled(
         result,
@@ -73,6 +75,7 @@ def shaft_orbit(
             "static": (plane, static, "m"),
             "static_velocity": (plane, static_velocity, "m/s"),
             "radius": ("time", np.hypot(*rotating.T), "m"),
+            **rotation.histories(result),
         },
         {"time": time, "axis": ["x", "y"]},
         smallest_clearance=smallest_clearance(result),

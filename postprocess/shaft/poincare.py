@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import late_part, window_label
@@ -63,15 +64,18 @@ def section_places(orbit: xr.Dataset, frame: Frame = "static") -> tuple[Array, A
         ViewError: the rotor does not turn, or the orbit is shorter than a revolution.
     """
     time = orbit.variables["time"].values
-    speed = abs(float(orbit.attrs["speed"]))
-    turned = speed * time[[0, -1]] / (2 * np.pi)
+    every = np.abs(rotation.angles(orbit)) / (2 * np.pi)
+    turned, speed = every[[0, -1]], abs(float(orbit.attrs["speed"]))
     first, last = np.ceil(turned[0] - 1e-9), np.floor(turned[1] + 1e-9)
     if speed == 0 or last < first or len(time) < 2:
         raise ViewError(
             f"a Poincaré map needs one revolution or more; the rotor makes {np.ptp(turned):.3g} "
             f"revolutions in {window_label(orbit)}"
         )
-    instants = np.clip(2 * np.pi * np.arange(first, last + 1) / speed, time[0], time[-1])
+    if rotation.varies(orbit):
+        instants = np.interp(np.arange(first, last + 1), every, time)
+    else:
+        instants = np.clip(2 * np.pi * np.arange(first, last + 1) / speed, time[0], time[-1])
     place, velocity = (orbit.variables[name].values for name in (frame, f"{frame}_velocity"))
     return instants, np.asarray(CubicHermiteSpline(time, place, velocity)(instants))
 

@@ -17,6 +17,7 @@ import xarray as xr
 
 from bladewhirl.meshes.line_mesh import BoolArray
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
+from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.windows import span_starts
 from bladewhirl.postprocess.shaft.transforms import (
@@ -100,8 +101,8 @@ def whirls(orbit: xr.Dataset) -> dict[Frame, Whirl]:
     lost = 2 * np.pi * np.count_nonzero(doubtful)
     lines = cache(partial(strongest_lines, orbit, "rotating"))  # of both frames
     return {
-        frame: _whirl(time, angle + speed * time, lost, speed, lines)
-        for frame, speed in zip(FRAMES, (0.0, abs(float(orbit.attrs["speed"]))), strict=True)
+        "rotating": _whirl(time, angle, lost, 0.0, lines),
+        "static": _whirl(time, angle + _turned(orbit), lost, rotation.mean_speed(orbit), lines),
     }
 
 
@@ -157,9 +158,13 @@ def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, BoolArray]:
     """
     angle = np.unwrap(np.angle(phasor(orbit, "rotating")))
     doubtful = np.abs(np.diff(angle)) > DOUBTFUL
-    speed = abs(float(orbit.attrs["speed"]))
-    carried = speed * orbit.variables["time"].values if frame == "static" else 0.0
+    carried = _turned(orbit) if frame == "static" else 0.0
     return angle + carried, doubtful
+
+
+def _turned(orbit: xr.Dataset) -> Array:
+    """Return the angle of the rotor in its sense of rotation at every record [rad], (time,)."""
+    return np.asarray(rotation.angles(orbit) * (-1.0 if orbit.attrs["speed"] < 0.0 else 1.0))
 
 
 def ripple(orbit: xr.Dataset, frame: Frame) -> tuple[float, xr.Dataset]:
@@ -169,7 +174,8 @@ def ripple(orbit: xr.Dataset, frame: Frame) -> tuple[float, xr.Dataset]:
     place = orbit[frame].values
     about = place - place.mean(axis=0)
     size = float(np.sqrt(np.mean(np.sum(about**2, axis=1))))
-    return size, orbit[["radius"]].assign(rotating=(("time", "axis"), about))
+    kept = orbit[["radius", *rotation.histories(orbit)]]
+    return size, kept.assign(rotating=(("time", "axis"), about))
 
 
 def span_rates(time: Array, angle: Array, starts: IntArray) -> Array:

@@ -27,6 +27,9 @@ def attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
         "record_step": timing.record_step,
         "case": case_text,
     }
+    course = stage.case.march.course(stage.reference_frequency)
+    if course is not None:
+        common["lowest_speed"], common["highest_speed"] = course.range
     symmetries = stage.symmetry.items()
     marched = "; ".join(
         f"{body.replace('_', ' ')}: {symmetry}, march {MARCHES[cyclic]}"

@@ -1,0 +1,77 @@
+"""Runs whose speed varies: angles, orbits in static axes, tip timing and the figure over speed."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from bladewhirl.models.case.file import loads
+from bladewhirl.postprocess.fields import rotation
+from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.postprocess.run.tip_timing import tip_timing
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
+
+CASE = """
+[bladed_disk]
+blades = 5
+[reduction]
+fixed_interface_modes = 15
+[excitation]
+type = "imbalance"
+unbalance = 0.02
+[march]
+time_step = "2 us"
+duration = "0.06 s"
+speed_table = [["0 s", 0.3], ["0.03 s", 1.2], ["0.06 s", 0.6]]
+record_step = "0.05 ms"
+"""
+
+
+@pytest.fixture(scope="module")
+def result() -> xr.Dataset:
+    return march_in_memory(prepare(loads(CASE)))[0]
+
+
+def test_angles_follow_the_course_also_between_records(result: xr.Dataset) -> None:
+    stage = prepare(loads(CASE)).stage
+    course = stage.case.march.course(stage.reference_frequency)
+    assert course is not None
+    times = np.linspace(0.0, 0.06, 1777)
+    np.testing.assert_allclose(rotation.angle_at(result, times), course.angle(times), atol=1e-7)
+    np.testing.assert_allclose(rotation.speed_at(result, times), course.speed(times), rtol=1e-5)
+    assert result.attrs["highest_speed"] == pytest.approx(course.range[1])
+
+
+def test_the_orbit_in_static_axes_is_turned_by_the_angle(result: xr.Dataset) -> None:
+    orbit = shaft_orbit(result)
+    turned = orbit["rotating"].values @ [1.0, 1j] * np.exp(1j * rotation.angles(result))
+    np.testing.assert_allclose(orbit["static"].values @ [1.0, 1j], turned, atol=1e-18)
+    moved = np.gradient(orbit["static"].values, result["time"].values, axis=0)
+    largest = np.abs(moved).max()
+    np.testing.assert_allclose(
+        orbit["static_velocity"].values[5:-5], moved[5:-5], atol=2e-2 * largest
+    )
+
+
+def test_tips_arrive_at_the_true_angle(result: xr.Dataset) -> None:
+    timing = tip_timing(result, ["0 deg"])
+    arrival, deflection = timing["arrival"].values[0], timing["deflection"].values[0]
+    radius = float(result["contact_radius"][0])
+    angle = rotation.angle_at(result, np.nan_to_num(arrival)) + deflection / radius
+    angle = angle + result["tip_angle"].values[:, None]
+    whole = angle / (2.0 * np.pi)
+    here = np.isfinite(arrival)
+    assert here.sum() > 5
+    np.testing.assert_allclose(whole[here], np.round(whole[here]), atol=1e-9)
+
+
+def test_the_figure_tells_rising_from_falling_speeds(result: xr.Dataset, tmp_path: Path) -> None:
+    figure, data = RunFigures(result).draw("run-up")
+    rising = data["rising"].values
+    assert rising[200] == 1
+    assert rising[900] == -1
+    assert len(figure.axes) == 2
+    assert "0.3 to 1.2" in figure.get_suptitle()
