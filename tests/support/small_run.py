@@ -38,8 +38,8 @@ duration = 0.01
 COMMAND = "from bladewhirl.studies.commands.cli import main; main()"
 """Program of a process that takes the arguments of `bladewhirl`."""
 
-RECORDED = [name for name, variable in HISTORY.items() if variable.part != "nodes"]
-"""Histories of a stage of beams."""
+RECORDED = [name for name, variable in HISTORY.items() if variable.part not in ("nodes", "speed")]
+"""Histories of a stage of beams at a constant speed."""
 
 
 def small(**values: object) -> Case:
