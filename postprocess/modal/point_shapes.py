@@ -11,17 +11,22 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from scipy.spatial import KDTree
 
-from bladewhirl.meshes.line_mesh import IntArray
-from bladewhirl.meshes.plane import directions, rotate
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.modal.mode_shapes import COLUMNS, DRAWN, PURE, mode_title
 from bladewhirl.postprocess.plotting.legends import complete
-from bladewhirl.postprocess.plotting.style import FULL_WIDTH, SEQUENTIAL, new_figure, styled
+from bladewhirl.postprocess.plotting.style import FULL_WIDTH, LIT, new_figure, styled
 
 MOST = 20_000
 """Largest number of triangles of a picture; larger surfaces are drawn as points."""
+
+SAME = 1e-6  #: largest distance of nodes at one place, by the size of the surface
+ZOOM = 1.5  #: factor by which the panels of matplotlib in space are filled better
+ELEVATION, AZIMUTH = 55.0, -60.0  #: direction of the view [degrees]
+DARKEST = 0.5  #: share of the colour that a surface loses which is seen from its edge
 
 LARGEST_DOT = 100.0  #: size of a drawn point times the root of the number of points [pt2]
 
@@ -133,6 +138,31 @@ def _attributes(model: ModalModel) -> dict[str, Any]:
     }
 
 
+def facing_triangles(points: FloatArray, triangles: IntArray) -> tuple[IntArray, FloatArray]:
+    """Return the triangles that face the viewer (seen, 3), and the cosine of the angle between the
+    normal of each and the view (seen,).
+
+    If the surface is not closed, or its triangles have no common orientation, all are returned.
+
+    Args:
+        points: points of the surface (point, 3).
+        triangles: points of each triangle (triangle, 3).
+    """
+    height, angle = np.radians([ELEVATION, AZIMUTH])
+    view = np.append(np.cos(height) * directions(angle), np.sin(height))
+    a, b, c = np.moveaxis(points[triangles], 1, 0)
+    facing = unit(np.cross(b - a, c - a)) @ view
+    near = np.round(points / (SAME * np.ptp(points)))  # faces of sectors have nodes at one place
+    place = np.unique(near, axis=0, return_inverse=True)[1].ravel()
+    sides = place[triangles][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    there, back = (np.unique(one, axis=0) for one in (sides, sides[:, ::-1]))
+    if len(there) < len(sides) or not np.array_equal(there, back):
+        return triangles, np.abs(facing)
+    facing *= np.sign(np.sum(a * np.cross(b, c)))  # outward: the volume inside is positive
+    seen = facing > 0.0
+    return triangles[seen], facing[seen]
+
+
 @styled
 def plot_point_shapes(data: xr.Dataset, body: Body = "bladed-disk") -> Figure:
     """Draw mode shapes from `point_shapes` side by side: displaced surfaces, coloured by
@@ -145,7 +175,7 @@ def plot_point_shapes(data: xr.Dataset, body: Body = "bladed-disk") -> Figure:
     middle = 0.5 * (rest.max(axis=0) + rest.min(axis=0))
     reach = 0.5 * np.ptp(rest, axis=0).max()
     dot = np.clip(LARGEST_DOT / np.sqrt(len(rest)), 0.5, 6.0)
-    colours, norm = matplotlib.colormaps[SEQUENTIAL], Normalize(0.0, 1.0)
+    colours, norm = matplotlib.colormaps[LIT], Normalize(0.0, 1.0)
     panels = []
     for mode in range(modes):
         axes: Any = figure.add_subplot(rows, columns, mode + 1, projection="3d")
@@ -156,13 +186,17 @@ def plot_point_shapes(data: xr.Dataset, body: Body = "bladed-disk") -> Figure:
         share = size / size.max()
         drawn = rest + DRAWN * reach / size.max() * moved
         if 0 < len(triangles) <= MOST:
-            faces = colours(norm(share[triangles].mean(axis=1)))
-            axes.add_collection3d(Poly3DCollection(drawn[triangles], facecolors=faces))
+            seen, facing = facing_triangles(drawn, triangles)
+            faces = colours(norm(share[seen].mean(axis=1)))
+            faces[:, :3] *= 1.0 - DARKEST * (1.0 - facing[:, None])
+            look = {"facecolors": faces, "edgecolors": faces, "linewidths": 0.2}  # without seams
+            axes.add_collection3d(Poly3DCollection(drawn[seen], **look))
         else:
             axes.scatter(*drawn.T, c=colours(norm(share)), s=dot, linewidths=0.0, rasterized=True)
         bounds = [(centre - reach, centre + reach) for centre in middle]
-        axes.set(xlim=bounds[0], ylim=bounds[1], zlim=bounds[2], box_aspect=(1.0, 1.0, 1.0))
-        axes.view_init(elev=35.0, azim=-60.0)
+        axes.set(xlim=bounds[0], ylim=bounds[1], zlim=bounds[2])
+        axes.set_box_aspect((1.0, 1.0, 1.0), zoom=ZOOM)
+        axes.view_init(elev=ELEVATION, azim=AZIMUTH)
         axes.set_axis_off()
         k, purity = int(row["rotor_nodal_diameter"]), float(row["rotor_purity"])
         hertz = float(row["rotor_frequency"]) / (2.0 * np.pi)

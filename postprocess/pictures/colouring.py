@@ -31,11 +31,10 @@ from bladewhirl.postprocess.fields.strains import (
     rotor_strain_rows,
 )
 from bladewhirl.postprocess.pictures.choices import Field
-from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL
+from bladewhirl.postprocess.plotting.style import COLOURS, LIT, SEQUENTIAL
 from bladewhirl.postprocess.run.wear import coating_of
 
 DIVERGING = "RdBu_r"  #: colour map of signed values, distinct for colour-blind readers
-LIT = "YlGnBu"  #: colour map of magnitudes on surfaces, light at 0 so that light and edges are seen
 PART_COLOURS = tuple(
     COLOURS[name] for name in ("k = 0", "other k", "suspension", "k = 1", "contact", "rest")
 )

@@ -48,6 +48,7 @@ figures."""
 LINES = [COLOURS[name] for name in ("k = 0", "suspension", "contact", "total", "casing", "rest")]
 
 #: colour map of magnitudes; its lightness increases evenly, also for colour-blind readers
+LIT = "YlGnBu"  #: colour map of magnitudes on surfaces, light at 0 so that light and edges are seen
 SEQUENTIAL = "cividis"
 STYLE: Mapping[str, Any] = {
     "font.size": 7.5,

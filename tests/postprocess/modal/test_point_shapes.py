@@ -19,7 +19,7 @@ from bladewhirl.models.modal.modal_model import LabelledWhirlModes
 from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.models.stage.modal_superelement import modal_superelement
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
-from bladewhirl.postprocess.modal.point_shapes import plot_point_shapes
+from bladewhirl.postprocess.modal.point_shapes import facing_triangles, plot_point_shapes
 from bladewhirl.postprocess.pictures.render import render_animation
 from bladewhirl.studies.modal.mode_pictures import plan_pictures
 
@@ -58,6 +58,22 @@ def test_a_surface_is_coloured_by_displacement(tmp_path: Path) -> None:
     assert [axes.get_title().split("\n")[0] for axes in panels] == ["1F", "2F"]
     faces = next(each for each in panels[0].collections if isinstance(each, Poly3DCollection))
     assert len(faces.get_facecolor()) == len(data["triangle"]) == 10
+
+
+def test_of_a_closed_surface_the_side_towards_the_viewer_is_drawn() -> None:
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+    sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    faces = np.array([half for a, b, c, d in sides for half in ([a, b, c], [a, c, d])])
+    for triangles in (faces, faces[:, ::-1]):
+        seen, facing = facing_triangles(corners, triangles)
+        middle = corners[seen].mean(axis=1)
+        # From azimuth -60 degrees and above: the faces x = 1, y = 0 and z = 1.
+        assert len(seen) == 6
+        assert np.all((middle[:, 0] == 1.0) | (middle[:, 1] == 0.0) | (middle[:, 2] == 1.0))
+        assert facing.max() == pytest.approx(np.sin(np.radians(55.0)))
+    assert len(facing_triangles(corners, faces[1:])[0]) == 11
+    mixed = np.concatenate([faces[:1, ::-1], faces[1:]])
+    assert len(facing_triangles(corners, mixed)[0]) == 12
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
