@@ -29,7 +29,8 @@ Analyse modes, before a march
     engine-order forces, `amplification` that by mistuning, as Datasets.
 Compute periodic rubs
     `periodic` returns periodic motions of a 3D blade in a rigid wall, and their stability, without
-    time integration.
+    time integration; `branch` follows one over a key of the case through folds, `resume_branch`
+    continues after an interruption.
 March in time
     `run` marches one case, `run_sweep` a case over ranges of its keys (`resume_sweep` finishes an
     interrupted sweep, `drawn_case` repeats one of its random draws), `convergence` varies time step

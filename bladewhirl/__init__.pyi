@@ -50,6 +50,8 @@ from .studies.modal.modes import modes as modes
 from .studies.modal.response import response as response
 from .studies.modal.stability import stability as stability
 from .studies.modal.veering import veering as veering
+from .studies.periodic.branches import branch as branch
+from .studies.periodic.branches import resume_branch as resume_branch
 from .studies.periodic.motions import periodic as periodic
 from .studies.runs.render import render as render
 from .studies.runs.report import report as report

@@ -19,6 +19,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import gcd
+from typing import Any
 
 import numpy as np
 import scipy.linalg as la
@@ -157,6 +158,44 @@ def _harmonics(clearance: FloatArray) -> list[int]:
     return (
         np.flatnonzero(amplitude > SEEN * np.abs(clearance).max() * len(clearance)) + 1
     ).tolist()
+
+
+ARRAYS = tuple(
+    name for name in Blade.__annotations__ if name not in ("full", "lobes", "wall_step", "loads")
+)
+"""Fields of a blade that can depend linearly on a parameter, without the loads."""
+
+
+def between(one: Blade, other: Blade, share: float) -> Blade:
+    """Return the blade whose properties are between those of two blades: `share` 0 gives the first,
+    1 the second. Equal properties are kept as they are."""
+
+    def mixed(a: Any, b: Any) -> Any:
+        return a if a is b or np.array_equal(a, b) else (1.0 - share) * a + share * b
+
+    loads = {order: mixed(force, other.loads[order]) for order, force in one.loads.items()}
+    fields = {name: mixed(getattr(one, name), getattr(other, name)) for name in ARRAYS}
+    return replace(one, loads=loads, **fields)
+
+
+def comparable(one: Blade, other: Blade) -> bool:
+    """Return whether two blades differ in no other properties than those that `between` mixes."""
+    fixed = ("full", "lobes", "wall_step")
+    return (
+        all(getattr(one, name) == getattr(other, name) for name in fixed)
+        and all(np.shape(getattr(one, name)) == np.shape(getattr(other, name)) for name in ARRAYS)
+        and one.loads.keys() == other.loads.keys()
+    )
+
+
+def alike(one: Blade, other: Blade, tolerance: float) -> bool:
+    """Return whether two comparable blades are equal, relative to the largest of each property."""
+    pairs = [(getattr(one, name), getattr(other, name)) for name in ARRAYS]
+    pairs += [(force, other.loads[order]) for order, force in one.loads.items()]
+    return all(
+        np.abs(np.subtract(a, b)).max(initial=0.0) <= tolerance * np.abs(a).max(initial=0.0)
+        for a, b in pairs
+    )
 
 
 @dataclass(frozen=True)

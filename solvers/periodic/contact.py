@@ -50,7 +50,7 @@ class Motion:
         rest = np.zeros(grid.free_gap.shape)
         return cls(grid, rest, rest + (0.0 if grid.blade.speed > 0.0 else np.pi), offset=offset)
 
-    @property
+    @cached_property
     def ways(self) -> FloatArray:
         """Directions e_r + mu d against which forces act, (instants, nodes, 3)."""
         mu = self.grid.blade.friction

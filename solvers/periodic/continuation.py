@@ -10,7 +10,9 @@ and Newton's method corrects it in the plane that is normal to the tangent,
     <lambda', lambda - lambda_0> / s^2 + p' (p - p_0) / s_p^2 = 0,
 
 with a scale s of the normal forces and s_p of the parameter; x includes the active set, which
-changes in each step as in `contact.solve`. p' changes its sign at a fold.
+changes in each step as in `contact.solve`. p' changes its sign at a fold. The scalar product is
+that of the first harmonics of the sum of the normal forces: single members change much where the
+motion hardly does.
 """
 
 from collections.abc import Callable, Iterator
@@ -43,6 +45,7 @@ TURN = 0.7  #: smallest cosine of the angle between two tangents, unless steps a
 SHORT = 5e-2  #: length of a step, relative to the longest, from which on any turn is accepted
 FAR = 2.0  #: largest distance of two points, relative to the length of the step
 FARTHEST = 0.5  #: largest change of the parameter in a Newton step, relative to its scale
+FIRST = 4  #: number of harmonics of the forces in scalar products, with the mean
 FAINT = 0.02  #: least scale of the forces, relative to the mean gap times the contact stiffness
 
 Place = Callable[[float, int], tuple[Grid, float | FloatArray]]
@@ -65,7 +68,7 @@ class Point:
         """Scale s of the normal forces [N]."""
         motion = self.motion
         faint = FAINT * motion.grid.blade.stiffness_scale * np.abs(motion.gap).mean()
-        return float(np.sqrt((motion.normal**2).sum() / len(motion.normal) + faint**2))
+        return float(np.sqrt((smooth(motion.normal) ** 2).mean() + faint**2))
 
     def on(self, instants: int) -> "Point":
         """Return the point with forces and tangent between its instants, to start Newton's method
@@ -77,6 +80,12 @@ class Point:
             normal=resampled(self.normal, instants),
             angle=resampled(self.angle, instants),
         )
+
+
+def smooth(normal: FloatArray) -> FloatArray:
+    """Return the first harmonics of the sum of the normal forces on all nodes, (instants,)."""
+    spectrum = np.fft.rfft(normal.sum(axis=1))
+    return np.fft.irfft(np.where(np.arange(len(spectrum)) < FIRST, spectrum, 0.0), len(normal))
 
 
 @dataclass(frozen=True)
@@ -144,7 +153,7 @@ class Continuation:
         """Return the coefficients of the normal forces in the plane normal to a tangent, as
         lengths like the rows of gaps, (instants, nodes)."""
         soft = len(start.normal) * start.scale * motion.grid.blade.stiffness_scale
-        return start.normal / soft
+        return np.broadcast_to(smooth(start.normal)[:, None] / soft, start.normal.shape)
 
     def _bordered(
         self,
@@ -246,13 +255,13 @@ class Continuation:
 
     def along(self, one: Point, other: Point) -> float:
         """Return the scalar product of the tangents of two points, with the scale of the first."""
-        forces = (one.normal * other.normal).sum() / len(one.normal) / one.scale**2
+        forces = (smooth(one.normal) * smooth(other.normal)).mean() / one.scale**2
         return float(forces + one.heading * other.heading / self.unit**2)
 
     def distance(self, one: Point, other: Point) -> float:
         """Return the distance of two points, with the scale of the first."""
-        apart = one.motion.normal - other.motion.normal
-        forces = (apart**2).sum() / len(apart) / one.scale**2
+        apart = smooth(one.motion.normal - other.motion.normal)
+        forces = (apart**2).mean() / one.scale**2
         return float(np.sqrt(forces + ((one.parameter - other.parameter) / self.unit) ** 2))
 
     def landed(self, before: Point, after: Point, parameter: float) -> Point:

@@ -15,7 +15,8 @@ IMPULSE_ERROR = 1e-3
 """Change of the impulse with the last refinement; the error of the finer grid is smaller."""
 MOST_POINTS = 500  #: largest number of points of a branch to a motion
 LONGEST = 0.2  #: longest step on such a branch
-FOLLOWED = 1024  #: most instants of a branch that leads from a coarser grid
+FOLLOWED, FEW_POINTS = 1024, 40
+"""Most instants and points of a branch that leads from a coarser grid."""
 
 
 def periodic_motion(blade: Blade, start: Motion | None = None) -> Motion:
@@ -90,7 +91,7 @@ def prolonged(guess: Motion) -> Motion:
     pressed = guess.normal > 0.0
     moved_out = np.where(pressed, -guess.gap, np.maximum(0.0, -guess.gap))
     branch = Continuation(lambda share, _: (guess.grid, share * moved_out), 1.0)
-    return _to_zero(branch, replace(guess, offset=moved_out), 1.0)
+    return _to_zero(branch, replace(guess, offset=moved_out), 1.0, FEW_POINTS)
 
 
 def by_clearance(grid: Grid) -> Motion:
@@ -104,17 +105,18 @@ def by_clearance(grid: Grid) -> Motion:
     if outward <= 0.0:
         return Motion.free(grid)
     branch = Continuation(lambda offset, _: (grid, offset), outward)
-    return _to_zero(branch, Motion.free(grid, outward), outward)
+    return _to_zero(branch, Motion.free(grid, outward), outward, MOST_POINTS)
 
 
-def _to_zero(branch: Continuation, start: Motion, parameter: float) -> Motion:
-    """Return the motion at which a parameter becomes zero on the branch of a motion.
+def _to_zero(branch: Continuation, start: Motion, parameter: float, most: int) -> Motion:
+    """Return the motion at which a parameter becomes zero on the branch of a motion, which has at
+    most so many points.
 
     Raises:
         NotConverged: the branch does not lead to it.
     """
     before = branch.begin(start, parameter, -1.0)
-    for _, point in zip(range(MOST_POINTS), branch.follow(before, LONGEST, LONGEST), strict=False):
+    for _, point in zip(range(most), branch.follow(before, LONGEST, LONGEST), strict=False):
         if point.parameter <= 0.0:
             return branch.landed(before, point, 0.0).motion
         before = point

@@ -61,7 +61,9 @@ def monodromy(motion: Motion) -> Monodromy:
         if len(nodes):
             force = _forces(motion, motion.slip[i], i, nodes, state, before)
             state = state + late @ force
-    matrix = np.concatenate([grid.carry(state, waiting), force[: len(matrix) - split]])
+    early_rest = waiting // 2  # `carry` is for less than a period
+    state = grid.carry(grid.carry(state, early_rest), waiting - early_rest)
+    matrix = np.concatenate([state, force[: len(matrix) - split]])
     return Monodromy(matrix, modes)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -266,3 +266,13 @@ def refuse_both(scheduler: str | None, workers: int | None) -> None:
         raise UserError(
             "--workers: not allowed together with --scheduler, which has its own workers"
         )
+
+
+def omitted(reason: str, given: Mapping[str, object]) -> None:
+    """Check that options that have no meaning together with another one are not given.
+
+    Raises:
+        UserError: some are given.
+    """
+    if names := [name for name, value in given.items() if value is not None]:
+        raise UserError(f"{', '.join(names)}: not allowed with {reason}")

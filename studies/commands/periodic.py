@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.modal import present
-from bladewhirl.studies.commands.terminal import progress_bar
+from bladewhirl.studies.commands.terminal import emit, interruptible, progress_bar
+
+if TYPE_CHECKING:
+    from bladewhirl.models.case.case import Case
 
 
 def periodic(
-    case: options.CaseFile,
+    case: options.NewCase = None,
     speeds: Annotated[Any, options.speeds("--speeds")] = None,
+    over: Annotated[str | None, typer.Option(metavar="KEY=START:STOP")] = None,
     blade: Annotated[int, typer.Option(min=0)] = 0,
+    points: Annotated[int | None, typer.Option(min=1)] = None,
+    origin: Annotated[Path | None, typer.Option("--from")] = None,
+    resume: options.Resume = None,
     output: options.CaseFolder = None,
     overwrite: options.Replace = False,
     json: options.AsJson = False,
@@ -31,11 +39,37 @@ def periodic(
     the exit code is 2. The case needs a superelement of the kind "blade" with massless contact
     nodes in a rigid wall. With --json and no -o nothing is written.
 
+    With --over the motion is followed over a key of the case through folds, at which marches jump.
+    The table lists folds, period doublings and Neimark-Sacker bifurcations (quasi-periodic
+    motions), each confirmed with twice as many instants. branch.nc is written point by point, and
+    --resume DIR continues it after an interruption.
+
     Args:
         speeds: Speeds of rotation: multiples of ω₁, or such as "5000 rpm,5200 rpm"; by default the
             speed of the case.
+        over: Key of the case and its range, such as march.speed=5000rpm:9000rpm or
+            "casing.clearance=0.4 mm:0.3 mm"; the branch begins at START.
         blade: Number of the blade; blades do not influence each other.
+        points: Number of the longest steps from START to STOP, 50 by default; steps are shorter
+            where forces change.
+        origin: Folder of a run, whose last period gives the first motion of the branch, or of
+            another branch, whose last point does.
+        resume: Continue the branch in this folder.
     """
+    if resume is not None:
+        options.omitted("--resume", {"CASE": case, "--speeds": speeds, "--over": over})
+        _resume(resume, json=json)
+        return
+    if case is None:
+        raise UserError("periodic: expected either CASE or --resume DIR")
+    if over is not None:
+        options.omitted("--over", {"--speeds": speeds})
+        folder = output if json or output is not None else Path(f"{case.stem}-periodic")
+        with options.case_of(case, overrides) as read:
+            _branch(read, over, blade, points, origin, folder, overwrite=overwrite, json=json)
+        return
+    options.omitted("speeds", {"--points": points, "--from": origin})
+
     from bladewhirl.studies.periodic import motions as study
 
     with options.case_of(case, overrides) as read, progress_bar("speeds") as progress:
@@ -44,3 +78,67 @@ def periodic(
     present(study.report(data), case, output, overwrite=overwrite, json=json)
     if failures := study.failures(data):
         raise UserError(*failures)
+
+
+def _branch(
+    case: Case,
+    over: str,
+    blade: int,
+    points: int | None,
+    origin: Path | None,
+    folder: Path | None,
+    *,
+    overwrite: bool,
+    json: bool,
+) -> None:
+    """Follow a branch and print it."""
+    from bladewhirl.studies.periodic import branches as study
+
+    key, start, stop = study.parse_over(over)
+    remedy = f"bladewhirl periodic --resume {folder} continues" if folder else "nothing is written"
+    with progress_bar("branch") as update, interruptible(remedy):
+        data = study.branch(
+            case,
+            key,
+            start,
+            stop,
+            blade=blade,
+            points=study.POINTS if points is None else points,
+            origin=origin,
+            directory=folder,
+            overwrite=overwrite,
+            progress=lambda share, done: update(int(share * 100), 100, text=f"{done} points"),
+        )
+    _present(data, folder, json=json)
+
+
+def _resume(folder: Path, *, json: bool) -> None:
+    """Continue a branch and print it."""
+    from bladewhirl.studies.periodic import branches as study
+
+    remedy = f"bladewhirl periodic --resume {folder} continues"
+    with progress_bar("branch") as update, interruptible(remedy):
+        data = study.resume_branch(
+            folder,
+            progress=lambda share, done: update(int(share * 100), 100, text=f"{done} points"),
+        )
+    _present(data, folder, json=json)
+
+
+def _present(data: Any, folder: Path | None, *, json: bool) -> None:
+    """Draw and print a branch.
+
+    Raises:
+        UserError: the branch was lost or stopped.
+    """
+    from bladewhirl.studies.periodic import branches as study
+
+    computed = study.report(data)
+    if folder is not None:
+        computed.draw(folder, overwrite=True)
+    emit(computed.document, *computed.tables, json=json, written=[folder])
+    ended = str(data.attrs["ended"])
+    if ended.startswith(study.FAILED):
+        raise UserError(f"branch {ended}")
+    if not json:
+        typer.echo(f"The branch {ended}.")

@@ -145,13 +145,7 @@ def solution(problem: ContactProblem, blade: Blade, speed: str) -> Solution:
     Raises:
         UserError: the blade does not touch the wall, or no motion was found.
     """
-    try:
-        motion = periodic_motion(blade)
-    except NotConverged as reason:
-        raise UserError(
-            f"periodic: no periodic motion was found at {speed}: {reason}; other speeds or a march"
-            " can show whether there is one"
-        ) from None
+    motion = found_motion(blade, speed)
     if not motion.touches:
         smallest = motion.gap.min()
         raise UserError(
@@ -164,6 +158,21 @@ def solution(problem: ContactProblem, blade: Blade, speed: str) -> Solution:
             f" march.displacement_limit = {problem.displacement_limit:.4g} m"
         )
     return Solution(problem, motion, monodromy(motion).multipliers)
+
+
+def found_motion(blade: Blade, where: str) -> Motion:
+    """Return a periodic motion of a blade; `where` is the speed or another value in messages.
+
+    Raises:
+        UserError: no motion was found.
+    """
+    try:
+        return periodic_motion(blade)
+    except NotConverged as reason:
+        raise UserError(
+            f"periodic: no periodic motion was found at {where}: {reason}; other speeds or a march"
+            " can show whether there is one"
+        ) from None
 
 
 def _dataset(case: Case, solutions: Sequence[Solution], reference: float) -> xr.Dataset:

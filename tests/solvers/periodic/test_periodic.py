@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 import scipy.optimize as so
 from boundary_cases import bladed
-from places import ROOT
+from periodic_cases import KAPPA, oscillator, twisted_blade
 
-import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
-from bladewhirl.models.stage.marched import marched_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.periodic.blade import Blade, Grid
 from bladewhirl.solvers.periodic.contact import (
@@ -25,28 +23,6 @@ from bladewhirl.solvers.periodic.contact import (
 )
 from bladewhirl.solvers.periodic.search import periodic_motion
 from bladewhirl.solvers.periodic.stability import monodromy
-
-KAPPA = 25.0
-
-
-def oscillator(speed: float, force: float) -> Blade:
-    """A mass on a spring, of unit frequency, with an elastic massless stop at the distance 1."""
-    return Blade(
-        stiffness=np.ones(1),
-        damping=np.zeros((1, 1)),
-        contact=np.array([[1.0], [0.0], [0.0]]),
-        compliance=np.eye(3) / KAPPA,
-        angle=np.zeros(1),
-        radius=np.ones(1),
-        recess=np.zeros(1),
-        clearance=np.tile([1.0, 0.0], (8, 1)),
-        wall_step=1.0,
-        loads={1: np.array([force + 0j])},
-        speed=speed,
-        friction=0.0,
-        full=False,
-        lobes=1,
-    )
 
 
 @pytest.mark.parametrize(("ratio", "expected"), [(1.2, 1.118965), (2.0, 1.319807), (5.0, 1.515945)])
@@ -68,25 +44,6 @@ def test_the_backbone_of_an_oscillator_with_an_elastic_stop(ratio: float, expect
     near = expected * (1.0 - 4e-3), expected * (1.0 + 4e-3)
     found = [so.brentq(beyond, *near, args=(push,), xtol=1e-12) for push in (force, -force)]
     assert np.mean(found) == pytest.approx(expected, rel=1e-5)
-
-
-def twisted_blade(speed: str, sliding: str, friction: float, closure: str) -> ContactProblem:
-    case = bw.case_from(
-        {
-            "bladed_disk": {"superelement": {"file": str(ROOT / "examples" / "twisted_blade.npz")}},
-            "reduction": {"free_interface_modes": 20},
-            "damping": {"ratio": 0.01},
-            "casing": {
-                "type": "rigid",
-                "clearance": "0.35 mm",
-                "closure": {"amount": closure, "time_constant": "1 ms"},
-                "profile": {"harmonics": [{"lobes": 2, "amplitude": "0.27 mm"}]},
-            },
-            "contact": {"friction": friction, "sliding": sliding},
-            "march": {"speed": speed, "time_step": "1 us"},
-        }
-    )
-    return marched_stage(case).contact_problem()
 
 
 def marched(problem: ContactProblem, motion: Motion, step: float, periods: int) -> Any:

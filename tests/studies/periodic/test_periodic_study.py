@@ -8,36 +8,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from command_line import answer, refusal
-from places import ROOT
+from periodic_cases import case
 from typer.testing import CliRunner
 
 import bladewhirl as bw
 from bladewhirl.studies.commands.cli import app
-
-BLADE = {"superelement": {"file": str(ROOT / "examples" / "twisted_blade.npz")}}
-
-
-def case(**changes: Any) -> bw.Case:
-    """A closing oval wall that a twisted blade touches twice a turn."""
-    tables: dict[str, Any] = {
-        "bladed_disk": BLADE,
-        "reduction": {"free_interface_modes": 20},
-        "damping": {"ratio": 0.01},
-        "casing": {
-            "type": "rigid",
-            "clearance": "0.35 mm",
-            "closure": {"amount": "0.1 mm", "time_constant": "1 ms"},
-            "profile": {"harmonics": [{"lobes": 2, "amplitude": "0.27 mm"}]},
-        },
-        "contact": {"friction": 0.05, "sliding": "full"},
-        "march": {
-            "speed": "7000 rpm",
-            "time_step": "1 us",
-            "duration": "0.4 s",
-            "record_step": "20 us",
-        },
-    }
-    return bw.with_values(bw.case_from(tables), changes)
 
 
 @pytest.mark.parametrize(("speed", "slope"), [(7000.0, 0.0), (5000.0, "3 deg")])

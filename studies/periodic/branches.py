@@ -1,0 +1,514 @@
+"""Branches of periodic motions over a key of the case, through folds: Dataset, rows, document."""
+
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.files import claim
+from bladewhirl.meshes.line_mesh import ComplexArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import read_case, with_values
+from bladewhirl.models.inputs.errors import UserError, writing
+from bladewhirl.models.stage.cone import in_wall_axes
+from bladewhirl.models.stage.marched import marched_stage
+from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.solvers.periodic import bifurcation
+from bladewhirl.solvers.periodic.blade import Blade, Grid, alike, between, comparable
+from bladewhirl.solvers.periodic.contact import Motion, NotConverged
+from bladewhirl.solvers.periodic.continuation import Continuation, Point
+from bladewhirl.solvers.periodic.search import prolonged
+from bladewhirl.studies.modal.study import Study
+from bladewhirl.studies.periodic.branch_figures import plot_branch
+from bladewhirl.studies.periodic.branch_file import (
+    BRANCH_NAME,
+    KIND_NAMES,
+    BranchFile,
+    Row,
+    dataset,
+    read,
+    rows,
+)
+from bladewhirl.studies.periodic.motions import HARMONICS, blade_of, found_motion
+from bladewhirl.studies.runs.columns import Column, table
+from bladewhirl.studies.runs.figures_folder import check_figure_folder
+from bladewhirl.studies.runs.folder import CASE_NAME, case_files
+from bladewhirl.studies.sweeps.axes import NUMBER, OVER, check_key
+
+INSTANTS = 256  #: instants of the points of a branch
+POINTS = 50  #: number of the longest steps from start to stop
+MOST_POINTS = 2000  #: largest number of points of a branch
+LONGEST = 0.1  #: longest step, relative to the forces
+LINEAR = 1e-7  #: largest relative error of a blade between two others
+SPLIT = (0.5, 0.3141)  #: places at which this error is computed
+FEWEST_RECORDS = 64  #: records of a run in a period from which a branch can begin
+FAILED = ("lost", "stopped")  #: first words of the attribute `ended` of an incomplete branch
+CLOSED = 12  #: number of points before a branch can return to its start
+
+COLUMNS = (
+    Column("kind", "bifurcation"),
+    Column("parameter", "value", ".6g"),
+    Column("speed_rpm", "[rpm]", ".1f"),
+    Column("impulse_per_revolution", "impulse per revolution [N s]", ".5g"),
+    Column("largest_multiplier", "largest multiplier [–]", ".4f"),
+)
+"""Columns of the bifurcations."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A key of the case and its range."""
+
+    key: str
+    unit: str  #: unit of the values as in the case file; empty for numbers
+    start: float
+    stop: float
+
+    @classmethod
+    def of(cls, case: Case, key: str, start: float | str, stop: float | str) -> "Parameter":
+        """Return a key with its range.
+
+        Raises:
+            UserError: the key holds no number, or the values have no common unit or are equal.
+        """
+        check_key(case, key)
+        matches = [NUMBER.fullmatch(str(value)) for value in (start, stop)]
+        numbers = [(float(match[1]), match[2] or "") for match in matches if match is not None]
+        if len({unit for _, unit in numbers}) != 1 or len(set(numbers)) != 2:
+            raise UserError(
+                f"{OVER} {key}={start}:{stop}: expected START:STOP, two different numbers with the"
+                " same unit or none"
+            )
+        (first, unit), (last, _) = numbers
+        return cls(key, unit, first, last)
+
+    def case(self, case: Case, value: float) -> Case:
+        """Return the case with a value of the key."""
+        number = float(value)
+        return with_values(case, {self.key: f"{number!r} {self.unit}" if self.unit else number})
+
+    def text(self, value: float) -> str:
+        """Return text such as "march.speed = 5000 rpm"."""
+        return f"{self.key} = {value:.6g} {self.unit}".rstrip()
+
+    @property
+    def length(self) -> float:
+        """Length of the range."""
+        return abs(self.stop - self.start)
+
+
+def parse_over(option: str) -> tuple[str, str, str]:
+    """Return key, start and stop of "KEY=START:STOP".
+
+    Raises:
+        UserError: the text has another form.
+    """
+    key, _, values = (part.strip() for part in option.partition("="))
+    ends = [part.strip() for part in values.split(":")]
+    if not key or len(ends) != 2 or not all(ends):
+        raise UserError(f"{OVER} {option}: expected KEY=START:STOP")
+    return key, ends[0], ends[1]
+
+
+class Family:
+    """Blades of a case over a parameter.
+
+    If all properties depend linearly on it, as on speed, clearance, friction or damping without
+    effects of rotation, they are interpolated; otherwise each blade is built from its case.
+    """
+
+    def __init__(self, case: Case, parameter: Parameter, blade: int) -> None:
+        self._case, self._parameter, self._blade = case, parameter, blade
+        start, stop = (self.built(value) for value in (parameter.start, parameter.stop))
+        self._ends = start, stop
+        self._linear = comparable(start, stop) and all(
+            comparable(start, middle) and alike(middle, between(start, stop, share), LINEAR)
+            for share in SPLIT
+            for middle in [self.built(parameter.start + share * (parameter.stop - parameter.start))]
+        )
+        self.grid = lru_cache(maxsize=8)(self._grid)
+        self.problem = marched_stage(parameter.case(case, parameter.start)).contact_problem()
+
+    def built(self, value: float) -> Blade:
+        """Return the blade that is built from the case at a value of the parameter."""
+        stage = marched_stage(self._parameter.case(self._case, value))
+        return blade_of(stage, self._blade)
+
+    def _grid(self, value: float, instants: int) -> Grid:
+        if not self._linear:
+            return Grid(self.built(value), instants)
+        one = self._parameter
+        share = (value - one.start) / (one.stop - one.start)
+        return Grid(between(*self._ends, share), instants)
+
+
+def branch(
+    case: Case,
+    over: str,
+    start: float | str,
+    stop: float | str,
+    *,
+    blade: int = 0,
+    points: int = POINTS,
+    instants: int = INSTANTS,
+    origin: str | Path | None = None,
+    directory: str | Path | None = None,
+    overwrite: bool = False,
+    progress: Callable[[float, int], None] | None = None,
+) -> xr.Dataset:
+    """Follow the periodic motion of a rubbing 3D blade over a key of the case, through folds.
+
+    The branch begins at `start` with the motion that `bladewhirl.periodic` finds, or with one from
+    a folder, and ends where the key leaves the range. Folds, period doublings and Neimark-Sacker
+    bifurcations are points of their own; each was found again with twice as many instants.
+
+    Args:
+        case: case as for `bladewhirl.periodic`.
+        over: key of the case, such as "march.speed" or "casing.clearance".
+        start: value at the start, as in a case file: a number, or text with a unit.
+        stop: value at the other end of the range.
+        blade: number of the blade.
+        points: number of the longest steps from start to stop; steps are shorter where forces
+            change.
+        instants: number of instants in a period, a power of two.
+        origin: folder of a run, whose last period gives the first motion, or of a branch, whose
+            last point does; for branches that no motion from rest leads to.
+        directory: folder in which branch.nc is written point by point; `resume_branch` continues it
+            after an interruption. None: nothing is written.
+        overwrite: whether the folder may exist.
+        progress: called with the share of the range and the number of points.
+
+    Returns:
+        over `point`: `parameter` in the unit of `start`, `speed_rad_s`, `impulse_per_revolution`
+        [N s], `kind` (0, or the number of the bifurcation: 1 fold, 2 period doubling, 3
+        Neimark-Sacker), `stable`, `residual`; `multiplier_real`, `multiplier_imaginary`, the
+        largest first; over (point, instant, node): `normal_force` [N], `slip_direction` [rad],
+        `contact_displacement` [m] in three directions; `amplitude` [m] of the harmonics. The
+        attribute `ended` tells why the branch ends.
+
+    Raises:
+        CaseError: the case cannot be built at a value.
+        UserError: the method does not apply, no first motion was found, there is no contact, or the
+            folder cannot be used.
+    """
+    if instants < 64 or instants & (instants - 1):
+        raise UserError(f"branch: instants {instants}: expected a power of two of at least 64")
+    if points < 1:
+        raise UserError(f"branch: points {points}: expected at least 1")
+    folder = None if directory is None else Path(directory)
+    check_figure_folder(folder, overwrite=overwrite)
+    parameter = Parameter.of(case, over, start, stop)
+    family = Family(case, parameter, blade)
+    grid = family.grid(parameter.start, instants)
+    first = _first(grid, parameter, None if origin is None else Path(origin))
+    attributes = {
+        "title": "branch of periodic motions of a rub",
+        "case": case.title,
+        "key": over,
+        "unit": parameter.unit,
+        "start": parameter.start,
+        "stop": parameter.stop,
+        "blade": blade,
+        "points": points,
+    }
+    if folder is not None:
+        with writing(folder):
+            files = case_files(case)
+            claim(folder, [BRANCH_NAME, *files], overwrite=overwrite)
+            for name, content in files.items():
+                (folder / name).write_bytes(content)
+    return _Tracing(family, parameter, attributes, points, instants).run(
+        folder, [], first, progress
+    )
+
+
+def resume_branch(
+    directory: str | Path, *, progress: Callable[[float, int], None] | None = None
+) -> xr.Dataset:
+    """Continue a branch that was interrupted, from its last point.
+
+    Args:
+        directory: folder of `branch`.
+        progress: see `branch`.
+
+    Returns:
+        the Dataset of `branch`.
+
+    Raises:
+        UserError: the folder has no branch, or cannot be written.
+    """
+    folder = Path(directory)
+    data = read(folder / BRANCH_NAME)
+    if "ended" in data.attrs:
+        return _derived(data)
+    case, known = read_case(folder / CASE_NAME), data.attrs
+    start, stop = (f"{float(known[name])!r} {known['unit']}".strip() for name in ("start", "stop"))
+    parameter = Parameter.of(case, known["key"], start, stop)
+    family = Family(case, parameter, int(known["blade"]))
+    tracing = _Tracing(family, parameter, dict(known), int(known["points"]), data.sizes["instant"])
+    return tracing.run(folder, rows(data), None, progress)
+
+
+def _first(grid: Grid, parameter: Parameter, origin: Path | None) -> Motion:
+    """Return the motion at the start of a branch.
+
+    Raises:
+        UserError: no motion was found.
+    """
+    where = parameter.text(parameter.start)
+    if origin is None:
+        guess = found_motion(grid.blade, where)
+    elif (origin / BRANCH_NAME).exists():
+        last = read(origin / BRANCH_NAME).isel(point=-1)
+        nodes = last["normal_force"].shape[1]
+        if nodes != grid.blade.nodes:
+            raise UserError(
+                f"{origin}: has {nodes} contact nodes; expected {grid.blade.nodes} as the case"
+            )
+        own = Grid(grid.blade, last.sizes["instant"])
+        guess = Motion(own, last["normal_force"].values, last["slip_direction"].values)
+    else:
+        guess = _of_run(grid, origin)
+    try:
+        return prolonged(guess.on(grid))
+    except NotConverged as reason:
+        raise UserError(f"branch: no motion was found at {where}: {reason}") from None
+
+
+def _of_run(grid: Grid, origin: Path) -> Motion:
+    """Return the forces in the last period of a run on a grid, as a guess.
+
+    Raises:
+        UserError: the folder has no result, or its records are too far apart.
+    """
+    blade = grid.blade
+    with open_result(origin) as result:
+        time = result["time"].values
+        impulse = result["contact_impulse"].values.reshape(len(time), -1)[:, : blade.nodes]
+    step = float(np.diff(time).mean())
+    if step > blade.period / FEWEST_RECORDS or time[-1] < 2.0 * blade.period:
+        raise UserError(
+            f"{origin}: records every {step:.3g} s; expected at least {FEWEST_RECORDS} in each of"
+            f" two periods of {blade.period:.6g} s (march.record_step)"
+        )
+    late = time > time[-1] - blade.period
+    force, phase = impulse[late] / step, np.mod(time[late] - 0.5 * step, blade.period)
+    normal = [np.interp(grid.time, phase, each, period=blade.period) for each in force.T]
+    start = Motion.free(grid)
+    return replace(start, normal=np.maximum(0.0, np.stack(normal, axis=1)))
+
+
+class _Tracing:
+    """A branch that is followed and recorded."""
+
+    def __init__(
+        self,
+        family: Family,
+        parameter: Parameter,
+        attributes: Mapping[str, Any],
+        points: int,
+        instants: int,
+    ) -> None:
+        self._family, self._parameter, self._attributes = family, parameter, attributes
+        self._instants = instants
+        self._branch = Continuation(
+            lambda value, count: (family.grid(value, count), 0.0),
+            parameter.length / (points * LONGEST),
+        )
+        self._rows: list[Row] = []
+        self._sink: BranchFile | None = None
+
+    def run(
+        self,
+        folder: Path | None,
+        known: list[Row],
+        first: Motion | None,
+        progress: Callable[[float, int], None] | None,
+    ) -> xr.Dataset:
+        """Follow the branch from its first motion, or after known points, and return it."""
+        blade, parameter = (
+            self._family.grid(self._parameter.start, self._instants).blade,
+            self._parameter,
+        )
+        coordinates = {
+            "instant": np.arange(self._instants) / self._instants,
+            "node": np.arange(float(blade.nodes)),
+            "direction": ["radial", "tangential", "axial"],
+            "order": blade.lobes * np.arange(float(HARMONICS)),
+            "multiplier": np.arange(2.0 * len(blade.stiffness)),
+        }
+        with ExitStack() as stack:
+            if folder is not None:
+                file = BranchFile(
+                    folder / BRANCH_NAME, None if known else coordinates, self._attributes
+                )
+                self._sink = stack.enter_context(file)
+            self._rows = list(known)
+            try:
+                if first is not None:
+                    sign = float(np.sign(parameter.stop - parameter.start))
+                    begin = self._branch.begin(first, parameter.start, sign)
+                    self._add(begin, bifurcation.multipliers(begin))
+                else:
+                    begin = self._last()
+                ended = self._follow(begin, progress)
+            except NotConverged as reason:
+                ended = f"lost: {reason}"
+            self._drop_pairs()
+            if self._sink is not None:
+                self._sink.note(ended=ended)
+        return _derived(dataset(self._rows, coordinates, {**self._attributes, "ended": ended}))
+
+    def _follow(self, begin: Point, progress: Callable[[float, int], None] | None) -> str:
+        """Add the points after one and return why the branch ends.
+
+        Raises:
+            NotConverged: the branch was lost.
+        """
+        one, limit = self._parameter, self._family.problem.displacement_limit
+        low, high = sorted((one.start, one.stop))
+        before, values, start = begin, bifurcation.multipliers(begin), None
+        for point in self._branch.follow(begin, LONGEST, LONGEST):
+            edge = min(max(point.parameter, low), high)
+            left = edge != point.parameter
+            if left:
+                point = self._branch.landed(before, point, edge)
+            after = bifurcation.multipliers(point)
+            kinds = bifurcation.changed(before, point, values, after)
+            for each in bifurcation.found(self._branch, before, point, kinds):
+                self._add(each.point, bifurcation.multipliers(each.point), each)
+            self._add(point, after)
+            if progress is not None:
+                progress(abs(point.parameter - one.start) / one.length, len(self._rows))
+            if left:
+                return f"reaches {one.text(edge)}"
+            largest = np.abs(point.motion.displacement).max()
+            if largest > limit:
+                return (
+                    f"stopped: at {one.text(point.parameter)} contact nodes move by"
+                    f" {largest:.4g} m, beyond march.displacement_limit = {limit:.4g} m"
+                )
+            if start is not None and self._returned(start, before, point):
+                return "closed: returns to its start"
+            if len(self._rows) >= MOST_POINTS:
+                return f"stopped: after {MOST_POINTS} points"
+            start = start or begin
+            before, values = point, after
+        raise AssertionError
+
+    def _returned(self, start: Point, before: Point, point: Point) -> bool:
+        """Return whether a branch passes its first point again."""
+        step = self._branch.distance(before, point)
+        return len(self._rows) > CLOSED and self._branch.distance(start, point) < 0.6 * step
+
+    def _add(
+        self, point: Point, values: ComplexArray, special: bifurcation.Bifurcation | None = None
+    ) -> None:
+        """Record a point; those of bifurcations have more instants, of which some are recorded."""
+        motion = point.motion
+        every = len(motion.normal) // self._instants
+        moved = in_wall_axes(motion.displacement.T, -self._family.problem.slope).T
+        moved = moved.reshape(len(motion.normal), -1, 3)
+        spectrum = np.abs(np.fft.rfft(moved, axis=0))[:HARMONICS] / len(moved)
+        spectrum[1:] *= 2.0
+        row = {
+            "parameter": point.parameter,
+            "speed_rad_s": motion.grid.blade.speed,
+            "impulse_per_revolution": motion.impulse,
+            "residual": motion.residual,
+            "kind": 0 if special is None else 1 + bifurcation.KINDS.index(special.kind),
+            "shift": 0.0 if special is None else special.shift,
+            "heading": point.heading,
+            "multiplier_real": values.real,
+            "multiplier_imaginary": values.imag,
+            "normal_force": motion.normal[::every],
+            "slip_direction": motion.angle[::every],
+            "contact_displacement": moved[::every],
+            "amplitude": spectrum,
+        }
+        self._rows.append(row)
+        if self._sink is not None:
+            self._sink.add(row)
+
+    def _last(self) -> Point:
+        """Return the last regular point of the known ones, with the tangent from that before it."""
+        regular = [row for row in self._rows if row["kind"] == 0]
+        one, before = regular[-1], regular[-2 if len(regular) > 1 else -1]
+        value = float(one["parameter"])
+        motion = Motion(
+            self._family.grid(value, self._instants), one["normal_force"], one["slip_direction"]
+        )
+        ahead = Point(
+            motion,
+            value,
+            one["normal_force"] - before["normal_force"],
+            np.zeros_like(motion.normal),
+            value - float(before["parameter"]) or float(one["heading"]),
+        )
+        return self._branch.corrected(ahead, 0.0)
+
+    def _drop_pairs(self) -> None:
+        """Leave out pairs of folds that are closer to each other than to those on other grids."""
+        folds = [n for n, row in enumerate(self._rows) if row["kind"] == 1]
+        place = 0
+        while place + 1 < len(folds):
+            pair = folds[place : place + 2]
+            one, other = (self._rows[n] for n in pair)
+            if abs(one["parameter"] - other["parameter"]) <= one["shift"] + other["shift"]:
+                for n in pair:
+                    self._rows[n] = {**self._rows[n], "kind": 0}
+                    if self._sink is not None:
+                        self._sink.correct("kind", n, 0.0)
+                place += 2
+            else:
+                place += 1
+
+
+def _derived(data: xr.Dataset) -> xr.Dataset:
+    """Return the Dataset of a branch with what follows from its variables.
+
+    Raises:
+        UserError: there is no contact on the branch.
+    """
+    if not data["impulse_per_revolution"].any():
+        where = f"from {data.attrs['start']:g} to {data.attrs['stop']:g} {data.attrs['unit']}"
+        raise UserError(f"branch: {data.attrs['key']} {where}: no contact".replace(" :", ":"))
+    size = np.hypot(data["multiplier_real"].values, data["multiplier_imaginary"].values)
+    return data.assign(stable=("point", size.max(axis=1) < 1.0))
+
+
+def report(data: xr.Dataset) -> Study:
+    """Return the document, table and figure of a branch."""
+    found = []
+    for n in range(data.sizes["point"]):
+        one = data.isel(point=n)
+        pairs = np.stack([one["multiplier_real"].values, one["multiplier_imaginary"].values], -1)
+        size = float(np.hypot(*pairs.T).max())
+        speed = float(one["speed_rad_s"])
+        found.append(
+            {
+                "parameter": float(one["parameter"]),
+                "speed_rad_s": speed,
+                "speed_rpm": speed * 30.0 / np.pi,
+                "impulse_per_revolution": float(one["impulse_per_revolution"]),
+                "largest_multiplier": size,
+                "multipliers": pairs.tolist(),
+                "stable": bool(one["stable"]),
+                "residual": float(one["residual"]),
+                "kind": KIND_NAMES[int(one["kind"])],
+            }
+        )
+    special = [each for each in found if each["kind"] != "none"]
+    ends = [{**found[n], "kind": name} for n, name in ((0, "(start)"), (-1, "(end)"))]
+    names = ("key", "unit", "ended")
+    return Study(
+        name="periodic",
+        document={**{name: data.attrs[name] for name in names}, "points": found},
+        tables=[table([ends[0], *special, ends[1]], COLUMNS, "Branch of periodic motions")],
+        figures=lambda: {"branch": (plot_branch(data), data)},
+    )

@@ -1,0 +1,115 @@
+"""Branches over a key of a case: Dataset, file, command."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from command_line import answer, refusal
+from periodic_cases import case
+
+import bladewhirl as bw
+
+CLOSURE = "casing.closure.amount"
+SMALL = {"march.speed": "7500 rpm"}  #: a rub without folds
+
+
+def test_a_branch_has_the_motions_of_single_values(tmp_path: Path) -> None:
+    folder = tmp_path / "b"
+    data = bw.branch(case(**SMALL), CLOSURE, "0.099 mm", "0.1 mm", points=2, directory=folder)
+    assert data.attrs["ended"] == "reaches casing.closure.amount = 0.1 mm"
+    assert data["parameter"].values[[0, -1]] == pytest.approx([0.099, 0.1])
+    last = data.isel(point=-1)
+    alone = bw.periodic(case(**SMALL)).isel(speed=0)
+    assert float(last["impulse_per_revolution"]) == pytest.approx(
+        float(alone["impulse_per_revolution"]), rel=1e-2
+    )
+    largest = np.hypot(last["multiplier_real"], last["multiplier_imaginary"])[0]
+    assert float(largest) == pytest.approx(float(abs(alone["multipliers"][0])), abs=0.03)
+    with xr.open_dataset(folder / "branch.nc") as stored:
+        for name in ("parameter", "normal_force", "contact_displacement"):
+            assert (stored[name].values == data[name].values).all()
+
+
+class Stopped(Exception):
+    """An interruption."""
+
+
+def test_an_interrupted_branch_is_continued(tmp_path: Path) -> None:
+    own, ends, folder = case(**SMALL), ("0.098 mm", "0.1 mm"), tmp_path / "b"
+    whole = bw.branch(own, CLOSURE, *ends, points=4, instants=64)
+
+    def stop(share: float, done: int) -> None:
+        if done == 3:
+            raise Stopped
+
+    with pytest.raises(Stopped):
+        bw.branch(own, CLOSURE, *ends, points=4, instants=64, directory=folder, progress=stop)
+    with xr.open_dataset(folder / "branch.nc") as begun:
+        assert begun.sizes["point"] == 3
+    rest = bw.resume_branch(folder)
+    assert rest.attrs["ended"] == whole.attrs["ended"]
+    assert rest["parameter"].values[:3] == pytest.approx(whole["parameter"].values[:3])
+    expected = np.interp(
+        rest["parameter"].values, whole["parameter"].values, whole["impulse_per_revolution"].values
+    )
+    assert rest["impulse_per_revolution"].values == pytest.approx(expected, rel=5e-3)
+    again = bw.resume_branch(folder)
+    assert (again["parameter"].values == rest["parameter"].values).all()
+
+
+def test_a_branch_begins_with_the_last_point_of_another(tmp_path: Path) -> None:
+    """The large rub at 7000 rpm is reached from a smaller clearance."""
+    first = tmp_path / "first"
+    bw.branch(case(), CLOSURE, "0.1 mm", "0.0995 mm", points=2, directory=first)
+    second = bw.branch(
+        case(**{CLOSURE: "0.0995 mm"}),
+        "march.speed",
+        "7000 rpm",
+        "7010 rpm",
+        points=2,
+        origin=first,
+    )
+    assert float(second["impulse_per_revolution"][0]) > 30.0
+
+
+def test_a_branch_begins_with_the_last_period_of_a_run(tmp_path: Path) -> None:
+    own = case(**SMALL, **{"march.duration": "0.2 s"})
+    bw.run(own, tmp_path / "run", frames=0)
+    begun = bw.branch(own, "march.speed", "7500 rpm", "7510 rpm", points=1, origin=tmp_path / "run")
+    alone = bw.periodic(own)
+    assert float(begun["impulse_per_revolution"][0]) == pytest.approx(
+        float(alone["impulse_per_revolution"][0]), rel=1e-2
+    )
+
+
+def test_the_command_prints_draws_and_resumes(tmp_path: Path) -> None:
+    file, folder = tmp_path / "case.toml", tmp_path / "out"
+    file.write_text(bw.dumps_case(case(**SMALL)))
+    over = f"{CLOSURE}=0.099mm:0.1mm"
+    printed = answer("periodic", file, "--over", over, "--points", 1, "-o", folder).stdout
+    assert "reaches casing.closure.amount = 0.1 mm" in printed
+    assert (folder / "branch.png").exists()
+    document = json.loads(answer("periodic", "--resume", folder, "--json").stdout)
+    assert document["points"][-1]["parameter"] == pytest.approx(0.1)
+    assert document["points"][0]["kind"] == "none"
+    assert "already exists" in refusal("periodic", file, "--over", over, "-o", folder)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--over", "march.speed=5000rpm"], "expected KEY=START:STOP"),
+        (["--over", "march.speed=5000rpm:6"], "same unit"),
+        (["--over", "casing.type=1:2"], "a key of the case that holds a number"),
+        (["--over", "march.speed=1:2", "--speeds", "1"], "not allowed with --over"),
+        (["--points", "3"], "not allowed"),
+        (["--over", "casing.clearance=1 mm:0.9 mm", "--points", 2], "no contact"),
+    ],
+)
+def test_refusals(tmp_path: Path, words: Any, message: str) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(bw.dumps_case(case()))
+    assert message in refusal("periodic", file, *words, "-o", tmp_path / "out")
